@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bake/options.cpp
+#include "bake/options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <thread>
+
+#include "model/codes.h"
+#include "pipeline/option_names.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace codes = model::codes;
+
+constexpr std::uint32_t kMinSide = 3, kMaxSide = 8193, kMaxTextureSide = 16384;
+constexpr double kMaxSeconds = 1e7;
+
+[[noreturn]] void wrong(const std::string& message) {
+    throw model::Error(codes::kUsage, message);
+}
+
+/// Edits (insert, delete, replace) from one word to the other [Levenshtein 1966].
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i + 1);
+        for (std::size_t j = 0; j < b.size(); ++j)
+            diagonal =
+                std::exchange(row[j + 1], std::min({row[j] + 1, row[j + 1] + 1, diagonal + (a[i] == b[j] ? 0 : 1)}));
+    }
+    return row.back();
+}
+
+template <class Names>
+[[noreturn]] void unknown_word(std::string_view option, std::string_view what, const std::string& word,
+                               const Names& names) {
+    std::string list;
+    std::string_view nearest;
+    std::size_t nearest_distance = 3;  // more than two slips is another word
+    for (const std::string_view name : names) {
+        list += (list.empty() ? "" : ", ") + std::string(name);
+        const std::size_t distance = word.size() > 64 ? nearest_distance : edit_distance(word, name);
+        if (distance < nearest_distance) {
+            nearest = name;
+            nearest_distance = distance;
+        }
+    }
+    std::string message = fmt::format("{}: there is no {} \"{}\"", option, what, word);
+    if (!nearest.empty()) message += fmt::format("; did you mean {}?", nearest);
+    wrong(message + fmt::format("\nthere are: {}", list));
+}
+
+template <class E, std::size_t N>
+E choice(std::string_view option, const std::array<NamedValue<E>, N>& table, const std::string& word) {
+    if (const auto value = value_of(table, word)) return *value;
+    std::array<std::string_view, N> names;
+    std::transform(table.begin(), table.end(), names.begin(), [](const auto& row) { return row.name; });
+    unknown_word(option, "value", word, names);
+}
+
+std::vector<std::string> split_list(std::string_view option, std::string_view text) {
+    std::vector<std::string> out;
+    for (;;) {
+        const std::size_t comma = text.find(',');
+        out.emplace_back(text.substr(0, comma));
+        if (out.back().empty()) wrong(fmt::format("{}: an empty name in the list", option));
+        if (comma == std::string_view::npos) return out;
+        text.remove_prefix(comma + 1);
+    }
+}
+
+/// "MxN", or "M" for MxM.
+GridSize parse_size(std::string_view option, const std::string& text, std::uint32_t least, std::uint32_t most) {
+    const auto side = [&](std::string_view digits) {
+        std::uint32_t value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        if (error != std::errc() || end != digits.data() + digits.size() || value < least || value > most)
+            wrong(
+                fmt::format("{}: \"{}\" is not a size; write MxN or N, each from {} to {}", option, text, least, most));
+        return value;
+    };
+    const std::size_t x = text.find_first_of("xX");
+    const std::string_view whole = text;
+    if (x == std::string::npos) return {side(whole), side(whole)};
+    return {side(whole.substr(0, x)), side(whole.substr(x + 1))};
+}
+
+/// "512MiB", "2G", "800000000"; decimal units end in B alone, the others are powers of 1024.
+std::uint64_t parse_bytes(const std::string& text) {
+    constexpr std::string_view kLetters = "KMGT";
+    double value = 0;
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+    std::string unit(rest, text.data() + text.size());
+    for (char& c : unit)
+        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    double factor = 1;
+    bool good = error == std::errc() && std::isfinite(value) && value >= 0;
+    if (const std::size_t power = unit.empty() ? std::string_view::npos : kLetters.find(unit[0]);
+        power != std::string_view::npos) {
+        const std::string_view tail = std::string_view(unit).substr(1);
+        good = good && (tail.empty() || tail == "B" || tail == "IB");
+        factor = std::pow(tail == "B" ? 1000.0 : 1024.0, static_cast<double>(power + 1));
+    } else {
+        good = good && (unit.empty() || unit == "B");
+    }
+    if (!good || value * factor > 1e18)
+        wrong(fmt::format("--memory-limit: \"{}\" is not a size; write for instance 512MiB or 4GiB, 0 for no limit",
+                          text));
+    return static_cast<std::uint64_t>(value * factor);
+}
+
+std::string joined(const auto& names) {
+    std::string out;
+    for (const std::string_view name : names) out += (out.empty() ? "" : ", ") + std::string(name);
+    return out;
+}
+
+/// What CLI11 fills in: plain text, checked afterwards with messages of ours.
+struct Raw {
+    std::vector<std::string> inputs;
+    std::string output, size = "257x257", method = "auto", domain = "auto", fit = "sample", precision = "f32", layers,
+                        texture, texture_size, format, exr_layout = "auto", report, report_format = "json",
+                        memory_limit = "8GiB", progress = "auto";
+    int jobs = 0;
+    double time_limit = 600;
+    bool keep_going = false, stop_on_error = false, dry_run = false, verbose = false, quiet = false;
+};
+
+void describe(CLI::App& app, Raw& raw) {
+    app.option_defaults()->always_capture_default(false);
+    app.set_help_flag("-h,--help", "show this and stop");
+    app.set_version_flag("-V,--version", "dgm-bake " DGM_VERSION "\n", "show the version and stop");
+    app.add_option("INPUT", raw.inputs,
+                   "mesh files of any format the importer reads, and folders, searched recursively for OBJ and 3DS")
+        ->type_name("");
+    app.add_option("-o,--output", raw.output, "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]")
+        ->type_name("FILE|DIR");
+    const auto group = [&](const char* name, const char* option, const char* type, std::string& target,
+                           const std::string& help) {
+        app.add_option(option, target, help)->group(name)->type_name(type);
+    };
+    const char* bake = "What is baked";
+    group(bake, "--size", "MxN", raw.size, "samples of each chart, MxN or N [257x257]");
+    group(bake, "--method", "M", raw.method,
+          "parameterization: " + joined(kMethodNames) + " [auto: the smallest error]");
+    group(bake, "--domain", "D", raw.domain,
+          "square: every sample on the surface; free: any shape, with a mask [auto]");
+    group(bake, "--fit", "F", raw.fit, "sample: samples lie on the surface; l2: least-squares fit [sample]");
+    group(bake, "--layers", "L,...", raw.layers,
+          "comma-separated: " + joined(kLayerNames) + " [all that have data]; geometry is always there");
+    group(bake, "--precision", "P", raw.precision, "of positions: f32 or u16 [f32]");
+    group(bake, "--texture", "FILE", raw.texture, "image that replaces the materials' textures");
+    group(bake, "--texture-size", "MxN", raw.texture_size, "pixels of the texture layer, MxN or N [the grid's size]");
+    group(bake, "--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
+    group(bake, "--exr-layout", "X", raw.exr_layout,
+          "auto: one part where sizes agree; multipart: one part a layer [auto]");
+    const char* run = "How it runs";
+    app.add_option("-j,--jobs", raw.jobs, "assets baked at a time [one a core]")->group(run)->type_name("N");
+    app.add_option("--time-limit", raw.time_limit, "seconds one asset may take [600]")->group(run)->type_name("S");
+    group(run, "--memory-limit", "SIZE", raw.memory_limit,
+          "memory one asset may take, such as 4GiB; 0: no limit [8GiB]");
+    app.add_flag("--keep-going", raw.keep_going, "bake the others after a failure [the default]")->group(run);
+    app.add_flag("--stop-on-error", raw.stop_on_error, "start no other asset after a failure")->group(run);
+    app.add_flag("--dry-run", raw.dry_run, "print which mesh would become which file, and bake nothing")->group(run);
+    const char* tell = "What it tells";
+    group(tell, "--report", "FILE", raw.report,
+          "write what happened to each asset, with all errors measured, to this file");
+    group(tell, "--report-format", "F", raw.report_format, "json [json]");
+    group(tell, "--progress", "P", raw.progress, "bar, plain lines, none [auto: a bar on a terminal, else plain]");
+    app.add_flag("-v,--verbose", raw.verbose, "repairs, warnings, charts and times too")->group(tell);
+    app.add_flag("-q,--quiet", raw.quiet, "failures only")->group(tell);
+    app.get_formatter()->column_width(26);
+    app.footer(
+        "Each mesh is baked in a process of its own: one that crashes or runs out of time or memory is one failed "
+        "mesh.\n"
+        "Exit code: 0 ok, 1 usage, 2 input/output, 3 mesh refused, 4 internal, 5 unsupported, 130 interrupted; of a\n"
+        "batch the worst, in the order 130, 4, 2, 3, 5.");
+}
+
+void set_formats(const Raw& raw, CommandLine& out) {
+    std::string text = raw.format;
+    const std::string extension = std::filesystem::path(raw.output).extension().string();
+    const bool names_file = (extension == ".dgm" || extension == ".exr") && !out.plan.output_is_folder &&
+                            !std::filesystem::is_directory(raw.output);
+    if (text.empty()) text = names_file ? extension.substr(1) : "dgm";
+    out.bake.write_dgm = out.bake.write_exr = false;
+    constexpr std::array<std::string_view, 2> kFormats{"dgm", "exr"};
+    for (const std::string& format : split_list("--format", text)) {
+        if (format == "dgm")
+            out.bake.write_dgm = true;
+        else if (format == "exr")
+            out.bake.write_exr = true;
+        else
+            unknown_word("--format", "format", format, kFormats);
+    }
+    if (names_file && !(extension == ".dgm" ? out.bake.write_dgm : out.bake.write_exr))
+        wrong(fmt::format("-o names a {} file, but --format asks for {}", extension, text));
+    out.plan.write_dgm = out.bake.write_dgm;
+    out.plan.write_exr = out.bake.write_exr;
+}
+
+void set_layers(const std::string& text, BakeOptions& bake) {
+    const std::vector<std::string> asked = split_list("--layers", text);
+    for (const std::string& name : asked)
+        if (std::find(kLayerNames.begin(), kLayerNames.end(), name) == kLayerNames.end())
+            unknown_word("--layers", "layer", name, kLayerNames);
+    for (const std::string_view name : kLayerNames)  // in file order, once each
+        if (name == "geometry" || std::find(asked.begin(), asked.end(), name) != asked.end())
+            bake.layers.emplace_back(name);
+}
+
+CommandLine checked(const Raw& raw) {
+    CommandLine out;
+    for (const std::string& input : raw.inputs) {
+        if (input.empty()) wrong("an input has no name");
+        out.plan.inputs.emplace_back(input);
+    }
+    if (raw.keep_going && raw.stop_on_error) wrong("--keep-going and --stop-on-error contradict each other");
+    if (raw.verbose && raw.quiet) wrong("-v and -q contradict each other");
+    if (raw.inputs.empty()) wrong("no input: name mesh files or folders");
+    out.plan.output = raw.output;
+    out.plan.output_is_folder = !raw.output.empty() && raw.output.back() == '/';
+    set_formats(raw, out);
+    out.bake.size = parse_size("--size", raw.size, kMinSide, kMaxSide);
+    if (std::find(kMethodNames.begin(), kMethodNames.end(), raw.method) == kMethodNames.end())
+        unknown_word("--method", "method", raw.method, kMethodNames);
+    out.bake.method = raw.method;
+    out.bake.domain = choice("--domain", kDomainNames, raw.domain);
+    out.bake.fit = choice("--fit", kFitNames, raw.fit);
+    out.bake.precision = choice("--precision", kPrecisionNames, raw.precision);
+    out.bake.exr_layout = choice("--exr-layout", kExrLayoutNames, raw.exr_layout);
+    if (!raw.layers.empty()) set_layers(raw.layers, out.bake);
+    out.bake.texture = raw.texture;
+    if (!raw.texture_size.empty())
+        out.bake.texture_size = parse_size("--texture-size", raw.texture_size, 1, kMaxTextureSide);
+    if (raw.report_format == "html")
+        throw model::Error(codes::kUnsupported, "--report-format: this version writes reports as json only");
+    constexpr std::array<std::string_view, 1> kReportFormats{"json"};
+    if (raw.report_format != "json") unknown_word("--report-format", "format", raw.report_format, kReportFormats);
+    out.report = raw.report;
+    constexpr std::array kProgressNames{NamedValue<ProgressStyle>{"auto", ProgressStyle::kAuto},
+                                        NamedValue<ProgressStyle>{"bar", ProgressStyle::kBar},
+                                        NamedValue<ProgressStyle>{"plain", ProgressStyle::kPlain},
+                                        NamedValue<ProgressStyle>{"none", ProgressStyle::kNone}};
+    out.progress = choice("--progress", kProgressNames, raw.progress);
+    if (raw.jobs < 0 || raw.jobs > 1024) wrong("-j: write a number from 1 to 1024, or 0 for one a core");
+    out.batch.jobs = raw.jobs > 0 ? static_cast<unsigned>(raw.jobs) : std::max(1U, std::thread::hardware_concurrency());
+    if (!(raw.time_limit > 0 && raw.time_limit <= kMaxSeconds))
+        wrong(fmt::format("--time-limit: write seconds, more than 0 and at most {:.0f}", kMaxSeconds));
+    out.batch.time_limit_seconds = raw.time_limit;
+    out.batch.memory_bytes = parse_bytes(raw.memory_limit);
+    out.batch.stop_on_error = raw.stop_on_error;
+    out.dry_run = raw.dry_run;
+    out.verbose = raw.verbose;
+    out.quiet = raw.quiet;
+    return out;
+}
+
+}  // namespace
+
+std::variant<CommandLine, Answer> parse_command_line(int argc, const char* const* argv) {
+    Raw raw;
+    CLI::App app("Bakes meshes into deformable geometry maps.", "dgm-bake");
+    describe(app, raw);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) { return app.help(); } catch (const CLI::CallForVersion& version) {
+        return std::string(version.what());
+    } catch (const CLI::ParseError& error) { wrong(error.what()); }
+    return checked(raw);
+}
+
+}  // namespace dgm::bake

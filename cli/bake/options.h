@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bake/options.h
+// The command line of dgm-bake.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <variant>
+
+#include "pipeline/batch_plan.h"
+#include "pipeline/batch_runner.h"
+
+namespace dgm::bake {
+
+enum class ProgressStyle { kAuto, kBar, kPlain, kNone };
+
+struct CommandLine {
+    PlanRequest plan;
+    BakeOptions bake;
+    BatchOptions batch;
+    std::filesystem::path report;  ///< empty: none
+    ProgressStyle progress = ProgressStyle::kAuto;
+    bool dry_run = false, verbose = false, quiet = false;
+};
+
+/// Text to print on stdout instead of doing anything: --help, --version.
+using Answer = std::string;
+
+/// @throws model::Error kUsage with what is wrong and what would be right; kUnsupported for what this version lacks
+[[nodiscard]] std::variant<CommandLine, Answer> parse_command_line(int argc, const char* const* argv);
+
+}  // namespace dgm::bake

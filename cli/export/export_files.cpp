@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/export/export_files.cpp
+#include "export/export_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <vector>
+
+#include "dgm/dgm_reader.h"
+#include "dgm/dgm_writer.h"
+#include "export/staging_folder.h"
+#include "exr/exr_reader.h"
+#include "exr/exr_writer.h"
+#include "image/image.h"
+#include "mesh/mesh_reader.h"
+#include "mesh/mesh_writer.h"
+#include "model/codes.h"
+#include "render/canvas.h"
+#include "render/chart_surface.h"
+#include "render/layer_picture.h"
+#include "render/pictures.h"
+
+namespace dgm::exporter {
+namespace {
+using formats::Image;
+using model::Chart;
+using model::MapSet;
+using std::filesystem::path;
+using Warn = std::function<void(const std::string&)>;
+
+constexpr std::uint32_t kPictureGap = 8;  // between pictures of several charts
+
+[[noreturn]] void usage(const std::string& message) {
+    throw model::Error(model::codes::kUsage, message);
+}
+
+std::string lower_extension(const path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
+void check_options(const MapSet& maps, const path& output, const ExportOptions& options) {
+    const std::string extension = lower_extension(output);
+    if (extension == ".glb" || extension == ".gltf")
+        throw model::Error(model::codes::kUnsupported, "glTF is not supported; write obj or ply");
+    constexpr std::array kKnown{".obj", ".ply", ".exr", ".dgm", ".png"};
+    if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
+        usage(fmt::format("the output \"{}\" must end in .obj, .ply, .exr, .dgm or .png", output.filename().string()));
+    if (options.lod == 0) usage("--lod counts from 1");
+    if (options.lod > 1) throw model::Error(model::codes::kUnsupported, "only --lod 1, the full grid, is supported");
+    const bool picture = extension == ".png";
+    const bool asks_picture = !options.layer.empty() || options.sheet || !options.source.empty() || options.width ||
+                              options.height || options.view;
+    if (!picture && asks_picture) usage("--layer, --sheet, --source, --size and --view go with a .png output");
+    if (int{!options.layer.empty()} + int{options.sheet} + int{!options.source.empty()} > 1)
+        usage("--layer, --sheet and --source exclude each other");
+    if (options.multipart && extension != ".exr") usage("--exr-layout goes with an .exr output");
+    if (options.chart && *options.chart >= maps.charts.size())
+        usage(fmt::format("there is no chart {}; the file has {}, counted from 0", *options.chart, maps.charts.size()));
+}
+
+MapSet only_chart(MapSet maps, std::optional<std::uint32_t> chart) {
+    if (chart) maps.charts = {maps.charts[*chart]};
+    return maps;
+}
+
+/// Textures stand beside the mesh; a mesh without any has no materials at all.
+void write_obj_files(const MapSet& maps, const path& output, StagingFolder& staging) {
+    render::ChartSurface surface = render::chart_surface(maps.charts);
+    const bool textured =
+        std::any_of(surface.textures.begin(), surface.textures.end(), [](const Image& t) { return !t.pixels.empty(); });
+    if (!textured) surface.mesh.materials.clear(), surface.mesh.face_materials.clear();
+    for (std::size_t k = 0; textured && k < surface.textures.size(); ++k) {
+        if (surface.textures[k].pixels.empty()) continue;
+        const path name = fmt::format("{}_chart{}_texture.png", output.stem().string(), k);
+        formats::write_png(staging.add(name), surface.textures[k]);
+        surface.mesh.materials[k].diffuse = {};
+        surface.mesh.materials[k].diffuse_map = name;
+    }
+    formats::ObjWriteOptions options;
+    options.write_mtl = textured;
+    if (textured) static_cast<void>(staging.add(path(output.stem()).concat(".mtl")));
+    formats::write_obj(staging.add(output.filename()), surface.mesh, options);
+}
+
+void write_ply_file(const MapSet& maps, const path& file) {
+    render::ChartSurface surface = render::chart_surface(maps.charts);
+    model::TriMesh& mesh = surface.mesh;
+    const bool textured =
+        std::all_of(surface.textures.begin(), surface.textures.end(), [](const Image& t) { return !t.pixels.empty(); });
+    if (textured) {
+        mesh.corner_colours.reserve(3 * mesh.faces.size());
+        for (std::size_t c = 0; c < 3 * mesh.faces.size(); ++c) {
+            const Image& image = surface.textures[mesh.face_materials[c / 3]];
+            const auto texel = [](double t, std::uint32_t side) {
+                return static_cast<std::uint32_t>(std::clamp(std::floor(t * side), 0.0, side - 1.0));
+            };
+            mesh.corner_colours.push_back(
+                image.at(texel(mesh.corner_uvs[c].x, image.width), texel(1 - mesh.corner_uvs[c].y, image.height)));
+        }
+    }
+    formats::PlyWriteOptions options;
+    options.doubles = std::any_of(maps.charts.begin(), maps.charts.end(), [](const Chart& c) {
+        return c.offset != std::array<double, 3>{0, 0, 0} || c.scale != std::array<double, 3>{1, 1, 1};
+    });
+    formats::write_ply(file, mesh, options);
+}
+
+render::PictureOptions picture_options(const ExportOptions& options) {
+    render::PictureOptions out;
+    out.width = options.width.value_or(options.source.empty() ? 1280 : 1920);
+    out.height = options.height.value_or(options.source.empty() ? 960 : 560);
+    out.view = options.view;
+    out.up = options.up;
+    return out;
+}
+
+Image beside(const std::vector<Image>& images, bool below) {
+    std::uint32_t width = 0, height = 0;
+    for (const Image& image : images) {
+        width = below ? std::max(width, image.width) : width + image.width + (width > 0 ? kPictureGap : 0);
+        height = below ? height + image.height + (height > 0 ? kPictureGap : 0) : std::max(height, image.height);
+        if (std::max(width, height) > formats::kMaxImageSide)
+            throw model::Error(model::codes::kTooLarge,
+                               "the pictures of all charts together are too large; use --chart");
+    }
+    if (images.size() == 1) return images[0];
+    Image out = render::blank(width, height);
+    std::int64_t at = 0;
+    for (const Image& image : images) {
+        render::paste(out, image, below ? 0 : at, below ? at : 0);
+        at += (below ? image.height : image.width) + kPictureGap;
+    }
+    return out;
+}
+
+Image layers_picture(const MapSet& maps, const ExportOptions& options) {
+    std::vector<Image> images;
+    for (const Chart& chart : maps.charts) {
+        images.push_back(render::layer_picture(chart, options.layer).image);
+        if (options.width && options.height)
+            images.back() = render::fitted(images.back(), *options.width, *options.height);
+    }
+    return beside(images, false);
+}
+
+Image sheets_picture(const MapSet& maps, const ExportOptions& options) {
+    std::vector<Image> sheets;
+    for (std::size_t k = 0; k < maps.charts.size(); ++k) {
+        const Chart& chart = maps.charts[k];
+        const std::uint32_t number = options.chart.value_or(static_cast<std::uint32_t>(k));
+        const std::string title = fmt::format("{}, chart {}: {} x {}, {}", maps.source_name, number, chart.rows,
+                                              chart.cols, chart.domain == model::Domain::kFree ? "free" : "square");
+        sheets.push_back(render::contact_sheet(chart, title, picture_options(options)));
+    }
+    return beside(sheets, true);
+}
+
+Image compared_picture(const MapSet& maps, const ExportOptions& options, const Warn& warn) {
+    const formats::ImportedMesh source = formats::read_mesh(options.source);
+    for (const std::string& warning : source.warnings) warn(warning);
+    std::vector<Image> textures;
+    for (const model::Material& material : source.mesh.materials) {
+        textures.emplace_back();
+        if (material.diffuse_map.empty()) continue;
+        try {
+            textures.back() = formats::read_image(material.diffuse_map);
+        } catch (const model::Error& error) {
+            warn(fmt::format("texture {} is left out: {}", material.diffuse_map.string(), error.what()));
+        }
+    }
+    return render::comparison_picture(source.mesh, std::move(textures), render::chart_surface(maps.charts),
+                                      picture_options(options));
+}
+
+Image picture(const MapSet& maps, const ExportOptions& options, const Warn& warn) {
+    if (!options.layer.empty()) return layers_picture(maps, options);
+    if (options.sheet) return sheets_picture(maps, options);
+    if (!options.source.empty()) return compared_picture(maps, options, warn);
+    return render::surface_picture(render::chart_surface(maps.charts), picture_options(options));
+}
+}  // namespace
+
+MapSet read_maps(const path& file) {
+    constexpr std::array<char, 4> kExrMagic{'\x76', '\x2f', '\x31', '\x01'};
+    std::array<char, 4> start{};
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file, ignored)) std::ifstream(file, std::ios::binary).read(start.data(), 4);
+    return start == kExrMagic ? formats::read_exr(file) : formats::read_dgm(file);
+}
+
+void export_maps(const MapSet& maps, const path& output, const ExportOptions& options, const Warn& warn) {
+    check_options(maps, output, options);
+    const MapSet chosen = only_chart(maps, options.chart);
+    if (chosen.charts.empty()) throw model::Error(model::codes::kMissingLayer, "the file has no charts");
+    const std::string extension = lower_extension(output);
+    StagingFolder staging(output);
+    if (extension == ".obj")
+        write_obj_files(chosen, output, staging);
+    else if (extension == ".ply")
+        write_ply_file(chosen, staging.add(output.filename()));
+    else if (extension == ".png")
+        formats::write_png(staging.add(output.filename()), picture(chosen, options, warn));
+    else if (extension == ".dgm")
+        formats::write_dgm(chosen, staging.add(output.filename()));
+    else
+        formats::write_exr(chosen, staging.add(output.filename()),
+                           {options.multipart ? formats::ExrLayout::kMultipart : formats::ExrLayout::kAuto});
+    staging.publish();
+}
+
+}  // namespace dgm::exporter

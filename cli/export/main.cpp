@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/export/main.cpp
+// dgm-export: from .dgm or .exr to meshes, pictures and each other.
+#include <charconv>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "export/export_files.h"
+#include "tool/tool.h"
+
+namespace {
+using dgm::exporter::ExportOptions;
+
+/// Two numbers with `separator` between them and nothing else. @throws CLI::ValidationError
+template <class Number>
+std::pair<Number, Number> parse_pair(const std::string& option, std::string_view text, char separator,
+                                     const std::string& example) {
+    std::pair<Number, Number> out{};
+    const std::size_t middle = text.find(separator);
+    const auto whole = [](std::string_view part, Number& number) {
+        const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), number);
+        return error == std::errc{} && end == part.data() + part.size();
+    };
+    if (middle == std::string_view::npos || !whole(text.substr(0, middle), out.first) ||
+        !whole(text.substr(middle + 1), out.second))
+        throw CLI::ValidationError(option, "\"" + std::string(text) + "\" is not like " + example);
+    return out;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Writes a geometry map as a mesh (obj, ply), a picture (png) or the other container (exr, dgm).");
+    std::string input, output, size, view, up = "y", exr_layout = "auto", source;
+    std::uint32_t chart = 0;
+    ExportOptions options;
+    app.add_option("FILE", input, "The .dgm or .exr to read")->required();
+    app.add_option("-o,--output", output, "Where to write; the extension says what: .obj .ply .exr .dgm .png")
+        ->required();
+    CLI::Option* chart_option = app.add_option("--chart", chart, "Only this chart, counted from 0 (default: all)");
+    app.add_option("--layer", options.layer, "PNG: the picture of this layer");
+    app.add_flag("--sheet", options.sheet, "PNG: all layers of each chart on one sheet");
+    app.add_option("--source", source, "PNG: source, reconstruction, grid and error side by side");
+    app.add_option("--size", size, "PNG: WxH in pixels");
+    app.add_option("--view", view, "PNG: YAW,PITCH in degrees (default: the view that shows most)");
+    app.add_option("--up", up, "PNG: which axis points up")->check(CLI::IsMember({"y", "z"}))->capture_default_str();
+    app.add_option("--lod", options.lod, "Level of detail; 1 is the full grid")->capture_default_str();
+    app.add_option("--exr-layout", exr_layout, "EXR: auto, or multipart for one part a layer")
+        ->check(CLI::IsMember({"auto", "multipart"}))
+        ->capture_default_str();
+
+    return dgm::tool::run_tool("dgm-export", argc, argv, app, [&](std::string& subject) {
+        try {
+            if (chart_option->count() > 0) options.chart = chart;
+            options.up = up == "z" ? dgm::render::UpAxis::kZ : dgm::render::UpAxis::kY;
+            if (!size.empty()) {
+                const auto [width, height] = parse_pair<std::uint32_t>("--size", size, 'x', "1280x960");
+                options.width = width, options.height = height;
+            }
+            if (!view.empty()) {
+                const auto [yaw, pitch] = parse_pair<double>("--view", view, ',', "30,20");
+                if (!(std::abs(yaw) <= 3600 && std::abs(pitch) <= 90))
+                    throw CLI::ValidationError("--view", "the pitch must be within -90..90 degrees");
+                options.view = dgm::render::View{yaw, pitch, options.up};
+            }
+        } catch (const CLI::ValidationError& error) {
+            throw dgm::model::Error(dgm::model::codes::kUsage, error.what());
+        }
+        options.source = source;
+        options.multipart = exr_layout == "multipart";
+        subject = input;
+        const dgm::model::MapSet maps = dgm::exporter::read_maps(input);
+        dgm::exporter::export_maps(maps, output, options, [&](const std::string& warning) {
+            std::fprintf(stderr, "dgm-export: %s: warning: %s\n", source.c_str(), warning.c_str());
+        });
+        std::printf("%s\n", output.c_str());
+        return 0;
+    });
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/export/staging_folder.h
+// A folder beside the output in which files are completed before they are moved into place together.
+#pragma once
+#include <filesystem>
+#include <vector>
+
+namespace dgm::exporter {
+
+class StagingFolder {
+ public:
+    /// A new empty folder in the folder of `output`. @throws model::Error kWriteFailed
+    explicit StagingFolder(const std::filesystem::path& output);
+    /// Removes the folder and what is still in it.
+    ~StagingFolder();
+    StagingFolder(const StagingFolder&) = delete;
+    StagingFolder& operator=(const StagingFolder&) = delete;
+
+    /// Where to write the file that will be called `name`. The last one added is published last.
+    [[nodiscard]] std::filesystem::path add(const std::filesystem::path& name);
+    /// Moves all added files into the output's folder, in order. @throws model::Error kWriteFailed
+    void publish();
+
+ private:
+    std::filesystem::path final_folder_, folder_;
+    std::vector<std::filesystem::path> names_;
+};
+
+}  // namespace dgm::exporter

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/cut_search.cpp
+#include "geometry/chart/cut_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "geometry/chart/square_chart.h"
+#include "geometry/parameterize/convex_map.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kGain = 0.99;  // a trial must lower the error by 1 % to count
+
+struct Trial {
+    double rms = kInfinity;
+    std::uint32_t rotation = 0;
+    Disk split;              // as the border layout split it
+    std::vector<Vec2d> uv;   // empty if the map failed
+};
+
+class Search {
+  public:
+    Search(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress)
+        : component_(component), options_(options), progress_(progress), stretch_(make_stretch_parameterizer()), cut_(component) {}
+
+    CutSearchResult run() {
+        cut_.cut_to_disk();
+        augment();
+        if (!best_) throw *failure_;
+        drop_branches();
+        try_rotations();
+        out_.disk = best_->open();
+        out_.cut_length = best_->length();
+        return std::move(out_);
+    }
+
+  private:
+    /// One map and one measurement of a cut; keeps the first failure's reason.
+    Trial attempt(const CutGraph& cut, std::optional<std::uint32_t> rotation) {
+        progress_.update("cut", share());
+        ++out_.trials;
+        Trial trial;
+        try {
+            Disk disk = cut.open();
+            trial.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
+            SampledChart chart = make_square_chart(std::move(disk), options_.m, options_.n, trial.rotation, *stretch_, {});
+            trial.rms = quick_error(component_, chart, options_.samples).rms;
+            trial.split = std::move(chart.disk);
+            trial.uv = std::move(chart.uv);
+        } catch (const model::Error& e) {
+            if (e.code().number == model::codes::kInterrupted.number) throw;
+            if (!failure_) failure_ = e;
+        }
+        return trial;
+    }
+
+    [[nodiscard]] double share() const {
+        return std::min(0.95, out_.trials / (2.0 * options_.patience + options_.rotations + 6.0));
+    }
+
+    void keep(const CutGraph& cut, const Trial& trial) {
+        best_.emplace(cut);
+        out_.rms = trial.rms;
+        out_.rotation = trial.rotation;
+    }
+
+    void augment() {
+        out_.rms = kInfinity;
+        int idle = 0;
+        for (int k = 0; k <= options_.max_extremities; ++k) {
+            const Trial trial = attempt(cut_, std::nullopt);
+            if (trial.rms < out_.rms) {
+                if (trial.rms > kGain * out_.rms) ++idle; else idle = 0;
+                keep(cut_, trial);
+                out_.extremities = k;
+            } else {
+                ++idle;
+            }
+            // While nothing valid was found, keep going: a body with limbs needs its limbs cut first.
+            if (idle > options_.patience && best_) break;
+            const std::uint32_t vertex = extremity(trial);
+            if (vertex == kNone || cut_.join(vertex) <= 0) break;
+        }
+    }
+
+    /// The vertex whose surroundings shrank most in the map; without a map, the one farthest from the cut.
+    [[nodiscard]] std::uint32_t extremity(const Trial& trial) const {
+        const std::vector<double> distance = cut_.distance_to_cut();
+        const std::size_t n = component_.positions.size();
+        std::vector<double> score(n, 0.0);
+        if (trial.uv.empty()) {
+            score = distance;
+        } else {
+            std::vector<double> surface(n, 0.0), map(n, 0.0);
+            for (const Face& f : trial.split.mesh.faces) {
+                const double area = 0.5 * length(cross(trial.split.mesh.positions[f[1]] - trial.split.mesh.positions[f[0]],
+                                                       trial.split.mesh.positions[f[2]] - trial.split.mesh.positions[f[0]]));
+                const double mapped = 0.5 * cross(trial.uv[f[1]] - trial.uv[f[0]], trial.uv[f[2]] - trial.uv[f[0]]);
+                for (std::uint32_t v : f) {
+                    const std::uint32_t point = trial.split.weld[v];
+                    if (point < n) surface[point] += area, map[point] += mapped;
+                }
+            }
+            for (std::size_t v = 0; v < n; ++v)
+                if (distance[v] > 0) score[v] = surface[v] / std::max(map[v], std::numeric_limits<double>::min());
+        }
+        const auto it = std::max_element(score.begin(), score.end());
+        return *it > 0 ? static_cast<std::uint32_t>(it - score.begin()) : kNone;
+    }
+
+    /// Heals each dead-end branch in turn, longest first, where that lowers the error.
+    void drop_branches() {
+        for (const std::vector<std::uint32_t>& branch : branches()) {
+            CutGraph trial_cut = *best_;
+            for (std::uint32_t h : branch) trial_cut.mark(h, false);
+            const Trial trial = attempt(trial_cut, std::nullopt);
+            if (trial.rms < kGain * out_.rms) keep(trial_cut, trial);
+        }
+    }
+
+    /// Dead-end branches of the best cut as half-edges; the only branch of a closed body is none.
+    [[nodiscard]] std::vector<std::vector<std::uint32_t>> branches() const {
+        const Disk disk = best_->open();
+        const std::vector<BorderPath> paths = disk.paths();
+        std::vector<std::pair<double, std::vector<std::uint32_t>>> found;
+        if (paths.size() > 2)
+            for (std::size_t p = 0; p < paths.size(); ++p)
+                if (paths[p].mate == (p + 1) % paths.size()) found.emplace_back(-paths[p].length, paths[p].half_edges);
+        std::sort(found.begin(), found.end());
+        if (found.size() > kMaxDrops) found.resize(kMaxDrops);
+        std::vector<std::vector<std::uint32_t>> out;
+        for (auto& entry : found) out.push_back(std::move(entry.second));
+        return out;
+    }
+
+    void try_rotations() {
+        if (options_.rotations < 2) return;
+        const Disk disk = best_->open();
+        for (std::uint32_t r : candidate_rotations(disk, options_.m, options_.n, options_.rotations)) {
+            if (r == out_.rotation) continue;
+            const Trial trial = attempt(*best_, r);
+            if (trial.rms < out_.rms) out_.rms = trial.rms, out_.rotation = r;
+        }
+    }
+
+    static constexpr std::size_t kMaxDrops = 12;
+    const TriMesh& component_;
+    const CutSearchOptions& options_;
+    const model::Progress& progress_;
+    std::unique_ptr<Parameterizer> stretch_;
+    CutGraph cut_;
+    std::optional<CutGraph> best_;
+    std::optional<model::Error> failure_;
+    CutSearchResult out_;
+};
+
+}  // namespace
+
+CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress) {
+    return Search(component, options, progress).run();
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/free_chart.cpp
+#include "geometry/chart/free_chart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "geometry/chart/lattice_strip.h"
+#include "geometry/chart/square_chart.h"
+#include "geometry/cut/cut_graph.h"
+#include "geometry/metrics/map_metrics.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+using model::Error;
+namespace codes = model::codes;
+
+std::vector<Vec2d> convex_hull(std::vector<Vec2d> points) {
+    std::sort(points.begin(), points.end(), [](Vec2d a, Vec2d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+    std::vector<Vec2d> hull;
+    for (int half = 0; half < 2; ++half) {
+        const std::size_t base = hull.size();
+        for (const Vec2d& p : points) {
+            while (hull.size() >= base + 2 && orient2d(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+            hull.push_back(p);
+        }
+        hull.pop_back();
+        std::reverse(points.begin(), points.end());
+    }
+    return hull;
+}
+
+/// Turns the chart so that its smallest bounding rectangle is upright, the longer side along the axis with more
+/// samples, and stretches it over the unit square.
+void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border, bool long_u) {
+    std::vector<Vec2d> points;
+    for (std::uint32_t v : border) points.push_back(uv[v]);
+    const std::vector<Vec2d> hull = convex_hull(points);
+    Vec2d axis{1, 0};
+    double least = INFINITY;
+    bool wide = true;
+    const auto extent = [&](Vec2d d) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (const Vec2d& p : hull) lo = std::min(lo, dot(p, d)), hi = std::max(hi, dot(p, d));
+        return std::pair(lo, hi);
+    };
+    for (std::size_t k = 0; k < hull.size(); ++k) {
+        const Vec2d e = hull[(k + 1) % hull.size()] - hull[k];
+        const double l = length(e);
+        if (!(l > 0)) continue;
+        const Vec2d d = e * (1 / l), across{-d.y, d.x};
+        const auto [a, b] = extent(d);
+        const auto [c, f] = extent(across);
+        if ((b - a) * (f - c) < least * (1 - 1e-12)) least = (b - a) * (f - c), axis = d, wide = b - a >= f - c;
+    }
+    if (wide != long_u) axis = Vec2d{-axis.y, axis.x};
+    const Vec2d across{-axis.y, axis.x};
+    const auto [u0, u1] = extent(axis);
+    const auto [v0, v1] = extent(across);
+    for (Vec2d& p : uv)
+        p = {std::clamp((dot(p, axis) - u0) / (u1 - u0), 0.0, 1.0), std::clamp((dot(p, across) - v0) / (v1 - v0), 0.0, 1.0)};
+}
+
+/// Divides border edges longer than one grid cell, on both sides of a cut at the same places.
+void divide_border(Disk& disk, std::vector<Vec2d>& uv, double rows, double cols) {
+    constexpr double kMaxPieces = 64;
+    const auto cells = [&](std::uint32_t h) {
+        const Vec2d d = uv[target(disk.mesh.faces, h)] - uv[origin(disk.mesh.faces, h)];
+        return std::hypot(d.x * rows, d.y * cols);
+    };
+    for (std::uint32_t h = 0; h < disk.opposite.size(); ++h) {  // grows; new border edges are short by construction
+        if (disk.opposite[h] != kNone) continue;
+        const double longest = std::max(cells(h), disk.mate[h] == kNone ? 0.0 : cells(disk.mate[h]));
+        std::uint32_t at = h;
+        for (auto pieces = static_cast<int>(std::min(std::ceil(longest - 1e-9), kMaxPieces)); pieces > 1; --pieces) {
+            const double t = (pieces - 1.0) / pieces;  // the last piece comes off, `at` keeps the rest
+            const auto between = [&](std::uint32_t e, double s) {
+                return uv[origin(disk.mesh.faces, e)] * (1 - s) + uv[target(disk.mesh.faces, e)] * s;
+            };
+            const Vec2d here = between(at, t), there = disk.mate[at] == kNone ? Vec2d{} : between(disk.mate[at], 1 - t);
+            const NewVertices added = disk.split(at, t);
+            uv.push_back(here);
+            if (added.twin != kNone) uv.push_back(there);
+            at = added.first;
+        }
+    }
+}
+
+SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m, std::uint32_t n, std::string method,
+                               const FreeChartTools& tools) {
+    check_map(disk, uv, method);
+    std::vector<std::uint32_t> border;
+    const auto read_border = [&] {
+        border.clear();
+        for (std::uint32_t h : disk.border()) border.push_back(origin(disk.mesh.faces, h));
+    };
+    read_border();
+    fit_to_square(uv, border, m >= n);
+    divide_border(disk, uv, m - 1.0, n - 1.0);
+    check_map(disk, uv, method);  // fitting and dividing round; nothing may have turned over
+    read_border();
+    std::vector<Vec2d> outline;
+    for (std::uint32_t v : border) outline.push_back(uv[v]);
+    if (!tools.is_simple(outline)) throw Error(codes::kMapInvalid, method + ": the chart overlaps itself");
+
+    SampledChart chart;
+    chart.m = m, chart.n = n;
+    chart.domain = layout::Domain::kFree;
+    chart.method = std::move(method);
+    const SampleGrid fine = rasterize(disk.mesh.faces, uv, 2 * m - 1, 2 * n - 1);
+    chart.samples = coarsen(fine, m, n);
+    chart.mask.resize(chart.samples.size());
+    for (std::size_t s = 0; s < chart.samples.size(); ++s) chart.mask[s] = chart.samples[s].face != kNone;
+    chart.border_uv = outline;
+
+    // Border samples, numbered after the grid, in border order; copies of a surface point share their weld id.
+    std::vector<std::uint32_t> face_of(disk.mesh.positions.size(), kNone), lowest(disk.weld_count, kNone);
+    for (std::uint32_t f = 0; f < disk.mesh.faces.size(); ++f)
+        for (std::uint32_t v : disk.mesh.faces[f])
+            if (face_of[v] == kNone) face_of[v] = f;
+    const auto grid = static_cast<std::uint32_t>(chart.grid_count());
+    chart.representative.resize(grid + border.size());
+    for (std::uint32_t s = 0; s < grid; ++s) chart.representative[s] = s;
+    for (std::uint32_t b = 0; b < border.size(); ++b) {
+        const std::uint32_t v = border[b], face = face_of[v];
+        SurfaceSample at{face};
+        for (int k = 0; k < 3; ++k) at.b[k] = disk.mesh.faces[face][k] == v ? 1 : 0;
+        chart.samples.push_back(at);
+        std::uint32_t& first = lowest[disk.weld[v]];
+        if (first == kNone) first = grid + b;
+        chart.representative[grid + b] = first;
+    }
+    join_lattice_to_border(chart, tools.triangulate);
+    chart.disk = std::move(disk);
+    chart.uv = std::move(uv);
+    for (std::size_t s = 0; s < grid; ++s)
+        if (!chart.mask[s]) chart.samples[s] = {};
+    place_samples(chart);
+    choose_diagonals(chart, fine);
+    return chart;
+}
+
+}  // namespace
+
+SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
+                             const FreeChartTools& tools, const model::Progress& progress) {
+    std::vector<std::uint32_t> border;
+    for (std::uint32_t h : disk.border()) border.push_back(origin(disk.mesh.faces, h));
+    std::vector<Vec2d> uv = method.solve({disk.mesh.positions, disk.mesh.faces, border, {}}, progress);
+    return sample_free_chart(std::move(disk), std::move(uv), m, n, std::string(method.name()), tools);
+}
+
+SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const FreeChartTools& tools,
+                           const model::Progress& progress) {
+    progress.update("parameterize", 0);
+    const auto unsuited = [](const std::string& why) { return Error(codes::kMethodUnsuited, "uv: " + why); };
+    if (component.corner_uvs.empty()) throw unsuited("the mesh has no texture coordinates");
+    CutGraph cut(component);
+    const std::vector<std::uint32_t> opposite = opposite_half_edges(component.faces);
+    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+        const std::uint32_t o = opposite[h];
+        if (o == kNone || o < h) continue;
+        const bool same = component.corner_uvs[h] == component.corner_uvs[next_half_edge(o)] &&
+                          component.corner_uvs[next_half_edge(h)] == component.corner_uvs[o];
+        cut.mark(h, !same);
+    }
+    Disk disk = cut.open();
+    const Topology shape = measure_topology(disk.mesh.positions.size(), disk.mesh.faces);
+    if (shape.components != 1)
+        throw unsuited("the texture coordinates form " + std::to_string(shape.components) + " charts, not one");
+    if (shape.boundary_loops != 1 || shape.genus != 0)
+        throw unsuited("the texture chart is not a disk (" + std::to_string(shape.boundary_loops) + " borders)");
+    std::vector<Vec2d> uv(disk.mesh.positions.size());
+    double twice_area = 0;
+    for (std::uint32_t f = 0; f < disk.mesh.faces.size(); ++f) {
+        const Vec2d* corner = &component.corner_uvs[3 * std::size_t{f}];
+        for (int k = 0; k < 3; ++k) uv[disk.mesh.faces[f][k]] = corner[k];
+        twice_area += cross(corner[1] - corner[0], corner[2] - corner[0]);
+    }
+    if (twice_area < 0)
+        for (Vec2d& p : uv) p.x = -p.x;  // mirrored as a whole
+    try {
+        return sample_free_chart(std::move(disk), std::move(uv), m, n, "uv", tools);
+    } catch (const Error& e) {
+        throw unsuited(e.what());
+    }
+}
+
+}  // namespace dgm::bake

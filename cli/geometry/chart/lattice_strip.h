@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/lattice_strip.h
+// The strip of triangles between the lattice and the border of a free chart.
+#pragma once
+#include "geometry/chart/free_chart.h"
+
+namespace dgm::bake {
+
+/// Needs mask (samples covered by the map), border_uv and representative; thins the mask to the samples that quads may
+/// use, and fills `strip`. Quads that a border edge enters, and samples within 0.15 cells of the border, are given up.
+/// @throws model::Error kMapInvalid if the region cannot be triangulated
+void join_lattice_to_border(SampledChart& chart, const Triangulate& triangulate);
+
+}  // namespace dgm::bake

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/sampled_chart.h
+// A component on its grid: the result of cut, map and resampling, before layers are made of it.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <dgm/layout.h>
+
+#include "geometry/cut/disk.h"
+#include "geometry/metrics/surface_error.h"
+#include "geometry/resample/rasterize.h"
+
+namespace dgm::bake {
+
+/// Samples are numbered as in the file: i*n+j on the grid, then m*n+b for the border samples of a free domain.
+struct SampledChart {
+    std::uint32_t m = 0, n = 0;
+    layout::Domain domain = layout::Domain::kSquare;
+    std::string method;
+    Disk disk;                                 ///< split as the border needed it
+    std::vector<Vec2d> uv;                     ///< the map, per vertex of `disk`
+    std::vector<SurfaceSample> samples;        ///< where each sample lies; face kNone off the surface
+    std::vector<Vec3d> positions;              ///< normalised frame; copies of a class are equal to the bit
+    std::vector<std::uint32_t> representative; ///< lowest sample of the class, itself if alone
+    std::vector<std::uint8_t> diagonals;       ///< (m-1)*(n-1)
+    std::vector<std::uint8_t> mask;            ///< m*n; free domain only
+    std::vector<Vec2d> border_uv;              ///< free domain only, per border sample
+    std::vector<Face> strip;                   ///< free domain only: triangles between lattice and border
+    double cut_length = 0;
+
+    [[nodiscard]] std::size_t grid_count() const { return std::size_t{m} * n; }
+    [[nodiscard]] bool on_surface(std::size_t sample) const {
+        return mask.empty() || sample >= grid_count() || mask[sample] != 0;
+    }
+    /// True if quad (i, j) is drawn: all four corners on the surface.
+    [[nodiscard]] bool has_quad(std::uint32_t i, std::uint32_t j) const;
+    /// Triangles of the grid surface: quads split by `diagonals`, then the strip.
+    [[nodiscard]] std::vector<Face> faces() const;
+    /// The surface as a mesh over `positions`, seam copies kept apart.
+    [[nodiscard]] TriMesh surface() const;
+};
+
+/// Chooses each quad's diagonal by the smaller distance of its middle to the surface point that the map has there;
+/// `centres` is the rasterization at (2m-1) x (2n-1). A diagonal between two copies of one class is never taken.
+void choose_diagonals(SampledChart& chart, const SampleGrid& centres);
+
+/// Positions of all samples from their surface points, classes from their representative.
+void place_samples(SampledChart& chart);
+
+/// Every second sample of a (2m-1) x (2n-1) rasterization: the m x n grid itself.
+[[nodiscard]] std::vector<SurfaceSample> coarsen(const SampleGrid& fine, std::uint32_t m, std::uint32_t n);
+
+/// Error of the chart's surface against its component with few samples: what candidates are compared by.
+[[nodiscard]] SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples);
+
+}  // namespace dgm::bake

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/square_chart.cpp
+#include "geometry/chart/square_chart.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/convex_map.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+class StretchParameterizer final : public Parameterizer {
+  public:
+    [[nodiscard]] std::string_view name() const override { return "stretch"; }
+    [[nodiscard]] bool fixed_border() const override { return true; }
+    [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
+        return reweighted_stretch_map(disk, {}, progress);
+    }
+};
+
+}  // namespace
+
+std::unique_ptr<Parameterizer> make_stretch_parameterizer() { return std::make_unique<StretchParameterizer>(); }
+
+void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view method) {
+    const MapMetrics metrics = measure_map(disk.mesh.positions, disk.mesh.faces, uv);
+    const auto fail = [&](const std::string& what) {
+        throw model::Error(model::codes::kMapInvalid, std::string(method) + ": " + what);
+    };
+    if (metrics.not_finite > 0) fail(std::to_string(metrics.not_finite) + " vertices have no finite map coordinates");
+    if (metrics.flips > 0) fail(std::to_string(metrics.flips) + " faces are flipped in the map");
+    if (metrics.degenerate > 0) fail(std::to_string(metrics.degenerate) + " faces have no area in the map");
+}
+
+SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
+                               const Parameterizer& method, const model::Progress& progress) {
+    const SquareBorder border = lay_square_border(disk, m, n, rotation);
+    SampledChart chart;
+    chart.m = m, chart.n = n;
+    chart.method = method.name();
+    chart.uv = method.solve({disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv}, progress);
+    check_map(disk, chart.uv, method.name());
+    const SampleGrid fine = rasterize(disk.mesh.faces, chart.uv, 2 * m - 1, 2 * n - 1);
+    if (fine.missing > 0)
+        throw model::Error(model::codes::kMapInvalid, std::string(method.name()) + ": " + std::to_string(fine.missing) +
+                                                          " grid points are covered by no face");
+    chart.samples = coarsen(fine, m, n);
+    chart.representative.resize(chart.samples.size());
+    for (std::uint32_t s = 0; s < chart.representative.size(); ++s) chart.representative[s] = s;
+    // The representative of a class is its lowest flat index, whichever place that has in the border cycle.
+    std::vector<std::uint32_t> lowest(border.samples.size(), kNone);
+    for (const BorderSample& s : border.samples) lowest[s.same_as] = std::min(lowest[s.same_as], s.index);
+    for (const BorderSample& s : border.samples) {
+        chart.samples[s.index] = s.at;
+        chart.representative[s.index] = lowest[s.same_as];
+    }
+    chart.disk = std::move(disk);
+    place_samples(chart);
+    choose_diagonals(chart, fine);
+    return chart;
+}
+
+}  // namespace dgm::bake

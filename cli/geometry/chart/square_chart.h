@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/square_chart.h
+// A disk on the whole square (design section 2, square domain).
+#pragma once
+#include <memory>
+
+#include "geometry/chart/sampled_chart.h"
+#include "geometry/parameterize/parameterizer.h"
+
+namespace dgm::bake {
+
+/// Lays the border, solves, checks and resamples. Every map is checked for finite values, flips and degenerate faces
+/// (exact predicates) and coverage before it is believed.
+/// @throws model::Error kMapInvalid with what was wrong, kGridTooSmall, kInterrupted
+[[nodiscard]] SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
+                                             const Parameterizer& method, const model::Progress& progress);
+
+/// `stretch`: reweighted convex map [Yoshizawa 2004], see convex_map.h.
+[[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer();
+
+/// @throws model::Error kMapInvalid unless every vertex is finite and every face positively oriented, by exact predicate.
+void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view method);
+
+}  // namespace dgm::bake

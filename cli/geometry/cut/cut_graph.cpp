@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/cut/cut_graph.cpp
+#include "geometry/cut/cut_graph.h"
+
+#include <algorithm>
+#include <limits>
+#include <queue>
+
+#include "geometry/mesh/union_find.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+VertexGraph build_graph(const TriMesh& mesh, std::span<const std::uint32_t> opposite) {
+    VertexGraph g;
+    g.first.assign(mesh.positions.size() + 1, 0);
+    const auto each_edge = [&](auto visit) {
+        for (std::uint32_t h = 0; h < opposite.size(); ++h)
+            if (opposite[h] == kNone || h < opposite[h]) visit(h, origin(mesh.faces, h), target(mesh.faces, h));
+    };
+    each_edge([&](std::uint32_t, std::uint32_t a, std::uint32_t b) { ++g.first[a + 1], ++g.first[b + 1]; });
+    for (std::size_t v = 1; v < g.first.size(); ++v) g.first[v] += g.first[v - 1];
+    g.arcs.resize(g.first.back());
+    std::vector<std::uint32_t> fill(g.first.begin(), g.first.end() - 1);
+    each_edge([&](std::uint32_t h, std::uint32_t a, std::uint32_t b) {
+        const double l = length(mesh.positions[a] - mesh.positions[b]);
+        g.arcs[fill[a]++] = {b, h, l};
+        g.arcs[fill[b]++] = {a, h, l};
+    });
+    return g;
+}
+
+}  // namespace
+
+CutGraph::CutGraph(const TriMesh& component)
+    : mesh_(&component),
+      opposite_(opposite_half_edges(component.faces)),
+      graph_(build_graph(component, opposite_)),
+      loops_(boundary_loops(opposite_)),
+      cut_(opposite_.size(), 0) {
+    const auto v = static_cast<std::int64_t>(component.positions.size());
+    const auto e = static_cast<std::int64_t>(graph_.arcs.size() / 2);
+    const auto f = static_cast<std::int64_t>(component.faces.size());
+    genus_ = (2 - (v - e + f) - static_cast<std::int64_t>(loops_.size())) / 2;
+}
+
+template <class Stop>
+std::uint32_t CutGraph::search(std::span<const std::uint32_t> sources, Stop stop, Search& out) const {
+    out.distance.assign(mesh_->positions.size(), kInfinity);
+    out.arc.assign(mesh_->positions.size(), kNone);
+    using Entry = std::pair<double, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (std::uint32_t s : sources) out.distance[s] = 0, queue.emplace(0.0, s);
+    while (!queue.empty()) {
+        const auto [d, v] = queue.top();
+        queue.pop();
+        if (d > out.distance[v]) continue;
+        if (stop(v)) return v;
+        for (std::uint32_t a = graph_.first[v]; a < graph_.first[v + 1]; ++a) {
+            const auto& arc = graph_.arcs[a];
+            if (d + arc.length < out.distance[arc.to]) {
+                out.distance[arc.to] = d + arc.length;
+                out.arc[arc.to] = a;
+                queue.emplace(d + arc.length, arc.to);
+            }
+        }
+    }
+    return kNone;
+}
+
+void CutGraph::mark(std::uint32_t half_edge, bool cut) {
+    if (opposite_[half_edge] == kNone) return;
+    cut_[half_edge] = cut_[opposite_[half_edge]] = cut;
+}
+
+void CutGraph::mark_path(const Search& found, std::uint32_t from) {
+    for (std::uint32_t v = from; found.arc[v] != kNone;) {
+        const std::uint32_t h = graph_.arcs[found.arc[v]].half_edge;
+        mark(h, true);
+        v = origin(mesh_->faces, h) == v ? target(mesh_->faces, h) : origin(mesh_->faces, h);
+    }
+}
+
+std::vector<std::uint32_t> CutGraph::cut_vertices() const {
+    std::vector<char> on(mesh_->positions.size(), 0);
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+        if (cut_[h] || opposite_[h] == kNone) on[origin(mesh_->faces, h)] = on[target(mesh_->faces, h)] = 1;
+    std::vector<std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < on.size(); ++v)
+        if (on[v]) vertices.push_back(v);
+    return vertices;
+}
+
+void CutGraph::cut_to_disk() {
+    if (genus_ > 0) cut_handles();
+    if (!loops_.empty()) {
+        join_boundary_loops();
+    } else if (genus_ == 0) {
+        Search s;
+        const std::uint32_t any = mesh_->faces[0][0];
+        const auto farthest = [&](std::uint32_t from) {
+            search(std::span(&from, 1), [](std::uint32_t) { return false; }, s);
+            return static_cast<std::uint32_t>(std::max_element(s.distance.begin(), s.distance.end()) - s.distance.begin());
+        };
+        mark_path(s, farthest(farthest(any)));
+    }
+}
+
+void CutGraph::cut_handles() {
+    const std::size_t n = mesh_->positions.size();
+    // Root: the vertex nearest to the middle of the surface keeps the loops short on both sides.
+    Search tree;
+    std::uint32_t root = mesh_->faces[0][0];
+    for (int sweep = 0; sweep < 2; ++sweep) {
+        search(std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
+        root = static_cast<std::uint32_t>(std::max_element(tree.distance.begin(), tree.distance.end()) - tree.distance.begin());
+    }
+    Search other = tree;  // distances from one end; now from the far end, then take a vertex between
+    search(std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
+    double best = kInfinity;
+    for (std::uint32_t v = 0; v < n; ++v) {
+        const double worse = std::max(tree.distance[v], other.distance[v]);
+        if (worse < best) best = worse, root = v;
+    }
+    search(std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
+
+    std::vector<char> in_tree(opposite_.size(), 0);
+    for (std::uint32_t v = 0; v < n; ++v)
+        if (tree.arc[v] != kNone) {
+            const std::uint32_t h = graph_.arcs[tree.arc[v]].half_edge;
+            in_tree[h] = 1;
+            if (opposite_[h] != kNone) in_tree[opposite_[h]] = 1;
+        }
+    // Dual nodes: faces, then one per boundary loop (the surface with its holes capped).
+    const std::size_t f = mesh_->faces.size();
+    std::vector<std::uint32_t> hole(opposite_.size(), kNone);
+    for (std::uint32_t k = 0; k < loops_.size(); ++k) {
+        std::uint32_t h = loops_[k];
+        do {
+            hole[h] = static_cast<std::uint32_t>(f + k);
+            h = next_border_half_edge(opposite_, h);
+        } while (h != loops_[k]);
+    }
+    std::vector<std::pair<double, std::uint32_t>> edges;
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
+        if (in_tree[h] || (opposite_[h] != kNone && opposite_[h] < h)) continue;
+        const std::uint32_t a = origin(mesh_->faces, h), b = target(mesh_->faces, h);
+        edges.emplace_back(-(tree.distance[a] + tree.distance[b] + dgm::model::length(mesh_->positions[a] - mesh_->positions[b])), h);
+    }
+    std::sort(edges.begin(), edges.end());  // longest loops first: they are the ones the dual tree crosses
+    UnionFind dual(f + loops_.size());
+    for (const auto& [minus_length, h] : edges) {
+        const std::uint32_t left = h / 3, right = opposite_[h] != kNone ? opposite_[h] / 3 : hole[h];
+        if (dual.unite(left, right)) continue;
+        mark(h, true);
+        mark_path(tree, origin(mesh_->faces, h));
+        mark_path(tree, target(mesh_->faces, h));
+    }
+    prune();
+}
+
+void CutGraph::join_boundary_loops() {
+    std::vector<std::uint32_t> loop_of(mesh_->positions.size(), kNone);
+    std::vector<std::vector<std::uint32_t>> members(loops_.size());
+    for (std::uint32_t k = 0; k < loops_.size(); ++k) {
+        std::uint32_t h = loops_[k];
+        do {
+            loop_of[origin(mesh_->faces, h)] = k;
+            members[k].push_back(origin(mesh_->faces, h));
+            h = next_border_half_edge(opposite_, h);
+        } while (h != loops_[k]);
+    }
+    std::vector<char> joined(loops_.size(), 0), on(mesh_->positions.size(), 0);
+    std::vector<std::uint32_t> sources;
+    const auto add_vertex = [&](std::uint32_t v) {
+        if (!on[v]) on[v] = 1, sources.push_back(v);
+    };
+    std::size_t open = loops_.size();
+    const auto add_loop = [&](std::uint32_t k) {
+        joined[k] = 1, --open;
+        for (std::uint32_t v : members[k]) add_vertex(v);
+    };
+    for (std::uint32_t h = 0; h < cut_.size(); ++h)
+        if (cut_[h]) add_vertex(origin(mesh_->faces, h));
+    for (std::uint32_t v : std::vector<std::uint32_t>(sources))
+        if (loop_of[v] != kNone && !joined[loop_of[v]]) add_loop(loop_of[v]);
+    if (sources.empty()) {
+        // Start from the longest loop: it is the one that should face the square's border most.
+        std::size_t longest = 0;
+        for (std::size_t k = 1; k < members.size(); ++k)
+            if (members[k].size() > members[longest].size()) longest = k;
+        add_loop(static_cast<std::uint32_t>(longest));
+    }
+    Search s;
+    while (open > 0) {
+        const std::uint32_t end = search(
+            sources, [&](std::uint32_t v) { return loop_of[v] != kNone && !joined[loop_of[v]]; }, s);
+        if (end == kNone) break;  // cannot happen on a connected component
+        for (std::uint32_t v = end; s.arc[v] != kNone;) {
+            const std::uint32_t h = graph_.arcs[s.arc[v]].half_edge;
+            mark(h, true);
+            v = origin(mesh_->faces, h) == v ? target(mesh_->faces, h) : origin(mesh_->faces, h);
+            add_vertex(v);
+        }
+        add_loop(loop_of[end]);
+    }
+}
+
+void CutGraph::prune() {
+    std::vector<std::uint32_t> degree(mesh_->positions.size(), 0);
+    std::vector<char> border(mesh_->positions.size(), 0);
+    const auto each = [&](auto visit) {
+        for (std::uint32_t h = 0; h < cut_.size(); ++h)
+            if (cut_[h] && h < opposite_[h]) visit(h, origin(mesh_->faces, h), target(mesh_->faces, h));
+    };
+    each([&](std::uint32_t, std::uint32_t a, std::uint32_t b) { ++degree[a], ++degree[b]; });
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+        if (opposite_[h] == kNone) border[origin(mesh_->faces, h)] = 1;
+    std::vector<std::uint32_t> leaves;
+    const auto is_leaf = [&](std::uint32_t v) { return degree[v] == 1 && !border[v]; };
+    for (std::uint32_t v = 0; v < degree.size(); ++v)
+        if (is_leaf(v)) leaves.push_back(v);
+    while (!leaves.empty()) {
+        const std::uint32_t v = leaves.back();
+        leaves.pop_back();
+        if (!is_leaf(v)) continue;
+        for (std::uint32_t a = graph_.first[v]; a < graph_.first[v + 1]; ++a) {
+            const auto& arc = graph_.arcs[a];
+            if (!cut_[arc.half_edge]) continue;
+            mark(arc.half_edge, false);
+            --degree[v], --degree[arc.to];
+            if (is_leaf(arc.to)) leaves.push_back(arc.to);
+        }
+    }
+}
+
+double CutGraph::join(std::uint32_t vertex) {
+    std::vector<char> on(mesh_->positions.size(), 0);
+    for (std::uint32_t v : cut_vertices()) on[v] = 1;
+    Search s;
+    const std::uint32_t end = search(std::span(&vertex, 1), [&](std::uint32_t v) { return on[v] != 0; }, s);
+    if (end == kNone || end == vertex) return 0;
+    mark_path(s, end);
+    return s.distance[end];
+}
+
+std::vector<double> CutGraph::distance_to_cut() const {
+    Search s;
+    search(cut_vertices(), [](std::uint32_t) { return false; }, s);
+    return std::move(s.distance);
+}
+
+double CutGraph::length() const {
+    double total = 0;
+    for (std::uint32_t h = 0; h < cut_.size(); ++h)
+        if (cut_[h] && h < opposite_[h])
+            total += dgm::model::length(mesh_->positions[origin(mesh_->faces, h)] - mesh_->positions[target(mesh_->faces, h)]);
+    return total;
+}
+
+Disk CutGraph::open() const {
+    Disk disk;
+    disk.mesh = *mesh_;
+    disk.mesh.positions.clear();
+    disk.opposite = opposite_;
+    disk.mate.assign(opposite_.size(), kNone);
+    UnionFind corners(opposite_.size());
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
+        const std::uint32_t o = opposite_[h];
+        if (o == kNone) continue;
+        if (cut_[h]) {
+            disk.opposite[h] = kNone;
+            disk.mate[h] = o;
+        } else if (h < o) {
+            corners.unite(h, next_half_edge(o));
+            corners.unite(next_half_edge(h), o);
+        }
+    }
+    std::vector<std::uint32_t> id(opposite_.size(), kNone);
+    for (std::uint32_t c = 0; c < opposite_.size(); ++c) {
+        const std::uint32_t set = corners.find(c), v = mesh_->faces[c / 3][c % 3];
+        if (id[set] == kNone) {
+            id[set] = static_cast<std::uint32_t>(disk.mesh.positions.size());
+            disk.mesh.positions.push_back(mesh_->positions[v]);
+            disk.weld.push_back(v);
+        }
+        disk.mesh.faces[c / 3][c % 3] = id[set];
+    }
+    disk.weld_count = static_cast<std::uint32_t>(mesh_->positions.size());
+    return disk;
+}
+
+}  // namespace dgm::bake

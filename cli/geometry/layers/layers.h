@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/layers/layers.h
+// From a sampled chart to the layers of the file (design section 4, formats/SPEC.md): one .cpp per layer.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/chart/sampled_chart.h"
+#include "geometry/repair/repair.h"
+#include "image/image.h"
+#include "model/map_set.h"
+
+namespace dgm::bake {
+
+/// How positions are stored: source = offset + scale * stored. Local coordinates are scale * stored, in source units.
+struct StoredFrame {
+    std::array<double, 3> offset{};
+    std::array<double, 3> scale{1, 1, 1};
+    bool quantised = false;  ///< u16 rather than f32
+};
+
+/// f32: scale 1, offset 0 unless the asset lies farther from the origin than 8 diagonals, then its centre.
+/// u16: one step per chart, offset its lowest corner. Asset-wide input, so that the charts of an asset share a frame.
+[[nodiscard]] StoredFrame choose_frame(const Frame& frame, const SampledChart& chart, bool quantised);
+
+/// Images of the asset's materials, decoded once; entries may be empty (no texture, or missing).
+struct MaterialImages {
+    std::vector<std::optional<formats::Image>> colour;       ///< per material
+    std::vector<std::optional<formats::FloatImage>> height;  ///< per material; 0..1
+    std::optional<formats::Image> fabric;                    ///< --texture: replaces colour, laid once over the chart
+};
+
+struct LayerInput {
+    const SampledChart& chart;
+    const Frame& frame;
+    const StoredFrame& stored;
+    const MaterialImages& images;
+    const SampleGrid& fine;         ///< rasterization at (2m-1) x (2n-1)
+    std::optional<std::pair<std::uint32_t, std::uint32_t>> texture_size;
+};
+
+/// Stored positions of all samples, and what they decode to: local coordinates, source units, equal bits within a class.
+struct StoredPositions {
+    model::Layer geometry;                          ///< [m][n][3]
+    std::optional<model::Layer> border_geometry;    ///< [k][3] f32, free domain
+    std::vector<Vec3d> local;                       ///< per sample, border samples after the grid
+    double worst_quantisation = 0;                  ///< half a step, source units; 0 for f32
+};
+[[nodiscard]] StoredPositions store_positions(const LayerInput& in);
+
+/// Unit normals of all samples, decoded from their octahedral codes, and the layers `normal`, `border_normal`.
+struct StoredNormals {
+    model::Layer normal;
+    std::optional<model::Layer> border_normal;
+    std::vector<Vec3d> decoded;
+};
+[[nodiscard]] StoredNormals store_normals(const LayerInput& in);
+
+/// u8 [mt][nt][4]; nothing if the asset has neither textures nor colours nor a material colour.
+[[nodiscard]] std::optional<model::Layer> make_texture(const LayerInput& in);
+/// f16 [2m-1][2n-1]: height of the mapped surface over the stored grid surface along the decoded normal, plus the
+/// material's height map (`-bm` source units from black to white; 1 % of the diagonal where the file does not say).
+[[nodiscard]] model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, const StoredNormals& normals);
+/// f32 [nodes][6], attribute `levels`.
+[[nodiscard]] model::Layer make_collision(const SampledChart& chart, std::span<const Vec3d> local);
+/// f32 [m][n], rounded up.
+[[nodiscard]] model::Layer make_cover(const SampledChart& chart, std::span<const Vec3d> local);
+/// f32 [m][n][4]: E, F, G by central differences over the seam, and stiffness (vertex alpha, else 1).
+[[nodiscard]] model::Layer make_deformation(const SampledChart& chart, std::span<const Vec3d> local);
+/// f32 [m][n][2]: area (a third of each triangle to each corner; border samples hand theirs to a grid sample) and mobility.
+[[nodiscard]] model::Layer make_contact(const SampledChart& chart, std::span<const Vec3d> local);
+/// seams, diagonals, and for a free domain mask, border_uv, border_faces: what every reader of geometry needs.
+[[nodiscard]] std::vector<model::Layer> make_tables(const SampledChart& chart);
+
+/// A layer of the given type and shape with its bytes zeroed.
+[[nodiscard]] model::Layer empty_layer(std::string name, model::ElementType type, std::vector<std::uint64_t> shape);
+template <class T>
+[[nodiscard]] std::span<T> values(model::Layer& layer) {
+    return {reinterpret_cast<T*>(layer.bytes.data()), layer.bytes.size() / sizeof(T)};
+}
+
+/// True if the layers asked for (empty: all) include `name`.
+[[nodiscard]] bool wants(std::span<const std::string> asked, std::string_view name);
+
+/// The layers `asked` for (empty: all that have data) in file order; geometry and the tables always.
+struct ChartLayers {
+    model::Chart chart;
+    double worst_quantisation = 0;
+};
+[[nodiscard]] ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked);
+
+}  // namespace dgm::bake

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/layers/normal.cpp
+// Layer `normal` (eq. 6 for normals): the source's own normals interpolated, else area-weighted vertex normals.
+#include "geometry/layers/layers.h"
+#include "model/octahedral.h"
+
+namespace dgm::bake {
+
+StoredNormals store_normals(const LayerInput& in) {
+    const SampledChart& chart = in.chart;
+    const TriMesh& mesh = chart.disk.mesh;
+    // Over the welded surface, so that the two sides of a cut agree.
+    std::vector<Vec3d> welded(chart.disk.weld_count, Vec3d{});
+    for (const Face& f : mesh.faces) {
+        const Vec3d area = cross(mesh.positions[f[1]] - mesh.positions[f[0]], mesh.positions[f[2]] - mesh.positions[f[0]]);
+        for (std::uint32_t v : f) welded[chart.disk.weld[v]] += area;
+    }
+    for (Vec3d& n : welded) n = normalized(n, Vec3d{});
+    StoredNormals out;
+    const std::size_t grid = chart.grid_count(), extra = chart.samples.size() - grid;
+    out.normal = empty_layer("normal", model::ElementType::kI16, {chart.m, chart.n, 2});
+    if (extra > 0) out.border_normal = empty_layer("border_normal", model::ElementType::kI16, {extra, 2});
+    out.decoded.assign(chart.samples.size(), Vec3d{0, 0, 1});
+    for (std::size_t s = 0; s < chart.samples.size(); ++s) {
+        if (!chart.on_surface(s)) continue;
+        const SurfaceSample& at = chart.samples[chart.representative[s]];
+        if (at.face == kNone) continue;
+        Vec3d own, smooth;
+        for (int k = 0; k < 3; ++k) {
+            if (!mesh.corner_normals.empty()) own += mesh.corner_normals[3 * at.face + k] * at.b[k];
+            smooth += welded[chart.disk.weld[mesh.faces[at.face][k]]] * at.b[k];
+        }
+        const model::OctahedralCode code = model::encode_octahedral(length(own) > 0.1 ? own : smooth);
+        auto codes = s < grid ? values<std::int16_t>(out.normal).subspan(2 * s, 2)
+                              : values<std::int16_t>(*out.border_normal).subspan(2 * (s - grid), 2);
+        codes[0] = code[0], codes[1] = code[1];
+        out.decoded[s] = model::decode_octahedral(code);
+    }
+    return out;
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/layers/position.cpp
+// Layer `geometry` (eq. 1) and the frame it is stored in.
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/layers/layers.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kFar = 8;  // diagonals from the origin; at 8 a float still resolves 5e-7 of the diagonal
+constexpr double kCodes = 65535;
+
+}  // namespace
+
+StoredFrame choose_frame(const Frame& frame, const SampledChart& chart, bool quantised) {
+    StoredFrame out;
+    const double far = std::max({std::abs(frame.centre.x), std::abs(frame.centre.y), std::abs(frame.centre.z)});
+    const bool keep_origin = far <= kFar * frame.diagonal;
+    if (!quantised) {
+        if (!keep_origin) out.offset = {frame.centre.x, frame.centre.y, frame.centre.z};
+        return out;
+    }
+    out.quantised = true;
+    double extent = 0;
+    Vec3d lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
+    for (std::size_t s = 0; s < chart.positions.size(); ++s) {
+        if (!chart.on_surface(s)) continue;
+        for (int k = 0; k < 3; ++k) {
+            lo[k] = std::min(lo[k], chart.positions[s][k]);
+            hi[k] = std::max(hi[k], chart.positions[s][k]);
+        }
+    }
+    for (int k = 0; k < 3; ++k) extent = std::max(extent, hi[k] - lo[k]);
+    const double step = extent * frame.diagonal / kCodes;
+    for (int k = 0; k < 3; ++k) {
+        out.offset[k] = frame.centre[k] + frame.diagonal * lo[k];
+        out.scale[k] = step;
+    }
+    return out;
+}
+
+StoredPositions store_positions(const LayerInput& in) {
+    const SampledChart& chart = in.chart;
+    const StoredFrame& stored = in.stored;
+    StoredPositions out;
+    const std::size_t grid = chart.grid_count(), extra = chart.positions.size() - grid;
+    out.geometry = empty_layer("geometry", stored.quantised ? model::ElementType::kU16 : model::ElementType::kF32,
+                               {chart.m, chart.n, 3});
+    if (extra > 0) out.border_geometry = empty_layer("border_geometry", model::ElementType::kF32, {extra, 3});
+    out.local.resize(chart.positions.size());
+    for (std::size_t s = 0; s < chart.positions.size(); ++s) {
+        const std::size_t from = chart.representative[s];
+        if (from != s) {
+            out.local[s] = out.local[from];
+        } else if (!chart.on_surface(s)) {
+            continue;
+        }
+        for (int k = 0; k < 3; ++k) {
+            // source - offset, without forming a large source coordinate first
+            const double relative = (in.frame.centre[k] - stored.offset[k]) + in.frame.diagonal * chart.positions[from][k];
+            if (s >= grid) {
+                const auto value = static_cast<float>(relative);
+                values<float>(*out.border_geometry)[3 * (s - grid) + k] = value;
+                out.local[s][k] = value;
+            } else if (stored.quantised) {
+                const double code = std::clamp(std::round(relative / stored.scale[k]), 0.0, kCodes);
+                values<std::uint16_t>(out.geometry)[3 * s + k] = static_cast<std::uint16_t>(code);
+                out.local[s][k] = stored.scale[k] * code;
+            } else {
+                const auto value = static_cast<float>(relative);
+                values<float>(out.geometry)[3 * s + k] = value;
+                out.local[s][k] = value;
+            }
+        }
+    }
+    if (stored.quantised) out.worst_quantisation = stored.scale[0] / 2;
+    return out;
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/mesh/half_edges.h
+// Who lies across each edge. Half-edge 3*f+k runs from corner k of face f to corner k+1.
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "model/tri_mesh.h"
+
+namespace dgm::bake {
+
+using model::Face;
+using model::TriMesh;
+using model::Vec2d;
+using model::Vec3d;
+
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+[[nodiscard]] constexpr std::uint32_t next_half_edge(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+[[nodiscard]] constexpr std::uint32_t previous_half_edge(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+[[nodiscard]] inline std::uint32_t origin(std::span<const Face> faces, std::uint32_t h) { return faces[h / 3][h % 3]; }
+[[nodiscard]] inline std::uint32_t target(std::span<const Face> faces, std::uint32_t h) {
+    return faces[h / 3][(h + 1) % 3];
+}
+
+/// Opposite half-edge of each half-edge, kNone on a border. The faces must be an oriented manifold without two edges
+/// between the same vertices (what repair() returns).
+[[nodiscard]] std::vector<std::uint32_t> opposite_half_edges(std::span<const Face> faces);
+
+/// The border half-edge that follows border half-edge `h` along its loop, surface on the left.
+[[nodiscard]] std::uint32_t next_border_half_edge(std::span<const std::uint32_t> opposite, std::uint32_t h);
+
+/// One border half-edge per boundary loop, lowest half-edge of each.
+[[nodiscard]] std::vector<std::uint32_t> boundary_loops(std::span<const std::uint32_t> opposite);
+
+[[nodiscard]] inline double face_area(const std::array<Vec3d, 3>& q) {
+    return 0.5 * length(cross(q[1] - q[0], q[2] - q[0]));
+}
+
+}  // namespace dgm::bake

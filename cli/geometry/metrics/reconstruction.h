@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/metrics/reconstruction.h
+// The surface that a chart's layers describe, as the runtime would draw it: what every error is measured on.
+#pragma once
+#include "model/map_set.h"
+#include "model/tri_mesh.h"
+
+namespace dgm::bake {
+
+struct Reconstruction {
+    model::TriMesh mesh;                    ///< source frame (offset and scale applied), seam copies kept apart
+    std::vector<std::uint32_t> weld;        ///< per vertex: its class representative (seam table), else itself
+    std::vector<model::Face> welded_faces;  ///< mesh.faces through `weld`
+    double seam_gap = 0;                    ///< largest distance between copies of a class; must be exactly 0
+};
+
+/// Vertices are grid samples (i*n+j), then border samples (m*n+b). Faces are the quads' triangles (split by
+/// `diagonals`, quads with an unmasked corner left out), then `border_faces`. Samples off the surface are dropped from
+/// faces, not renumbered. corner_normals are filled if the layer `normal` is there, corner_uvs with the chart's (v, u).
+/// @throws model::Error kMissingLayer without geometry, kBadLayerShape, kBadValue (a border face beyond the samples),
+/// kBadSeamTable; place is the layer's name
+[[nodiscard]] Reconstruction reconstruct(const model::Chart& chart);
+
+}  // namespace dgm::bake

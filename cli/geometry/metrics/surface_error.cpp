@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/metrics/surface_error.cpp
+// Two one-sided measurements: sample one surface, ask the other for the closest point.
+//
+// Samples are stratified along the cumulative area of the faces (one jittered sample a stratum, so a face's share of
+// samples is its share of area to within one) and follow the golden-ratio sequence across: a two-triangle square gets a
+// Fibonacci lattice, a scan with more faces than samples gets jitter. They come out in face order, so each query can
+// start from the last one's face. Results go into an array and are summed in a fixed order: the same bits for any
+// number of threads.
+#include "geometry/metrics/surface_error.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "geometry/spatial/closest_point.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+using model::Face;
+using model::TriMesh;
+using model::Vec3d;
+
+constexpr std::size_t kBlock = 2048;       // queries that share a chain of hints
+constexpr std::size_t kProgressSteps = 8;  // a direction, between reports
+
+struct Sample {
+    Vec3d point;
+    std::uint32_t face;
+    double r1, r2;  // barycentric: 1 - r1, r1 (1 - r2), r1 r2
+};
+
+struct OneSided {
+    double rms = 0, hausdorff = 0, normal_rms_degrees = 0;
+    std::uint64_t samples = 0;
+};
+
+/// SplitMix64: a counter-based generator, so that sample k does not depend on who draws it.
+std::uint64_t scramble(std::uint64_t x) {
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+double unit_interval(std::uint64_t bits) {
+    return static_cast<double>(bits >> 11) * 0x1p-53;
+}
+
+/// Fixed-order pairwise sum: error grows with log n, and only n decides the order.
+double pairwise_sum(std::span<const double> x) {
+    if (x.size() <= 64) {
+        double sum = 0;
+        for (const double v : x) sum += v;
+        return sum;
+    }
+    const std::size_t half = x.size() / 2;
+    return pairwise_sum(x.first(half)) + pairwise_sum(x.subspan(half));
+}
+
+bool usable(const TriMesh& mesh, const Face& f) {
+    for (const std::uint32_t v : f)
+        if (v >= mesh.positions.size() || !is_finite(mesh.positions[v])) return false;
+    return true;
+}
+
+/// Area of each face (0 for faces that cannot be used) in units of `unit` squared.
+std::vector<double> face_areas(const TriMesh& mesh, double unit) {
+    std::vector<double> areas(mesh.faces.size(), 0.0);
+    for (std::size_t f = 0; f < areas.size(); ++f) {
+        if (!usable(mesh, mesh.faces[f])) continue;
+        const auto [a, b, c] = mesh.corners(f);
+        const double area = 0.5 * length(cross((b - a) / unit, (c - a) / unit));
+        if (std::isfinite(area)) areas[f] = area;
+    }
+    return areas;
+}
+
+std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> areas, std::uint64_t count,
+                                 std::uint64_t seed) {
+    std::vector<Sample> samples;
+    const double total = pairwise_sum(areas);
+    if (!(total > 0) || count == 0) return samples;
+    samples.reserve(count);
+    const double stratum = total / static_cast<double>(count);
+    const std::uint64_t golden = 0x9e3779b97f4a7c15u;  // 2^64 / phi
+    std::size_t face = 0, last = areas.size();
+    while (!(areas[last - 1] > 0)) --last;
+    double before = 0;  // area of the faces before `face`
+    for (std::uint64_t k = 0; k < count; ++k) {
+        const double target = (static_cast<double>(k) + unit_interval(scramble(seed ^ scramble(k)))) * stratum;
+        while (face + 1 < last && before + areas[face] <= target) before += areas[face++];
+        const double t = areas[face] > 0 ? std::clamp((target - before) / areas[face], 0.0, 1.0) : 0.0;
+        Sample s{{}, static_cast<std::uint32_t>(face), std::sqrt(t), unit_interval(scramble(seed) + golden * k)};
+        const auto [a, b, c] = mesh.corners(face);
+        s.point = a + (b - a) * (s.r1 * (1 - s.r2)) + (c - a) * (s.r1 * s.r2);
+        samples.push_back(s);
+    }
+    return samples;
+}
+
+/// Every vertex that a usable face names, with such a face, in vertex order.
+std::vector<Sample> vertex_samples(const TriMesh& mesh) {
+    constexpr auto kNone = ClosestPointIndex::kNoFace;
+    std::vector<std::uint32_t> face_of(mesh.positions.size(), kNone);
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        if (!usable(mesh, mesh.faces[f])) continue;
+        for (const std::uint32_t v : mesh.faces[f])
+            if (face_of[v] == kNone) face_of[v] = static_cast<std::uint32_t>(f);
+    }
+    std::vector<Sample> samples;
+    for (std::size_t v = 0; v < face_of.size(); ++v)
+        if (face_of[v] != kNone) samples.push_back({mesh.positions[v], face_of[v], 0, 0});
+    return samples;
+}
+
+/// Interpolated corner normal, or the face's; zero if there is none.
+Vec3d normal_at(const TriMesh& mesh, std::size_t face, const double (&bary)[3], bool use_corners) {
+    if (use_corners) {
+        Vec3d n;
+        for (std::size_t k = 0; k < 3; ++k) n += mesh.corner_normals[3 * face + k] * bary[k];
+        return normalized(n, {});
+    }
+    const auto [a, b, c] = mesh.corners(face);
+    return normalized(cross(b - a, c - a), {});
+}
+
+/// Angle between unit vectors in degrees, good to the last bits for small angles too.
+double angle_degrees(const Vec3d& a, const Vec3d& b) {
+    return std::atan2(length(cross(a, b)), dot(a, b)) * (180 / std::numbers::pi);
+}
+
+class Direction {
+ public:
+    Direction(const TriMesh& from, const TriMesh& to, const ClosestPointIndex& index, double unit, bool with_normals)
+        : from_(from),
+          to_(to),
+          index_(index),
+          unit_(unit),
+          with_normals_(with_normals),
+          use_corners_(from.corner_normals.size() == 3 * from.faces.size() &&
+                       to.corner_normals.size() == 3 * to.faces.size()) {}
+
+    OneSided measure(const SurfaceErrorOptions& options, const model::Progress& progress, double progress_from,
+                     double progress_to) {
+        const std::vector<double> areas = face_areas(from_, unit_);
+        const std::vector<Sample> surface = area_samples(from_, areas, options.samples, options.seed);
+        const std::vector<Sample> vertices = vertex_samples(from_);
+        std::vector<double> squared(surface.size()), vertex_squared(vertices.size());
+        if (with_normals_) angles_squared_.assign(surface.size(), kNoAngle);
+
+        const std::size_t total = surface.size() + vertices.size();
+        std::size_t done = 0;
+        const auto run = [&](std::span<const Sample> samples, std::span<double> out, bool angles) {
+            const std::size_t step = std::max(kBlock, total / kProgressSteps / kBlock * kBlock);
+            for (std::size_t begin = 0; begin < samples.size(); begin += step) {
+                progress.update("measure", progress_from + (progress_to - progress_from) * static_cast<double>(done) /
+                                                               static_cast<double>(total));
+                const std::size_t end = std::min(samples.size(), begin + step);
+                const std::size_t blocks = (end - begin + kBlock - 1) / kBlock;
+                tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
+                    const std::size_t first = begin + b * kBlock;
+                    measure_block(samples, out, first, std::min(end, first + kBlock), angles);
+                });
+                done += end - begin;
+            }
+        };
+        run(surface, squared, with_normals_);
+        run(vertices, vertex_squared, false);
+
+        OneSided result;
+        result.samples = total;
+        double worst = 0;
+        for (const double d : squared) worst = std::max(worst, d);
+        for (const double d : vertex_squared) worst = std::max(worst, d);
+        result.hausdorff = std::sqrt(worst) * unit_;
+        // A mesh without any area has only its vertices to speak for it.
+        const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
+        if (!weighted.empty())
+            result.rms = std::sqrt(pairwise_sum(weighted) / static_cast<double>(weighted.size())) * unit_;
+        if (with_normals_) {
+            std::erase(angles_squared_, kNoAngle);
+            if (!angles_squared_.empty())
+                result.normal_rms_degrees =
+                    std::sqrt(pairwise_sum(angles_squared_) / static_cast<double>(angles_squared_.size()));
+        }
+        return result;
+    }
+
+ private:
+    static constexpr double kNoAngle = -1;
+
+    void measure_block(std::span<const Sample> samples, std::span<double> out, std::size_t begin, std::size_t end,
+                       bool angles) {
+        std::uint32_t hint = ClosestPointIndex::kNoFace;
+        for (std::size_t k = begin; k < end; ++k) {
+            const Sample& s = samples[k];
+            const ClosestPoint found = index_.query(s.point, hint);
+            hint = found.face;
+            const double d = found.distance / unit_;  // squares neither over- nor underflow in this unit
+            out[k] = d * d;
+            if (!angles || found.face == ClosestPointIndex::kNoFace) continue;
+            const Vec3d here = normal_at(from_, s.face, {1 - s.r1, s.r1 * (1 - s.r2), s.r1 * s.r2}, use_corners_);
+            const Vec3d there = normal_at(to_, found.face, found.barycentric, use_corners_);
+            if (here == Vec3d{} || there == Vec3d{}) continue;
+            const double angle = angle_degrees(here, there);
+            angles_squared_[k] = angle * angle;
+        }
+    }
+
+    const TriMesh& from_;
+    const TriMesh& to_;
+    const ClosestPointIndex& index_;
+    double unit_;
+    bool with_normals_, use_corners_;
+    std::vector<double> angles_squared_;
+};
+
+/// Bounding-box diagonal of the vertices that usable faces name. @throws model::Error kNoFaces if there are none
+double diagonal_of(const TriMesh& mesh, const char* name) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+    for (const Face& f : mesh.faces) {
+        if (!usable(mesh, f)) continue;
+        for (const std::uint32_t v : f)
+            for (int k = 0; k < 3; ++k) {
+                low[k] = std::min(low[k], mesh.positions[v][k]);
+                high[k] = std::max(high[k], mesh.positions[v][k]);
+            }
+    }
+    if (!is_finite(low))
+        throw model::Error(model::codes::kNoFaces, std::string("nothing to measure: the ") + name + " has " +
+                                                       std::to_string(mesh.faces.size()) +
+                                                       " faces, none with finite corners");
+    const Vec3d size = high - low;
+    return std::hypot(size.x, size.y, size.z);
+}
+}  // namespace
+
+double SurfaceError::psnr() const {
+    constexpr double kCap = 300;  // dB
+    if (!(rms > 0)) return kCap;
+    if (!(diagonal > 0)) return 0;
+    return std::min(kCap, 20 * std::log10(diagonal / rms));
+}
+
+SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, const SurfaceErrorOptions& options,
+                                   const model::Progress& progress) {
+    SurfaceError out;
+    out.diagonal = diagonal_of(source, "source");
+    const double map_diagonal = diagonal_of(map, "map");
+    const double unit = std::max({out.diagonal, map_diagonal, std::numeric_limits<double>::min()});
+
+    OneSided forward, backward;
+    {
+        const ClosestPointIndex index(map.positions, map.faces);
+        forward = Direction(source, map, index, unit, true).measure(options, progress, 0, 0.5);
+    }
+    {
+        const ClosestPointIndex index(source.positions, source.faces);
+        backward = Direction(map, source, index, unit, false).measure(options, progress, 0.5, 1);
+    }
+    out.rms_forward = forward.rms;
+    out.rms_backward = backward.rms;
+    out.rms = std::max(forward.rms, backward.rms);
+    out.hausdorff_forward = forward.hausdorff;
+    out.hausdorff_backward = backward.hausdorff;
+    out.hausdorff = std::max(forward.hausdorff, backward.hausdorff);
+    out.normal_rms_degrees = forward.normal_rms_degrees;
+    out.samples = forward.samples + backward.samples;
+    return out;
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/metrics/surface_error.h
+// How far two surfaces are apart (design section 7): rms, hausdorff, normal_rms.
+#pragma once
+#include <cstdint>
+
+#include "model/progress.h"
+#include "model/tri_mesh.h"
+
+namespace dgm::bake {
+
+struct SurfaceError {
+    double rms = 0, hausdorff = 0;      ///< symmetric: the larger of the two directions; units of the meshes
+    double rms_forward = 0, rms_backward = 0;            ///< source to map, map to source
+    double hausdorff_forward = 0, hausdorff_backward = 0;
+    double normal_rms_degrees = 0;      ///< angle between matched face normals, source to map
+    double diagonal = 0;                ///< bounding-box diagonal of the source
+    std::uint64_t samples = 0;          ///< points used, both directions together
+    [[nodiscard]] double psnr() const;  ///< 20 log10(diagonal / rms), capped at 300 dB for identical surfaces
+};
+
+struct SurfaceErrorOptions {
+    std::uint64_t samples = 400'000;  ///< area-weighted random points each way, beside every vertex
+    std::uint64_t seed = 1;
+};
+
+/// Symmetric surface-to-surface error by dense area-weighted sampling (deterministic) plus all vertices of both meshes,
+/// with exact point-triangle distances. The same bits whatever the number of threads.
+/// @throws model::Error kNoFaces if a mesh has no faces
+[[nodiscard]] SurfaceError measure_surface_error(const model::TriMesh& source, const model::TriMesh& map,
+                                                 const SurfaceErrorOptions& options = {},
+                                                 const model::Progress& progress = {});
+
+}  // namespace dgm::bake

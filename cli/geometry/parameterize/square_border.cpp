@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/parameterize/square_border.cpp
+// Positions along the border are counted in sample intervals: t in [0, 2(m-1) + 2(n-1)), whole numbers are samples.
+#include "geometry/parameterize/square_border.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "geometry/mesh/union_find.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+using model::Error;
+namespace codes = model::codes;
+
+/// tau[i]: position of the path's i-th vertex in intervals from the path's start, strictly growing from 0 to k.
+std::vector<double> vertex_positions(const TriMesh& mesh, const BorderPath& path, std::uint32_t k) {
+    const std::size_t edges = path.half_edges.size();
+    std::vector<double> s(edges + 1, 0.0);
+    for (std::size_t i = 0; i < edges; ++i) {
+        const std::uint32_t h = path.half_edges[i];
+        s[i + 1] = s[i] + length(mesh.positions[target(mesh.faces, h)] - mesh.positions[origin(mesh.faces, h)]);
+    }
+    const double total = s.back();
+    // Where arc length has no room between two vertices (graded or coincident ones), mix in equal spacing.
+    for (double share : {0.0, 0.01, 0.1, 1.0}) {
+        std::vector<double> tau(edges + 1);
+        bool strict = total > 0 || share == 1.0;
+        for (std::size_t i = 0; i <= edges && strict; ++i) {
+            const double arc = total > 0 ? s[i] / total : 0, even = static_cast<double>(i) / static_cast<double>(edges);
+            tau[i] = k * (arc * (1 - share) + even * share);
+            strict = i == 0 || tau[i] - tau[i - 1] > 1e-9;
+        }
+        tau.back() = k;
+        if (strict || share == 1.0) return tau;
+    }
+    return {};
+}
+
+struct Laid {
+    std::uint32_t start = 0, intervals = 0;
+    std::uint32_t mate = kNone;
+    std::vector<std::uint32_t> vertices;  // of the disk, in border order
+    std::vector<double> tau;              // per vertex, from the path's own start
+};
+
+/// A path of least(path) intervals keeps its quads apart: a loop needs three, or its ends share a quad's triangle.
+std::uint32_t least(const BorderPath& path, bool roomy) { return path.is_loop ? 3u : roomy ? 2u : 1u; }
+
+class BorderLayout {
+  public:
+    BorderLayout(Disk& disk, BorderGrid grid, std::uint32_t rotation) : disk_(disk), grid_(grid) {
+        const std::vector<BorderPath> paths = disk.paths();
+        const std::vector<std::uint32_t> intervals = fits_four_corners(paths)
+                                                         ? std::vector<std::uint32_t>{grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1}
+                                                         : allocate_intervals(paths, grid.count());
+        std::uint32_t start = rotation % grid.count();
+        for (std::size_t p = 0; p < paths.size(); ++p) {
+            Laid l;
+            l.start = start;
+            l.intervals = intervals[p];
+            l.mate = paths[p].mate;
+            for (std::uint32_t h : paths[p].half_edges) l.vertices.push_back(origin(disk.mesh.faces, h));
+            l.vertices.push_back(target(disk.mesh.faces, paths[p].half_edges.back()));
+            if (l.mate != kNone && l.mate < p) {
+                const std::vector<double>& other = laid_[l.mate].tau;
+                for (std::size_t i = other.size(); i-- > 0;) l.tau.push_back(l.intervals - other[i]);
+            } else {
+                l.tau = vertex_positions(disk.mesh, paths[p], intervals[p]);
+            }
+            start = (start + intervals[p]) % grid.count();
+            laid_.push_back(std::move(l));
+            out_.smallest_interval = p == 0 ? paths[p].length / intervals[p]
+                                            : std::min(out_.smallest_interval, paths[p].length / intervals[p]);
+        }
+    }
+
+    SquareBorder run() {
+        for (int k = 0; k < 4; ++k) put_corner(grid_.corner(k));
+        split_chords();
+        read_border();
+        sample_border();
+        return std::move(out_);
+    }
+
+  private:
+    bool fits_four_corners(const std::vector<BorderPath>& paths) const {
+        if (paths.size() != 4) return false;
+        for (const BorderPath& path : paths)
+            if (path.mate != kNone) return false;
+        return true;
+    }
+
+    [[nodiscard]] std::uint32_t border_half_edge(std::uint32_t from) const {
+        for (std::uint32_t h : disk_.border())
+            if (origin(disk_.mesh.faces, h) == from) return h;
+        return kNone;
+    }
+
+    /// Puts a vertex at border sample t (and at its mate's place), unless one is there.
+    void put_corner(std::uint32_t t) {
+        for (Laid& path : laid_) {
+            const std::uint32_t q = (t + grid_.count() - path.start) % grid_.count();
+            if (q >= path.intervals || q == 0) continue;
+            Laid* mate = path.mate == kNone ? nullptr : &laid_[path.mate];
+            const auto at = static_cast<std::size_t>(std::lower_bound(path.tau.begin(), path.tau.end(), q) - path.tau.begin());
+            const auto snap = [&](std::size_t i) {
+                path.tau[i] = q;
+                if (mate != nullptr) mate->tau[mate->tau.size() - 1 - i] = mate->intervals - q;
+            };
+            constexpr double kSnap = 1e-6;  // of an interval: a vertex this near becomes the corner itself
+            if (at + 1 < path.tau.size() && path.tau[at] - q < kSnap) return snap(at);
+            if (at > 1 && q - path.tau[at - 1] < kSnap) return snap(at - 1);
+            const double share = (q - path.tau[at - 1]) / (path.tau[at] - path.tau[at - 1]);
+            const NewVertices added = disk_.split(border_half_edge(path.vertices[at - 1]), share);
+            const auto offset = static_cast<std::ptrdiff_t>(at);
+            path.vertices.insert(path.vertices.begin() + offset, added.vertex);
+            path.tau.insert(path.tau.begin() + offset, q);
+            if (mate != nullptr) {
+                const auto back = static_cast<std::ptrdiff_t>(mate->tau.size()) - offset;
+                mate->vertices.insert(mate->vertices.begin() + back, added.twin);
+                mate->tau.insert(mate->tau.begin() + back, mate->intervals - static_cast<double>(q));
+            }
+            return;
+        }
+    }
+
+    /// Border position of each border vertex, or -1.
+    [[nodiscard]] std::vector<double> border_positions() const {
+        std::vector<double> t(disk_.mesh.positions.size(), -1.0);
+        for (const Laid& path : laid_)
+            for (std::size_t i = 0; i + 1 < path.vertices.size(); ++i) {
+                const double at = path.start + path.tau[i];
+                t[path.vertices[i]] = at >= grid_.count() ? at - grid_.count() : at;
+            }
+        return t;
+    }
+
+    [[nodiscard]] unsigned sides(double t) const {
+        unsigned mask = 0;
+        for (int k = 0; k < 4; ++k) {
+            const double lo = grid_.corner(k), hi = k == 3 ? grid_.count() : grid_.corner(k + 1);
+            if ((t >= lo && t <= hi) || (k == 3 && t == 0)) mask |= 1u << k;
+        }
+        return mask;
+    }
+
+    void split_chords() {
+        const std::vector<double> t = border_positions();
+        const std::size_t old_vertices = t.size();
+        for (std::uint32_t h = 0; h < disk_.opposite.size(); ++h) {  // grows while it runs; new edges end inside
+            if (disk_.opposite[h] == kNone) continue;
+            const std::uint32_t a = origin(disk_.mesh.faces, h), b = target(disk_.mesh.faces, h);
+            if (a >= old_vertices || b >= old_vertices || t[a] < 0 || t[b] < 0) continue;
+            if ((sides(t[a]) & sides(t[b])) != 0) disk_.split(h, 0.5);
+        }
+    }
+
+    void read_border() {
+        const std::vector<double> t = border_positions();
+        for (std::uint32_t h : disk_.border()) {
+            const std::uint32_t v = origin(disk_.mesh.faces, h);
+            half_edge_of_.resize(disk_.mesh.positions.size(), kNone);
+            half_edge_of_[v] = h;
+            out_.vertices.push_back(v);
+            out_.uv.push_back(grid_.uv(t[v]));
+        }
+    }
+
+    void sample_border() {
+        const std::uint32_t count = grid_.count();
+        UnionFind classes(count);
+        out_.samples.resize(count);
+        for (const Laid& path : laid_) {
+            std::size_t i = 0;
+            for (std::uint32_t q = 0; q < path.intervals; ++q) {
+                while (i + 2 < path.tau.size() && path.tau[i + 1] <= q) ++i;
+                const double share = std::clamp((q - path.tau[i]) / (path.tau[i + 1] - path.tau[i]), 0.0, 1.0);
+                const std::uint32_t h = half_edge_of_[path.vertices[i]], t = (path.start + q) % count;
+                BorderSample& sample = out_.samples[t];
+                sample.index = grid_.sample(t);
+                sample.at.face = h / 3;
+                sample.at.b[h % 3] = 1 - share;
+                sample.at.b[(h + 1) % 3] = share;
+            }
+            if (path.mate == kNone) continue;
+            for (std::uint32_t q = 0; q <= path.intervals; ++q)
+                classes.unite((path.start + q) % count, (laid_[path.mate].start + path.intervals - q) % count);
+        }
+        for (std::uint32_t t = 0; t < count; ++t) out_.samples[t].same_as = classes.find(t);
+    }
+
+    Disk& disk_;
+    BorderGrid grid_;
+    std::vector<Laid> laid_;
+    std::vector<std::uint32_t> half_edge_of_;
+    SquareBorder out_;
+};
+
+}  // namespace
+
+std::uint32_t BorderGrid::sample(std::uint32_t t) const {
+    if (t < corner(1)) return t * n;
+    if (t < corner(2)) return (m - 1) * n + (t - corner(1));
+    if (t < corner(3)) return (m - 1 - (t - corner(2))) * n + n - 1;
+    return n - 1 - (t - corner(3));
+}
+
+Vec2d BorderGrid::uv(double t) const {
+    if (t < corner(1)) return {t / (m - 1), 0};
+    if (t < corner(2)) return {1, (t - corner(1)) / (n - 1)};
+    if (t < corner(3)) return {1 - (t - corner(2)) / (m - 1), 1};
+    return {0, 1 - (t - corner(3)) / (n - 1)};
+}
+
+std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& paths, std::uint32_t total) {
+    // One entry per path or pair of mates; a pair costs two intervals for each one it gets.
+    struct Share {
+        std::size_t path;
+        std::uint32_t cost, intervals, least;
+        double ideal;
+    };
+    for (bool roomy : {true, false}) {
+        std::vector<Share> shares;
+        double weighted = 0;
+        std::uint64_t needed = 0;
+        for (std::size_t p = 0; p < paths.size(); ++p) {
+            if (paths[p].mate != kNone && paths[p].mate < p) continue;
+            const std::uint32_t cost = paths[p].mate == kNone ? 1 : 2;
+            shares.push_back({p, cost, 0, least(paths[p], roomy), 0});
+            weighted += cost * paths[p].length;
+            needed += std::uint64_t{cost} * shares.back().least;
+        }
+        if (needed > total) {
+            if (roomy) continue;
+            throw Error(codes::kGridTooSmall, "the cut has " + std::to_string(paths.size()) + " border paths and needs " +
+                                                  std::to_string(needed) + " border intervals, the grid has " +
+                                                  std::to_string(total));
+        }
+        std::int64_t left = total;
+        for (Share& s : shares) {
+            s.ideal = weighted > 0 ? total * paths[s.path].length / weighted : 1.0 * total / (s.cost * shares.size());
+            s.intervals = std::max(s.least, static_cast<std::uint32_t>(s.ideal));
+            left -= std::int64_t{s.cost} * s.intervals;
+        }
+        const auto gain = [](const Share& s) { return s.ideal - s.intervals; };  // what it still lacks
+        while (left != 0) {
+            Share* best = nullptr;
+            for (Share& s : shares) {
+                if (left > 0 ? s.cost > left : s.intervals <= s.least) continue;
+                if (best == nullptr || (left > 0 ? gain(s) > gain(*best) : gain(s) < gain(*best))) best = &s;
+            }
+            if (best == nullptr) break;
+            best->intervals += left > 0 ? 1 : -1;
+            left += left > 0 ? -std::int64_t{best->cost} : std::int64_t{best->cost};
+        }
+        if (left != 0) {
+            if (roomy) continue;
+            throw Error(codes::kGridTooSmall, "the border paths cannot share " + std::to_string(total) + " intervals evenly");
+        }
+        std::vector<std::uint32_t> out(paths.size());
+        for (const Share& s : shares) {
+            out[s.path] = s.intervals;
+            if (paths[s.path].mate != kNone) out[paths[s.path].mate] = s.intervals;
+        }
+        return out;
+    }
+    return {};
+}
+
+SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation) {
+    return BorderLayout(disk, {m, n}, rotation).run();
+}
+
+std::vector<std::uint32_t> candidate_rotations(const Disk& disk, std::uint32_t m, std::uint32_t n, std::size_t how_many) {
+    const std::vector<BorderPath> paths = disk.paths();
+    const BorderGrid grid{m, n};
+    const std::uint32_t total = grid.count(), period = m == n ? m - 1 : total / 2;
+    if (paths.size() == 4 && std::all_of(paths.begin(), paths.end(), [](const BorderPath& p) { return p.mate == kNone; }))
+        return {0};
+    const std::vector<std::uint32_t> intervals = allocate_intervals(paths, total);
+    std::vector<char> leaf(total, 0), corner(total, 0);
+    std::uint32_t start = 0;
+    for (std::size_t p = 0; p < paths.size(); ++p) {
+        const std::size_t before = (p + paths.size() - 1) % paths.size();
+        if (paths[p].mate == before && paths.size() > 1) leaf[start] = 1;
+        if (paths[p].mate == kNone && paths[before].mate == kNone && paths.size() > 1) corner[start] = 1;
+        start += intervals[p];
+    }
+    // Position s of the unrotated cycle lies on a corner of the square if (s + r) is one.
+    const auto hits = [&](const std::vector<char>& marks, std::uint32_t r) {
+        int count = 0;
+        for (int k = 0; k < 4; ++k) count += marks[(grid.corner(k) + total - r) % total];
+        return count;
+    };
+    std::vector<std::uint32_t> out;
+    // Rotations that put corners of the real border on corners of the square come first, best first.
+    std::vector<std::pair<int, std::uint32_t>> by_corners;
+    for (std::uint32_t r = 0; r < period; ++r)
+        if (hits(leaf, r) == 0 && hits(corner, r) > 0) by_corners.emplace_back(-hits(corner, r), r);
+    std::sort(by_corners.begin(), by_corners.end());
+    for (const auto& entry : by_corners)
+        if (out.size() < (how_many + 1) / 2) out.push_back(entry.second);
+    for (std::size_t k = 0; k < 4 * how_many && out.size() < how_many; ++k) {
+        auto r = static_cast<std::uint32_t>(k * period / how_many) % period;
+        for (std::uint32_t tries = 0; tries < period && hits(leaf, r) > 0; ++tries) r = (r + 1) % period;
+        if (hits(leaf, r) == 0 && std::find(out.begin(), out.end(), r) == out.end()) out.push_back(r);
+    }
+    if (out.empty()) out.push_back(0);
+    return out;
+}
+
+}  // namespace dgm::bake

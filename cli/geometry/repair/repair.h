@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/repair/repair.h
+// From whatever an importer returned to oriented manifold components in a normalised frame.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/tri_mesh.h"
+
+namespace dgm::bake {
+
+/// Normalised frame: p_source = centre + diagonal * p. Components have bounding-box diagonal <= 1.
+struct Frame {
+    model::Vec3d centre;
+    double diagonal = 1;
+};
+
+struct RepairedMesh {
+    Frame frame;
+    /// Connected, oriented, manifold (edges with one or two faces, one fan a vertex, at most one edge between two
+    /// vertices), every vertex used; in order of their first face in the source.
+    std::vector<model::TriMesh> components;
+    std::vector<std::pair<std::string, std::uint64_t>> counts;  ///< what was changed, zeros left out
+};
+
+/// Repairs by gluing rather than by deleting: corners are joined where faces share an edge, so that non-manifold edges
+/// and vertices come apart by themselves and every corner attribute survives.
+///
+///  1. faces with non-finite or out-of-range corners, faces that repeat a corner, and faces that stand twice (also with
+///     opposite winding) are dropped;
+///  2. vertices on open edges are welded, exactly first and then within 1e-3 of their shortest open edge, at most 1e-6
+///     of the diagonal; vertices inside a surface are left as the file connects them, so two coincident sheets stay two;
+///  3. an edge of more than two faces is taken apart into pairs by the angle around it;
+///  4. windings are made to agree; a closed component whose windings were mixed is turned outward;
+///  5. faces without height are flipped away where a neighbour can take their longest edge.
+///
+/// @throws model::Error kNoFaces if nothing is left, kNonOrientable with the first face where the sides meet
+[[nodiscard]] RepairedMesh repair(const model::TriMesh& source);
+
+}  // namespace dgm::bake

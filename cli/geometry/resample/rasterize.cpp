@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/resample/rasterize.cpp
+#include "geometry/resample/rasterize.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/metrics/map_metrics.h"
+
+namespace dgm::bake {
+
+SampleGrid rasterize(std::span<const Face> faces, std::span<const Vec2d> uv, std::uint32_t m, std::uint32_t n) {
+    SampleGrid grid{m, n, std::vector<SurfaceSample>(std::size_t{m} * n)};
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+        Vec2d p[3];
+        for (int k = 0; k < 3; ++k) p[k] = {uv[faces[f][k]].x * (m - 1), uv[faces[f][k]].y * (n - 1)};
+        if (orient2d(p[0], p[1], p[2]) <= 0) continue;  // counted by the caller; a valid map has none
+        const double lo_x = std::ceil(std::min({p[0].x, p[1].x, p[2].x})), hi_x = std::floor(std::max({p[0].x, p[1].x, p[2].x}));
+        const double lo_y = std::ceil(std::min({p[0].y, p[1].y, p[2].y})), hi_y = std::floor(std::max({p[0].y, p[1].y, p[2].y}));
+        for (double x = std::max(lo_x, 0.0); x <= std::min(hi_x, m - 1.0); ++x)
+            for (double y = std::max(lo_y, 0.0); y <= std::min(hi_y, n - 1.0); ++y) {
+                SurfaceSample& s = grid.samples[static_cast<std::size_t>(x) * n + static_cast<std::size_t>(y)];
+                if (s.face != kNone) continue;
+                const Vec2d c{x, y};
+                if (orient2d(p[0], p[1], c) < 0 || orient2d(p[1], p[2], c) < 0 || orient2d(p[2], p[0], c) < 0) continue;
+                s.face = f;
+                double sum = 0;
+                for (int k = 0; k < 3; ++k) {
+                    s.b[k] = std::max(0.0, cross(p[(k + 1) % 3] - c, p[(k + 2) % 3] - c));
+                    sum += s.b[k];
+                }
+                if (sum > 0)
+                    for (double& b : s.b) b /= sum;
+                else
+                    s.b[0] = 1;
+            }
+    }
+    for (const SurfaceSample& s : grid.samples) grid.missing += s.face == kNone;
+    return grid;
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/resample/rasterize.h
+// Which point of the surface each sample of an m x n grid stands on.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/parameterize/square_border.h"
+
+namespace dgm::bake {
+
+/// m*n samples, row-major; face is kNone where no triangle covers the sample.
+struct SampleGrid {
+    std::uint32_t m = 0, n = 0;
+    std::vector<SurfaceSample> samples;
+    std::uint64_t missing = 0;  ///< samples no triangle covers (square domain: must be 0)
+};
+
+/// Covers every sample (i/(m-1), j/(n-1)) by the lowest-numbered triangle whose closed map triangle holds it, decided by
+/// the exact orientation predicate in grid coordinates: no holes between neighbours, no double hits.
+[[nodiscard]] SampleGrid rasterize(std::span<const Face> faces, std::span<const Vec2d> uv, std::uint32_t m, std::uint32_t n);
+
+/// Position of a sample on the surface.
+[[nodiscard]] inline Vec3d position_at(const TriMesh& mesh, const SurfaceSample& s) {
+    const Face& f = mesh.faces[s.face];
+    return mesh.positions[f[0]] * s.b[0] + mesh.positions[f[1]] * s.b[1] + mesh.positions[f[2]] * s.b[2];
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/spatial/closest_point.cpp
+// Embree prunes with float boxes; every distance that decides is computed here, in double.
+//
+// Why the answer does not depend on the hierarchy: boxes are rounded outwards and the search radius upwards, so each
+// face that could win or tie is visited; winners are chosen by (squared distance, face index) alone. Points on shared
+// vertices and edges give the same bits from either face, because an edge is always walked from its lower vertex.
+#include "geometry/spatial/closest_point.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+using model::Face;
+using model::Vec3d;
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Beyond this many diagonals from the centre, float boxes say nothing (and their squares may overflow): search them
+// all.
+constexpr double kFarDiagonals = 1e15;
+
+// Rounding of the query point to float and of Embree's box distance: a few units of 2^-24, relative to the distance and
+// to the coordinates.
+constexpr double kFloatSlack = 16.0 / (1 << 24);
+
+// Squared sine under which a triangle is treated as its three edges; the error is then below 1e-10 of its longest edge.
+constexpr double kSliverSineSquared = 1e-20;
+
+struct Triangle {
+    Vec3d a, b, c;
+    Vec3d normal;           // (b - a) x (c - a), not normalised; zero if the triangle is a sliver
+    double normal_squared;  // 0 if the triangle is a sliver
+    std::uint32_t face;
+    bool swap_ab, swap_bc, swap_ca;  // the edge's second vertex has the lower index
+};
+
+struct Nearest {
+    double squared = kInfinity;
+    std::uint32_t face = kNone, triangle = kNone;
+    Vec3d point;
+    std::array<double, 3> barycentric{};
+};
+
+double box_diagonal_half(const Vec3d& half) {
+    return std::hypot(half.x, half.y, half.z);
+}
+
+float round_down(double x) {
+    const float f = static_cast<float>(x);
+    return f <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
+}
+float round_up(double x) {
+    const float f = static_cast<float>(x);
+    return f >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
+}
+
+/// Nearest point of segment (a, b), with t its parameter from a; walks from b if `swap`, so both users get equal bits.
+double segment_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, bool swap, Vec3d& point, double& t) {
+    const Vec3d& from = swap ? b : a;
+    const Vec3d& to = swap ? a : b;
+    const Vec3d edge = to - from;
+    const double along = dot(p - from, edge), squared = dot(edge, edge);
+    double s;
+    if (!(along > 0)) {
+        s = 0;
+        point = from;
+    } else if (along >= squared) {
+        s = 1;
+        point = to;
+    } else {
+        s = along / squared;
+        point = from + edge * s;
+    }
+    t = swap ? 1 - s : s;
+    const Vec3d d = p - point;
+    return dot(d, d);
+}
+
+/// Squared distance from p to the triangle, with the nearest point and its barycentric coordinates.
+///
+/// The signs of the three edge sides decide the region, as in [Ericson 2005, section 5.1.5], but taken as
+/// n . (edge x (p - corner)): their error is a lateral shift of about 1e-16 |p - corner|, whatever the triangle's size.
+/// Outside, the nearest point lies on an edge that has p on its outer side.
+double triangle_distance(const Triangle& tri, const Vec3d& p, Vec3d& point, std::array<double, 3>& bary) {
+    bool test_ab = true, test_bc = true, test_ca = true;
+    if (tri.normal_squared > 0) {
+        const Vec3d ap = p - tri.a, bp = p - tri.b, cp = p - tri.c;
+        const double side_ab = dot(tri.normal, cross(tri.b - tri.a, ap));
+        const double side_bc = dot(tri.normal, cross(tri.c - tri.b, bp));
+        const double side_ca = dot(tri.normal, cross(tri.a - tri.c, cp));
+        if (side_ab >= 0 && side_bc >= 0 && side_ca >= 0) {
+            const double sum = side_ab + side_bc + side_ca;
+            if (sum > 0) {
+                bary = {side_bc / sum, side_ca / sum, side_ab / sum};
+                point = tri.a + (tri.b - tri.a) * bary[1] + (tri.c - tri.a) * bary[2];
+                const Vec3d d = p - point;
+                return dot(d, d);
+            }
+        } else {
+            test_ab = side_ab < 0;
+            test_bc = side_bc < 0;
+            test_ca = side_ca < 0;
+        }
+    }
+    double best = kInfinity;
+    Vec3d q;
+    double t = 0;
+    if (test_ab) {
+        best = segment_distance(p, tri.a, tri.b, tri.swap_ab, point, t);
+        bary = {1 - t, t, 0};
+    }
+    if (test_bc) {
+        const double squared = segment_distance(p, tri.b, tri.c, tri.swap_bc, q, t);
+        if (squared < best) {
+            best = squared;
+            point = q;
+            bary = {0, 1 - t, t};
+        }
+    }
+    if (test_ca) {
+        const double squared = segment_distance(p, tri.c, tri.a, tri.swap_ca, q, t);
+        if (squared < best) {
+            best = squared;
+            point = q;
+            bary = {t, 0, 1 - t};
+        }
+    }
+    return best;
+}
+
+/// True if the plane alone shows that the triangle is farther than `squared`. The margin covers rounding.
+bool plane_is_farther(const Triangle& tri, const Vec3d& p, double squared) {
+    const double height = dot(tri.normal, p - tri.a);
+    return height * height > squared * tri.normal_squared * (1 + 1e-4) + 1e-30 * tri.normal_squared &&
+           tri.normal_squared > 0;
+}
+
+struct Search {
+    const Triangle* triangles = nullptr;
+    Vec3d point;       // normalised frame
+    double reach = 0;  // largest coordinate of point, at least 1: what the float slack is relative to
+    Nearest nearest;
+    const Vec3d* unit_normals = nullptr;  // null: every face may match
+    Vec3d direction;
+    double min_cosine = 0;
+
+    /// Returns true if the triangle became the nearest.
+    bool visit(std::uint32_t index) {
+        const Triangle& tri = triangles[index];
+        if (plane_is_farther(tri, point, nearest.squared)) return false;
+        if (unit_normals != nullptr) {
+            const Vec3d& n = unit_normals[index];
+            if ((n.x == 0 && n.y == 0 && n.z == 0) || !(dot(n, direction) > min_cosine)) return false;
+        }
+        Vec3d q;
+        std::array<double, 3> bary;
+        const double squared = triangle_distance(tri, point, q, bary);
+        if (!(squared < nearest.squared || (squared == nearest.squared && tri.face < nearest.face))) return false;
+        nearest = {squared, tri.face, index, q, bary};
+        return true;
+    }
+
+    [[nodiscard]] float radius() const {
+        const double d = std::sqrt(nearest.squared);
+        return round_up(d + kFloatSlack * (d + reach));
+    }
+};
+
+bool on_candidate(RTCPointQueryFunctionArguments* args) {
+    auto& search = *static_cast<Search*>(args->userPtr);
+    if (!search.visit(args->primID)) return false;
+    args->query->radius = std::min(args->query->radius, search.radius());
+    return true;
+}
+
+void on_bounds(const RTCBoundsFunctionArguments* args) {
+    const Triangle& tri = static_cast<const Triangle*>(args->geometryUserPtr)[args->primID];
+    RTCBounds& box = *args->bounds_o;
+    box.lower_x = round_down(std::min({tri.a.x, tri.b.x, tri.c.x}));
+    box.lower_y = round_down(std::min({tri.a.y, tri.b.y, tri.c.y}));
+    box.lower_z = round_down(std::min({tri.a.z, tri.b.z, tri.c.z}));
+    box.upper_x = round_up(std::max({tri.a.x, tri.b.x, tri.c.x}));
+    box.upper_y = round_up(std::max({tri.a.y, tri.b.y, tri.c.y}));
+    box.upper_z = round_up(std::max({tri.a.z, tri.b.z, tri.c.z}));
+}
+
+/// One device a process, until the process ends. Builds use the caller's TBB arena: "threads=1" would limit TBB for the
+/// whole process.
+RTCDevice device() {
+    static RTCDevice instance = rtcNewDevice("set_affinity=0");
+    if (instance == nullptr)
+        throw model::Error(model::codes::kInternal,
+                           "Embree cannot start (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
+    return instance;
+}
+}  // namespace
+
+struct ClosestPointIndex::Impl {
+    std::vector<Triangle> triangles;
+    std::vector<Vec3d> unit_normals;
+    std::vector<std::uint32_t> triangle_of_face;  // kNone for faces left out
+    Vec3d centre;
+    double to_unit = 1, from_unit = 1;
+    RTCScene scene = nullptr;
+
+    Impl(std::span<const Vec3d> positions, std::span<const Face> faces) {
+        fit_frame(positions, faces);
+        add_triangles(positions, faces);
+        if (!triangles.empty()) build();
+    }
+    ~Impl() {
+        if (scene != nullptr) rtcReleaseScene(scene);
+    }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    static bool usable(std::span<const Vec3d> positions, const Face& f) {
+        for (const std::uint32_t v : f)
+            if (v >= positions.size() || !is_finite(positions[v])) return false;
+        return true;
+    }
+
+    void fit_frame(std::span<const Vec3d> positions, std::span<const Face> faces) {
+        Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+        for (const Face& f : faces) {
+            if (!usable(positions, f)) continue;
+            for (const std::uint32_t v : f)
+                for (int k = 0; k < 3; ++k) {
+                    low[k] = std::min(low[k], positions[v][k]);
+                    high[k] = std::max(high[k], positions[v][k]);
+                }
+        }
+        if (!is_finite(low)) return;
+        centre = low * 0.5 + high * 0.5;
+        const double half = box_diagonal_half(high * 0.5 - low * 0.5);
+        if (half > 0 && std::isfinite(0.5 / half)) {
+            to_unit = 0.5 / half;
+            from_unit = 2 * half;
+        }
+    }
+
+    [[nodiscard]] Vec3d normalise(const Vec3d& p) const { return (p - centre) * to_unit; }
+
+    void add_triangles(std::span<const Vec3d> positions, std::span<const Face> faces) {
+        triangles.reserve(faces.size());
+        unit_normals.reserve(faces.size());
+        triangle_of_face.assign(faces.size(), kNone);
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            if (!usable(positions, faces[f])) continue;
+            const auto [i, j, k] = faces[f];
+            Triangle tri;
+            tri.a = normalise(positions[i]);
+            tri.b = normalise(positions[j]);
+            tri.c = normalise(positions[k]);
+            const Vec3d ab = tri.b - tri.a, ac = tri.c - tri.a, bc = tri.c - tri.b;
+            const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
+            tri.normal = cross(ab, ac);
+            tri.normal_squared = dot(tri.normal, tri.normal);
+            if (!(tri.normal_squared > kSliverSineSquared * longest * longest) ||
+                !(tri.normal_squared > std::numeric_limits<double>::min())) {
+                tri.normal = {};
+                tri.normal_squared = 0;
+            }
+            tri.face = static_cast<std::uint32_t>(f);
+            tri.swap_ab = j < i;
+            tri.swap_bc = k < j;
+            tri.swap_ca = i < k;
+            triangle_of_face[f] = static_cast<std::uint32_t>(triangles.size());
+            triangles.push_back(tri);
+            unit_normals.push_back(normalized(cross(ab, ac), {}));
+        }
+    }
+
+    void build() {
+        RTCDevice embree = device();
+        scene = rtcNewScene(embree);
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+        RTCGeometry geometry = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles.size()));
+        rtcSetGeometryUserData(geometry, triangles.data());
+        rtcSetGeometryBoundsFunction(geometry, on_bounds, nullptr);
+        rtcSetGeometryPointQueryFunction(geometry, on_candidate);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(scene, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene);
+        if (const RTCError error = rtcGetDeviceError(embree); error != RTC_ERROR_NONE)
+            throw model::Error(model::codes::kInternal, "Embree cannot build a hierarchy over " +
+                                                            std::to_string(triangles.size()) + " faces (error " +
+                                                            std::to_string(error) + ")");
+    }
+
+    [[nodiscard]] ClosestPoint run(Search& search, const Vec3d& p, std::uint32_t hint) const {
+        search.point = normalise(p);
+        search.triangles = triangles.data();
+        if (triangles.empty() || !is_finite(search.point)) return {};
+        search.reach = std::max({std::abs(search.point.x), std::abs(search.point.y), std::abs(search.point.z), 1.0});
+        if (hint < triangle_of_face.size() && triangle_of_face[hint] != kNone) search.visit(triangle_of_face[hint]);
+        if (search.reach > kFarDiagonals) {
+            for (std::uint32_t t = 0; t < triangles.size(); ++t) search.visit(t);
+        } else {
+            RTCPointQuery query{static_cast<float>(search.point.x), static_cast<float>(search.point.y),
+                                static_cast<float>(search.point.z), 0, search.radius()};
+            RTCPointQueryContext context;
+            rtcInitPointQueryContext(&context);
+            rtcPointQuery(scene, &query, &context, nullptr, &search);
+        }
+        const Nearest& found = search.nearest;
+        if (found.face == kNone) return {};
+        return {centre + found.point * from_unit,
+                found.face,
+                {found.barycentric[0], found.barycentric[1], found.barycentric[2]},
+                std::sqrt(found.squared) * from_unit};
+    }
+};
+
+ClosestPointIndex::ClosestPointIndex(std::span<const Vec3d> positions, std::span<const Face> faces)
+    : impl_(std::make_unique<Impl>(positions, faces)) {}
+ClosestPointIndex::~ClosestPointIndex() = default;
+ClosestPointIndex::ClosestPointIndex(ClosestPointIndex&&) noexcept = default;
+ClosestPointIndex& ClosestPointIndex::operator=(ClosestPointIndex&&) noexcept = default;
+
+ClosestPoint ClosestPointIndex::query(const Vec3d& point, std::uint32_t hint) const {
+    Search search;
+    return impl_->run(search, point, hint);
+}
+
+ClosestPoint ClosestPointIndex::query_facing(const Vec3d& point, const Vec3d& normal, double min_cosine,
+                                             std::uint32_t hint) const {
+    Search search;
+    search.unit_normals = impl_->unit_normals.data();
+    search.direction = normal;
+    search.min_cosine = min_cosine;
+    return impl_->run(search, point, hint);
+}
+
+}  // namespace dgm::bake

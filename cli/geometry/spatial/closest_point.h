@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/spatial/closest_point.h
+// Exact closest point on a triangle mesh, over Embree's bounding volume hierarchy.
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "model/vec.h"
+
+namespace dgm::bake {
+
+struct ClosestPoint {
+    model::Vec3d point;  ///< on the surface
+    std::uint32_t face = std::numeric_limits<std::uint32_t>::max();
+    double barycentric[3] = {0, 0, 0};  ///< of `point` in `face`
+    double distance = std::numeric_limits<double>::infinity();
+};
+
+/// Immutable after construction; `query` may be called from any number of threads.
+/// The hierarchy is built in a frame centred on the mesh and scaled by its diagonal, so offset and size cost nothing.
+/// Faces with a vertex that is not finite or out of range are never an answer; faces without area are.
+class ClosestPointIndex {
+ public:
+    static constexpr std::uint32_t kNoFace = std::numeric_limits<std::uint32_t>::max();
+
+    /// The spans are read here only. @throws model::Error kInternal if Embree cannot build
+    ClosestPointIndex(std::span<const model::Vec3d> positions, std::span<const model::Face> faces);
+    ~ClosestPointIndex();
+    ClosestPointIndex(ClosestPointIndex&&) noexcept;
+    ClosestPointIndex& operator=(ClosestPointIndex&&) noexcept;
+
+    /// Distances are computed in double; ties go to the lowest face index. No answer (face kNoFace) for a point that is
+    /// not finite. `hint`: a face likely to be near, such as the last answer; makes it faster, never changes the
+    /// result.
+    [[nodiscard]] ClosestPoint query(const model::Vec3d& point, std::uint32_t hint = kNoFace) const;
+
+    /// The closest point among faces whose unit normal n has dot(n, normal) > min_cosine; face stays at its maximum
+    /// value if there is none. Faces without area have no normal and never match.
+    [[nodiscard]] ClosestPoint query_facing(const model::Vec3d& point, const model::Vec3d& normal, double min_cosine,
+                                            std::uint32_t hint = kNoFace) const;
+
+ private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dgm::bake

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/info/file_info.h
+// What a .dgm says about itself, as text for people and as JSON for programs.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/map_set.h"
+
+namespace dgm::info {
+
+struct LayerInfo {
+    std::string name;
+    model::ElementType type = model::ElementType::kF32;
+    std::vector<std::uint64_t> shape;
+    std::uint64_t offset = 0, bytes = 0;  ///< absolute offset in the file
+    std::array<std::uint8_t, 16> hash{};  ///< XXH3-128, canonical
+    bool required = false;
+};
+
+struct ChartInfo {
+    std::uint32_t rows = 0, cols = 0;
+    model::Domain domain = model::Domain::kSquare;
+    std::string method;
+    std::array<double, 6> bbox{};
+    std::array<double, 3> offset{}, scale{};
+    std::vector<LayerInfo> layers;
+};
+
+struct FileInfo {
+    std::string file;  ///< as it was named
+    std::uint64_t bytes = 0;
+    std::uint32_t format_version = 0;
+    std::string generator, source_name, report_json;
+    std::array<std::uint8_t, 16> source_hash{}, settings_hash{};
+    std::vector<ChartInfo> charts;
+};
+
+/// Reads the whole file, so everything told has been checked against hashes and index.
+/// @throws model::Error as formats::read_dgm. Not thread-safe (HDF5).
+[[nodiscard]] FileInfo read_file_info(const std::filesystem::path& path);
+
+/// Several lines, the last with a line end: header, then each chart with its measured errors and its layers.
+[[nodiscard]] std::string to_text(const FileInfo& info);
+
+/// {"files": [...]} with keys in a fixed order, indented by two, with a line end. The bake's report is put in as it is,
+/// or as null if it is not JSON.
+[[nodiscard]] std::string to_json(std::span<const FileInfo> files);
+
+}  // namespace dgm::info

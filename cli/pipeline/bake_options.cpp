@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/bake_options.cpp
+#include "pipeline/bake_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "dgm/hash.h"
+#include "pipeline/option_names.h"
+
+namespace dgm::bake {
+std::string canonical_settings(const BakeOptions& options) {
+    // In file order and once each, so that --layers a,b and --layers b,a are the same settings.
+    std::string layers;
+    for (const std::string_view name : kLayerNames)
+        if (std::find(options.layers.begin(), options.layers.end(), name) != options.layers.end())
+            layers.append(layers.empty() ? "" : ",").append(name);
+    return fmt::format(
+        "size={}x{};method={};domain={};fit={};precision={};layers={};texture={};texture_size={}", options.size.rows,
+        options.size.cols, options.method, name_of(kDomainNames, options.domain), name_of(kFitNames, options.fit),
+        name_of(kPrecisionNames, options.precision), options.layers.empty() ? "all" : layers,
+        options.texture.empty() ? "none" : formats::to_hex(formats::hash_file(options.texture)),
+        options.texture_size ? fmt::format("{}x{}", options.texture_size->rows, options.texture_size->cols) : "grid");
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/batch_report_json.cpp
+#include <nlohmann/json.hpp>
+
+#include "pipeline/option_names.h"
+#include "pipeline/report_text.h"
+
+namespace dgm::bake {
+namespace {
+
+using nlohmann::json;
+
+json size_json(const GridSize& size) {
+    return {{"rows", size.rows}, {"cols", size.cols}};
+}
+
+json settings_json(const BakeOptions& options, const BatchOptions& batch) {
+    json out{{"size", size_json(options.size)},
+             {"method", options.method},
+             {"domain", name_of(kDomainNames, options.domain)},
+             {"fit", name_of(kFitNames, options.fit)},
+             {"precision", name_of(kPrecisionNames, options.precision)},
+             {"layers", options.layers.empty() ? json("all") : json(options.layers)},
+             {"texture", options.texture.empty() ? json(nullptr) : json(options.texture.string())},
+             {"texture_size", options.texture_size ? size_json(*options.texture_size) : json("grid")},
+             {"format", json::array()},
+             {"exr_layout", name_of(kExrLayoutNames, options.exr_layout)},
+             {"time_limit_seconds", batch.time_limit_seconds},
+             {"memory_limit_bytes", batch.memory_bytes},
+             {"jobs", batch.jobs}};
+    if (options.write_dgm) out["format"].push_back("dgm");
+    if (options.write_exr) out["format"].push_back("exr");
+    return out;
+}
+
+json error_json(const model::Error& error, const std::string& worker_output) {
+    json out{{"code", error.code().id()},
+             {"name", error.code().name},
+             {"message", error.what()},
+             {"place", error.place()},
+             {"stage", error.stage()},
+             {"hint", error.code().hint},
+             {"exit_code", static_cast<int>(error.code().exit)}};
+    if (!worker_output.empty()) out["worker_output"] = worker_output;
+    return out;
+}
+
+json asset_json(const PlannedAsset& asset, const AssetResult& result) {
+    json out{{"source", asset.source.string()}, {"outcome", name_of(result.outcome)}, {"seconds", result.seconds}};
+    out["files"] = json::array();
+    for (const OutputFile& file : result.files)
+        out["files"].push_back({{"path", file.path.lexically_normal().string()}, {"bytes", file.bytes}});
+    if (result.outcome == Outcome::kBaked) out["report"] = json::parse(to_json(result.report, true));
+    if (result.error) out["error"] = error_json(*result.error, result.worker_output);
+    return out;
+}
+
+}  // namespace
+
+std::string batch_report_json(const BatchPlan& plan, const BakeOptions& options, const BatchOptions& batch,
+                              const std::vector<AssetResult>& results, std::string_view generator) {
+    json out{{"generator", generator},
+             {"report_version", 1},
+             {"settings", settings_json(options, batch)},
+             {"exit_code", static_cast<int>(worst_exit(results))}};
+    out["summary"] = {{"assets", results.size()}};
+    for (const Outcome outcome :
+         {Outcome::kBaked, Outcome::kRefused, Outcome::kFailed, Outcome::kInterrupted, Outcome::kNotStarted}) {
+        std::uint64_t count = 0;
+        for (const AssetResult& result : results) count += result.outcome == outcome ? 1 : 0;
+        out["summary"][outcome == Outcome::kNotStarted ? "not_started" : std::string(name_of(outcome))] = count;
+    }
+    out["assets"] = json::array();
+    for (std::size_t k = 0; k < results.size(); ++k) out["assets"].push_back(asset_json(plan.assets[k], results[k]));
+    return out.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/batch_runner.cpp
+#include "pipeline/batch_runner.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <list>
+#include <thread>
+
+#include "dgm/atomic_file.h"
+#include "model/codes.h"
+#include "pipeline/child_process.h"
+#include "pipeline/output_files.h"
+#include "pipeline/worker_protocol.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace fs = std::filesystem;
+namespace codes = model::codes;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kTick = std::chrono::milliseconds(200);
+/// A worker has said all it has to say: how often to look whether it has gone.
+constexpr auto kEndTick = std::chrono::milliseconds(2);
+
+volatile sig_atomic_t g_stop_requested = 0;
+
+/// Turns signals into a flag while a batch runs. They stay blocked but inside ppoll, so none is missed.
+class SignalScope {
+ public:
+    SignalScope() {
+        g_stop_requested = 0;
+        sigset_t blocked;
+        sigemptyset(&blocked);
+        struct sigaction action {};
+        action.sa_handler = [](int) { g_stop_requested = 1; };
+        for (std::size_t k = 0; k < kSignals.size(); ++k) {
+            sigaddset(&blocked, kSignals[k]);
+            sigaction(kSignals[k], &action, &old_actions_[k]);
+        }
+        sigprocmask(SIG_BLOCK, &blocked, &old_mask_);
+    }
+    SignalScope(const SignalScope&) = delete;
+    SignalScope& operator=(const SignalScope&) = delete;
+    ~SignalScope() {
+        for (std::size_t k = 0; k < kSignals.size(); ++k) sigaction(kSignals[k], &old_actions_[k], nullptr);
+        sigprocmask(SIG_SETMASK, &old_mask_, nullptr);
+    }
+    [[nodiscard]] bool stop_requested() const { return g_stop_requested != 0; }
+    void wait(std::vector<pollfd>& descriptors, std::chrono::nanoseconds longest) const {
+        const timespec timeout{static_cast<time_t>(longest.count() / 1'000'000'000), longest.count() % 1'000'000'000};
+        ppoll(descriptors.data(), descriptors.size(), &timeout, &old_mask_);
+    }
+
+ private:
+    static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+    std::array<struct sigaction, kSignals.size()> old_actions_{};
+    sigset_t old_mask_{};
+};
+
+Outcome outcome_of(const model::Error& error) {
+    const int number = error.code().number;
+    const bool about_the_mesh = number / 1000 == 3 || error.code().exit == model::ExitCode::kUnsupported;
+    return about_the_mesh ? Outcome::kRefused : Outcome::kFailed;
+}
+
+/// One asset while its worker runs.
+struct Running {
+    std::size_t asset;
+    ChildProcess child;
+    Clock::time_point started;
+    fs::path dgm, exr;  ///< temporary names
+    std::string stage;
+    bool out_of_memory = false;
+    std::optional<WorkerMessage> last_word;  ///< ResultMessage or ErrorMessage
+    std::optional<model::Error> verdict;     ///< set by us: time, nonsense
+};
+
+class Batch {
+ public:
+    Batch(const BatchPlan& plan, const BakeOptions& options, const BatchOptions& batch, const BatchObserver& observer)
+        : plan_(plan), options_(options), batch_(batch), observer_(observer), results_(plan.assets.size()) {
+        const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+        const auto at_once = static_cast<unsigned>(std::clamp<std::size_t>(plan.assets.size(), 1, batch.jobs));
+        threads_ = std::max(1U, cores / at_once);
+    }
+
+    std::vector<AssetResult> run() {
+        const bool any_outputs =
+            std::any_of(plan_.assets.begin(), plan_.assets.end(), [](const PlannedAsset& a) { return !a.refusal; });
+        if (any_outputs) folders_.make(plan_.folder);
+        while (!signals_.stop_requested() && (can_start() || !running_.empty())) {
+            while (can_start() && running_.size() < batch_.jobs) start(next_++);
+            wait();
+            for (auto it = running_.begin(); it != running_.end();)
+                it = advance(*it) ? running_.erase(it) : std::next(it);
+            report_finished();
+            if (observer_.on_tick) observer_.on_tick();
+        }
+        if (signals_.stop_requested()) interrupt();
+        done_.assign(results_.size(), true);
+        report_finished();
+        return std::move(results_);
+    }
+
+ private:
+    [[nodiscard]] bool can_start() const {
+        return next_ < plan_.assets.size() && !(batch_.stop_on_error && any_failed_);
+    }
+
+    void start(std::size_t k) {
+        const PlannedAsset& asset = plan_.assets[k];
+        if (asset.refusal) return fail(k, *asset.refusal);
+        if (observer_.on_start) observer_.on_start(k);
+        WorkerJob job;
+        job.source = asset.source;
+        job.options = options_;
+        job.memory_bytes = batch_.memory_bytes;
+        job.threads = threads_;
+        try {
+            for (const auto& [final_path, temporary] :
+                 {std::pair(&asset.dgm, &job.dgm), std::pair(&asset.exr, &job.exr)}) {
+                if (final_path->empty()) continue;
+                folders_.make_below(plan_.folder, *final_path);
+                check_writable(*final_path);
+                *temporary = temporary_for(*final_path);
+            }
+            running_.push_back({k, ChildProcess(encode(job)), Clock::now(), job.dgm, job.exr, {}, {}, {}, {}});
+        } catch (const model::Error& error) { fail(k, error); }
+    }
+
+    void wait() const {
+        std::vector<pollfd> descriptors;
+        auto longest =
+            std::chrono::duration_cast<std::chrono::nanoseconds>(running_.empty() ? Clock::duration{0} : kTick);
+        for (const Running& r : running_) {
+            if (r.child.messages() >= 0) descriptors.push_back({r.child.messages(), POLLIN, 0});
+            if (r.child.errors() >= 0) descriptors.push_back({r.child.errors(), POLLIN, 0});
+            if (r.child.messages() < 0 && r.child.errors() < 0)
+                longest = std::min<std::chrono::nanoseconds>(longest, kEndTick);
+        }
+        signals_.wait(descriptors, longest);
+    }
+
+    /// Takes what a worker has sent; true if it is through and its result stands.
+    bool advance(Running& r) {
+        r.child.read_errors();
+        std::vector<std::string> lines;
+        bool sane = r.child.read_messages(lines, kMaxMessageBytes);
+        for (const std::string& line : lines) sane = sane && take(r, line);
+        if (!sane)
+            r.verdict = model::Error(codes::kWorkerCrashed, "the worker sent something that is not a message");
+        else if (Clock::now() - r.started > std::chrono::duration<double>(batch_.time_limit_seconds))
+            r.verdict = model::Error(codes::kWorkerTimeout,
+                                     fmt::format("it was not done after {} s", batch_.time_limit_seconds));
+        if (r.verdict) {
+            r.child.kill();
+            finish(r, {});
+            return true;
+        }
+        if (r.child.messages() >= 0 || r.child.errors() >= 0) return false;
+        const std::optional<ChildEnd> end = r.child.poll_end();
+        if (end) finish(r, *end);
+        return end.has_value();
+    }
+
+    bool take(Running& r, const std::string& line) {
+        std::optional<WorkerMessage> message = decode_message(line);
+        if (!message || r.last_word) return false;
+        if (const auto* progress = std::get_if<ProgressMessage>(&*message)) {
+            r.stage = progress->stage.substr(0, 64);
+            if (observer_.on_progress) observer_.on_progress(r.asset, r.stage, progress->share);
+        } else if (std::holds_alternative<OutOfMemoryMessage>(*message)) {
+            r.out_of_memory = true;
+        } else {
+            r.last_word = std::move(message);
+        }
+        return true;
+    }
+
+    void finish(Running& r, ChildEnd end) {
+        AssetResult& result = results_[r.asset];
+        result.seconds = std::chrono::duration<double>(Clock::now() - r.started).count();
+        result.worker_output = r.child.error_text();
+        std::optional<model::Error> error = error_of(r, end);
+        if (!error) {
+            try {
+                result.report = std::move(std::get<ResultMessage>(*r.last_word).report);
+                publish(plan_.assets[r.asset], r, result);
+            } catch (const model::Error& failure) {
+                error = failure;
+                error->with_stage("write");
+            }
+        }
+        remove_temporaries(r);
+        if (error) {
+            error->with_stage(r.stage);
+            fail(r.asset, std::move(*error));
+        } else {
+            result.outcome = Outcome::kBaked;
+            mark_ended(r.asset);
+        }
+    }
+
+    [[nodiscard]] std::optional<model::Error> error_of(const Running& r, ChildEnd end) const {
+        if (r.verdict) return r.verdict;
+        const bool has_result = r.last_word && std::holds_alternative<ResultMessage>(*r.last_word);
+        if (has_result && end.signal == 0 && end.exit_code == 0) return std::nullopt;
+        // Whatever a library made of a failed allocation, the shortage is the cause. The kernel's own killer gives no
+        // notice but SIGKILL, which nobody else sends.
+        if (r.out_of_memory || end.signal == SIGKILL) {
+            const bool told = r.last_word && std::holds_alternative<ErrorMessage>(*r.last_word) &&
+                              std::get<ErrorMessage>(*r.last_word).error.code().number == codes::kWorkerMemory.number;
+            if (told) return std::get<ErrorMessage>(*r.last_word).error;
+            return model::Error(codes::kWorkerMemory, batch_.memory_bytes == 0
+                                                          ? "the system ran out of memory"
+                                                          : fmt::format("it needs more than the {} MiB it may take",
+                                                                        batch_.memory_bytes >> 20));
+        }
+        if (end.signal != 0)
+            return model::Error(codes::kWorkerCrashed, fmt::format("the worker process was ended by signal {} ({})",
+                                                                   end.signal, strsignal(end.signal)));
+        if (r.last_word && !has_result) return std::get<ErrorMessage>(*r.last_word).error;
+        return model::Error(codes::kWorkerCrashed,
+                            fmt::format("the worker process ended with exit code {} and no result", end.exit_code));
+    }
+
+    static void publish(const PlannedAsset& asset, const Running& r, AssetResult& result) {
+        for (const auto& [temporary, final_path] : {std::pair(&r.dgm, &asset.dgm), std::pair(&r.exr, &asset.exr)}) {
+            if (temporary->empty()) continue;
+            std::error_code error;
+            const std::uintmax_t bytes = fs::file_size(*temporary, error);
+            if (error)
+                throw model::Error(codes::kWriteFailed, "the written file is gone: " + error.message(),
+                                   final_path->string());
+            formats::publish_file(*temporary, *final_path);
+            result.files.push_back({*final_path, bytes});
+        }
+    }
+
+    static void remove_temporaries(const Running& r) {
+        std::error_code ignored;  // published ones are gone
+        if (!r.dgm.empty()) fs::remove(r.dgm, ignored);
+        if (!r.exr.empty()) fs::remove(r.exr, ignored);
+    }
+
+    void fail(std::size_t k, model::Error error) {
+        results_[k].outcome = outcome_of(error);
+        results_[k].error = std::move(error);
+        results_[k].files.clear();
+        any_failed_ = true;
+        mark_ended(k);
+    }
+
+    void mark_ended(std::size_t k) {
+        done_[k] = true;
+        if (observer_.on_end) observer_.on_end(k);
+    }
+
+    void interrupt() {
+        for (Running& r : running_) {
+            r.child.kill();
+            remove_temporaries(r);
+            results_[r.asset].outcome = Outcome::kInterrupted;
+        }
+        running_.clear();
+        for (; next_ < results_.size(); ++next_) results_[next_].outcome = Outcome::kInterrupted;
+    }
+
+    void report_finished() {
+        for (; reported_ < results_.size() && done_[reported_]; ++reported_)
+            if (observer_.on_finish) observer_.on_finish(reported_, results_[reported_]);
+    }
+
+    const BatchPlan& plan_;
+    const BakeOptions& options_;
+    const BatchOptions& batch_;
+    const BatchObserver& observer_;
+    std::vector<AssetResult> results_;
+    std::vector<bool> done_ = std::vector<bool>(results_.size());
+    std::size_t next_ = 0, reported_ = 0;
+    bool any_failed_ = false;
+    unsigned threads_ = 1;
+    OutputFolders folders_;
+    SignalScope signals_;
+    std::list<Running> running_;  ///< last: its workers are killed before the folders are cleared
+};
+
+/// Higher is worse.
+int severity(model::ExitCode exit) {
+    switch (exit) {
+        case model::ExitCode::kOk:
+            return 0;
+        case model::ExitCode::kUnsupported:
+            return 1;
+        case model::ExitCode::kInvalid:
+            return 2;
+        case model::ExitCode::kIo:
+            return 3;
+        case model::ExitCode::kInterrupted:
+            return 5;
+        default:
+            return 4;
+    }
+}
+
+}  // namespace
+
+std::string_view name_of(Outcome outcome) {
+    switch (outcome) {
+        case Outcome::kBaked:
+            return "baked";
+        case Outcome::kRefused:
+            return "refused";
+        case Outcome::kFailed:
+            return "failed";
+        case Outcome::kInterrupted:
+            return "interrupted";
+        case Outcome::kNotStarted:
+            return "not started";
+    }
+    return {};
+}
+
+std::vector<AssetResult> run_batch(const BatchPlan& plan, const BakeOptions& options, const BatchOptions& batch,
+                                   const BatchObserver& observer) {
+    return Batch(plan, options, batch, observer).run();
+}
+
+model::ExitCode worst_exit(const std::vector<AssetResult>& results) {
+    model::ExitCode worst = model::ExitCode::kOk;
+    for (const AssetResult& result : results) {
+        model::ExitCode exit = model::ExitCode::kOk;
+        if (result.outcome == Outcome::kInterrupted) exit = model::ExitCode::kInterrupted;
+        if (result.error) exit = result.error->code().exit;
+        if (severity(exit) > severity(worst)) worst = exit;
+    }
+    return worst;
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/batch_runner.h
+// Bakes the assets of a plan, each in a worker process of its own, several at a time.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/error.h"
+#include "pipeline/bake_options.h"
+#include "pipeline/bake_report.h"
+#include "pipeline/batch_plan.h"
+
+namespace dgm::bake {
+
+struct BatchOptions {
+    unsigned jobs = 1;                                    ///< worker processes at a time; >= 1
+    double time_limit_seconds = 600;                      ///< wall clock of one asset; > 0
+    std::uint64_t memory_bytes = std::uint64_t{8} << 30;  ///< address space of one worker; 0: no limit
+    bool stop_on_error = false;                           ///< start nothing new after an asset that was not baked
+};
+
+enum class Outcome { kBaked, kRefused, kFailed, kInterrupted, kNotStarted };
+
+/// "baked", "refused", "failed", "interrupted", "not started".
+[[nodiscard]] std::string_view name_of(Outcome outcome);
+
+struct OutputFile {
+    std::filesystem::path path;
+    std::uint64_t bytes = 0;
+};
+
+struct AssetResult {
+    Outcome outcome = Outcome::kNotStarted;
+    std::vector<OutputFile> files;      ///< kBaked: what was put in place
+    BakeReport report;                  ///< kBaked only
+    std::optional<model::Error> error;  ///< kRefused, kFailed
+    std::string worker_output;          ///< last lines the worker wrote on stderr; for crashes
+    double seconds = 0;                 ///< wall clock
+};
+
+/// Told about the batch while it runs; all called from the thread of run_batch, any may be empty.
+struct BatchObserver {
+    std::function<void(std::size_t asset)> on_start;
+    std::function<void(std::size_t asset, std::string_view stage, double share)> on_progress;
+    std::function<void(std::size_t asset)> on_end;  ///< its worker is gone; its result may wait for earlier assets
+    /// In the order of the plan, whatever order the workers end in.
+    std::function<void(std::size_t asset, const AssetResult& result)> on_finish;
+    std::function<void()> on_tick;  ///< at least four times a second
+};
+
+/// Runs the whole batch. One result for each asset of the plan, in its order; what goes wrong with an asset is in its
+/// result and never an exception. Outputs appear whole or not at all; no temporary file is left. On SIGINT, SIGTERM or
+/// SIGHUP the workers are killed and the rest of the batch is kInterrupted; the signals' handlers are restored at the
+/// end. The same outputs whatever the number of jobs.
+/// @throws model::Error kWriteFailed if the output folder cannot be made
+[[nodiscard]] std::vector<AssetResult> run_batch(const BatchPlan& plan, const BakeOptions& options,
+                                                 const BatchOptions& batch, const BatchObserver& observer);
+
+/// The batch's exit code is that of its worst asset, worst first: interrupted (130), internal (4), I/O (2), invalid
+/// (3), unsupported (5), ok (0). So a script sees a crash even where other meshes were only refused.
+[[nodiscard]] model::ExitCode worst_exit(const std::vector<AssetResult>& results);
+
+}  // namespace dgm::bake

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/component_bake.cpp
+#include "pipeline/component_bake.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "geometry/cgal/border_simple.h"
+#include "geometry/cgal/cgal_parameterizers.h"
+#include "geometry/cgal/constrained_triangulation.h"
+#include "geometry/chart/cut_search.h"
+#include "geometry/chart/free_chart.h"
+#include "geometry/chart/square_chart.h"
+#include "geometry/metrics/map_metrics.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+using model::Error;
+namespace codes = model::codes;
+
+bool is_free_method(const std::string& method) { return method == "lscm" || method == "arap" || method == "uv"; }
+
+/// What every candidate of one component shares.
+class ComponentBaker {
+  public:
+    ComponentBaker(const TriMesh& component, GridSize size, const BakeOptions& options, const model::Progress& progress)
+        : component_(component), size_(size), options_(options), progress_(progress) {}
+
+    ComponentResult run() {
+        if (options_.method == "uv") {
+            add("uv", [&] { return make_uv_chart(component_, size_.rows, size_.cols, tools(), progress_); });
+            return finish();
+        }
+        CutSearchOptions search;
+        // The cut is found on a grid of at most 257 a side: it hardly depends on the resolution, its cost does.
+        const std::uint32_t longest = std::max(size_.rows, size_.cols);
+        const double shrink = longest > 257 ? 256.0 / (longest - 1) : 1.0;
+        search.m = std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((size_.rows - 1) * shrink)));
+        search.n = std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((size_.cols - 1) * shrink)));
+        cut_ = search_cut(component_, search, progress_);
+        // The search's rotation counts samples of its own grid.
+        const double ratio = static_cast<double>(BorderGrid{size_.rows, size_.cols}.count()) / BorderGrid{search.m, search.n}.count();
+        rotation_ = static_cast<std::uint32_t>(std::lround(cut_.rotation * ratio));
+        for (const std::string& method : methods()) add(method, [&] { return make(method); });
+        return finish();
+    }
+
+  private:
+    [[nodiscard]] std::vector<std::string> methods() const {
+        if (options_.method != "auto") return {options_.method};
+        const bool square = options_.domain != DomainChoice::kFree, free = options_.domain != DomainChoice::kSquare;
+        std::vector<std::string> out;
+        if (square) out.push_back("stretch");
+        // A free chart earns its unused samples only where the surface is a panel: flat pieces of cloth above all.
+        if (free && (!square || is_panel())) out.push_back("arap");
+        if (free && !square) out.push_back("lscm");
+        return out;
+    }
+
+    /// A disk as it stands, not cut by us.
+    [[nodiscard]] bool is_panel() const { return cut_.cut_length == 0; }
+
+    SampledChart make(const std::string& method) {
+        if (is_free_method(method))
+            return make_free_chart(cut_.disk, size_.rows, size_.cols, *make_cgal_parameterizer(method), tools(), progress_);
+        const std::unique_ptr<Parameterizer> parameterizer =
+            method == "stretch" ? make_stretch_parameterizer() : make_cgal_parameterizer(method);
+        if (!parameterizer) throw Error(codes::kUsage, "unknown method: " + method);
+        return make_square_chart(cut_.disk, size_.rows, size_.cols, rotation_, *parameterizer, progress_);
+    }
+
+    static FreeChartTools tools() { return {border_is_simple, constrained_triangulation}; }
+
+    template <class Make>
+    void add(const std::string& method, Make make_chart) {
+        CandidateReport report{method, 0, ""};
+        try {
+            SampledChart chart = make_chart();
+            chart.cut_length = cut_.cut_length;
+            check_topology(chart);
+            const SurfaceError error = quick_error(component_, chart, 20'000);
+            report.psnr = error.psnr();
+            report.outcome = "higher error";
+            if (!best_ || error.rms < best_rms_) {
+                best_ = std::move(chart), best_rms_ = error.rms, best_index_ = result_.candidates.size();
+            }
+        } catch (const Error& e) {
+            if (e.code().number == codes::kInterrupted.number) throw;
+            report.outcome = e.what();
+            failure_ = e;
+        }
+        result_.candidates.push_back(std::move(report));
+    }
+
+    /// The welded grid surface must be the manifold that the component is.
+    void check_topology(const SampledChart& chart) const {
+        std::vector<Face> faces = chart.faces();
+        for (Face& f : faces)
+            for (std::uint32_t& s : f) s = chart.representative[s];
+        const Topology map = measure_topology(chart.positions.size(), faces);
+        const Topology source = measure_topology(component_.positions.size(), component_.faces);
+        if (map.manifold && map.oriented && map.degenerate_faces == 0 && map.components == source.components &&
+            map.boundary_loops == source.boundary_loops && map.genus == source.genus)
+            return;
+        throw Error(codes::kGridTooSmall,
+                    chart.method + ": a grid of " + std::to_string(chart.m) + "x" + std::to_string(chart.n) +
+                        " does not hold the surface's topology (genus " + std::to_string(source.genus) + ", " +
+                        std::to_string(source.boundary_loops) + " borders; the grid has genus " + std::to_string(map.genus) +
+                        ", " + std::to_string(map.boundary_loops) + " borders, " + std::to_string(map.degenerate_faces) +
+                        " degenerate faces" + (map.manifold ? "" : ", not manifold") + ")");
+    }
+
+    ComponentResult finish() {
+        if (!best_) throw *failure_;
+        result_.candidates[best_index_].outcome = "chosen";
+        result_.chart = std::move(*best_);
+        return std::move(result_);
+    }
+
+    const TriMesh& component_;
+    GridSize size_;
+    const BakeOptions& options_;
+    const model::Progress& progress_;
+    CutSearchResult cut_;
+    std::uint32_t rotation_ = 0;
+    ComponentResult result_;
+    std::optional<SampledChart> best_;
+    std::optional<Error> failure_;
+    std::size_t best_index_ = 0;
+    double best_rms_ = 0;
+};
+
+}  // namespace
+
+GridSize component_size(GridSize full, double area, double largest_area) {
+    constexpr std::uint32_t kLeast = 17;
+    const double share = largest_area > 0 ? std::sqrt(area / largest_area) : 1.0;
+    const auto side = [&](std::uint32_t samples) {
+        const auto scaled = 1 + static_cast<std::uint32_t>(std::lround((samples - 1) * share));
+        return std::clamp(scaled, std::min(kLeast, samples), samples);
+    };
+    return {side(full.rows), side(full.cols)};
+}
+
+ComponentResult bake_component(const TriMesh& component, GridSize size, const BakeOptions& options,
+                               const model::Progress& progress) {
+    while (true) {
+        try {
+            return ComponentBaker(component, size, options, progress).run();
+        } catch (const Error& e) {
+            if (e.code().number != codes::kGridTooSmall.number || size == options.size) throw;
+        }
+        size.rows = std::min(options.size.rows, 2 * size.rows - 1);
+        size.cols = std::min(options.size.cols, 2 * size.cols - 1);
+    }
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/component_bake.h
+// One component to one sampled chart: which candidates are tried, and which is kept.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "geometry/chart/sampled_chart.h"
+#include "pipeline/bake_options.h"
+#include "pipeline/bake_report.h"
+
+namespace dgm::bake {
+
+struct ComponentResult {
+    SampledChart chart;
+    std::vector<CandidateReport> candidates;
+};
+
+/// `auto` tries the methods that fit the component and keeps the one with the least measured error; a named method is
+/// tried alone. The grid grows (doubling, up to `options.size`) from `size` where the cut does not fit it.
+/// @throws model::Error kMapInvalid, kMethodUnsuited, kGridTooSmall, kInterrupted
+[[nodiscard]] ComponentResult bake_component(const model::TriMesh& component, GridSize size, const BakeOptions& options,
+                                             const model::Progress& progress);
+
+/// Grid of a component: `full` for the largest one, for others the same spacing of samples, but not under 17 a side.
+[[nodiscard]] GridSize component_size(GridSize full, double area, double largest_area);
+
+}  // namespace dgm::bake

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/worker.cpp
+#include "pipeline/worker.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <new>
+#include <string_view>
+
+#include "model/codes.h"
+#include "pipeline/output_files.h"
+#include "pipeline/worker_protocol.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace codes = model::codes;
+
+bool write_all(int fd, std::string_view bytes) {
+    while (!bytes.empty()) {
+        const ssize_t n = write(fd, bytes.data(), bytes.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return false;
+        bytes.remove_prefix(static_cast<std::size_t>(n));
+    }
+    return true;
+}
+
+std::string read_job_text() {
+    std::string text;
+    std::array<char, 65536> buffer;
+    for (;;) {
+        const ssize_t n = read(kJobDescriptor, buffer.data(), buffer.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return text;
+        text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+}
+
+/// Tells the parent before anything else happens: the library that asked may abort, or swallow the exception.
+void on_allocation_failure() {
+    write_all(kMessageDescriptor, kOutOfMemoryLine);
+    std::set_new_handler(nullptr);
+    throw std::bad_alloc();
+}
+
+/// Limits the address space to what the program has now plus `allowed`.
+void limit_memory(std::uint64_t allowed, std::uint32_t threads) {
+    // Each arena of glibc reserves 64 MiB of address space, by default eight a core: they would use the limit up.
+    mallopt(M_ARENA_MAX, static_cast<int>(std::clamp(threads, 1U, 8U)));
+    std::set_new_handler(on_allocation_failure);
+#if defined(__SANITIZE_ADDRESS__)
+    (void)allowed;  // the sanitizer's shadow memory alone is beyond any limit
+#else
+    if (allowed == 0) return;
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const std::uint64_t now = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    if (allowed > std::numeric_limits<std::uint64_t>::max() / 2 - now) return;
+    rlimit limit{};
+    if (getrlimit(RLIMIT_AS, &limit) != 0) return;
+    limit.rlim_cur = std::min<rlim_t>(now + allowed, limit.rlim_max);
+    limit.rlim_max = limit.rlim_cur;
+    setrlimit(RLIMIT_AS, &limit);
+#endif
+}
+
+/// Sends progress at most ten times a second, and each new stage.
+class ProgressSender {
+ public:
+    void operator()(std::string_view stage, double share) {
+        const auto now = std::chrono::steady_clock::now();
+        if (stage == stage_ && now - sent_ < std::chrono::milliseconds(100)) return;
+        stage_ = stage;
+        sent_ = now;
+        write_all(
+            kMessageDescriptor,
+            encode(WorkerMessage{ProgressMessage{stage_, std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0}}));
+    }
+    [[nodiscard]] const std::string& stage() const { return stage_; }
+
+ private:
+    std::string stage_;
+    std::chrono::steady_clock::time_point sent_;
+};
+
+void add_resource_use(BakeReport& report) {
+    rusage use{};
+    if (getrusage(RUSAGE_SELF, &use) != 0) return;
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    report.cpu_seconds = seconds(use.ru_utime) + seconds(use.ru_stime);
+    report.peak_memory_bytes = static_cast<std::uint64_t>(use.ru_maxrss) * 1024;
+}
+
+BakeReport bake_and_write(const WorkerJob& job, const BakeFunction& bake, ProgressSender& sender) {
+    model::Progress progress;
+    progress.on_update = [&](std::string_view stage, double share) { sender(stage, share); };
+    progress.update("import", 0);
+    BakeResult result = bake(job.source, job.options, progress);
+    const auto start = std::chrono::steady_clock::now();
+    progress.update("write", 0);
+    if (job.options.write_dgm) write_verified(job.dgm, result.maps, OutputFormat::kDgm, job.options.exr_layout);
+    progress.update("write", 0.5);
+    if (job.options.write_exr) write_verified(job.exr, result.maps, OutputFormat::kExr, job.options.exr_layout);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    result.report.times.push_back({"write", taken.count()});
+    add_resource_use(result.report);
+    return std::move(result.report);
+}
+
+WorkerMessage outcome_of(const WorkerJob& job, const BakeFunction& bake) {
+    ProgressSender sender;
+    try {
+        return ResultMessage{bake_and_write(job, bake, sender)};
+    } catch (model::Error& error) {
+        error.with_stage(sender.stage());
+        return ErrorMessage{error};
+    } catch (const std::bad_alloc&) {
+        model::Error error(codes::kWorkerMemory,
+                           job.memory_bytes == 0
+                               ? "an allocation failed"
+                               : fmt::format("it needs more than the {} MiB it may take", job.memory_bytes >> 20));
+        error.with_stage(sender.stage());
+        return ErrorMessage{error};
+    } catch (const std::exception& other) {
+        model::Error error(codes::kInternal, std::string("unexpected exception: ") + other.what());
+        error.with_stage(sender.stage());
+        return ErrorMessage{error};
+    }
+}
+
+}  // namespace
+
+bool is_worker(int argc, const char* const* argv) {
+    return argc == 2 && std::string_view(argv[1]) == "--worker";
+}
+
+int run_worker(const BakeFunction& bake) {
+    if (fcntl(kMessageDescriptor, F_GETFD) < 0) {
+        std::fputs("dgm-bake: --worker is how dgm-bake starts its own workers, not for use by hand\n", stderr);
+        return static_cast<int>(model::ExitCode::kUsage);
+    }
+    WorkerMessage outcome = OutOfMemoryMessage{};
+    try {
+        const WorkerJob job = decode_job(read_job_text());
+        limit_memory(job.memory_bytes, job.threads);
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::max(1U, job.threads));
+        outcome = outcome_of(job, bake);
+    } catch (const model::Error& error) { outcome = ErrorMessage{error}; }
+    if (!write_all(kMessageDescriptor, encode(outcome))) return static_cast<int>(model::ExitCode::kInternal);
+    // Destructors of statics in the libraries have crashed after a good bake before; there is nothing left to save.
+    std::fflush(nullptr);
+    _exit(static_cast<int>(model::ExitCode::kOk));
+}
+
+}  // namespace dgm::bake

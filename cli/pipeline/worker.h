@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/worker.h
+// The disposable process that bakes one asset (design section 2.1). What happens in it stays in it: importers and
+// geometry libraries may crash, hang or eat memory, and it costs one asset.
+#pragma once
+#include <filesystem>
+#include <functional>
+
+#include "pipeline/pipeline.h"
+
+namespace dgm::bake {
+
+/// bake_asset, or what a test puts in its place.
+using BakeFunction =
+    std::function<BakeResult(const std::filesystem::path&, const BakeOptions&, const model::Progress&)>;
+
+/// True if the arguments are those ChildProcess starts a worker with.
+[[nodiscard]] bool is_worker(int argc, const char* const* argv);
+
+/// Reads a job from descriptor 0, bakes, writes the files under the temporary names it was given, reads them back and
+/// compares, and sends progress and the outcome to descriptor 3 (worker_protocol.h). Limits its own memory first.
+/// Publishes nothing and removes nothing: the parent does, which is still there when this process is not.
+/// @return the process's exit code: 0 if an outcome was sent, success or not
+[[nodiscard]] int run_worker(const BakeFunction& bake);
+
+}  // namespace dgm::bake

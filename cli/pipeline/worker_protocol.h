@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/worker_protocol.h
+// What the parent and a worker say to each other: one JSON job in, JSON lines out. The worker reads strangers' meshes
+// with strangers' libraries, so the parent believes nothing it sends: sizes are bounded, types are checked.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "model/error.h"
+#include "pipeline/bake_options.h"
+#include "pipeline/bake_report.h"
+
+namespace dgm::bake {
+
+/// Names of the descriptors a worker finds open: the job, and where its messages go. Its stdout is its stderr, so that
+/// a chatty library cannot talk into the messages.
+inline constexpr int kJobDescriptor = 0, kMessageDescriptor = 3;
+
+/// Longest message line the parent takes; a report with 10 000 charts has about 10 MiB.
+inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 20;
+
+struct WorkerJob {
+    std::filesystem::path source;
+    BakeOptions options;
+    std::filesystem::path dgm, exr;  ///< temporary files to write; empty: not asked for
+    std::uint64_t memory_bytes = 0;  ///< address space the worker may take beside its own program; 0: no limit
+    std::uint32_t threads = 1;
+};
+
+struct ProgressMessage {
+    std::string stage;
+    double share = 0;  ///< of the stage, 0..1
+};
+struct ResultMessage {
+    BakeReport report;  ///< the files are written, read back and equal
+};
+struct ErrorMessage {
+    model::Error error;
+};
+/// An allocation failed. Sent at once, without allocating, since what follows may be a crash.
+struct OutOfMemoryMessage {};
+
+using WorkerMessage = std::variant<ProgressMessage, ResultMessage, ErrorMessage, OutOfMemoryMessage>;
+
+/// The line for OutOfMemoryMessage, ready to write from an allocation failure handler.
+inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\"}\n";
+
+/// Paths travel with every byte outside printable ASCII as %XX: file names need not be UTF-8, JSON must be.
+[[nodiscard]] std::string encode_path(const std::filesystem::path& path);
+[[nodiscard]] std::filesystem::path decode_path(std::string_view text);
+
+[[nodiscard]] std::string encode(const WorkerJob& job);
+/// @throws model::Error kInternal if `text` is not a job
+[[nodiscard]] WorkerJob decode_job(std::string_view text);
+
+/// One line, with its newline.
+[[nodiscard]] std::string encode(const WorkerMessage& message);
+/// nullopt for anything that is not a well-formed message. Unknown error codes come back as kInternal.
+[[nodiscard]] std::optional<WorkerMessage> decode_message(std::string_view line);
+
+}  // namespace dgm::bake

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/tool/tool.h
+// What main() of every small program does alike: help, version, errors as one story, exit codes of design section 8.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "model/codes.h"
+
+namespace dgm::tool {
+
+inline constexpr const char* kVersion = DGM_VERSION;
+
+/// "dgm-export 0.1.0"
+[[nodiscard]] inline std::string version_line(const std::string& program) {
+    return program + " " + kVersion;
+}
+
+/// "dgm-export: x.dgm: DGM1003: stored bytes differ ... (/charts/0/normal)\n  next: ...\n" on stderr. `subject` is the
+/// file that was worked on, or empty.
+inline void print_error(const std::string& program, const std::string& subject, const model::Error& error) {
+    std::string line = program + ": ";
+    if (!subject.empty()) line += subject + ": ";
+    if (!error.stage().empty()) line += error.stage() + ": ";
+    line += error.code().id() + ": " + error.what();
+    if (!error.place().empty() && error.place() != subject) line += " (" + error.place() + ")";
+    std::fprintf(stderr, "%s\n  next: %s\n", line.c_str(), error.code().hint);
+}
+
+/// The code of `a` or `b` that a batch returns: the larger, with interruption above all.
+[[nodiscard]] inline int worse(int a, int b) {
+    return a > b ? a : b;
+}
+
+/// Parses the command line and runs `body`, which gets a string to name the file it works on and returns an exit code.
+/// Turns what is thrown into a message and a code: model::Error its own, a wrong command line 1, no memory and
+/// everything else 4.
+template <class Body>
+int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, Body body) noexcept {
+    std::string subject;
+    try {
+        app.name(program);
+        app.set_version_flag("-V,--version", version_line(program), "Print the version and exit");
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::ParseError& error) {
+            if (error.get_exit_code() == 0) {
+                app.exit(error);  // --help, --version
+                return 0;
+            }
+            print_error(program, {}, model::Error(model::codes::kUsage, error.what()));
+            return static_cast<int>(model::ExitCode::kUsage);
+        }
+        return body(subject);
+    } catch (const model::Error& error) {
+        print_error(program, subject, error);
+        return static_cast<int>(error.code().exit);
+    } catch (const std::bad_alloc&) {
+        print_error(program, subject, model::Error(model::codes::kInternal, "out of memory"));
+    } catch (const std::exception& error) {
+        print_error(program, subject, model::Error(model::codes::kInternal, error.what()));
+    } catch (...) { std::fputs("internal error\n", stderr); }
+    return static_cast<int>(model::ExitCode::kInternal);
+}
+
+}  // namespace dgm::tool

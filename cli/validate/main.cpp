@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/validate/main.cpp
+// dgm-validate: is this file what it says it is, and as near to its source as it claims?
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/codes.h"
+#include "validate/output.h"
+#include "validate/validation.h"
+
+namespace dgm::validate {
+namespace {
+using model::ExitCode;
+
+struct CommandLine {
+    std::vector<std::string> files;
+    std::string source, format = "text", explain, max_rms, max_hausdorff;
+    bool quiet = false, verbose = false;
+};
+
+/// "0.05%" or "0.05" to 0.05, whatever the locale.
+std::optional<double> parse_percent(std::string_view text) {
+    if (text.ends_with('%')) text.remove_suffix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0) || value > 1e9) return std::nullopt;
+    return value;
+}
+
+void declare(CLI::App& app, CommandLine& line) {
+    const CLI::Validator percent(
+        [](const std::string& text) {
+            return parse_percent(text) ? std::string() : "`" + text + "` is not a percentage such as 0.05%";
+        },
+        "X%");
+    app.description(
+        "Checks .dgm files: structure, hashes, layers, seams, topology, and the distance to a source mesh.");
+    app.add_option("FILE", line.files, "Files to check");
+    app.add_option("--source", line.source, "Mesh to measure the reconstruction against")->type_name("MESH");
+    app.add_option("--max-rms", line.max_rms,
+                   "Largest rms distance, in % of the source's bounding-box diagonal "
+                   "(default: what the file's report claims)")
+        ->check(percent)
+        ->needs("--source");
+    app.add_option("--max-hausdorff", line.max_hausdorff, "Largest distance of all, likewise")
+        ->check(percent)
+        ->needs("--source");
+    app.add_option("--format", line.format, "text or json")
+        ->check(CLI::IsMember({"text", "json"}))
+        ->type_name("FORMAT");
+    app.add_option("--explain", line.explain, "Print what a code such as DGM1003 means, and stop")->type_name("CODE");
+    auto* quiet = app.add_flag("-q,--quiet", line.quiet, "Print errors only");
+    app.add_flag("-v,--verbose", line.verbose, "Print what was measured, too")->excludes(quiet);
+    app.set_version_flag("-V,--version", "dgm-validate " DGM_VERSION);
+    app.footer(
+        "Exit codes: 0 valid, 1 usage, 2 a file cannot be read, 3 invalid, 4 internal error, 5 unsupported.\n"
+        "With several files: that of the worst.");
+}
+
+ExitCode print_error(const model::Error& error) {
+    fmt::print(stderr, "dgm-validate: {}: {}: {}\n  next: {}\n", error.place(), error.code().id(), error.what(),
+               error.code().hint);
+    return error.code().exit;
+}
+
+ExitCode usage_error(const std::string& what) {
+    fmt::print(stderr, "dgm-validate: {}: {}\n  next: see dgm-validate --help\n", model::codes::kUsage.id(), what);
+    return ExitCode::kUsage;
+}
+
+/// Writes to stdout; a full disk is an error like any other.
+ExitCode put(const std::string& text) {
+    const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+    return written ? ExitCode::kOk
+                   : print_error(model::Error(model::codes::kWriteFailed, "the output cannot be written", "stdout"));
+}
+
+ExitCode run(const CommandLine& line) {
+    if (!line.explain.empty()) {
+        const model::Code* code = find_code(line.explain);
+        return code == nullptr ? usage_error("there is no code `" + line.explain + "`") : put(explain(*code));
+    }
+    if (line.files.empty()) return usage_error("no FILE was named");
+
+    Options options;
+    std::optional<Source> source;
+    if (!line.source.empty()) {
+        source = load_source(line.source);
+        options.source = &*source;
+        if (!line.max_rms.empty()) options.max_rms_percent = parse_percent(line.max_rms);
+        if (!line.max_hausdorff.empty()) options.max_hausdorff_percent = parse_percent(line.max_hausdorff);
+    }
+    const Verbosity verbosity = line.quiet     ? Verbosity::kQuiet
+                                : line.verbose ? Verbosity::kVerbose
+                                               : Verbosity::kNormal;
+    ExitCode worst = ExitCode::kOk;
+    std::vector<FileValidation> results;
+    for (const std::string& file : line.files) {
+        FileValidation result = validate_file(file, options);
+        worst = worse(worst, result.exit_code());
+        if (line.format == "json")
+            results.push_back(std::move(result));
+        else
+            worst = worse(worst, put(to_text(result, verbosity)));
+    }
+    if (line.format == "json") worst = worse(worst, put(to_json(results)));
+    return worst;
+}
+}  // namespace
+}  // namespace dgm::validate
+
+int main(int argc, char** argv) {
+    using namespace dgm;
+    validate::CommandLine line;
+    CLI::App app;
+    try {
+        validate::declare(app, line);
+        app.parse(argc, argv);
+        return static_cast<int>(validate::run(line));
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+        return static_cast<int>(validate::usage_error(error.what()));
+    } catch (const model::Error& error) {
+        return static_cast<int>(validate::print_error(error));
+    } catch (const std::exception& error) {
+        return static_cast<int>(
+            validate::print_error(model::Error(model::codes::kInternal, error.what(), "dgm-validate")));
+    }
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/validate/validation.h
+// Every check of a .dgm, as a list of findings.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dgm/dgm_reader.h"
+#include "geometry/metrics/surface_error.h"
+#include "model/tri_mesh.h"
+
+namespace dgm::validate {
+
+/// The mesh that a file is compared with.
+struct Source {
+    std::filesystem::path path;
+    std::array<std::uint8_t, 16> hash{};  ///< XXH3-128 of the file
+    model::TriMesh mesh;
+};
+/// @throws model::Error as formats::read_mesh
+[[nodiscard]] Source load_source(const std::filesystem::path& path);
+
+struct Options {
+    const Source* source = nullptr;                                ///< null: no comparison with a source
+    std::optional<double> max_rms_percent, max_hausdorff_percent;  ///< of the source's bounding-box diagonal
+    bake::SurfaceErrorOptions sampling;
+};
+
+/// Outcome for one file.
+struct FileValidation {
+    std::filesystem::path path;
+    std::vector<formats::Finding> findings;   ///< in the order of the checks; empty for a good file
+    std::size_t charts = 0;                   ///< 0 if the container could not be read
+    std::optional<bake::SurfaceError> error;  ///< measured, if there was a source
+    /// kOk if no finding is an error; else that of the worst.
+    [[nodiscard]] model::ExitCode exit_code() const;
+};
+
+/// Container and hashes, then each layer, the reconstruction, the report, and the distance to the source: each step
+/// only if what it reads passed the one before. Without limits in `options` the distance may be what the report claims,
+/// plus 1 % (rms) or 5 % (hausdorff).
+///
+/// Never throws model::Error: a file that is missing or unreadable is a finding too. Deterministic. Not thread-safe
+/// (HDF5).
+[[nodiscard]] FileValidation validate_file(const std::filesystem::path& path, const Options& options = {});
+
+/// The same from the layers on, for maps in memory: what a baker asks of its own result. `path` stays empty.
+[[nodiscard]] FileValidation validate_maps(const model::MapSet& maps, const Options& options = {});
+
+/// The more serious of two: interrupted, internal, I/O, invalid, unsupported, ok.
+[[nodiscard]] model::ExitCode worse(model::ExitCode a, model::ExitCode b);
+
+}  // namespace dgm::validate

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/dgm/atomic_file.h
+// Putting a finished file in its place, so that a crash leaves the old file or the new one, never a part.
+#pragma once
+#include <filesystem>
+
+namespace dgm::formats {
+
+/// fsync of the file's data and length. @throws model::Error kWriteFailed
+void sync_file(const std::filesystem::path& path);
+
+/// fsync `temporary`, rename it to `final_path` (same file system), fsync the folder. On error `temporary` stays and
+/// `final_path` is untouched. @throws model::Error kWriteFailed
+void publish_file(const std::filesystem::path& temporary, const std::filesystem::path& final_path);
+
+}  // namespace dgm::formats

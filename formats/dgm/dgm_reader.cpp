@@ -1,0 +1,462 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/dgm/dgm_reader.cpp
+// One walk over the file serves both entry points: read_dgm stops at the first finding and keeps the layers,
+// check_container goes on and keeps the findings. The index is checked on the raw bytes first; HDF5 sees the file only
+// once header, index and layer hashes are good, and then has to agree with the index.
+#include "dgm/dgm_reader.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <set>
+#include <system_error>
+
+#include "dgm/h5_file.h"
+#include "dgm/hash.h"
+#include "dgm/index.h"
+
+namespace dgm::formats {
+namespace {
+
+namespace codes = model::codes;
+namespace fs = std::filesystem;
+using layout::FileHeader;
+using layout::LayerRecord;
+
+constexpr std::size_t kMaxFindings = 100;
+constexpr std::uint64_t kMaxReportBytes = std::uint64_t{256} << 20;
+
+/// Read-only file descriptor with range-checked reads.
+class RawFile {
+  public:
+    explicit RawFile(const fs::path& path) : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+        const int error = errno;
+        if (file_ < 0)
+            throw model::Error(error == ENOENT || error == ENOTDIR ? codes::kFileMissing : codes::kReadFailed,
+                               std::generic_category().message(error), path.string());
+        struct stat status {};
+        if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+            ::close(file_);
+            throw model::Error(codes::kReadFailed, "not a regular file", path.string());
+        }
+        size_ = static_cast<std::uint64_t>(status.st_size);
+    }
+    ~RawFile() { ::close(file_); }
+    RawFile(const RawFile&) = delete;
+    RawFile& operator=(const RawFile&) = delete;
+
+    [[nodiscard]] std::uint64_t size() const { return size_; }
+    [[nodiscard]] bool contains(std::uint64_t offset, std::uint64_t bytes) const {
+        return bytes <= size_ && offset <= size_ - bytes;
+    }
+    /// The range must be contained.
+    [[nodiscard]] std::vector<std::byte> read(std::uint64_t offset, std::uint64_t bytes) const {
+        std::vector<std::byte> out(bytes);
+        std::size_t done = 0;
+        while (done < bytes) {
+            const ssize_t got = ::pread(file_, out.data() + done, bytes - done, static_cast<off_t>(offset + done));
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0)
+                throw model::Error(codes::kReadFailed,
+                                   got < 0 ? std::generic_category().message(errno) : "the file shrank while it was read",
+                                   path_.string());
+            done += static_cast<std::size_t>(got);
+        }
+        return out;
+    }
+
+  private:
+    const fs::path& path_;
+    int file_;
+    std::uint64_t size_ = 0;
+};
+
+/// Thrown to leave the walk once there are enough findings.
+struct EnoughFindings {};
+
+class Walk {
+  public:
+    Walk(const fs::path& path, const DgmReadLimits& limits, bool keeps_layers)
+        : path_(path), limits_(limits), keeps_layers_(keeps_layers), raw_(path) {}
+
+    FileFindings run(model::MapSet* out) {
+        maps_ = out;
+        try {
+            if (read_header() && read_index() && check_charts() && check_layers()) {
+                const std::size_t before = findings_.size();
+                read_layers();
+                if (findings_.size() == before) walk_hdf5();
+            }
+        } catch (const EnoughFindings&) {
+        } catch (const model::Error& error) {
+            if (error.place().starts_with(path_.string())) throw;
+            throw model::Error(error.code(), error.what(), path_.string() + ": " + error.place());
+        }
+        return std::move(findings_);
+    }
+
+  private:
+    void add(const model::Code& code, std::string message, std::string place,
+             std::optional<double> measured = std::nullopt, std::optional<double> limit = std::nullopt) {
+        if (keeps_layers_) throw model::Error(code, std::move(message), std::move(place));
+        findings_.push_back({&code, Severity::kError, std::move(message), std::move(place), measured, limit});
+        if (findings_.size() >= kMaxFindings) throw EnoughFindings();
+    }
+
+    bool read_header() {
+        if (!raw_.contains(0, sizeof layout::kMagic) ||
+            std::memcmp(raw_.read(0, sizeof layout::kMagic).data(), layout::kMagic, sizeof layout::kMagic) != 0) {
+            add(codes::kNotDgm, raw_.size() == 0 ? "the file is empty" : "no DGM index at the start of the file", "user block");
+            return false;
+        }
+        if (!raw_.contains(0, layout::kUserBlockBytes)) {
+            add(codes::kTruncated, std::to_string(raw_.size()) + " bytes are less than the user block", "user block",
+                static_cast<double>(raw_.size()), static_cast<double>(layout::kUserBlockBytes));
+            return false;
+        }
+        const std::vector<std::byte> bytes = raw_.read(0, sizeof header_);
+        std::memcpy(&header_, bytes.data(), sizeof header_);
+        const Hash128 hash = hash_bytes(std::span(bytes).first(offsetof(FileHeader, header_hash)));
+        const bool hash_fits = std::equal(hash.begin(), hash.end(), header_.header_hash);
+        const bool newer = header_.format_version > layout::kFormatVersion;
+        // A newer format may keep its hash elsewhere, and then has another header size.
+        if (newer && (hash_fits || header_.header_bytes != sizeof header_)) {
+            add(codes::kBadVersion,
+                "format version " + std::to_string(header_.format_version) + "; this tool reads up to " +
+                    std::to_string(layout::kFormatVersion),
+                "user block", header_.format_version, layout::kFormatVersion);
+            return false;
+        }
+        if (!hash_fits) {
+            add(codes::kHashMismatch, "the header differs from its hash", "user block");
+            return false;
+        }
+        if (header_.format_version == 0 || header_.header_bytes != sizeof header_) {
+            add(codes::kBadIndex, "impossible version or header size", "user block");
+            return false;
+        }
+        if (header_.file_bytes != raw_.size()) {
+            const bool shorter = raw_.size() < header_.file_bytes;
+            add(shorter ? codes::kTruncated : codes::kBadIndex,
+                "the file has " + std::to_string(raw_.size()) + " bytes, its index says " +
+                    std::to_string(header_.file_bytes),
+                "user block", static_cast<double>(raw_.size()), static_cast<double>(header_.file_bytes));
+            return false;
+        }
+        return true;
+    }
+
+    bool read_index() {
+        if (header_.chart_count > limits_.max_charts || header_.layer_count > limits_.max_layers) {
+            add(codes::kBadIndex, "too many charts or layers", "user block");
+            return false;
+        }
+        const std::uint64_t bytes = index_bytes(header_.chart_count, header_.layer_count);
+        const bool in_block = header_.index_offset == sizeof header_;
+        const bool placed = in_block ? bytes <= layout::kUserBlockBytes - sizeof header_
+                                     : header_.index_offset >= layout::kUserBlockBytes &&
+                                           raw_.contains(header_.index_offset, bytes);
+        if (header_.index_bytes != bytes || !placed) {
+            add(codes::kBadIndex, "size or place of the records is impossible", "user block");
+            return false;
+        }
+        const std::vector<std::byte> records = raw_.read(header_.index_offset, bytes);
+        const Hash128 hash = hash_bytes(records);
+        if (!std::equal(hash.begin(), hash.end(), header_.index_hash)) {
+            add(codes::kHashMismatch, "the records differ from their hash", in_block ? "user block" : "/index");
+            return false;
+        }
+        index_ = decode_records(records, header_.chart_count, header_.layer_count);
+        return true;
+    }
+
+    bool check_charts() {
+        const std::size_t before = findings_.size();
+        std::uint64_t next = 0;
+        for (std::size_t k = 0; k < index_.charts.size(); ++k) {
+            const layout::ChartRecord& chart = index_.charts[k];
+            if (const std::string complaint = chart_complaint(chart); !complaint.empty())
+                add(codes::kBadIndex, complaint, h5_place(k));
+            if (chart.first_layer != next || chart.layer_count > index_.layers.size() - next) {
+                add(codes::kBadIndex, "the chart's layers do not follow the chart's before it", h5_place(k));
+                return false;
+            }
+            next += chart.layer_count;
+        }
+        if (next != index_.layers.size()) add(codes::kBadIndex, "layers that belong to no chart", "user block");
+        return findings_.size() == before;
+    }
+
+    bool check_layers() {
+        const std::size_t before = findings_.size();
+        std::vector<std::pair<std::uint64_t, std::size_t>> places;
+        for (std::size_t c = 0; c < index_.charts.size(); ++c) {
+            const layout::ChartRecord& chart = index_.charts[c];
+            std::set<std::string> names;
+            for (std::size_t l = chart.first_layer; l < std::size_t{chart.first_layer} + chart.layer_count; ++l) {
+                const LayerRecord& layer = index_.layers[l];
+                const auto name = field_text(layer.name);
+                const std::string place = h5_place(c, name.value_or("layer " + std::to_string(l)));
+                if (!name || !names.insert(*name).second)
+                    add(codes::kBadIndex, "the layer's name is not clean text, or used twice", place);
+                check_layer(layer, c, name.value_or(std::string()), place);
+                if (layer.bytes > 0) places.emplace_back(layer.offset, l);
+            }
+        }
+        std::sort(places.begin(), places.end());
+        for (std::size_t k = 0; k + 1 < places.size() && findings_.size() == before; ++k)
+            if (index_.layers[places[k].second].bytes > places[k + 1].first - places[k].first)
+                add(codes::kBadIndex, "two layers share bytes at " + std::to_string(places[k + 1].first), "user block");
+        return findings_.size() == before;
+    }
+
+    void check_layer(const LayerRecord& layer, std::size_t chart, const std::string& name, const std::string& place) {
+        if (layer.chart != chart) add(codes::kBadIndex, "the record names another chart", place);
+        if (layer.rank == 0 || layer.rank > layout::kMaxRank) {
+            add(codes::kBadIndex, "rank " + std::to_string(layer.rank), place);
+            return;
+        }
+        const std::span<const std::uint64_t> shape(layer.shape, layer.rank);
+        const auto type = static_cast<layout::ElementType>(layer.type);
+        const auto bytes = layer_bytes(type, shape);
+        const bool tail_is_zero = std::all_of(layer.shape + layer.rank, std::end(layer.shape), [](auto s) { return s == 0; });
+        if (!bytes || *bytes != layer.bytes || !tail_is_zero) {
+            add(codes::kBadIndex, "type, shape and byte length disagree", place);
+            return;
+        }
+        if (layer.bytes > limits_.max_layer_bytes) add(codes::kBadIndex, "the layer is too large for this tool", place);
+        if (layer.offset < layout::kUserBlockBytes || layer.offset % layout::kMinAlignment != 0)
+            add(codes::kBadIndex, "offset " + std::to_string(layer.offset) + " is not aligned or inside the user block", place);
+        if (!raw_.contains(layer.offset, layer.bytes))
+            add(codes::kTruncated, "the layer ends beyond the file", place, static_cast<double>(layer.offset),
+                static_cast<double>(raw_.size()));
+        if (const std::string complaint = shape_complaint(index_.charts[chart], name, type, shape); !complaint.empty())
+            add(codes::kBadLayerShape, complaint, place);
+        if ((layer.flags & layout::kLayerRequired) != 0 && !name.empty() && !is_known_layer(name))
+            add(codes::kBadVersion, "the file needs a layer that this tool does not know", place);
+    }
+
+    void read_layers() {
+        if (maps_ != nullptr) fill_charts();
+        for (const LayerRecord& record : index_.layers) {
+            std::vector<std::byte> bytes = raw_.read(record.offset, record.bytes);
+            const Hash128 hash = hash_bytes(bytes);
+            const std::string name = field_text(record.name).value_or(std::string());
+            if (!std::equal(hash.begin(), hash.end(), record.hash))
+                add(codes::kHashMismatch, "the layer's bytes differ from their hash", h5_place(record.chart, name));
+            if (maps_ == nullptr) continue;
+            model::Layer& layer = maps_->charts[record.chart].layers.emplace_back();
+            layer.name = name;
+            layer.type = static_cast<layout::ElementType>(record.type);
+            layer.shape.assign(record.shape, record.shape + record.rank);
+            layer.bytes = std::move(bytes);
+            layer.required = (record.flags & layout::kLayerRequired) != 0;
+        }
+    }
+
+    void fill_charts() {
+        maps_->format_version = header_.format_version;
+        std::copy(std::begin(header_.source_hash), std::end(header_.source_hash), maps_->source_hash.begin());
+        std::copy(std::begin(header_.settings_hash), std::end(header_.settings_hash), maps_->settings_hash.begin());
+        for (const layout::ChartRecord& record : index_.charts) {
+            model::Chart& chart = maps_->charts.emplace_back();
+            chart.rows = record.rows;
+            chart.cols = record.cols;
+            chart.domain = static_cast<layout::Domain>(record.domain);
+            chart.method = field_text(record.method).value_or(std::string());
+            std::copy(std::begin(record.bbox), std::end(record.bbox), chart.bbox.begin());
+            std::copy(std::begin(record.offset), std::end(record.offset), chart.offset.begin());
+            std::copy(std::begin(record.scale), std::end(record.scale), chart.scale.begin());
+        }
+    }
+
+    // HDF5 ----------------------------------------------------------------------------------------------------------
+
+    void walk_hdf5() {
+        const H5Session session;
+        try {
+            H5Check check{codes::kHdf5Unreadable, "/"};
+            const H5Handle access = check.handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
+            const H5Handle file = check.handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access), "open the file");
+            check_root(file);
+            const H5Handle charts = open_child(file, "charts", "/charts", H5I_GROUP);
+            count_links(charts, index_.charts.size(), "/charts");
+            for (std::size_t k = 0; k < index_.charts.size(); ++k) check_chart(charts, k);
+            read_report(file);
+        } catch (const model::Error& error) {
+            if (keeps_layers_) throw;
+            add(error.code(), error.what(), error.place());
+        }
+    }
+
+    /// Opens a child through a hard link alone: soft and external links could lead anywhere.
+    static H5Handle open_child(hid_t parent, const std::string& name, const std::string& place, H5I_type_t kind) {
+        const H5Check check{codes::kHdf5Unreadable, place};
+        H5L_info_t link;
+        if (H5Lexists(parent, name.c_str(), H5P_DEFAULT) <= 0 ||
+            H5Lget_info(parent, name.c_str(), &link, H5P_DEFAULT) < 0)
+            check.fail("find it");
+        if (link.type != H5L_TYPE_HARD) throw model::Error(codes::kBadIndex, "a soft or external link", place);
+        H5Handle object = check.handle(H5Oopen(parent, name.c_str(), H5P_DEFAULT), "open it");
+        if (H5Iget_type(object) != kind) throw model::Error(codes::kBadIndex, "an object of another kind", place);
+        return object;
+    }
+
+    void count_links(hid_t group, std::size_t expected, const std::string& place) {
+        H5G_info_t info;
+        if (H5Gget_info(group, &info) < 0 || info.nlinks != expected)
+            add(codes::kBadIndex, "the group holds objects that the index does not know", place,
+                static_cast<double>(info.nlinks), static_cast<double>(expected));
+    }
+
+    template <class Value>
+    Value expect(hid_t object, const char* name, const std::string& place) {
+        const H5Check check{codes::kHdf5Unreadable, place};
+        model::AttributeValue value = read_attribute(object, name, check);
+        if (auto* typed = std::get_if<Value>(&value)) return std::move(*typed);
+        check.fail((std::string("read attribute ") + name).c_str());
+    }
+    template <class Value>
+    void compare(hid_t object, const char* name, const Value& wanted, const std::string& place) {
+        // Bytes, not ==: attributes may hold NaN or -0 as long as both sides have the same.
+        const Value found = expect<Value>(object, name, place);
+        const bool same = found.size() == wanted.size() &&
+                          (found.empty() || std::memcmp(found.data(), wanted.data(), found.size() * sizeof found[0]) == 0);
+        if (!same) add(codes::kBadIndex, std::string("attribute ") + name + " differs from the index", place);
+    }
+
+    void check_root(hid_t file) {
+        using std::string;
+        compare(file, "format_version", std::vector{header_.format_version}, "/");
+        Hash128 source, settings;
+        std::copy(std::begin(header_.source_hash), std::end(header_.source_hash), source.begin());
+        std::copy(std::begin(header_.settings_hash), std::end(header_.settings_hash), settings.begin());
+        compare(file, "source_hash", to_hex(source), "/");
+        compare(file, "settings_hash", to_hex(settings), "/");
+        string generator = expect<string>(file, "generator", "/"), source_name = expect<string>(file, "source_name", "/");
+        if (maps_ == nullptr) return;
+        maps_->generator = std::move(generator);
+        maps_->source_name = std::move(source_name);
+    }
+
+    void check_chart(hid_t charts, std::size_t number) {
+        const std::string place = h5_place(number);
+        const layout::ChartRecord& record = index_.charts[number];
+        const H5Handle group = open_child(charts, std::to_string(number), place, H5I_GROUP);
+        const bool is_free = record.domain == static_cast<std::uint32_t>(layout::Domain::kFree);
+        compare(group, "domain", std::string(is_free ? "free" : "square"), place);
+        compare(group, "method", field_text(record.method).value_or(std::string()), place);
+        compare(group, "rows", std::vector{record.rows}, place);
+        compare(group, "cols", std::vector{record.cols}, place);
+        compare(group, "bbox", std::vector<double>(std::begin(record.bbox), std::end(record.bbox)), place);
+        count_links(group, record.layer_count, place);
+        for (std::uint32_t k = 0; k < record.layer_count; ++k) check_dataset(group, number, k);
+    }
+
+    void check_dataset(hid_t group, std::size_t number, std::uint32_t k) {
+        const layout::ChartRecord& chart = index_.charts[number];
+        const LayerRecord& record = index_.layers[chart.first_layer + k];
+        const std::string name = field_text(record.name).value_or(std::string());
+        const std::string place = h5_place(number, name);
+        const H5Check check{codes::kHdf5Unreadable, place};
+        const H5Handle set = open_child(group, name, place, H5I_DATASET);
+        const H5Handle creation = check.handle(H5Dget_create_plist(set), "read its properties");
+        if (H5Pget_layout(creation) != H5D_CONTIGUOUS || H5Pget_nfilters(creation) != 0 ||
+            H5Pget_external_count(creation) != 0) {
+            add(codes::kBadIndex, "the dataset is chunked, filtered, virtual or stored outside the file", place);
+            return;
+        }
+        const H5Handle space = check.handle(H5Dget_space(set), "read its shape");
+        std::vector<hsize_t> extent(record.rank);
+        const int rank = H5Sget_simple_extent_ndims(space);
+        const bool same_shape = rank == static_cast<int>(record.rank) &&
+                                H5Sget_simple_extent_dims(space, extent.data(), nullptr) == rank &&
+                                std::equal(extent.begin(), extent.end(), record.shape);
+        if (!same_shape) add(codes::kBadIndex, "HDF5 and the index disagree on the shape", place);
+        const H5Handle type = check.handle(H5Dget_type(set), "read its type");
+        const H5Handle wanted = h5_element_type(static_cast<layout::ElementType>(record.type), check);
+        if (H5Tequal(type, wanted) <= 0) add(codes::kBadIndex, "HDF5 and the index disagree on the element type", place);
+        if (record.bytes > 0) {
+            const haddr_t offset = H5Dget_offset(set);
+            if (offset != record.offset)
+                add(codes::kBadIndex,
+                    "HDF5 has the bytes at " + std::to_string(offset) + ", the index at " + std::to_string(record.offset),
+                    place, static_cast<double>(record.offset), static_cast<double>(offset));
+        }
+        const bool is_geometry = name == "geometry";
+        if (is_geometry) {
+            compare(set, "offset", std::vector<double>(std::begin(chart.offset), std::end(chart.offset)), place);
+            compare(set, "scale", std::vector<double>(std::begin(chart.scale), std::end(chart.scale)), place);
+        }
+        if (maps_ != nullptr) read_layer_attributes(set, maps_->charts[number].layers[k], is_geometry, place);
+    }
+
+    static void read_layer_attributes(hid_t set, model::Layer& layer, bool is_geometry, const std::string& place) {
+        const H5Check check{codes::kHdf5Unreadable, place};
+        std::vector<std::string> names;
+        hsize_t position = 0;
+        const auto collect = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
+            auto& list = *static_cast<std::vector<std::string>*>(out);
+            list.emplace_back(name);
+            return list.size() < 1000 ? 0 : -1;
+        };
+        check.done(H5Aiterate2(set, H5_INDEX_NAME, H5_ITER_INC, &position, collect, &names), "list its attributes");
+        for (const std::string& name : names)
+            if (!is_geometry || (name != "offset" && name != "scale"))
+                layer.attributes.emplace(name, read_attribute(set, name, check));
+    }
+
+    void read_report(hid_t file) {
+        const H5Check check{codes::kHdf5Unreadable, "/report"};
+        const H5Handle set = open_child(file, "report", "/report", H5I_DATASET);
+        const H5Handle creation = check.handle(H5Dget_create_plist(set), "read its properties");
+        const H5Handle type = check.handle(H5Dget_type(set), "read its type");
+        const H5Handle space = check.handle(H5Dget_space(set), "read its shape");
+        const std::size_t size = H5Tget_size(type);
+        if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 ||
+            H5Sget_simple_extent_type(space) != H5S_SCALAR || H5Pget_layout(creation) != H5D_CONTIGUOUS ||
+            H5Pget_nfilters(creation) != 0 || H5Pget_external_count(creation) != 0 || size == 0 || size > kMaxReportBytes) {
+            add(codes::kBadIndex, "the report is not one text of fixed length", "/report");
+            return;
+        }
+        const haddr_t offset = H5Dget_offset(set);
+        if (offset == HADDR_UNDEF || !raw_.contains(offset, size)) {
+            add(codes::kBadIndex, "the report lies outside the file", "/report");
+            return;
+        }
+        const std::vector<std::byte> bytes = raw_.read(offset, size);
+        const auto end = std::find(bytes.begin(), bytes.end(), std::byte{0});
+        const std::span<const std::byte> text(bytes.data(), static_cast<std::size_t>(end - bytes.begin()));
+        if (expect<std::string>(set, "hash", "/report") != to_hex(hash_bytes(text)))
+            add(codes::kHashMismatch, "the report differs from its hash", "/report");
+        if (maps_ != nullptr) maps_->report_json.assign(reinterpret_cast<const char*>(text.data()), text.size());
+    }
+
+    const fs::path& path_;
+    const DgmReadLimits& limits_;
+    bool keeps_layers_;
+    RawFile raw_;
+    FileHeader header_{};
+    Index index_;
+    FileFindings findings_;
+    model::MapSet* maps_ = nullptr;
+};
+
+}  // namespace
+
+model::MapSet read_dgm(const fs::path& path, const DgmReadLimits& limits) {
+    model::MapSet maps;
+    Walk(path, limits, true).run(&maps);
+    return maps;
+}
+
+FileFindings check_container(const fs::path& path, const DgmReadLimits& limits) {
+    return Walk(path, limits, false).run(nullptr);
+}
+
+}  // namespace dgm::formats

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/dgm/dgm_reader.h
+// .dgm to MapSet through HDF5, and the checks of its container.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/error.h"
+#include "model/map_set.h"
+
+namespace dgm::formats {
+
+enum class Severity { kError, kWarning };
+
+/// One thing that is wrong with a file.
+struct Finding {
+    const model::Code* code = nullptr;
+    Severity severity = Severity::kError;
+    std::string message;  ///< one line, with figures
+    std::string place;    ///< HDF5 path ("/charts/0/normal") or "user block", with the sample or byte where known
+    std::optional<double> measured, limit;
+};
+using FileFindings = std::vector<Finding>;
+
+struct DgmReadLimits {
+    std::uint64_t max_layer_bytes = std::uint64_t{8} << 30;
+    std::uint32_t max_charts = 1u << 20;
+    std::uint32_t max_layers = 1u << 22;
+};
+
+/// Reads a whole file and checks it on the way: header, index, hashes, index against H5Dget_offset, types, shapes,
+/// names. Sizes from the file are believed only after they fit the file's real length. External links, external storage
+/// and filters are refused, not followed.
+/// @throws model::Error with the code of the first finding of check_container; kFileMissing, kReadFailed
+/// Not thread-safe: the serial HDF5 library allows one thread at a time.
+[[nodiscard]] model::MapSet read_dgm(const std::filesystem::path& path, const DgmReadLimits& limits = {});
+
+/// Everything that is wrong with the container, at most 100 findings; empty for a good file. Looks at structure and
+/// hashes, not at what the values mean.
+/// @throws model::Error kFileMissing, kReadFailed
+[[nodiscard]] FileFindings check_container(const std::filesystem::path& path, const DgmReadLimits& limits = {});
+
+}  // namespace dgm::formats

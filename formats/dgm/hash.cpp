@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/dgm/hash.cpp
+#include "dgm/hash.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <system_error>
+#include <vector>
+
+#include "model/codes.h"
+
+namespace dgm::formats {
+namespace {
+
+Hash128 canonical(XXH128_hash_t hash) {
+    XXH128_canonical_t bytes;
+    XXH128_canonicalFromHash(&bytes, hash);
+    Hash128 out;
+    std::copy(std::begin(bytes.digest), std::end(bytes.digest), out.begin());
+    return out;
+}
+
+struct StateDeleter {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+};
+
+}  // namespace
+
+Hash128 hash_bytes(std::span<const std::byte> bytes) { return canonical(XXH3_128bits(bytes.data(), bytes.size())); }
+
+Hash128 hash_file(const std::filesystem::path& path) {
+    namespace codes = model::codes;
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
+    std::ifstream file(path, std::ios::binary);
+    if (!std::filesystem::is_regular_file(status) || !file)
+        throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+    const std::unique_ptr<XXH3_state_t, StateDeleter> state(XXH3_createState());
+    if (!state) throw std::bad_alloc();
+    XXH3_128bits_reset(state.get());
+    std::vector<char> block(std::size_t{1} << 20);
+    while (file) {
+        file.read(block.data(), static_cast<std::streamsize>(block.size()));
+        XXH3_128bits_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+    }
+    if (!file.eof()) throw model::Error(codes::kReadFailed, "the file cannot be read to its end", path.string());
+    return canonical(XXH3_128bits_digest(state.get()));
+}
+
+std::string to_hex(const Hash128& hash) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    std::string out;
+    for (const std::uint8_t byte : hash) {
+        out += kDigits[byte >> 4];
+        out += kDigits[byte & 15];
+    }
+    return out;
+}
+
+}  // namespace dgm::formats

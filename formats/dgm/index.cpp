@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/dgm/index.cpp
+#include "dgm/index.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "model/codes.h"
+
+namespace dgm::formats {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "records are little-endian and copied as they stand");
+
+using layout::ElementType;
+
+/// An extent of a known layer's shape.
+enum Extent : int { kAny = -1, kRows = -2, kCols = -3, kRowQuads = -4, kColQuads = -5, kBorder = -6 };
+
+struct KnownLayer {
+    std::string_view name;
+    std::vector<ElementType> types;
+    std::vector<int> shape;  ///< an Extent, or the number itself
+};
+
+const std::vector<KnownLayer>& known_layers() {
+    using enum ElementType;
+    static const std::vector<KnownLayer> table{
+        {"geometry", {kF32, kU16}, {kRows, kCols, 3}},
+        {"normal", {kI16}, {kRows, kCols, 2}},
+        {"texture", {kU8}, {kAny, kAny, 4}},
+        {"bump", {kF16}, {kAny, kAny}},
+        {"collision", {kF32}, {kAny, 6}},
+        {"cover", {kF32}, {kRows, kCols}},
+        {"deformation", {kF32}, {kRows, kCols, 4}},
+        {"contact", {kF32}, {kRows, kCols, 2}},
+        {"seams", {kU32}, {kAny, 2}},
+        {"diagonals", {kU8}, {kRowQuads, kColQuads}},
+        {"mask", {kU8}, {kRows, kCols}},
+        {"border_uv", {kF32}, {kBorder, 2}},
+        {"border_geometry", {kF32}, {kBorder, 3}},
+        {"border_normal", {kI16}, {kBorder, 2}},
+        {"border_faces", {kU32}, {kAny, 3}},
+    };
+    return table;
+}
+
+const KnownLayer* find_known(std::string_view name) {
+    for (const KnownLayer& layer : known_layers())
+        if (layer.name == name) return &layer;
+    return nullptr;
+}
+
+bool is_name_character(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+}
+
+std::string shape_text(std::span<const std::uint64_t> shape) {
+    std::string out;
+    for (const std::uint64_t extent : shape) out += (out.empty() ? "" : " x ") + std::to_string(extent);
+    return out;
+}
+
+}  // namespace
+
+std::uint64_t index_bytes(std::uint64_t charts, std::uint64_t layers) {
+    return charts * sizeof(layout::ChartRecord) + layers * sizeof(layout::LayerRecord);
+}
+
+std::vector<std::byte> encode_records(const Index& index) {
+    std::vector<std::byte> out(index_bytes(index.charts.size(), index.layers.size()));
+    const std::size_t chart_bytes = index.charts.size() * sizeof(layout::ChartRecord);
+    if (chart_bytes > 0) std::memcpy(out.data(), index.charts.data(), chart_bytes);
+    if (!index.layers.empty())
+        std::memcpy(out.data() + chart_bytes, index.layers.data(), index.layers.size() * sizeof(layout::LayerRecord));
+    return out;
+}
+
+Index decode_records(std::span<const std::byte> bytes, std::uint32_t charts, std::uint32_t layers) {
+    Index out;
+    out.charts.resize(charts);
+    out.layers.resize(layers);
+    const std::size_t chart_bytes = charts * sizeof(layout::ChartRecord);
+    if (charts > 0) std::memcpy(out.charts.data(), bytes.data(), chart_bytes);
+    if (layers > 0) std::memcpy(out.layers.data(), bytes.data() + chart_bytes, layers * sizeof(layout::LayerRecord));
+    return out;
+}
+
+std::optional<std::string> field_text(std::span<const char> field) {
+    const auto end = std::find(field.begin(), field.end(), '\0');
+    if (!std::all_of(end, field.end(), [](char c) { return c == '\0'; })) return std::nullopt;
+    std::string text(field.begin(), end);
+    // "." and ".." mean the group itself to HDF5.
+    if (text.empty() || text.front() == '.' || !std::all_of(text.begin(), text.end(), is_name_character))
+        return std::nullopt;
+    return text;
+}
+
+void set_field_text(std::span<char> field, std::string_view text, const std::string& place) {
+    const bool good = !text.empty() && text.front() != '.' && text.size() < field.size() &&
+                      std::all_of(text.begin(), text.end(), is_name_character);
+    if (!good)
+        throw model::Error(model::codes::kBadLayerShape,
+                           "name \"" + std::string(text) + "\" must be 1 to " + std::to_string(field.size() - 1) +
+                               " letters, digits, '_', '-' or '.'",
+                           place);
+    std::fill(field.begin(), field.end(), '\0');
+    std::copy(text.begin(), text.end(), field.begin());
+}
+
+std::optional<std::uint64_t> layer_bytes(ElementType type, std::span<const std::uint64_t> shape) {
+    std::uint64_t bytes = layout::element_size(type);
+    if (bytes == 0 || shape.empty() || shape.size() > layout::kMaxRank) return std::nullopt;
+    // Not past an empty extent: its neighbours count too, or a reader that multiplies in another order overflows.
+    std::uint64_t without_zeros = bytes;
+    for (const std::uint64_t extent : shape) {
+        if (__builtin_mul_overflow(without_zeros, std::max<std::uint64_t>(extent, 1), &without_zeros)) return std::nullopt;
+        bytes *= extent;
+    }
+    return bytes;
+}
+
+bool is_known_layer(std::string_view name) { return find_known(name) != nullptr; }
+
+std::string shape_complaint(const layout::ChartRecord& chart, std::string_view name, ElementType type,
+                            std::span<const std::uint64_t> shape) {
+    const KnownLayer* known = find_known(name);
+    if (known == nullptr) return {};
+    if (std::find(known->types.begin(), known->types.end(), type) == known->types.end())
+        return "element type " + std::to_string(static_cast<std::uint32_t>(type)) + " is not one of this layer's";
+    const bool border_only = name.starts_with("border_") || name == "mask";
+    if (border_only && chart.domain != static_cast<std::uint32_t>(layout::Domain::kFree))
+        return "only a chart of a free domain has this layer";
+    std::vector<std::uint64_t> expected;
+    for (std::size_t k = 0; k < known->shape.size(); ++k) {
+        switch (known->shape[k]) {
+            case kAny: expected.push_back(k < shape.size() ? shape[k] : 1); break;
+            case kRows: expected.push_back(chart.rows); break;
+            case kCols: expected.push_back(chart.cols); break;
+            case kRowQuads: expected.push_back(chart.rows - 1); break;
+            case kColQuads: expected.push_back(chart.cols - 1); break;
+            case kBorder: expected.push_back(chart.border_samples); break;
+            default: expected.push_back(static_cast<std::uint64_t>(known->shape[k]));
+        }
+    }
+    if (!std::equal(expected.begin(), expected.end(), shape.begin(), shape.end()))
+        return "shape " + shape_text(shape) + " instead of " + shape_text(expected);
+    return {};
+}
+
+std::string chart_complaint(const layout::ChartRecord& chart) {
+    if (chart.rows < 2 || chart.cols < 2 || chart.rows > kMaxGridSide || chart.cols > kMaxGridSide)
+        return "grid of " + std::to_string(chart.rows) + " x " + std::to_string(chart.cols) + " samples; 2 to " +
+               std::to_string(kMaxGridSide) + " a side are possible";
+    if (chart.domain > static_cast<std::uint32_t>(layout::Domain::kFree))
+        return "unknown domain " + std::to_string(chart.domain);
+    if (!field_text(chart.method)) return "the method's name is not clean text";
+    for (int k = 0; k < 3; ++k) {
+        if (!std::isfinite(chart.bbox[k]) || !std::isfinite(chart.bbox[k + 3]) || chart.bbox[k] > chart.bbox[k + 3])
+            return "the bounding box is not finite or inside out";
+        if (!std::isfinite(chart.offset[k]) || !std::isfinite(chart.scale[k])) return "offset or scale is not finite";
+    }
+    return {};
+}
+
+std::string h5_place(std::size_t chart, std::string_view layer) {
+    std::string out = "/charts/" + std::to_string(chart);
+    if (!layer.empty()) out.append("/").append(layer);
+    return out;
+}
+
+}  // namespace dgm::formats

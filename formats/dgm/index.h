@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/dgm/index.h
+// The rules that chart and layer records obey, for writer and reader alike; no HDF5 here.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <dgm/layout.h>
+
+#include "dgm/dgm_reader.h"
+#include "model/map_set.h"
+
+namespace dgm::formats {
+
+inline constexpr std::uint32_t kMaxGridSide = 65536;
+
+/// Records in the order of the index.
+struct Index {
+    std::vector<layout::ChartRecord> charts;
+    std::vector<layout::LayerRecord> layers;
+};
+
+[[nodiscard]] std::uint64_t index_bytes(std::uint64_t charts, std::uint64_t layers);
+[[nodiscard]] std::vector<std::byte> encode_records(const Index& index);
+/// `bytes` must be index_bytes(charts, layers) long.
+[[nodiscard]] Index decode_records(std::span<const std::byte> bytes, std::uint32_t charts, std::uint32_t layers);
+
+/// Text of a zero-padded field; nothing unless it is 1 or more letters, digits, '_', '-' or '.' and then zeros alone.
+[[nodiscard]] std::optional<std::string> field_text(std::span<const char> field);
+/// Puts `text` into a zero-filled field. @throws model::Error kBadLayerShape if it does not fit or has other characters
+void set_field_text(std::span<char> field, std::string_view text, const std::string& place);
+
+/// Product of shape and element size; nothing if it overflows, a rank is wrong or the type unknown.
+[[nodiscard]] std::optional<std::uint64_t> layer_bytes(layout::ElementType type, std::span<const std::uint64_t> shape);
+
+/// What is wrong with a layer of that name, type and shape in this chart (design section 4); empty if nothing. A name
+/// that is not in the format may have any type and shape.
+[[nodiscard]] std::string shape_complaint(const layout::ChartRecord& chart, std::string_view name,
+                                          layout::ElementType type, std::span<const std::uint64_t> shape);
+[[nodiscard]] bool is_known_layer(std::string_view name);
+
+/// What is wrong with a chart's own numbers; empty if nothing.
+[[nodiscard]] std::string chart_complaint(const layout::ChartRecord& chart);
+
+/// HDF5 path of a layer or, without a name, of a chart.
+[[nodiscard]] std::string h5_place(std::size_t chart, std::string_view layer = {});
+
+}  // namespace dgm::formats

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/exr/exr_reader.cpp
+#include "exr/exr_reader.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfIntAttribute.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfOpaqueAttribute.h>
+#include <ImfStringAttribute.h>
+#include <ImfVecAttribute.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <system_error>
+
+#include "exr/exr_layout.h"
+#include "model/codes.h"
+
+namespace dgm::formats {
+namespace {
+
+namespace codes = model::codes;
+namespace fs = std::filesystem;
+using model::Chart;
+using model::Layer;
+using model::MapSet;
+
+constexpr int kBlockRows = 256;
+/// zlib packs at most 1032 to 1: a file that promises more is lying, and is refused before memory is spent on it.
+constexpr std::uint64_t kMaxZipRatio = 1032;
+
+class Reader {
+  public:
+    Reader(const fs::path& path, const ExrReadLimits& limits, std::uint64_t file_bytes)
+        : path_(path), limits_(limits), budget_(std::min(limits.max_total_bytes, file_bytes * kMaxZipRatio)),
+          file_(path.c_str(), 0, false) {}
+
+    MapSet run() {
+        const int parts = file_.parts();
+        if (parts < 1 || parts > limits_.max_parts) refuse("impossible number of parts");
+        std::map<int, int> chart_parts;  // chart -> the part whose header describes it
+        for (int k = 0; k < parts; ++k) {
+            check_part(k);
+            if (file_.header(k).hasName()) parts_by_name_.emplace(file_.header(k).name(), k);
+            const auto* chart = file_.header(k).findTypedAttribute<Imf::IntAttribute>("dgmChart");
+            if (chart != nullptr && !chart_parts.emplace(chart->value(), k).second) refuse("a chart is described twice");
+        }
+        read_set(file_.header(0));
+        for (std::size_t k = 0; k < maps_.charts.size(); ++k) {
+            const auto part = chart_parts.find(static_cast<int>(k));
+            if (part == chart_parts.end()) refuse("chart " + std::to_string(k) + " is missing");
+            read_chart(k, part->second);
+        }
+        return std::move(maps_);
+    }
+
+  private:
+    [[noreturn]] void refuse(const std::string& message) const {
+        throw model::Error(codes::kExrUnreadable, message, path_.string());
+    }
+
+    void check_part(int number) const {
+        const Imath::Box2i window = file_.header(number).dataWindow();
+        const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+        const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+        if (window.min.x != 0 || window.min.y != 0 || width < 1 || height < 1 ||
+            width > static_cast<std::int64_t>(kMaxExrWidth) + 1 || height > static_cast<std::int64_t>(kMaxExrHeight) + 1 ||
+            static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > limits_.max_pixels_per_part)
+            refuse("part " + std::to_string(number) + " has an impossible or too large data window");
+    }
+
+    template <class Attribute>
+    const auto& value_of(const Imf::Header& header, const std::string& name) const {
+        const auto* attribute = header.findTypedAttribute<Attribute>(name);
+        if (attribute == nullptr) refuse("no header attribute " + name + ": the file is not a geometry map of ours");
+        return attribute->value();
+    }
+    const std::string& text_of(const Imf::Header& header, const std::string& name) const {
+        return value_of<Imf::StringAttribute>(header, name);
+    }
+    void read_v3d(const Imf::Header& header, const std::string& name, double* out) const {
+        const Imath::V3d& value = value_of<Imf::V3dAttribute>(header, name);
+        for (int k = 0; k < 3; ++k) out[k] = value[k];
+    }
+    std::uint32_t side_of(const Imf::Header& header, const std::string& name) const {
+        const int side = value_of<Imf::IntAttribute>(header, name);
+        if (side < 1 || side > static_cast<int>(kMaxExrWidth)) refuse("impossible " + name);
+        return static_cast<std::uint32_t>(side);
+    }
+
+    void read_set(const Imf::Header& header) {
+        const int version = value_of<Imf::IntAttribute>(header, "dgmFormatVersion");
+        if (version > static_cast<int>(layout::kFormatVersion))
+            throw model::Error(codes::kBadVersion, "format version " + std::to_string(version), path_.string());
+        if (version < 1) refuse("impossible format version");
+        maps_.format_version = static_cast<std::uint32_t>(version);
+        maps_.generator = text_of(header, "dgmGenerator");
+        maps_.source_name = text_of(header, "dgmSourceName");
+        maps_.report_json = text_of(header, "dgmReport");
+        if (!parse_hex(text_of(header, "dgmSourceHash"), maps_.source_hash) ||
+            !parse_hex(text_of(header, "dgmSettingsHash"), maps_.settings_hash))
+            refuse("a hash in the header is not 32 hexadecimal digits");
+        const int charts = value_of<Imf::IntAttribute>(header, "dgmChartCount");
+        if (charts < 0 || charts > file_.parts()) refuse("impossible number of charts");
+        maps_.charts.resize(static_cast<std::size_t>(charts));
+    }
+
+    void read_chart(std::size_t number, int part) {
+        const Imf::Header& header = file_.header(part);
+        Chart& chart = maps_.charts[number];
+        chart.rows = side_of(header, "dgmRows");
+        chart.cols = side_of(header, "dgmCols");
+        const std::string& domain = text_of(header, "dgmDomain");
+        if (domain != "square" && domain != "free") refuse("unknown domain");
+        chart.domain = domain == "free" ? model::Domain::kFree : model::Domain::kSquare;
+        chart.method = text_of(header, "dgmMethod");
+        read_v3d(header, "dgmBboxMin", chart.bbox.data());
+        read_v3d(header, "dgmBboxMax", chart.bbox.data() + 3);
+        read_v3d(header, "dgmOffset", chart.offset.data());
+        read_v3d(header, "dgmScale", chart.scale.data());
+        std::vector<std::size_t> in_grid;
+        std::string_view rest = text_of(header, "dgmLayers");
+        while (!rest.empty()) {
+            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            const auto entry = parse_manifest_line(rest.substr(0, end));
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            if (!entry || chart.find(entry->name) != nullptr) refuse("the list of layers cannot be read");
+            add_layer(chart, number, *entry, header);
+            if (entry->storage == Storage::kGrid) in_grid.push_back(chart.layers.size() - 1);
+        }
+        read_attributes(header, chart);
+        if (in_grid.empty()) return;
+        std::vector<Layer*> layers;
+        for (const std::size_t k : in_grid) layers.push_back(&chart.layers[k]);
+        read_part(part_name(kGridPart, number, maps_.charts.size()), layers, true);
+    }
+
+    void add_layer(Chart& chart, std::size_t number, const LayerEntry& entry, const Imf::Header& header) {
+        Layer& layer = chart.layers.emplace_back();
+        layer.name = entry.name;
+        layer.type = entry.type;
+        layer.shape = entry.shape;
+        layer.required = entry.required;
+        const auto bytes = exr_layer_bytes(entry.type, entry.shape);
+        if (!bytes || *bytes > budget_) refuse("layer " + entry.name + " is impossibly large");
+        budget_ -= *bytes;
+        switch (entry.storage) {
+            case Storage::kNothing:
+                if (*bytes != 0) refuse("layer " + entry.name + " has no data");
+                return;
+            case Storage::kTable: {
+                const auto* table = header.findTypedAttribute<Imf::OpaqueAttribute>("dgmTable." + entry.name);
+                if (table == nullptr || static_cast<std::uint64_t>(table->dataSize()) != *bytes)
+                    refuse("the table of layer " + entry.name + " is missing or has another size");
+                layer.bytes.resize(*bytes);
+                if (*bytes > 0)
+                    std::memcpy(layer.bytes.data(), static_cast<const char*>(table->data()), *bytes);
+                return;
+            }
+            case Storage::kGrid:
+                layer.bytes.resize(*bytes);
+                return;
+            case Storage::kPart:
+                layer.bytes.resize(*bytes);
+                read_part(part_name(entry.name, number, maps_.charts.size()), {&layer}, false);
+                return;
+        }
+    }
+
+    void read_attributes(const Imf::Header& header, Chart& chart) {
+        for (auto entry = header.begin(); entry != header.end(); ++entry) {
+            const std::string_view name = entry.name();
+            constexpr std::string_view kPrefix = "dgmAttribute.";
+            if (!name.starts_with(kPrefix)) continue;
+            const std::size_t slash = name.find('/');
+            if (slash == std::string_view::npos) refuse("an attribute has no name");
+            Layer* layer = chart.find(name.substr(kPrefix.size(), slash - kPrefix.size()));
+            const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute());
+            auto value = text == nullptr ? std::nullopt : parse_attribute_text(text->value());
+            if (layer == nullptr || !value) refuse("an attribute cannot be read");
+            layer->attributes.emplace(name.substr(slash + 1), std::move(*value));
+        }
+    }
+
+    void read_part(const std::string& name, const std::vector<Layer*>& layers, bool in_grid) {
+        // A file of one part carries no part name when other programs have saved it again.
+        const auto found = parts_by_name_.find(name);
+        if (found == parts_by_name_.end() && file_.parts() != 1) refuse("no part " + name);
+        const int number = found == parts_by_name_.end() ? 0 : found->second;
+        const Imf::Header& header = file_.header(number);
+        const Imath::Box2i window = header.dataWindow();
+        const int width = window.max.x + 1, height = window.max.y + 1;
+
+        struct Target {
+            Layer* layer;
+            LayerImage image;
+            const Channel* channel;
+            std::vector<char> buffer;
+        };
+        std::vector<LayerImage> images;
+        for (const Layer* layer : layers) images.push_back(image_of_layer(layer->name, layer->type, layer->shape, in_grid));
+        std::vector<Target> targets;
+        for (std::size_t k = 0; k < layers.size(); ++k) {
+            if (static_cast<int>(images[k].width) != width || static_cast<int>(images[k].height) != height)
+                refuse("part " + name + " and layer " + layers[k]->name + " differ in size");
+            for (const Channel& channel : images[k].channels) {
+                if (!channel.is_read()) continue;
+                const Imf::Channel* stored = header.channels().findChannel(channel.name);
+                // Light may have been saved again as float; everything else must be what was written.
+                const bool is_light = channel.coding == Coding::kSrgb || channel.coding == Coding::kUnit;
+                if (stored == nullptr || stored->xSampling != 1 || stored->ySampling != 1 ||
+                    (stored->type != channel.type && !(is_light && stored->type == Imf::FLOAT)))
+                    refuse("channel " + channel.name + " is missing or of another type");
+                targets.push_back({layers[k], images[k], &channel, {}});
+            }
+        }
+        Imf::InputPart input(file_, number);
+        for (int top = 0; top < height; top += kBlockRows) {
+            const int rows = std::min(kBlockRows, height - top);
+            Imf::FrameBuffer frame;
+            for (Target& target : targets) {
+                const std::size_t size = target.channel->type == Imf::HALF ? 2 : 4;
+                target.buffer.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows) * size);
+                frame.insert(target.channel->name,
+                             Imf::Slice::Make(target.channel->type, target.buffer.data(), Imath::V2i(0, top), std::int64_t{width}, std::int64_t{rows},
+                                              std::size_t{0}, size * static_cast<std::size_t>(width)));
+            }
+            input.setFrameBuffer(frame);
+            input.readPixels(top, top + rows - 1);
+            for (const Target& target : targets)
+                take_rows(*target.layer, target.image, *target.channel, target.buffer, top, rows);
+        }
+    }
+
+    void take_rows(Layer& layer, const LayerImage& image, const Channel& channel, const std::vector<char>& buffer, int top,
+                   int rows) const {
+        const std::size_t size = channel.type == Imf::HALF ? 2 : 4;
+        const std::uint32_t element = layout::element_size(layer.type);
+        const std::uint32_t largest = element == 4 ? 0xFFFFFFFFu : (1u << (8 * element)) - 1;
+        const char* in = buffer.data();
+        for (int y = top; y < top + rows; ++y)
+            for (std::uint32_t x = 0; x < image.width; ++x, in += size) {
+                const std::uint64_t pixel = static_cast<std::uint64_t>(y) * image.row + x;
+                if (x >= image.row || pixel >= image.pixels) continue;
+                std::uint32_t bits = 0;
+                std::memcpy(&bits, in, size);
+                if (channel.coding == Coding::kSrgb) bits = srgb_of_half(static_cast<std::uint16_t>(bits));
+                if (channel.coding == Coding::kUnit) bits = unit_of_half(static_cast<std::uint16_t>(bits));
+                if (bits > largest) refuse("channel " + channel.name + " holds a number beyond its type");
+                std::memcpy(layer.bytes.data() + (pixel * image.components + channel.component) * element, &bits, element);
+            }
+    }
+
+    const fs::path& path_;
+    const ExrReadLimits& limits_;
+    std::uint64_t budget_;
+    Imf::MultiPartInputFile file_;
+    std::map<std::string, int, std::less<>> parts_by_name_;
+    MapSet maps_;
+};
+
+}  // namespace
+
+MapSet read_exr(const fs::path& path, const ExrReadLimits& limits) {
+    std::error_code error;
+    const auto status = fs::status(path, error);
+    if (!fs::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
+    const std::uint64_t bytes = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
+    if (!fs::is_regular_file(status) || error)
+        throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+    try {
+        return Reader(path, limits, bytes).run();
+    } catch (const model::Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw model::Error(codes::kExrUnreadable, "the file needs more memory than there is", path.string());
+    } catch (const std::exception& e) {
+        throw model::Error(codes::kExrUnreadable, std::string("OpenEXR: ") + e.what(), path.string());
+    }
+}
+
+}  // namespace dgm::formats

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/mesh/assimp_reader.cpp
+#include "mesh/assimp_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <string_view>
+
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <assimp/Importer.hpp>
+
+#include "mesh/material_files.h"
+#include "mesh/mtl_reader.h"
+#include "mesh/text_input.h"
+#include "model/codes.h"
+
+namespace dgm::formats {
+namespace {
+
+namespace codes = model::codes;
+namespace fs = std::filesystem;
+using model::Vec3d;
+
+/// Remembers which further files an importer opens (the buffers of a glTF, say).
+class RecordingIo : public Assimp::DefaultIOSystem {
+  public:
+    explicit RecordingIo(std::vector<fs::path>& opened) : opened_(opened) {}
+    Assimp::IOStream* Open(const char* file, const char* mode) override {
+        Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+        if (stream != nullptr) opened_.emplace_back(file);
+        return stream;
+    }
+
+  private:
+    std::vector<fs::path>& opened_;
+};
+
+/// A node's place in the scene, in double: position = linear * p + offset.
+struct Placement {
+    double linear[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    double offset[3] = {0, 0, 0};
+
+    [[nodiscard]] Vec3d point(const Vec3d& p) const {
+        Vec3d out;
+        for (int r = 0; r < 3; ++r) out[r] = linear[r][0] * p.x + linear[r][1] * p.y + linear[r][2] * p.z + offset[r];
+        return out;
+    }
+    /// Normals go by the matrix of cofactors, which needs no inverse and keeps its sense under reflection.
+    [[nodiscard]] Vec3d normal(const Vec3d& n) const {
+        const Vec3d a{linear[0][0], linear[1][0], linear[2][0]}, b{linear[0][1], linear[1][1], linear[2][1]},
+            c{linear[0][2], linear[1][2], linear[2][2]};
+        const Vec3d out = (cross(b, c) * n.x + cross(c, a) * n.y + cross(a, b) * n.z) * (mirrors() ? -1.0 : 1.0);
+        return normalized(out, {0, 0, 0});
+    }
+    [[nodiscard]] bool mirrors() const {
+        const Vec3d a{linear[0][0], linear[1][0], linear[2][0]}, b{linear[0][1], linear[1][1], linear[2][1]},
+            c{linear[0][2], linear[1][2], linear[2][2]};
+        return dot(a, cross(b, c)) < 0;
+    }
+};
+
+Placement operator*(const Placement& parent, const aiMatrix4x4& child) {
+    const double m[3][4] = {{child.a1, child.a2, child.a3, child.a4},
+                            {child.b1, child.b2, child.b3, child.b4},
+                            {child.c1, child.c2, child.c3, child.c4}};
+    Placement out;
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            out.linear[r][c] = 0;
+            for (int k = 0; k < 3; ++k) out.linear[r][c] += parent.linear[r][k] * m[k][c];
+        }
+        out.offset[r] = parent.offset[r];
+        for (int k = 0; k < 3; ++k) out.offset[r] += parent.linear[r][k] * m[k][3];
+    }
+    return out;
+}
+
+Vec3d to_vec(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+std::uint8_t byte_of(float value) { return byte_of_unit(static_cast<double>(value)); }
+
+class SceneMerger {
+  public:
+    SceneMerger(const aiScene& scene, const fs::path& path, const MeshReadLimits& limits, ImportedMesh& out)
+        : scene_(scene), path_(path), limits_(limits), finder_(path), out_(out) {
+        for (unsigned k = 0; k < scene.mNumMeshes; ++k) {
+            const aiMesh& mesh = *scene.mMeshes[k];
+            has_uvs_ = has_uvs_ || mesh.HasTextureCoords(0);
+            has_normals_ = has_normals_ || mesh.HasNormals();
+            has_colours_ = has_colours_ || mesh.HasVertexColors(0);
+        }
+    }
+
+    void run() {
+        for (unsigned k = 0; k < scene_.mNumMaterials; ++k) out_.mesh.materials.push_back(convert(*scene_.mMaterials[k]));
+        // Depth first in the file's order, without recursion: hierarchies may be as deep as a file is long.
+        struct Entry {
+            const aiNode* node;
+            Placement parent;
+        };
+        std::vector<Entry> stack{{scene_.mRootNode, {}}};
+        while (!stack.empty()) {
+            const Entry entry = stack.back();
+            stack.pop_back();
+            const Placement placement = entry.parent * entry.node->mTransformation;
+            for (unsigned k = 0; k < entry.node->mNumMeshes; ++k) {
+                const unsigned mesh = entry.node->mMeshes[k];
+                if (mesh < scene_.mNumMeshes) append(*scene_.mMeshes[mesh], placement);
+            }
+            for (unsigned k = entry.node->mNumChildren; k > 0; --k)
+                stack.push_back({entry.node->mChildren[k - 1], placement});
+        }
+        if (not_triangles_ > 0) out_.dropped.emplace_back("lines and points", not_triangles_);
+        if (bad_faces_ > 0) out_.dropped.emplace_back("faces with vertices that do not exist", bad_faces_);
+    }
+
+  private:
+    void append(const aiMesh& source, const Placement& placement) {
+        auto& mesh = out_.mesh;
+        const std::uint64_t vertices = mesh.positions.size() + std::uint64_t{source.mNumVertices};
+        const std::uint64_t faces = mesh.faces.size() + std::uint64_t{source.mNumFaces};
+        if (vertices > limits_.max_vertices || faces > limits_.max_faces)
+            throw model::Error(codes::kTooLarge,
+                               "more than " + std::to_string(limits_.max_faces) + " faces or " +
+                                   std::to_string(limits_.max_vertices) + " vertices",
+                               path_.string());
+        const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+        for (unsigned k = 0; k < source.mNumVertices; ++k)
+            mesh.positions.push_back(placement.point(to_vec(source.mVertices[k])));
+        const bool mirrors = placement.mirrors();
+        for (unsigned f = 0; f < source.mNumFaces; ++f) {
+            const aiFace& face = source.mFaces[f];
+            if (face.mNumIndices != 3) {
+                ++not_triangles_;
+                continue;
+            }
+            std::array<unsigned, 3> index{face.mIndices[0], face.mIndices[1], face.mIndices[2]};
+            if (std::max({index[0], index[1], index[2]}) >= source.mNumVertices) {
+                ++bad_faces_;
+                continue;
+            }
+            if (mirrors) std::swap(index[1], index[2]);
+            mesh.faces.push_back({base + index[0], base + index[1], base + index[2]});
+            mesh.face_materials.push_back(source.mMaterialIndex);
+            for (const unsigned k : index) append_corner(source, k, placement);
+        }
+    }
+
+    void append_corner(const aiMesh& source, unsigned k, const Placement& placement) {
+        auto& mesh = out_.mesh;
+        if (has_normals_)
+            mesh.corner_normals.push_back(source.HasNormals() ? placement.normal(to_vec(source.mNormals[k])) : Vec3d{});
+        if (has_uvs_) {
+            const bool present = source.HasTextureCoords(0);
+            mesh.corner_uvs.push_back(present ? model::Vec2d{source.mTextureCoords[0][k].x, source.mTextureCoords[0][k].y}
+                                              : model::Vec2d{});
+        }
+        if (has_colours_) {
+            const bool present = source.HasVertexColors(0);
+            const aiColor4D c = present ? source.mColors[0][k] : aiColor4D(1, 1, 1, 1);
+            mesh.corner_colours.push_back({byte_of(c.r), byte_of(c.g), byte_of(c.b), byte_of(c.a)});
+        }
+    }
+
+    model::Material convert(const aiMaterial& source) {
+        model::Material out;
+        aiString name;
+        if (source.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS) out.name = name.C_Str();
+        aiColor4D colour(1, 1, 1, 1);
+        if (source.Get(AI_MATKEY_BASE_COLOR, colour) != aiReturn_SUCCESS) source.Get(AI_MATKEY_COLOR_DIFFUSE, colour);
+        float opacity = 1;
+        source.Get(AI_MATKEY_OPACITY, opacity);
+        // A wholly invisible material would not be in the file: exporters that mean "opaque" write 0 there.
+        if (!(opacity > 0)) opacity = 1;
+        out.diffuse = {byte_of(colour.r), byte_of(colour.g), byte_of(colour.b), byte_of(opacity)};
+        out.diffuse_map = texture(source, aiTextureType_BASE_COLOR);
+        if (out.diffuse_map.empty()) out.diffuse_map = texture(source, aiTextureType_DIFFUSE);
+        out.bump_map = texture(source, aiTextureType_HEIGHT);
+        if (!out.bump_map.empty()) {
+            out.bump_is_normal_map = is_normal_map_name(out.bump_map);
+        } else {
+            out.bump_map = texture(source, aiTextureType_NORMALS);
+            out.bump_is_normal_map = !out.bump_map.empty();
+        }
+        float bump_scale = 1;
+        source.Get(AI_MATKEY_BUMPSCALING, bump_scale);
+        if (std::isfinite(bump_scale)) out.bump_scale = static_cast<double>(bump_scale);
+        return out;
+    }
+
+    fs::path texture(const aiMaterial& material, aiTextureType type) {
+        aiString file;
+        if (material.GetTexture(type, 0, &file) != aiReturn_SUCCESS || file.length == 0) return {};
+        const std::string_view name(file.C_Str());
+        if (name.starts_with('*')) {
+            warn("texture inside the mesh file is not used: " + std::string(name));
+            return {};
+        }
+        if (auto found = finder_.find(name)) {
+            out_.dependencies.push_back(*found);
+            return *found;
+        }
+        warn("texture missing: " + std::string(name));
+        return {};
+    }
+
+    void warn(std::string text) {
+        if (std::find(out_.warnings.begin(), out_.warnings.end(), text) == out_.warnings.end())
+            out_.warnings.push_back(std::move(text));
+    }
+
+    const aiScene& scene_;
+    const fs::path& path_;
+    const MeshReadLimits& limits_;
+    FileFinder finder_;
+    ImportedMesh& out_;
+    bool has_uvs_ = false, has_normals_ = false, has_colours_ = false;
+    std::uint64_t not_triangles_ = 0, bad_faces_ = 0;
+};
+
+}  // namespace
+
+ImportedMesh read_with_assimp(const fs::path& path, const MeshReadLimits& limits) {
+    ImportedMesh out;
+    std::vector<fs::path> opened;
+    Assimp::Importer importer;
+    importer.SetIOHandler(new RecordingIo(opened));  // the importer owns it
+    // Degenerate and invalid data stay in: repair counts what it drops. assimp computes no normals either.
+    const aiScene* scene = nullptr;
+    try {
+        scene = importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_TransformUVCoords);
+    } catch (const std::exception& e) {
+        throw model::Error(codes::kImportFailed, std::string("assimp: ") + e.what(), path.string());
+    }
+    if (scene == nullptr || scene->mRootNode == nullptr)
+        throw model::Error(codes::kImportFailed, std::string("assimp: ") + importer.GetErrorString(), path.string());
+    SceneMerger(*scene, path, limits, out).run();
+    if (out.mesh.faces.empty())
+        throw model::Error(codes::kNoFaces, "no usable faces in " + std::to_string(scene->mNumMeshes) + " meshes",
+                           path.string());
+    const fs::path self = path.lexically_normal();
+    for (const fs::path& file : opened)
+        if (file.lexically_normal() != self) out.dependencies.push_back(file);
+    std::sort(out.dependencies.begin(), out.dependencies.end());
+    out.dependencies.erase(std::unique(out.dependencies.begin(), out.dependencies.end()), out.dependencies.end());
+    return out;
+}
+
+bool assimp_knows_extension(const std::string& extension) {
+    if (extension.empty()) return false;
+    return Assimp::Importer().IsExtensionSupported(extension);
+}
+
+}  // namespace dgm::formats

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/mesh/material_files.cpp
+#include "mesh/material_files.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "mesh/text_input.h"
+
+namespace dgm::formats {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder with more names than this is searched by exact name only.
+constexpr std::size_t kMaxListedNames = 100'000;
+
+bool is_file(const fs::path& path) {
+    std::error_code error;
+    return fs::is_regular_file(path, error);
+}
+
+}  // namespace
+
+const FileFinder::Listing& FileFinder::listing(const fs::path& folder) {
+    const auto [entry, is_new] = listings_.try_emplace(folder);
+    if (!is_new) return entry->second;
+    std::error_code error;
+    fs::directory_iterator files(folder.empty() ? fs::path(".") : folder, error);
+    std::size_t count = 0;
+    for (; !error && files != fs::directory_iterator(); files.increment(error)) {
+        if (++count > kMaxListedNames) break;
+        const std::string name = files->path().filename().string();
+        entry->second[lower_case(name)].push_back(name);
+    }
+    for (auto& [lowered, names] : entry->second) std::sort(names.begin(), names.end());
+    return entry->second;
+}
+
+std::optional<fs::path> FileFinder::find_below(const fs::path& folder, std::string_view relative) {
+    if (is_file(folder / relative)) return folder / relative;
+    fs::path found = folder;
+    while (!relative.empty()) {
+        const std::size_t slash = std::min(relative.find('/'), relative.size());
+        const std::string_view component = relative.substr(0, slash);
+        relative.remove_prefix(std::min(slash + 1, relative.size()));
+        if (component.empty() || component == ".") continue;
+        if (component == "..") {
+            found /= "..";
+            continue;
+        }
+        const Listing& names = listing(found);
+        const auto match = names.find(lower_case(component));
+        if (match == names.end()) return std::nullopt;
+        const auto& candidates = match->second;
+        const bool exact = std::find(candidates.begin(), candidates.end(), component) != candidates.end();
+        found /= exact ? std::string(component) : candidates.front();
+    }
+    return is_file(found) ? std::optional(found) : std::nullopt;
+}
+
+std::optional<fs::path> FileFinder::find(std::string_view name) {
+    name = trim(name);
+    if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    std::string path(name);
+    std::replace(path.begin(), path.end(), '\\', '/');
+    if (path.empty() || path.size() > 4096 || path.find('\0') != std::string::npos) return std::nullopt;
+    const bool has_drive = path.size() > 2 && path[1] == ':';
+    const bool is_absolute = path.front() == '/' || has_drive;
+    if (!is_absolute)
+        if (auto found = find_below(folder_, path)) return found;
+    const std::size_t slash = path.rfind('/');
+    const std::string last = slash == std::string::npos ? path.substr(has_drive ? 2 : 0) : path.substr(slash + 1);
+    if (last.empty()) return std::nullopt;
+    if (auto found = find_below(folder_, last)) return found;
+    for (const char* folder : {"textures", "texture", "maps", "images", "materials"})
+        if (auto found = find_below(folder_, std::string(folder) + "/" + last)) return found;
+    if (path.front() == '/' && is_file(path)) return fs::path(path);
+    return std::nullopt;
+}
+
+}  // namespace dgm::formats

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/mesh/mesh_reader.cpp
+#include "mesh/mesh_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "mesh/assimp_reader.h"
+#include "mesh/obj_reader.h"
+#include "mesh/text_input.h"
+#include "model/codes.h"
+
+namespace dgm::formats {
+namespace {
+
+namespace codes = model::codes;
+namespace fs = std::filesystem;
+
+/// The start of a file, to see whether it is OBJ where the extension does not tell.
+std::string read_head(const fs::path& path) {
+    std::string head(std::size_t{1} << 16, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(file.gcount()));
+    return head;
+}
+
+void check_file(const fs::path& path, const MeshReadLimits& limits) {
+    std::error_code error;
+    const auto status = fs::status(path, error);
+    if (!fs::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
+    if (!fs::is_regular_file(status)) throw model::Error(codes::kReadFailed, "not a regular file", path.string());
+    const std::uint64_t size = fs::file_size(path, error);
+    if (error) throw model::Error(codes::kReadFailed, error.message(), path.string());
+    if (size == 0) throw model::Error(codes::kNoFaces, "the file is empty", path.string());
+    if (size > limits.max_file_bytes)
+        throw model::Error(codes::kTooLarge,
+                           std::to_string(size) + " bytes; the limit is " + std::to_string(limits.max_file_bytes),
+                           path.string());
+}
+
+}  // namespace
+
+ImportedMesh read_mesh(const fs::path& path, const MeshReadLimits& limits) {
+    check_file(path, limits);
+    const std::string extension = lower_case(path.extension().string());
+    if (extension == ".obj") return read_obj(path, limits);
+    if (!assimp_knows_extension(extension) && looks_like_obj(read_head(path))) return read_obj(path, limits);
+    return read_with_assimp(path, limits);
+}
+
+bool has_mesh_extension(const fs::path& path) {
+    constexpr std::array kExtensions{".obj", ".3ds", ".ply", ".stl", ".off", ".dae", ".fbx", ".gltf", ".glb", ".x3d", ".lwo"};
+    const std::string extension = lower_case(path.extension().string());
+    return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+}
+
+}  // namespace dgm::formats

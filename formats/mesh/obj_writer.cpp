@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// formats/mesh/obj_writer.cpp
+#include "mesh/mesh_writer.h"
+
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <system_error>
+
+#include "model/codes.h"
+
+namespace dgm::formats {
+namespace {
+
+namespace codes = model::codes;
+namespace fs = std::filesystem;
+using model::TriMesh;
+
+void append(std::string& out, double value) {
+    char digits[32];  // the longest shortest form of a double has 24 characters
+    const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+    (void)error;
+    out.append(digits, end);
+}
+
+void append(std::string& out, std::uint64_t value) {
+    char digits[20];
+    const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+    (void)error;
+    out.append(digits, end);
+}
+
+template <class... Numbers>
+void append_line(std::string& out, const char* keyword, Numbers... numbers) {
+    out += keyword;
+    ((out += ' ', append(out, numbers)), ...);
+    out += '\n';
+}
+
+void check_sizes(const TriMesh& mesh, const fs::path& path) {
+    const std::size_t corners = 3 * mesh.faces.size();
+    const auto fits = [&](std::size_t size) { return size == 0 || size == corners; };
+    bool good = fits(mesh.corner_normals.size()) && fits(mesh.corner_uvs.size()) && fits(mesh.corner_colours.size()) &&
+                (mesh.face_materials.empty() || mesh.face_materials.size() == mesh.faces.size());
+    for (const model::Face& face : mesh.faces)
+        for (const std::uint32_t v : face) good = good && v < mesh.positions.size();
+    for (const std::uint32_t material : mesh.face_materials) good = good && material < mesh.materials.size();
+    if (!good) throw model::Error(codes::kInternal, "mesh arrays disagree", path.string());
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    if (!file) throw model::Error(codes::kWriteFailed, "the file cannot be created", path.string());
+    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.close();
+    if (file) return;
+    std::error_code error;
+    fs::remove(path, error);
+    throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
+}
+
+/// Numbers distinct values in the order of their first corner, from 1.
+template <class Value, class Key>
+std::vector<std::uint32_t> number_values(const std::vector<Value>& values, Key key, std::vector<Value>& distinct) {
+    std::map<decltype(key(values[0])), std::uint32_t> numbers;
+    std::vector<std::uint32_t> out;
+    out.reserve(values.size());
+    for (const Value& value : values) {
+        const auto [entry, is_new] = numbers.try_emplace(key(value), static_cast<std::uint32_t>(distinct.size() + 1));
+        if (is_new) distinct.push_back(value);
+        out.push_back(entry->second);
+    }
+    return out;
+}
+
+/// Material names are words of a line in OBJ: blanks and line ends inside would end them.
+std::string material_name(const TriMesh& mesh, std::size_t index) {
+    std::string name = index < mesh.materials.size() ? mesh.materials[index].name : std::string();
+    for (char& c : name)
+        if (static_cast<unsigned char>(c) <= ' ') c = '_';
+    if (name.empty()) return "material_" + std::to_string(index);
+    for (std::size_t k = 0; k < index; ++k)
+        if (mesh.materials[k].name == mesh.materials[index].name) return name + "_" + std::to_string(index);
+    return name;
+}
+
+std::string mtl_text(const TriMesh& mesh, const ObjWriteOptions& options) {
+    std::string out;
+    const auto material = [&](const std::string& name, const model::Material& m, const std::string& diffuse_map,
+                              const std::string& bump_map) {
+        out += "newmtl " + name + "\n";
+        append_line(out, "Kd", m.diffuse.r / 255.0, m.diffuse.g / 255.0, m.diffuse.b / 255.0);
+        append_line(out, "d", m.diffuse.a / 255.0);
+        if (!diffuse_map.empty()) out += "map_Kd " + diffuse_map + "\n";
+        if (bump_map.empty()) return;
+        out += m.bump_is_normal_map ? "norm " : "map_Bump ";
+        if (m.bump_scale != 1) {
+            out += "-bm ";
+            append(out, m.bump_scale);
+            out += ' ';
+        }
+        out += bump_map + "\n";
+    };
+    if (mesh.materials.empty()) material("surface", {}, options.texture, options.bump);
+    for (std::size_t k = 0; k < mesh.materials.size(); ++k) {
+        const model::Material& m = mesh.materials[k];
+        material(material_name(mesh, k), m, m.diffuse_map.generic_string(), m.bump_map.generic_string());
+    }
+    return out;
+}
+
+}  // namespace
+
+void write_obj(const fs::path& path, const TriMesh& mesh, const ObjWriteOptions& options) {
+    check_sizes(mesh, path);
+    const bool with_mtl = options.write_mtl || !options.texture.empty() || !options.bump.empty();
+    std::string out;
+    if (with_mtl) out += "mtllib " + path.stem().string() + ".mtl\n";
+    for (const auto& p : mesh.positions) append_line(out, "v", p.x, p.y, p.z);
+
+    std::vector<model::Vec2d> uvs;
+    std::vector<std::uint32_t> uv_numbers;
+    if (options.uvs && !mesh.corner_uvs.empty())
+        uv_numbers = number_values(mesh.corner_uvs, [](const model::Vec2d& t) { return std::array{t.x, t.y}; }, uvs);
+    for (const auto& t : uvs) append_line(out, "vt", t.x, t.y);
+
+    std::vector<model::Vec3d> normals;
+    std::vector<std::uint32_t> normal_numbers;
+    if (options.normals && !mesh.corner_normals.empty())
+        normal_numbers = number_values(
+            mesh.corner_normals, [](const model::Vec3d& n) { return std::array{n.x, n.y, n.z}; }, normals);
+    for (const auto& n : normals) append_line(out, "vn", n.x, n.y, n.z);
+
+    if (with_mtl && mesh.materials.empty()) out += "usemtl surface\n";
+    std::uint32_t material = static_cast<std::uint32_t>(-1);
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        if (with_mtl && !mesh.face_materials.empty() && mesh.face_materials[f] != material) {
+            material = mesh.face_materials[f];
+            out += "usemtl " + material_name(mesh, material) + "\n";
+        }
+        out += 'f';
+        for (std::size_t k = 0; k < 3; ++k) {
+            out += ' ';
+            append(out, std::uint64_t{mesh.faces[f][k]} + 1);
+            if (uv_numbers.empty() && normal_numbers.empty()) continue;
+            out += '/';
+            if (!uv_numbers.empty()) append(out, std::uint64_t{uv_numbers[3 * f + k]});
+            if (normal_numbers.empty()) continue;
+            out += '/';
+            append(out, std::uint64_t{normal_numbers[3 * f + k]});
+        }
+        out += '\n';
+    }
+    if (with_mtl) write_text(fs::path(path).replace_extension(".mtl"), mtl_text(mesh, options));
+    write_text(path, out);
+}
+
+}  // namespace dgm::formats

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// libdgm/include/dgm/deform.h
+// Local deformation, paper eq. 7:  d(P_ij) = d_c * exp(-((i - i_c)^2 + (j - j_c)^2) / sigma),  |i - i_c|, |j - j_c| <
+// b.
+#pragma once
+#include <cstdint>
+
+#include <dgm/allocator.h>
+#include <dgm/result.h>
+#include <dgm/state.h>
+#include <dgm/vec.h>
+
+namespace dgm {
+
+namespace detail {
+struct TableImpl;
+}
+
+enum class KernelShape : std::uint32_t { Circular = 0 };
+
+/// How the kernel ends at b.
+enum class KernelEnd : std::uint32_t {
+    Printed = 0,  ///< eq. 7 as printed: square window, a step of at most exp(-b^2 / sigma) * |d_c| at its rim
+    Compact = 1,  ///< value and slope 0 at distance b (methods section 5), never farther than (1 + R^2) exp(-R^2)
+                  ///< from eq. 7 inside the disk of radius b, R = b / sqrt(sigma); 0 outside it
+};
+
+struct KernelOptions {
+    KernelShape shape = KernelShape::Circular;
+    KernelEnd end = KernelEnd::Printed;
+    /// Squared grid steps. The paper calls it a standard deviation, but in eq. 7 it stands where 2 * std^2 would.
+    float sigma = 16;
+    std::uint32_t reach = 11;  ///< b of eq. 7: samples with |di| < b and |dj| < b move; 1 .. kMaxReach
+};
+
+inline constexpr std::uint32_t kMaxReach = 1024;
+
+/// The kernel's values for one (sigma, b, shape), computed once. Immutable: any number of threads and states share it.
+class DeformTable {
+ public:
+    /// @return BadArgument (sigma not finite or <= 0, reach out of range), Unsupported shape, OutOfMemory.
+    [[nodiscard]] DGM_API static Result<DeformTable> create(const KernelOptions& options,
+                                                            const Allocator& allocator = {}) noexcept;
+    DGM_API DeformTable(DeformTable&& other) noexcept;
+    DGM_API DeformTable& operator=(DeformTable&& other) noexcept;
+    DGM_API ~DeformTable();
+
+    /// Weight at an offset in grid steps, 0 outside the window. Whole offsets read the table; others (border samples
+    /// of a free domain) evaluate the formula.
+    [[nodiscard]] DGM_API float weight(float di, float dj) const noexcept;
+    /// Largest distance between weight() and the kernel in exact arithmetic.
+    [[nodiscard]] DGM_API float error_bound() const noexcept;
+    [[nodiscard]] DGM_API std::uint32_t reach() const noexcept;
+
+    [[nodiscard]] const detail::TableImpl* impl() const noexcept { return impl_; }
+
+ private:
+    explicit DeformTable(detail::TableImpl* impl) noexcept : impl_(impl) {}
+    detail::TableImpl* impl_;
+};
+
+enum class Footprint : std::uint32_t {
+    Grid = 0,  ///< distance in grid steps, eq. 7 as is
+};
+
+enum class DeformMode : std::uint32_t {
+    Elastic = 0,  ///< adds to the present shape until State::release()
+    Plastic = 1,  ///< adds to the permanent shape too
+};
+
+/// One touch of a tool.
+struct Touch {
+    std::uint32_t sample = 0;  ///< the contact (i_c, j_c) as a sample index; any copy of a seam class will do
+    Vec3 displacement;         ///< d_c, local units: into the surface pushes, out of it pulls
+    float d_max = 0;           ///< |d_c| is shortened to this; > 0
+    Footprint footprint = Footprint::Grid;
+    DeformMode mode = DeformMode::Elastic;
+};
+
+struct DeformReport {
+    std::uint32_t samples = 0;  ///< samples in reach, copies of seam classes counted
+    Vec3 displacement;          ///< d_c after the clamp
+    bool crossed_seam = false;
+};
+
+/// Applies eq. 7 around a contact sample.
+///
+/// A window that reaches a seam goes on at the mate's side: the mate's grid is unfolded next to this one, outward here
+/// being inward there and one step along the seam one step on either side. The unfolding is a walk over grid
+/// neighbours and seam links in order of di^2 + dj^2 (ties: lower sample index), each sample placed where it is first
+/// met; a class takes the weight of its nearest placing and every copy is written with the same bits. Away from seams
+/// this is eq. 7 exactly.
+///
+/// Every touch adds: for a tool that presses elastically call state.release() first each tick, then one deform() a
+/// contact.
+///
+/// @return BadArgument: sample not on the surface, d_c or d_max not finite, d_max <= 0, table.reach() beyond
+///         StateOptions::max_reach. LimitExceeded: more samples in reach than the state's scratch holds (many sheets
+///         around one seam node). Unsupported footprint or mode. On every error nothing has been changed.
+/// No allocation, no locks. O(b^2), times log b if the window holds a seam or the chart's border.
+[[nodiscard]] DGM_API Result<DeformReport> deform(State& state, const DeformTable& table, const Touch& touch) noexcept;
+
+}  // namespace dgm

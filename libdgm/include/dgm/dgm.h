@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+/* libdgm/include/dgm/dgm.h */
+/* C interface of the runtime. It wraps the C++ one (asset.h, state.h, deform.h, ... hold the full contracts).
+ *
+ * Rules: a call that can fail returns a dgm_code (DGM_OK is 0) and fills `error` if that is not null. Structs start
+ * with struct_size = sizeof(struct): older and newer libraries then read and write only what both know; a newer option
+ * that is not 0 and not known is DGM_UNSUPPORTED. All-zero options are the defaults. Handles are destroyed with their
+ * _destroy / _close call, null is allowed there. Nothing throws, aborts, prints or keeps global state.
+ */
+#pragma once
+#include <stddef.h>
+#include <stdint.h>
+
+#include <dgm/export.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DGM_ABI_VERSION 1u
+#define DGM_NONE 0xFFFFFFFFu                /* no sample, no class */
+#define DGM_NO_OFFSET 0xFFFFFFFFFFFFFFFFull /* no place in a file */
+#define DGM_NO_ATTRIBUTE ((size_t)-1)       /* vertex attribute not wanted */
+
+/* Numbers of dgm::ErrorCode. */
+typedef enum dgm_code {
+    DGM_OK = 0,
+    DGM_BAD_ARGUMENT = 1,
+    DGM_OUT_OF_MEMORY = 2,
+    DGM_FILE_MISSING = 3,
+    DGM_READ_FAILED = 4,
+    DGM_NOT_DGM = 5,
+    DGM_BAD_VERSION = 6,
+    DGM_TRUNCATED = 7,
+    DGM_HASH_MISMATCH = 8,
+    DGM_BAD_INDEX = 9,
+    DGM_BAD_LAYER = 10,
+    DGM_BAD_VALUE = 11,
+    DGM_BAD_SEAM_TABLE = 12,
+    DGM_SEAM_GAP = 13,
+    DGM_NOT_FINITE = 14,
+    DGM_MISSING_LAYER = 15,
+    DGM_UNKNOWN_LAYER = 16,
+    DGM_LIMIT_EXCEEDED = 17,
+    DGM_BUFFER_TOO_SMALL = 18,
+    DGM_NOT_FOUND = 19,
+    DGM_UNSUPPORTED = 20
+} dgm_code;
+
+typedef struct dgm_asset dgm_asset; /* an opened file: read-only, shared by threads */
+typedef struct dgm_state dgm_state; /* a deformable chart: one thread at a time; outlives its asset */
+typedef struct dgm_table dgm_table; /* kernel values: read-only, shared by threads */
+
+typedef struct dgm_error {
+    uint32_t struct_size;
+    uint32_t code;        /* dgm_code */
+    uint64_t byte_offset; /* in the file, or DGM_NO_OFFSET */
+    const char* message;  /* static text */
+} dgm_error;
+
+/* Both functions, or neither for the C library's heap. Called while handles are made and destroyed, never in a tick. */
+typedef struct dgm_allocator {
+    uint32_t struct_size;
+    void* user;
+    void* (*allocate)(void* user, size_t bytes, size_t alignment);
+    void (*release)(void* user, void* memory, size_t bytes);
+} dgm_allocator;
+
+typedef struct dgm_open_options {
+    uint32_t struct_size;
+    uint32_t verify_hashes;             /* 1: hash every layer now */
+    const char* const* required_layers; /* names every chart must hold */
+    size_t required_layer_count;
+    uint64_t max_file_bytes; /* limits: 0 is the default */
+    uint32_t max_charts, max_layers, max_samples;
+} dgm_open_options;
+
+typedef struct dgm_chart_info {
+    uint32_t struct_size;
+    uint32_t rows, cols;
+    uint32_t domain; /* 0 square, 1 free */
+    uint32_t border_samples;
+    uint32_t layer_count;
+    double bbox[6];             /* min xyz, max xyz in the source frame */
+    double offset[3], scale[3]; /* source frame = offset + local; local = scale * stored */
+    const char* method;         /* lives as long as the asset */
+} dgm_chart_info;
+
+typedef struct dgm_layer_view {
+    uint32_t struct_size;
+    uint32_t type; /* 1 u8, 2 u16, 3 u32, 4 i16, 5 f16, 6 f32 */
+    uint32_t rank;
+    uint32_t known; /* 0: an optional layer this version has no rules for */
+    uint64_t shape[4];
+    uint64_t file_offset;
+    const char* name; /* name and data live as long as the asset */
+    const void* data;
+    size_t bytes;
+} dgm_layer_view;
+
+typedef struct dgm_mesh_counts {
+    uint32_t struct_size;
+    uint32_t vertices;
+    uint64_t indices;
+} dgm_mesh_counts;
+
+/* Caller's vertices: attribute of vertex k at data + k * stride + offset, floats: position xyz, normal xyz, uv. */
+typedef struct dgm_vertex_target {
+    uint32_t struct_size;
+    uint32_t lod_stride; /* 0 or 1: every sample; others are DGM_UNSUPPORTED in this version */
+    void* data;          /* null: no vertices */
+    size_t bytes, stride;
+    size_t position_offset, normal_offset, uv_offset; /* or DGM_NO_ATTRIBUTE */
+} dgm_vertex_target;
+
+typedef struct dgm_state_options {
+    uint32_t struct_size;
+    uint32_t max_reach; /* 0: 65 */
+    uint64_t max_bytes; /* 0: no limit */
+} dgm_state_options;
+
+typedef struct dgm_kernel_options {
+    uint32_t struct_size;
+    uint32_t shape; /* 0 circular */
+    uint32_t end;   /* 0 eq. 7 as printed, 1 compact */
+    uint32_t reach; /* b of eq. 7 */
+    float sigma;    /* squared grid steps */
+} dgm_kernel_options;
+
+typedef struct dgm_touch {
+    uint32_t struct_size;
+    uint32_t sample;
+    float displacement[3];
+    float d_max;
+    uint32_t footprint; /* 0 grid */
+    uint32_t mode;      /* 0 elastic, 1 plastic */
+} dgm_touch;
+
+typedef struct dgm_deform_report {
+    uint32_t struct_size;
+    uint32_t samples;
+    float displacement[3];
+    uint32_t crossed_seam;
+} dgm_deform_report;
+
+DGM_API uint32_t dgm_abi_version(void);
+/* Stable name of a code, e.g. "BAD_INDEX". */
+DGM_API const char* dgm_code_name(uint32_t code);
+
+/* Assets. `options` and `allocator` may be null. open_memory: bytes aligned to 16, kept alive by the caller. */
+DGM_API dgm_code dgm_asset_open(const char* path, const dgm_open_options* options, const dgm_allocator* allocator,
+                                dgm_asset** asset, dgm_error* error);
+DGM_API dgm_code dgm_asset_open_memory(const void* data, size_t bytes, const dgm_open_options* options,
+                                       const dgm_allocator* allocator, dgm_asset** asset, dgm_error* error);
+DGM_API void dgm_asset_close(dgm_asset* asset);
+DGM_API dgm_code dgm_asset_verify(const dgm_asset* asset, dgm_error* error);
+DGM_API uint32_t dgm_asset_chart_count(const dgm_asset* asset);
+DGM_API dgm_code dgm_asset_chart(const dgm_asset* asset, uint32_t chart, dgm_chart_info* info, dgm_error* error);
+DGM_API dgm_code dgm_asset_layer(const dgm_asset* asset, uint32_t chart, uint32_t layer, dgm_layer_view* view,
+                                 dgm_error* error);
+DGM_API dgm_code dgm_asset_find_layer(const dgm_asset* asset, uint32_t chart, const char* name, dgm_layer_view* view,
+                                      dgm_error* error);
+DGM_API dgm_code dgm_chart_validate(const dgm_asset* asset, uint32_t chart, const dgm_allocator* allocator,
+                                    dgm_error* error);
+
+/* Reconstruction. `counts` may be null; `indices` null leaves the triangles out, `vertices` null the vertices. */
+DGM_API dgm_code dgm_chart_mesh_counts(const dgm_asset* asset, uint32_t chart, dgm_mesh_counts* counts,
+                                       dgm_error* error);
+DGM_API dgm_code dgm_chart_reconstruct(const dgm_asset* asset, uint32_t chart, const dgm_vertex_target* vertices,
+                                       uint32_t* indices, size_t index_count, dgm_mesh_counts* counts,
+                                       dgm_error* error);
+DGM_API dgm_code dgm_state_mesh_counts(const dgm_state* state, dgm_mesh_counts* counts, dgm_error* error);
+DGM_API dgm_code dgm_state_reconstruct(const dgm_state* state, const dgm_vertex_target* vertices, uint32_t* indices,
+                                       size_t index_count, dgm_mesh_counts* counts, dgm_error* error);
+
+/* States. */
+DGM_API dgm_code dgm_state_create(const dgm_asset* asset, uint32_t chart, const dgm_state_options* options,
+                                  const dgm_allocator* allocator, dgm_state** state, dgm_error* error);
+DGM_API void dgm_state_destroy(dgm_state* state);
+DGM_API void dgm_state_release(dgm_state* state); /* ends elastic touches */
+DGM_API void dgm_state_reset(dgm_state* state);   /* back to rest */
+DGM_API uint32_t dgm_state_sample_count(const dgm_state* state);
+DGM_API dgm_code dgm_state_position(const dgm_state* state, uint32_t sample, float position[3], dgm_error* error);
+DGM_API dgm_code dgm_state_normal(const dgm_state* state, uint32_t sample, float normal[3], dgm_error* error);
+/* Seam class of a sample (DGM_NONE if none), and the samples of a class: *members is the state's own memory. */
+DGM_API uint32_t dgm_state_class_of(const dgm_state* state, uint32_t sample);
+DGM_API size_t dgm_state_class_members(const dgm_state* state, uint32_t class_id, const uint32_t** members);
+
+/* Touch. */
+DGM_API dgm_code dgm_table_create(const dgm_kernel_options* options, const dgm_allocator* allocator, dgm_table** table,
+                                  dgm_error* error);
+DGM_API void dgm_table_destroy(dgm_table* table);
+DGM_API float dgm_table_weight(const dgm_table* table, float di, float dj);
+DGM_API dgm_code dgm_deform(dgm_state* state, const dgm_table* table, const dgm_touch* touch, dgm_deform_report* report,
+                            dgm_error* error);
+DGM_API dgm_code dgm_nearest_sample(dgm_state* state, const float tool[3], uint32_t* sample, float* distance,
+                                    dgm_error* error);
+DGM_API dgm_code dgm_track_sample(dgm_state* state, const float tool[3], uint32_t last, uint32_t a, uint32_t* sample,
+                                  float* distance, dgm_error* error);
+/* N_t . N_n < 0, paper section 5.1: tool_vector from the nearest sample to the tool. */
+DGM_API dgm_code dgm_hit_test(const float tool_vector[3], const float normal[3], uint32_t* hit, dgm_error* error);
+/* f = -(d / |d_max|)^3 f_max per axis, paper eqs. 8-10. */
+DGM_API dgm_code dgm_contact_force(const float d[3], float d_max, float f_max, float force[3], dgm_error* error);
+
+#ifdef __cplusplus
+}
+#endif

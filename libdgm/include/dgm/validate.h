@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// libdgm/include/dgm/validate.h
+// The values of a chart's tables: what Asset::open leaves unread and per-tick code must be able to trust.
+#pragma once
+#include <dgm/allocator.h>
+#include <dgm/asset.h>
+#include <dgm/result.h>
+
+namespace dgm {
+
+/// Reads geometry, border layers, mask, diagonals and seams of a chart once and checks:
+/// on-surface positions are finite (also after scaling to float); mask and diagonals are 0 or 1; border_uv lies in
+/// [0, 1]; border_faces are in range, on the surface and have three different corners; seam pairs are in range and on
+/// the surface, the representative is the lowest index of its class, no copy stands twice; copies of a class hold the
+/// same stored bits. Layers that are absent are not missed, but a free domain needs its mask, and geometry of border
+/// samples if it has any.
+///
+/// @return NotFinite, BadValue, BadSeamTable, SeamGap, MissingLayer with the byte offset of the element; OutOfMemory.
+/// Cost O(samples); takes 4 bytes a sample of scratch from `allocator` if there is a seam table.
+[[nodiscard]] DGM_API Result<void> validate_chart(const Chart& chart, const Allocator& allocator = {}) noexcept;
+
+}  // namespace dgm

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/c_api.cpp
+// dgm.h on top of the C++ interface: handles, sized structs, null checks, and nothing else.
+#include <dgm/dgm.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include <dgm/collide.h>
+#include <dgm/deform.h>
+#include <dgm/force.h>
+#include <dgm/reconstruct.h>
+#include <dgm/validate.h>
+
+#include "memory.h"
+
+struct dgm_asset {
+    dgm_asset(const dgm::Allocator& a, dgm::Asset&& v) noexcept : allocator(a), value(std::move(v)) {}
+    dgm::Allocator allocator;
+    dgm::Asset value;
+};
+struct dgm_state {
+    dgm_state(const dgm::Allocator& a, dgm::State&& v) noexcept : allocator(a), value(std::move(v)) {}
+    dgm::Allocator allocator;
+    dgm::State value;
+};
+struct dgm_table {
+    dgm_table(const dgm::Allocator& a, dgm::DeformTable&& v) noexcept : allocator(a), value(std::move(v)) {}
+    dgm::Allocator allocator;
+    dgm::DeformTable value;
+};
+
+namespace {
+using dgm::Error;
+using dgm::ErrorCode;
+using dgm::kNoOffset;
+using dgm::Result;
+using dgm::Vec3;
+
+static_assert(DGM_UNSUPPORTED == static_cast<int>(ErrorCode::Unsupported));
+
+constexpr Error kNull{ErrorCode::BadArgument, kNoOffset, "a pointer is null"};
+constexpr Error kBadSize{ErrorCode::BadArgument, kNoOffset, "struct_size is not set"};
+constexpr std::size_t kMaxStruct = 4096;  // no struct of ours ever grows to this
+
+/// Writes what both sides know of an answer; the caller's struct_size stays.
+template <class T>
+void put(T* to, T from) noexcept {
+    if (to == nullptr || to->struct_size < sizeof(std::uint32_t)) return;
+    from.struct_size = to->struct_size;
+    std::memcpy(static_cast<void*>(to), &from, std::min<std::size_t>(to->struct_size, sizeof(T)));
+}
+
+dgm_code finish(const Error& e, dgm_error* error) noexcept {
+    put(error, dgm_error{0, static_cast<std::uint32_t>(e.code), e.byte_offset, e.message});
+    return static_cast<dgm_code>(e.code);
+}
+
+/// Reads what both sides know of the options; the rest is 0. Null: all defaults.
+template <class T>
+Result<void> get(const T* from, T& to) noexcept {
+    to = T{};
+    if (from == nullptr) return {};
+    const std::size_t size = from->struct_size;
+    if (size < sizeof(std::uint32_t) || size > kMaxStruct) return kBadSize;
+    std::memcpy(static_cast<void*>(&to), from, std::min(size, sizeof(T)));
+    const auto* bytes = reinterpret_cast<const unsigned char*>(from);
+    for (std::size_t k = sizeof(T); k < size; ++k)
+        if (bytes[k] != 0) return Error{ErrorCode::Unsupported, kNoOffset, "an option is newer than this library"};
+    return {};
+}
+
+Result<dgm::Allocator> allocator_of(const dgm_allocator* from) noexcept {
+    dgm_allocator a;
+    if (auto r = get(from, a); !r) return r.error();
+    return dgm::Allocator{a.user, a.allocate, a.release};
+}
+
+Result<dgm::OpenOptions> open_options(const dgm_open_options* from, const dgm_allocator* allocator) noexcept {
+    dgm_open_options o;
+    if (auto r = get(from, o); !r) return r.error();
+    if (o.required_layers == nullptr && o.required_layer_count != 0) return kNull;
+    for (std::size_t k = 0; k < o.required_layer_count; ++k)
+        if (o.required_layers[k] == nullptr) return kNull;
+    auto a = allocator_of(allocator);
+    if (!a) return a.error();
+    dgm::OpenOptions options;
+    options.required_layers = {o.required_layers, o.required_layer_count};
+    options.verify_hashes = o.verify_hashes != 0;
+    if (o.max_file_bytes != 0) options.max_file_bytes = o.max_file_bytes;
+    if (o.max_charts != 0) options.max_charts = o.max_charts;
+    if (o.max_layers != 0) options.max_layers = o.max_layers;
+    if (o.max_samples != 0) options.max_samples = o.max_samples;
+    options.allocator = a.value();
+    return options;
+}
+
+/// Moves a C++ object into a handle from the same allocator.
+template <class Handle, class T>
+dgm_code hand_out(Result<T>&& made, const dgm::Allocator& allocator, Handle** out, dgm_error* error) noexcept {
+    if (!made) return finish(made.error(), error);
+    Handle* handle = dgm::detail::create<Handle>(allocator, allocator, std::move(made).value());
+    if (handle == nullptr) return finish({ErrorCode::OutOfMemory, kNoOffset, "no memory for the handle"}, error);
+    *out = handle;
+    return finish({}, error);
+}
+
+Vec3 vec(const float* v) noexcept {
+    return {v[0], v[1], v[2]};
+}
+void store(Vec3 v, float* to) noexcept {
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+}
+
+Result<dgm::Chart> chart_of(const dgm_asset* asset, std::uint32_t chart) noexcept {
+    if (asset == nullptr) return kNull;
+    return asset->value.chart(chart);
+}
+
+dgm_code give_layer(Result<dgm::LayerView>&& layer, dgm_layer_view* view, dgm_error* error) noexcept {
+    if (!layer) return finish(layer.error(), error);
+    const dgm::LayerView& l = layer.value();
+    put(view, dgm_layer_view{0,
+                             static_cast<std::uint32_t>(l.type),
+                             l.rank,
+                             l.known ? 1u : 0u,
+                             {l.shape[0], l.shape[1], l.shape[2], l.shape[3]},
+                             l.file_offset,
+                             l.name,
+                             l.data,
+                             l.bytes});
+    return finish({}, error);
+}
+
+dgm_code give_counts(const Result<dgm::MeshCounts>& made, dgm_mesh_counts* counts, dgm_error* error) noexcept {
+    if (!made) return finish(made.error(), error);
+    put(counts, dgm_mesh_counts{0, made.value().vertices, made.value().indices});
+    return finish({}, error);
+}
+
+template <class Surface>
+dgm_code reconstruct_into(const Surface& surface, const dgm_vertex_target* vertices, std::uint32_t* indices,
+                          std::size_t index_count, dgm_mesh_counts* counts, dgm_error* error) noexcept {
+    dgm_vertex_target v;
+    if (auto r = get(vertices, v); !r) return finish(r.error(), error);
+    dgm::VertexTarget target;
+    if (v.data != nullptr)
+        target = {
+            {static_cast<std::byte*>(v.data), v.bytes}, v.stride, v.position_offset, v.normal_offset, v.uv_offset};
+    if (v.data != nullptr && v.bytes == 0)
+        return finish({ErrorCode::BufferTooSmall, kNoOffset, "the vertex memory is too small"}, error);
+    if (indices != nullptr && index_count == 0)
+        return finish({ErrorCode::BufferTooSmall, kNoOffset, "the index memory is too small"}, error);
+    const std::span<std::uint32_t> span(indices, indices == nullptr ? 0 : index_count);
+    return give_counts(dgm::reconstruct(surface, target, span, {v.lod_stride == 0 ? 1u : v.lod_stride}), counts, error);
+}
+
+dgm_code give_nearest(const Result<dgm::Nearest>& found, std::uint32_t* sample, float* distance,
+                      dgm_error* error) noexcept {
+    if (!found) return finish(found.error(), error);
+    if (sample != nullptr) *sample = found.value().sample;
+    if (distance != nullptr) *distance = found.value().distance;
+    return finish({}, error);
+}
+}  // namespace
+
+extern "C" {
+
+uint32_t dgm_abi_version(void) {
+    return DGM_ABI_VERSION;
+}
+const char* dgm_code_name(uint32_t code) {
+    return dgm::error_name(static_cast<ErrorCode>(code));
+}
+
+dgm_code dgm_asset_open(const char* path, const dgm_open_options* options, const dgm_allocator* allocator,
+                        dgm_asset** asset, dgm_error* error) {
+    if (asset == nullptr || path == nullptr) return finish(kNull, error);
+    *asset = nullptr;
+    auto o = open_options(options, allocator);
+    if (!o) return finish(o.error(), error);
+    return hand_out(dgm::Asset::open(path, o.value()), o.value().allocator, asset, error);
+}
+
+dgm_code dgm_asset_open_memory(const void* data, size_t bytes, const dgm_open_options* options,
+                               const dgm_allocator* allocator, dgm_asset** asset, dgm_error* error) {
+    if (asset == nullptr || (data == nullptr && bytes != 0)) return finish(kNull, error);
+    *asset = nullptr;
+    auto o = open_options(options, allocator);
+    if (!o) return finish(o.error(), error);
+    return hand_out(dgm::Asset::open_memory({static_cast<const std::byte*>(data), bytes}, o.value()),
+                    o.value().allocator, asset, error);
+}
+
+void dgm_asset_close(dgm_asset* asset) {
+    dgm::detail::destroy(asset);
+}
+
+dgm_code dgm_asset_verify(const dgm_asset* asset, dgm_error* error) {
+    if (asset == nullptr) return finish(kNull, error);
+    return finish(asset->value.verify().error(), error);
+}
+
+uint32_t dgm_asset_chart_count(const dgm_asset* asset) {
+    return asset == nullptr ? 0 : asset->value.chart_count();
+}
+
+dgm_code dgm_asset_chart(const dgm_asset* asset, uint32_t chart, dgm_chart_info* info, dgm_error* error) {
+    if (info == nullptr) return finish(kNull, error);
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    const dgm::Chart& c = found.value();
+    dgm_chart_info out{};
+    out.rows = c.rows();
+    out.cols = c.cols();
+    out.domain = static_cast<std::uint32_t>(c.domain());
+    out.border_samples = c.border_samples();
+    out.layer_count = c.layer_count();
+    std::copy(c.bbox().begin(), c.bbox().end(), out.bbox);
+    std::copy(c.offset().begin(), c.offset().end(), out.offset);
+    std::copy(c.scale().begin(), c.scale().end(), out.scale);
+    out.method = c.method();
+    put(info, out);
+    return finish({}, error);
+}
+
+dgm_code dgm_asset_layer(const dgm_asset* asset, uint32_t chart, uint32_t layer, dgm_layer_view* view,
+                         dgm_error* error) {
+    if (view == nullptr) return finish(kNull, error);
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    return give_layer(found.value().layer(layer), view, error);
+}
+
+dgm_code dgm_asset_find_layer(const dgm_asset* asset, uint32_t chart, const char* name, dgm_layer_view* view,
+                              dgm_error* error) {
+    if (view == nullptr) return finish(kNull, error);
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    return give_layer(found.value().find(name), view, error);
+}
+
+dgm_code dgm_chart_validate(const dgm_asset* asset, uint32_t chart, const dgm_allocator* allocator, dgm_error* error) {
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    auto a = allocator_of(allocator);
+    if (!a) return finish(a.error(), error);
+    return finish(dgm::validate_chart(found.value(), a.value()).error(), error);
+}
+
+dgm_code dgm_chart_mesh_counts(const dgm_asset* asset, uint32_t chart, dgm_mesh_counts* counts, dgm_error* error) {
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    return give_counts(dgm::mesh_counts(found.value()), counts, error);
+}
+
+dgm_code dgm_chart_reconstruct(const dgm_asset* asset, uint32_t chart, const dgm_vertex_target* vertices,
+                               uint32_t* indices, size_t index_count, dgm_mesh_counts* counts, dgm_error* error) {
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    return reconstruct_into(found.value(), vertices, indices, index_count, counts, error);
+}
+
+dgm_code dgm_state_mesh_counts(const dgm_state* state, dgm_mesh_counts* counts, dgm_error* error) {
+    if (state == nullptr) return finish(kNull, error);
+    return give_counts(dgm::mesh_counts(state->value), counts, error);
+}
+
+dgm_code dgm_state_reconstruct(const dgm_state* state, const dgm_vertex_target* vertices, uint32_t* indices,
+                               size_t index_count, dgm_mesh_counts* counts, dgm_error* error) {
+    if (state == nullptr) return finish(kNull, error);
+    return reconstruct_into(state->value, vertices, indices, index_count, counts, error);
+}
+
+dgm_code dgm_state_create(const dgm_asset* asset, uint32_t chart, const dgm_state_options* options,
+                          const dgm_allocator* allocator, dgm_state** state, dgm_error* error) {
+    if (state == nullptr) return finish(kNull, error);
+    *state = nullptr;
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    dgm_state_options o;
+    if (auto r = get(options, o); !r) return finish(r.error(), error);
+    auto a = allocator_of(allocator);
+    if (!a) return finish(a.error(), error);
+    dgm::StateOptions wishes;
+    if (o.max_reach != 0) wishes.max_reach = o.max_reach;
+    if (o.max_bytes != 0) wishes.max_bytes = o.max_bytes;
+    wishes.allocator = a.value();
+    return hand_out(dgm::State::create(found.value(), wishes), a.value(), state, error);
+}
+
+void dgm_state_destroy(dgm_state* state) {
+    dgm::detail::destroy(state);
+}
+void dgm_state_release(dgm_state* state) {
+    if (state != nullptr) state->value.release();
+}
+void dgm_state_reset(dgm_state* state) {
+    if (state != nullptr) state->value.reset();
+}
+uint32_t dgm_state_sample_count(const dgm_state* state) {
+    return state == nullptr ? 0 : state->value.sample_count();
+}
+
+dgm_code dgm_state_position(const dgm_state* state, uint32_t sample, float position[3], dgm_error* error) {
+    if (state == nullptr || position == nullptr) return finish(kNull, error);
+    if (sample >= state->value.sample_count())
+        return finish({ErrorCode::BadArgument, kNoOffset, "the state has no such sample"}, error);
+    store(state->value.positions()[sample], position);
+    return finish({}, error);
+}
+
+dgm_code dgm_state_normal(const dgm_state* state, uint32_t sample, float normal[3], dgm_error* error) {
+    if (state == nullptr || normal == nullptr) return finish(kNull, error);
+    if (sample >= state->value.sample_count())
+        return finish({ErrorCode::BadArgument, kNoOffset, "the state has no such sample"}, error);
+    store(state->value.normal(sample), normal);
+    return finish({}, error);
+}
+
+uint32_t dgm_state_class_of(const dgm_state* state, uint32_t sample) {
+    return state == nullptr ? DGM_NONE : state->value.class_of(sample);
+}
+size_t dgm_state_class_members(const dgm_state* state, uint32_t class_id, const uint32_t** members) {
+    const auto found = state == nullptr ? std::span<const std::uint32_t>{} : state->value.class_members(class_id);
+    if (members != nullptr) *members = found.data();
+    return found.size();
+}
+
+dgm_code dgm_table_create(const dgm_kernel_options* options, const dgm_allocator* allocator, dgm_table** table,
+                          dgm_error* error) {
+    if (table == nullptr || options == nullptr) return finish(kNull, error);
+    *table = nullptr;
+    dgm_kernel_options o;
+    if (auto r = get(options, o); !r) return finish(r.error(), error);
+    auto a = allocator_of(allocator);
+    if (!a) return finish(a.error(), error);
+    const dgm::KernelOptions kernel{static_cast<dgm::KernelShape>(o.shape), static_cast<dgm::KernelEnd>(o.end), o.sigma,
+                                    o.reach};
+    return hand_out(dgm::DeformTable::create(kernel, a.value()), a.value(), table, error);
+}
+
+void dgm_table_destroy(dgm_table* table) {
+    dgm::detail::destroy(table);
+}
+float dgm_table_weight(const dgm_table* table, float di, float dj) {
+    return table == nullptr ? 0.0f : table->value.weight(di, dj);
+}
+
+dgm_code dgm_deform(dgm_state* state, const dgm_table* table, const dgm_touch* touch, dgm_deform_report* report,
+                    dgm_error* error) {
+    if (state == nullptr || table == nullptr || touch == nullptr) return finish(kNull, error);
+    dgm_touch t;
+    if (auto r = get(touch, t); !r) return finish(r.error(), error);
+    const dgm::Touch wish{t.sample, vec(t.displacement), t.d_max, static_cast<dgm::Footprint>(t.footprint),
+                          static_cast<dgm::DeformMode>(t.mode)};
+    auto done = dgm::deform(state->value, table->value, wish);
+    if (!done) return finish(done.error(), error);
+    dgm_deform_report out{};
+    out.samples = done.value().samples;
+    store(done.value().displacement, out.displacement);
+    out.crossed_seam = done.value().crossed_seam ? 1 : 0;
+    put(report, out);
+    return finish({}, error);
+}
+
+dgm_code dgm_nearest_sample(dgm_state* state, const float tool[3], uint32_t* sample, float* distance,
+                            dgm_error* error) {
+    if (state == nullptr || tool == nullptr) return finish(kNull, error);
+    return give_nearest(dgm::nearest_sample(state->value, vec(tool)), sample, distance, error);
+}
+
+dgm_code dgm_track_sample(dgm_state* state, const float tool[3], uint32_t last, uint32_t a, uint32_t* sample,
+                          float* distance, dgm_error* error) {
+    if (state == nullptr || tool == nullptr) return finish(kNull, error);
+    return give_nearest(dgm::track_sample(state->value, vec(tool), last, a), sample, distance, error);
+}
+
+dgm_code dgm_hit_test(const float tool_vector[3], const float normal[3], uint32_t* hit, dgm_error* error) {
+    if (tool_vector == nullptr || normal == nullptr || hit == nullptr) return finish(kNull, error);
+    auto r = dgm::hit_test(vec(tool_vector), vec(normal));
+    if (!r) return finish(r.error(), error);
+    *hit = r.value() ? 1 : 0;
+    return finish({}, error);
+}
+
+dgm_code dgm_contact_force(const float d[3], float d_max, float f_max, float force[3], dgm_error* error) {
+    if (d == nullptr || force == nullptr) return finish(kNull, error);
+    auto r = dgm::contact_force(vec(d), d_max, f_max);
+    if (!r) return finish(r.error(), error);
+    store(r.value(), force);
+    return finish({}, error);
+}
+
+}  // extern "C"

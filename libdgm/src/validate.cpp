@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/validate.cpp
+#include <dgm/validate.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "chart_tables.h"
+#include "memory.h"
+#include "validate_impl.h"
+
+namespace dgm {
+namespace detail {
+namespace {
+
+Result<void> check_flags(const std::uint8_t* values, std::size_t count, std::uint64_t offset,
+                         const char* message) noexcept {
+    for (std::size_t k = 0; k < count; ++k)
+        if (values[k] > 1) return Error{ErrorCode::BadValue, offset + k, message};
+    return {};
+}
+
+Result<void> check_faces(const ChartTables& t) noexcept {
+    for (std::size_t f = 0; f + 2 < t.faces.size(); f += 3) {
+        const std::uint32_t* v = t.faces.data() + f;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (v[k] >= t.total || !t.on_surface(v[k]))
+                return Error{ErrorCode::BadValue, t.faces_offset + 4 * (f + k),
+                             "a border face names no sample of the surface"};
+        if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
+            return Error{ErrorCode::BadValue, t.faces_offset + 4 * f, "a border face has two equal corners"};
+    }
+    return {};
+}
+
+Result<void> check_seams(const ChartTables& t, const Allocator& allocator) noexcept {
+    Array<std::uint32_t> weld;  // representative of each sample
+    if (t.seams.empty()) return {};
+    if (!weld.allocate(allocator, t.total))
+        return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the seam classes"};
+    for (std::uint32_t s = 0; s < t.total; ++s) weld[s] = s;
+    for (std::size_t k = 0; k + 1 < t.seams.size(); k += 2) {
+        const std::uint32_t representative = t.seams[k], copy = t.seams[k + 1];
+        const std::uint64_t at = t.seams_offset + 4 * k;
+        if (representative >= t.total || copy >= t.total || !t.on_surface(representative) || !t.on_surface(copy))
+            return Error{ErrorCode::BadSeamTable, at, "a seam pair names no sample of the surface"};
+        if (representative >= copy)
+            return Error{ErrorCode::BadSeamTable, at, "the representative is not the lowest of its class"};
+        if (weld[copy] != copy) return Error{ErrorCode::BadSeamTable, at, "a sample is a copy twice"};
+        weld[copy] = representative;
+    }
+    for (std::size_t k = 0; k + 1 < t.seams.size(); k += 2) {
+        const std::uint32_t representative = t.seams[k], copy = t.seams[k + 1];
+        if (weld[representative] != representative)
+            return Error{ErrorCode::BadSeamTable, t.seams_offset + 4 * k, "a representative is a copy itself"};
+        const Vec3 a = t.position(representative), b = t.position(copy);
+        if (std::memcmp(&a, &b, sizeof a) != 0)
+            return Error{ErrorCode::SeamGap, t.position_offset(copy), "copies of a seam class differ"};
+    }
+    return {};
+}
+}  // namespace
+
+Result<void> check_values(const ChartTables& t, const Allocator& allocator) noexcept {
+    const auto grid = std::size_t{t.grid};
+    if (t.mask != nullptr)
+        if (auto r = check_flags(t.mask, grid, t.mask_offset, "the mask is neither 0 nor 1"); !r) return r;
+    if (t.diagonals != nullptr)
+        if (auto r = check_flags(t.diagonals, std::size_t{t.rows - 1} * (t.cols - 1), t.diagonals_offset,
+                                 "a diagonal is neither 0 nor 1");
+            !r)
+            return r;
+    for (std::uint32_t s = 0; s < t.total; ++s) {
+        if (!t.on_surface(s)) continue;
+        const Vec3 p = t.position(s);
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            return Error{ErrorCode::NotFinite, t.position_offset(s), "a position is not finite"};
+    }
+    for (std::size_t k = 0; k < 2 * std::size_t{t.total - t.grid}; ++k)
+        if (!(t.border_uv[k] >= 0.0f && t.border_uv[k] <= 1.0f))
+            return Error{ErrorCode::BadValue, t.border_uv_offset + 4 * k,
+                         "a border sample lies outside the unit square"};
+    if (auto r = check_faces(t); !r) return r;
+    return check_seams(t, allocator);
+}
+
+}  // namespace detail
+
+Result<void> validate_chart(const Chart& chart, const Allocator& allocator) noexcept {
+    if (!detail::is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
+    auto tables = detail::read_tables(chart);
+    if (!tables) return tables.error();
+    return detail::check_values(tables.value(), allocator);
+}
+
+}  // namespace dgm

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// samples/generate/main.cpp
+// dgm-make-samples OUTDIR: writes every sample asset. The same bytes on every run.
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "fabrics.h"
+#include "model/codes.h"
+#include "organs.h"
+#include "upholstery.h"
+
+namespace dgm::samples {
+namespace {
+namespace fs = std::filesystem;
+using model::Vec3d;
+
+constexpr int kOrganTexture = 1024;
+constexpr int kFabricTexture = 512;
+
+fs::path subfolder(const fs::path& root, const char* name) {
+    fs::path path = root / name;
+    std::error_code failure;
+    fs::create_directories(path, failure);
+    if (failure)
+        throw model::Error(model::codes::kWriteFailed, "cannot make the folder: " + failure.message(), path.string());
+    return path;
+}
+
+void report(const fs::path& path, const PolyMesh& mesh) {
+    std::printf("%s: %zu vertices, %zu polygons\n", path.c_str(), mesh.positions.size(), mesh.polygons.size());
+}
+
+MaterialText material(const char* name, double bump_scale, double shininess) {
+    return {name, "colour.png", bump_scale > 0 ? "bump.png" : "", bump_scale, shininess};
+}
+
+void write_organ(const Textured& organ, const char* name, double bump_scale, bool with_3ds, const fs::path& root) {
+    const fs::path folder = subfolder(root, name);
+    write_colour_png(organ.picture, folder / "colour.png");
+    write_relief_png(organ.picture, folder / "bump.png");
+    const fs::path obj = folder / (std::string(name) + ".obj");
+    const MaterialText m = material(name, bump_scale, 60);
+    write_obj({{name, organ.mesh}}, m, obj);
+    if (with_3ds) write_3ds({{name, organ.mesh}}, m, fs::path(obj).replace_extension(".3ds"));
+    report(obj, organ.mesh);
+}
+
+void write_cushion(const fs::path& root) {
+    const fs::path folder = subfolder(root, "cushion");
+    const Picture linen = make_striped_linen(1024, 512);
+    write_colour_png(linen, folder / "colour.png");
+    write_relief_png(linen, folder / "bump.png");
+    write_colour_png(make_gingham(1024, 512), folder / "cover.png");
+    const PolyMesh cushion = make_cushion(), cover = make_cushion_cover();
+    const MaterialText linen_material = material("linen", 0.05, 10);
+    const MaterialText gingham_material{"gingham", "cover.png", "", 0, 10};
+    write_obj({{"cushion", cushion}}, linen_material, folder / "cushion.obj");
+    write_3ds({{"cushion", cushion}}, linen_material, folder / "cushion.3ds");
+    write_obj({{"cover", cover}}, gingham_material, folder / "cover.obj");
+    report(folder / "cushion.obj", cushion);
+    report(folder / "cover.obj", cover);
+}
+
+void write_sheet(const Picture& denim, const fs::path& root) {
+    const fs::path folder = subfolder(root, "sheet");
+    write_colour_png(denim, folder / "colour.png");
+    const PolyMesh sheet = make_sheet();
+    write_obj({{"sheet", sheet}}, material("denim", 0, 5), folder / "sheet.obj");
+    report(folder / "sheet.obj", sheet);
+}
+
+void write_chair(const Picture& satin, const fs::path& root) {
+    const fs::path folder = subfolder(root, "chair");
+    write_colour_png(satin, folder / "colour.png");
+    const MaterialText m = material("satin", 0, 80);
+    const PolyMesh seat = make_chair_seat();
+    PolyMesh back = make_chair_back();
+    write_obj({{"seat", seat}}, m, folder / "seat.obj");
+    write_obj({{"back", back}}, m, folder / "back.obj");
+    for (Vec3d& p : back.positions) p += Vec3d{0, 30, 40};  // behind the seat and clear of it
+    quantise(back);
+    write_obj({{"seat", seat}, {"back", back}}, m, folder / "chair.obj");
+    report(folder / "seat.obj", seat);
+    report(folder / "back.obj", back);
+}
+
+void write_all(const fs::path& root) {
+    write_organ(make_stomach(kOrganTexture), "stomach", 0.08, true, root);
+    write_organ(make_liver(kOrganTexture), "liver", 0.05, false, root);
+    write_cushion(root);
+    const Picture denim = make_denim(kFabricTexture), satin = make_satin(kFabricTexture);
+    write_sheet(denim, root);
+    write_chair(satin, root);
+    const fs::path fabrics = subfolder(root, "fabrics");
+    write_colour_png(denim, fabrics / "denim.png");
+    write_colour_png(satin, fabrics / "satin.png");
+}
+}  // namespace
+}  // namespace dgm::samples
+
+int main(int argc, char** argv) {
+    using dgm::model::ExitCode;
+    const std::string argument = argc == 2 ? argv[1] : "";
+    if (argument == "-h" || argument == "--help") {
+        std::puts("usage: dgm-make-samples OUTDIR\nWrites the sample meshes and textures into OUTDIR.");
+        return static_cast<int>(ExitCode::kOk);
+    }
+    if (argument.empty() || argument.front() == '-') {
+        std::fputs("usage: dgm-make-samples OUTDIR\n", stderr);
+        return static_cast<int>(ExitCode::kUsage);
+    }
+    try {
+        dgm::samples::write_all(argument);
+    } catch (const dgm::model::Error& e) {
+        std::fprintf(stderr, "dgm-make-samples: %s: %s: %s\n", e.place().c_str(), e.code().id().c_str(), e.what());
+        return static_cast<int>(e.code().exit);
+    }
+    return static_cast<int>(ExitCode::kOk);
+}

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// samples/generate/organs.h
+// A stomach and a liver: closed, genus 0, life size. x points to the patient's left, y to the back, z up; centimetres.
+#pragma once
+#include "image.h"
+#include "poly_mesh.h"
+
+namespace dgm::samples {
+
+/// A mesh and the picture its UVs refer to.
+struct Textured {
+    PolyMesh mesh;
+    Picture picture;
+};
+
+/// J-shaped sack with fundus, body, antrum, pylorus, a stub of duodenum and one of oesophagus, and soft folds.
+Textured make_stomach(int texture_size);
+
+/// Wedge of a large right and a tapering left lobe, domed above, hollow below, with the groove of the falciform
+/// ligament.
+Textured make_liver(int texture_size);
+
+}  // namespace dgm::samples

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The file as HDF5 reads it and as the runtime maps it, value by value; and through EXR and back."""
+import unittest
+
+import h5py
+import numpy as np
+
+import meshes
+import support
+
+TYPES = {1: "|u1", 2: "<u2", 3: "<u4", 4: "<i2", 5: "<f2", 6: "<f4"}
+
+
+class Layers(support.Folder):
+    def bake_example(self, *arguments):
+        meshes.write_obj(self.folder / "two.obj", meshes.together(meshes.icosphere(2), meshes.sheet(8)))
+        self.bake_well("two.obj", "-o", "two.dgm", "--size", "33x29", *arguments)
+        return self.folder / "two.dgm"
+
+    def mapped(self, path):
+        """{(chart, layer): (array, file offset)} as the runtime maps it, and {chart: (rows, cols, method)}."""
+        raw = self.folder / "raw"
+        raw.mkdir(exist_ok=True)
+        result = self.run_program(support.DUMP_LAYERS, path, raw)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        layers, charts = {}, {}
+        for line in result.stdout.splitlines():
+            kind, chart, *rest = line.split()
+            if kind == "chart":
+                charts[int(chart)] = (int(rest[0]), int(rest[1]), rest[2])
+                continue
+            name, element, offset, *shape = rest
+            data = (raw / f"{chart}.{name}.bin").read_bytes()
+            array = np.frombuffer(data, dtype=TYPES[int(element)]).reshape([int(n) for n in shape])
+            layers[int(chart), name] = (array, int(offset))
+        return layers, charts
+
+    def assert_hdf5_equals_runtime(self, path):
+        layers, charts = self.mapped(path)
+        found = set()
+        with h5py.File(path, "r") as file:
+            self.assertEqual(sorted(int(k) for k in file["charts"]), sorted(charts))
+            for chart, (rows, cols, method) in charts.items():
+                group = file[f"charts/{chart}"]
+                self.assertEqual((int(group.attrs["rows"]), int(group.attrs["cols"])), (rows, cols))
+                stored = group.attrs["method"]
+                self.assertEqual(stored.decode() if isinstance(stored, bytes) else str(stored), method)
+                for name, dataset in group.items():
+                    array, offset = layers[chart, name]
+                    self.assertEqual(dataset.dtype, array.dtype, name)
+                    self.assertEqual(dataset.shape, array.shape, name)
+                    self.assertTrue(np.array_equal(dataset[...].view(np.uint8), array.view(np.uint8)), name)
+                    self.assertEqual(dataset.id.get_offset(), offset, name)
+                    found.add((chart, name))
+        self.assertEqual(found, set(layers))
+        return layers, charts
+
+    def test_hdf5_and_runtime_agree(self):
+        layers, charts = self.assert_hdf5_equals_runtime(self.bake_example())
+        self.assertEqual(len(charts), 2)
+        for chart, (rows, cols, _) in charts.items():
+            self.assertEqual((rows, cols), (33, 29))
+            for name in ("geometry", "normal", "collision", "cover", "deformation", "contact"):
+                self.assertIn((chart, name), layers)
+            self.assertEqual(layers[chart, "geometry"][0].shape, (33, 29, 3))
+        # The ball's samples lie on its facets, between the faces' inscribed sphere and the unit sphere.
+        ball = max(charts, key=lambda c: layers[c, "geometry"][0].astype(float)[..., 2].max())
+        lengths = np.linalg.norm(layers[ball, "geometry"][0].astype(float), axis=-1)
+        self.assertLess(lengths.max(), 1 + 1e-6)
+        self.assertGreater(lengths.min(), 0.95)
+
+    def test_seam_copies_are_one_point(self):
+        layers, charts = self.mapped(self.bake_example())
+        ball = max(charts, key=lambda c: layers[c, "geometry"][0].astype(float)[..., 2].max())
+        seams = layers[ball, "seams"][0]
+        self.assertGreater(len(seams), 0)  # a closed surface must have been cut
+        points = layers[ball, "geometry"][0].reshape(-1, 3)
+        self.assertTrue(np.array_equal(points[seams[:, 0]].view(np.uint32), points[seams[:, 1]].view(np.uint32)))
+        self.assertTrue((seams[:, 0] < seams[:, 1]).all())
+
+    def test_quantised_positions(self):
+        layers, charts = self.assert_hdf5_equals_runtime(self.bake_example("--precision", "u16"))
+        for chart in charts:
+            self.assertEqual(layers[chart, "geometry"][0].dtype, np.dtype("<u2"))
+
+    def test_only_the_layers_asked_for(self):
+        layers, _ = self.mapped(self.bake_example("--layers", "normal,geometry"))
+        names = {name for _, name in layers}
+        self.assertLessEqual({"geometry", "normal"}, names)
+        self.assertFalse(names & {"texture", "bump", "collision", "cover", "deformation", "contact"})
+
+    def test_through_exr_and_back(self):
+        if not support.EXPORT:
+            self.skipTest("dgm-export was not built")
+        for layout in ("auto", "multipart"):
+            with self.subTest(layout=layout):
+                path = self.bake_example("--format", "dgm,exr", "--exr-layout", layout)
+                back = self.folder / "back.dgm"
+                result = self.run_program(support.EXPORT, path.with_suffix(".exr"), "-o", back)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                before, _ = self.mapped(path)
+                after, _ = self.mapped(back)
+                self.assertEqual(list(before), list(after))
+                for key, (array, _) in before.items():
+                    self.assertEqual(array.dtype, after[key][0].dtype, key)
+                    self.assertEqual(array.tobytes(), after[key][0].tobytes(), key)
+                self.assertEqual(path.read_bytes(), back.read_bytes())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/formats/exr_test.cpp
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "exr/exr_reader.h"
+#include "exr/exr_writer.h"
+#include "model/codes.h"
+#include "test_maps.h"
+
+namespace {
+
+namespace codes = dgm::model::codes;
+using dgm::formats::ExrLayout;
+using dgm::formats::read_exr;
+using dgm::formats::write_exr;
+using dgm::model::Error;
+using dgm::model::Layer;
+using dgm::model::MapSet;
+using dgm::test::random_maps;
+using dgm::test::read_bytes;
+using dgm::test::TempFolder;
+using dgm::test::write_bytes;
+
+int code_of(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.code().number;
+    }
+    return 0;
+}
+
+/// Byte 4..7 of an EXR: version 2 and flags; bit 12 says multi-part.
+bool is_multipart(const std::string& bytes) { return (static_cast<unsigned char>(bytes[5]) & 0x10) != 0; }
+
+TEST(ExrFile, EveryBitComesBack) {
+    const TempFolder folder;
+    for (const ExrLayout layout : {ExrLayout::kAuto, ExrLayout::kMultipart})
+        for (const std::size_t charts : {0u, 1u, 2u, 6u}) {
+            const MapSet maps = random_maps(charts + 40, charts);
+            write_exr(maps, folder / "a.exr", {layout});
+            EXPECT_TRUE(read_exr(folder / "a.exr") == maps) << charts;
+        }
+}
+
+TEST(ExrFile, AllTextureCodesAndAlphasComeBack) {
+    const TempFolder folder;
+    MapSet maps = random_maps(1, 0);
+    dgm::test::Random random(1);
+    maps.charts.push_back(random_chart(random, {.rows = 16, .cols = 16, .same_size_textures = true}));
+    Layer* texture = maps.charts[0].find("texture");
+    for (std::size_t k = 0; k < texture->bytes.size(); ++k) texture->bytes[k] = static_cast<std::byte>((k / 4 + 64 * (k % 4)) & 255);
+    write_exr(maps, folder / "a.exr");
+    EXPECT_EQ(read_exr(folder / "a.exr").charts[0].find("texture")->bytes, texture->bytes);
+}
+
+TEST(ExrFile, AllOctahedralCodesComeBack) {
+    const TempFolder folder;
+    MapSet maps = random_maps(1, 0);
+    dgm::model::Chart chart;
+    chart.rows = chart.cols = 256;
+    chart.method = "mvc";
+    Layer normal{.name = "normal", .type = dgm::layout::ElementType::kI16, .shape = {256, 256, 2}, .bytes = {}, .attributes = {}};
+    for (unsigned k = 0; k < 65536; ++k)
+        for (const unsigned code : {k, 65535 - k})
+            normal.bytes.insert(normal.bytes.end(), {static_cast<std::byte>(code & 255), static_cast<std::byte>(code >> 8)});
+    chart.layers.push_back(normal);
+    maps.charts.push_back(chart);
+    write_exr(maps, folder / "a.exr");
+    EXPECT_EQ(read_exr(folder / "a.exr"), maps);
+}
+
+TEST(ExrFile, OnePartWhereSizesAgree) {
+    const TempFolder folder;
+    MapSet maps = random_maps(1, 0);
+    dgm::test::Random random(1);
+    maps.charts.push_back(random_chart(random, {.rows = 9, .cols = 14, .same_size_textures = true}));
+    write_exr(maps, folder / "one.exr");
+    EXPECT_FALSE(is_multipart(read_bytes(folder / "one.exr")));
+    write_exr(maps, folder / "many.exr", {ExrLayout::kMultipart});
+    EXPECT_TRUE(is_multipart(read_bytes(folder / "many.exr")));
+    maps.charts[0] = random_chart(random, {.rows = 9, .cols = 14, .same_size_textures = false});
+    write_exr(maps, folder / "sizes.exr");
+    EXPECT_TRUE(is_multipart(read_bytes(folder / "sizes.exr")));
+}
+
+TEST(ExrFile, SameMapsGiveSameBytesWithoutADate) {
+    const TempFolder folder;
+    const MapSet maps = random_maps(3, 3);
+    write_exr(maps, folder / "a.exr");
+    write_exr(random_maps(4, 2), folder / "b.exr");
+    write_exr(maps, folder / "b.exr");
+    EXPECT_EQ(read_bytes(folder / "a.exr"), read_bytes(folder / "b.exr"));
+    EXPECT_EQ(read_bytes(folder / "a.exr").find("capDate"), std::string::npos);
+}
+
+TEST(ExrFile, LargeTablesGetTheirOwnPart) {
+    const TempFolder folder;
+    MapSet maps = random_maps(1, 1);
+    Layer* seams = maps.charts[0].find("seams");
+    seams->shape = {1'100'000, 2};
+    seams->bytes.assign(8'800'000, std::byte{0x5A});
+    write_exr(maps, folder / "a.exr");
+    EXPECT_TRUE(read_exr(folder / "a.exr") == maps);
+}
+
+TEST(ExrFile, DamageIsAnErrorNotACrash) {
+    const TempFolder folder;
+    EXPECT_EQ(code_of([&] { (void)read_exr(folder / "none.exr"); }), codes::kFileMissing.number);
+    EXPECT_EQ(code_of([&] { (void)read_exr(folder.path()); }), codes::kReadFailed.number);
+    write_bytes(folder / "bad.exr", "not an EXR");
+    EXPECT_EQ(code_of([&] { (void)read_exr(folder / "bad.exr"); }), codes::kExrUnreadable.number);
+    write_exr(random_maps(5, 2), folder / "good.exr");
+    const std::string good = read_bytes(folder / "good.exr");
+    for (std::size_t size = 0; size < good.size(); size += 97) {
+        write_bytes(folder / "bad.exr", good.substr(0, size));
+        EXPECT_EQ(code_of([&] { (void)read_exr(folder / "bad.exr"); }), codes::kExrUnreadable.number) << size;
+    }
+    dgm::test::Random random(2);
+    for (int k = 0; k < 500; ++k) {
+        std::string bad = good;
+        for (int hit = 0; hit < 3; ++hit) bad[random.below(std::min<std::size_t>(bad.size(), k % 2 ? 4000 : bad.size()))] = static_cast<char>(random.next());
+        write_bytes(folder / "bad.exr", bad);
+        const int code = code_of([&] { (void)read_exr(folder / "bad.exr"); });
+        EXPECT_TRUE(code == 0 || code == codes::kExrUnreadable.number || code == codes::kBadVersion.number) << code;
+    }
+}
+
+TEST(ExrFile, WriterRefusesAndCleansUp) {
+    const TempFolder folder;
+    MapSet maps = random_maps(1, 1);
+    maps.charts[0].layers[0].bytes.pop_back();
+    EXPECT_EQ(code_of([&] { write_exr(maps, folder / "a.exr"); }), codes::kBadLayerShape.number);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.exr"));
+    EXPECT_EQ(code_of([&] { write_exr(random_maps(1, 1), folder / "none/a.exr"); }), codes::kWriteFailed.number);
+}
+
+}  // namespace

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/libdgm/tick_allocation_test.cpp
+// Per-tick calls take no memory: malloc and its relatives are replaced for this program and for libdgm.so alike.
+#include <gtest/gtest.h>
+
+#include <dgm/collide.h>
+#include <dgm/deform.h>
+#include <dgm/force.h>
+#include <dgm/reconstruct.h>
+
+#include <atomic>
+#include <cerrno>
+
+#include "opened.h"
+
+namespace {
+std::atomic<long> g_allocations{0};
+}
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void* malloc(std::size_t n) {
+    ++g_allocations;
+    return __libc_malloc(n);
+}
+void* calloc(std::size_t n, std::size_t m) {
+    ++g_allocations;
+    return __libc_calloc(n, m);
+}
+void* realloc(void* p, std::size_t n) {
+    ++g_allocations;
+    return __libc_realloc(p, n);
+}
+void* aligned_alloc(std::size_t a, std::size_t n) {
+    ++g_allocations;
+    return __libc_memalign(a, n);
+}
+int posix_memalign(void** p, std::size_t a, std::size_t n) {
+    ++g_allocations;
+    *p = __libc_memalign(a, n);
+    return *p == nullptr ? ENOMEM : 0;
+}
+}
+
+namespace dgm::test {
+namespace {
+
+TEST(Tick, TakesNoMemory) {
+    const long before_setup = g_allocations;
+    State state = make_state(grid_chart(65, 65, sheet, octahedral_seams(65)));
+    EXPECT_GT(g_allocations, before_setup) << "the hook does not see the library";
+    KernelOptions kernel;
+    kernel.reach = 33;
+    kernel.sigma = 100;
+    const DeformTable table = DeformTable::create(kernel).value();
+    std::vector<float> vertices(65 * 65 * 6);
+    std::vector<std::uint32_t> indices(64 * 64 * 6);
+    const VertexTarget target{std::as_writable_bytes(std::span(vertices)), 24, 0, 12};
+    bool sound = true;
+    const long before = g_allocations;
+    std::uint32_t last = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const Vec3 tool{float(k % 67), float(k * 7 % 65), 0.5f};
+        state.release();
+        const auto near = k % 3 == 0 ? nearest_sample(state, tool) : track_sample(state, tool, last, 4);
+        sound = sound && near.ok();
+        if (!near) break;
+        last = near.value().sample;
+        const auto hit = hit_test(tool - state.positions()[last], state.normal(last));
+        sound = sound && hit.ok() && contact_force({0.1f, 0, 0.2f}, 1, 3).ok();
+        Touch touch;
+        touch.sample = last;
+        touch.displacement = {0, 0, -0.5f};
+        touch.d_max = 1;
+        touch.mode = k % 5 == 0 ? DeformMode::Plastic : DeformMode::Elastic;
+        sound = sound && deform(state, table, touch).ok();
+        if (k % 100 == 0) sound = sound && reconstruct(state, target, indices).ok();
+    }
+    state.reset();
+    const long after = g_allocations;
+    EXPECT_TRUE(sound);
+    EXPECT_EQ(after, before);
+}
+
+}  // namespace
+}  // namespace dgm::test

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/render/export_test.cpp
+#include "export/export_files.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "dgm/dgm_writer.h"
+#include "exr/exr_writer.h"
+#include "geometry/metrics/reconstruction.h"
+#include "image/image.h"
+#include "mesh/mesh_reader.h"
+#include "model/codes.h"
+#include "sample_chart.h"
+
+namespace dgm::exporter {
+namespace {
+using model::MapSet;
+using std::filesystem::path;
+
+class Export : public testing::Test {
+ protected:
+    void SetUp() override {
+        folder_ = path(testing::TempDir()) /
+                  (std::string("dgm_export_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    void write(const MapSet& maps, const std::string& name, const ExportOptions& options = {}) const {
+        export_maps(maps, folder_ / name, options, [](const std::string&) {});
+    }
+    const model::Code* failure(const MapSet& maps, const std::string& name, const ExportOptions& options = {}) const {
+        try {
+            write(maps, name, options);
+        } catch (const model::Error& error) { return &error.code(); }
+        return nullptr;
+    }
+    std::size_t files() const {
+        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
+    }
+    std::string bytes(const std::string& name) const {
+        std::ifstream file(folder_ / name, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    path folder_;
+};
+
+MapSet two_tori() {
+    MapSet maps;
+    maps.generator = "test";
+    maps.source_name = "torus.obj";
+    maps.report_json = "{}";
+    maps.charts = {test::torus_chart(17, 33), test::torus_chart(9, 9)};
+    return maps;
+}
+
+TEST_F(Export, ObjReadsBackAsTheReconstructionToTheBit) {
+    const MapSet maps = two_tori();
+    write(maps, "torus.obj");
+    const model::TriMesh mesh = formats::read_mesh(folder_ / "torus.obj").mesh;
+    const auto first = bake::reconstruct(maps.charts[0]).mesh, second = bake::reconstruct(maps.charts[1]).mesh;
+    ASSERT_EQ(mesh.positions.size(), first.positions.size() + second.positions.size());
+    ASSERT_EQ(mesh.faces.size(), first.faces.size() + second.faces.size());
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+        ASSERT_EQ(mesh.positions[v], v < 17 * 33 ? first.positions[v] : second.positions[v - 17 * 33]) << v;
+    EXPECT_EQ(mesh.faces[100], first.faces[100]);
+    ASSERT_EQ(mesh.materials.size(), 2u);
+
+    // The texture that the file names, looked up at the corners as any OBJ reader would, is the layer's texel.
+    const formats::Image texture = formats::read_image(mesh.materials[mesh.face_materials[0]].diffuse_map);
+    const model::Layer& layer = *maps.charts[0].find("texture");
+    for (std::size_t c = 0; c < 3 * first.faces.size(); ++c) {
+        const auto x = static_cast<std::uint32_t>(mesh.corner_uvs[c].x * texture.width);
+        const auto y = static_cast<std::uint32_t>((1 - mesh.corner_uvs[c].y) * texture.height);
+        const std::uint32_t sample = mesh.faces[c / 3][c % 3], i = sample / 33, j = sample % 33;
+        const std::size_t texel = 4 * (std::size_t{2 * i} * 65 + 2 * j);
+        ASSERT_EQ(texture.at(x, y).r, std::to_integer<std::uint8_t>(layer.bytes[texel]));
+        ASSERT_EQ(texture.at(x, y).g, std::to_integer<std::uint8_t>(layer.bytes[texel + 1]));
+    }
+    EXPECT_EQ(files(), 4u);  // torus.obj, torus.mtl, two textures
+}
+
+TEST_F(Export, OneChartAlone) {
+    ExportOptions options;
+    options.chart = 1;
+    write(two_tori(), "one.obj", options);
+    EXPECT_EQ(formats::read_mesh(folder_ / "one.obj").mesh.positions.size(), 81u);
+    options.chart = 2;
+    EXPECT_EQ(failure(two_tori(), "two.obj", options), &model::codes::kUsage);
+}
+
+TEST_F(Export, PlyHoldsVerticesAndTheirColours) {
+    write(two_tori(), "torus.ply");
+    const std::string ply = bytes("torus.ply");
+    EXPECT_EQ(ply.substr(0, 4), "ply\n");
+    EXPECT_NE(ply.find("property uchar red"), std::string::npos);
+    EXPECT_NE(ply.find("element face 1152"), std::string::npos);
+}
+
+TEST_F(Export, DgmToExrAndBackGivesTheSameBytes) {
+    const MapSet maps = two_tori();
+    formats::write_dgm(maps, folder_ / "a.dgm");
+    write(read_maps(folder_ / "a.dgm"), "b.exr");
+    write(read_maps(folder_ / "b.exr"), "c.dgm");
+    EXPECT_EQ(read_maps(folder_ / "b.exr"), maps);
+    EXPECT_EQ(bytes("a.dgm"), bytes("c.dgm"));
+    ExportOptions multipart;
+    multipart.multipart = true;
+    write(maps, "d.exr", multipart);
+    EXPECT_NE(bytes("d.exr"), bytes("b.exr"));
+    EXPECT_EQ(read_maps(folder_ / "d.exr"), maps);
+}
+
+TEST_F(Export, LayerPictureOfAllChartsSideBySide) {
+    ExportOptions options;
+    options.layer = "geometry";
+    write(two_tori(), "geometry.png", options);
+    const formats::Image image = formats::read_image(folder_ / "geometry.png");
+    EXPECT_EQ(image.width, 33u + 8 + 9);
+    EXPECT_EQ(image.height, 17u);
+    EXPECT_EQ(image.at(0, 0), (model::Rgba8{255, 128, 128, 255}));
+    EXPECT_EQ(image.at(33 + 8, 0), (model::Rgba8{255, 128, 128, 255}));
+}
+
+TEST_F(Export, ShadedViewsAndSheets) {
+    ExportOptions options;
+    options.width = 400, options.height = 200;
+    write(two_tori(), "view.png", options);
+    EXPECT_EQ(formats::read_image(folder_ / "view.png").width, 400u);
+    const std::string once = bytes("view.png");
+    write(two_tori(), "view.png", options);
+    EXPECT_EQ(bytes("view.png"), once);
+    options.sheet = true;
+    options.chart = 0;
+    write(two_tori(), "sheet.png", options);
+    EXPECT_GT(formats::read_image(folder_ / "sheet.png").height, 200u);
+    options.sheet = false;
+    write(two_tori(), "source.obj");
+    options.source = folder_ / "source.obj";
+    write(two_tori(), "both.png", options);
+    EXPECT_NE(bytes("both.png"), once);
+}
+
+TEST_F(Export, WhatCannotBeDoneIsRefusedAndLeavesNothing) {
+    const MapSet maps = two_tori();
+    EXPECT_EQ(failure(maps, "x.glb"), &model::codes::kUnsupported);
+    EXPECT_EQ(failure(maps, "x.docx"), &model::codes::kUsage);
+    EXPECT_EQ(failure(maps, "no/such/folder/x.obj"), &model::codes::kWriteFailed);
+    ExportOptions lod;
+    lod.lod = 2;
+    EXPECT_EQ(failure(maps, "x.obj", lod), &model::codes::kUnsupported);
+    ExportOptions layer;
+    layer.layer = "mask";
+    EXPECT_EQ(failure(maps, "x.png", layer), &model::codes::kMissingLayer);
+    EXPECT_EQ(failure(maps, "x.obj", layer), &model::codes::kUsage);
+    layer.sheet = true;
+    EXPECT_EQ(failure(maps, "x.png", layer), &model::codes::kUsage);
+    ExportOptions source;
+    source.source = folder_ / "missing.obj";
+    EXPECT_EQ(failure(maps, "x.png", source), &model::codes::kFileMissing);
+    MapSet broken = maps;
+    broken.charts[0].find("geometry")->bytes.pop_back();
+    EXPECT_EQ(failure(broken, "x.obj"), &model::codes::kBadLayerShape);
+    EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Export, AFailureKeepsTheOldFile) {
+    std::ofstream(folder_ / "x.png") << "old";
+    ExportOptions options;
+    options.layer = "mask";
+    EXPECT_EQ(failure(two_tori(), "x.png", options), &model::codes::kMissingLayer);
+    EXPECT_EQ(bytes("x.png"), "old");
+}
+
+TEST_F(Export, ReadingSaysWhatAFileIsNot) {
+    const auto code_of = [&](const char* name) {
+        try {
+            static_cast<void>(read_maps(folder_ / name));
+        } catch (const model::Error& error) { return &error.code(); }
+        return static_cast<const model::Code*>(nullptr);
+    };
+    EXPECT_EQ(code_of("missing.dgm"), &model::codes::kFileMissing);
+    std::ofstream(folder_ / "text.dgm") << "hello, this is no geometry map";
+    EXPECT_EQ(code_of("text.dgm"), &model::codes::kNotDgm);
+    std::ofstream(folder_ / "short.exr") << "\x76\x2f\x31\x01";
+    EXPECT_EQ(code_of("short.exr"), &model::codes::kExrUnreadable);
+}
+
+}  // namespace
+}  // namespace dgm::exporter
