@@ -21,6 +21,8 @@ namespace {
 using model::Error;
 namespace codes = model::codes;
 
+constexpr std::size_t kNewtonSteps = 8;
+
 bool is_free_method(const std::string& method) { return method == "lscm" || method == "arap" || method == "uv"; }
 
 /// What every candidate of one component shares.
@@ -67,7 +69,7 @@ class ComponentBaker {
         if (is_free_method(method))
             return make_free_chart(cut_.disk, size_.rows, size_.cols, *make_cgal_parameterizer(method), tools(), progress_);
         const std::unique_ptr<Parameterizer> parameterizer =
-            method == "stretch" ? make_stretch_parameterizer() : make_cgal_parameterizer(method);
+            method == "stretch" ? make_stretch_parameterizer(kNewtonSteps) : make_cgal_parameterizer(method);
         if (!parameterizer) throw Error(codes::kUsage, "unknown method: " + method);
         return make_square_chart(cut_.disk, size_.rows, size_.cols, rotation_, *parameterizer, progress_);
     }
@@ -97,10 +99,7 @@ class ComponentBaker {
 
     /// The welded grid surface must be the manifold that the component is.
     void check_topology(const SampledChart& chart) const {
-        std::vector<Face> faces = chart.faces();
-        for (Face& f : faces)
-            for (std::uint32_t& s : f) s = chart.representative[s];
-        const Topology map = measure_topology(chart.positions.size(), faces);
+        const Topology map = welded_topology(chart);
         const Topology source = measure_topology(component_.positions.size(), component_.faces);
         if (map.manifold && map.oriented && map.degenerate_faces == 0 && map.components == source.components &&
             map.boundary_loops == source.boundary_loops && map.genus == source.genus)
@@ -115,7 +114,7 @@ class ComponentBaker {
 
     ComponentResult finish() {
         if (!best_) throw *failure_;
-        result_.candidates[best_index_].outcome = "chosen";
+        result_.candidates[best_index_].outcome = best_->note.empty() ? "chosen" : "chosen; " + best_->note;
         result_.chart = std::move(*best_);
         return std::move(result_);
     }

@@ -147,9 +147,12 @@ void draw_legend(Image& image, std::int64_t x, std::int64_t y, std::uint32_t wid
     for (std::uint32_t k = 0; k < width; ++k)
         fill_rectangle(image, x + k, y, 1, height, sequential_colour(width > 1 ? k / (width - 1.0) : 0));
     const std::int64_t below = y + height + 2 * scale;
-    const std::string top = fmt::format("{}{:.3g}", open_end ? ">=" : "", high);
-    draw_text(image, x, below, fmt::format("{:.3g}", low), scale);
-    draw_text_centred(image, x + width / 2, below, fmt::format("{:.3g}", 0.5 * (low + high)), scale);
+    const std::string top = fmt::format("{}{:.2g}", open_end ? ">=" : "", high);
+    const std::string bottom = fmt::format("{:.2g}", low), middle = fmt::format("{:.2g}", 0.5 * (low + high));
+    draw_text(image, x, below, bottom, scale);
+    // The middle only where it stands clear of both ends.
+    if (text_width(bottom, scale) + text_width(top, scale) + text_width(middle, scale) + 4 * text_width(" ", scale) < width)
+        draw_text_centred(image, x + width / 2, below, middle, scale);
     draw_text(image, x + width - text_width(top, scale), below, top, scale);
 }
 

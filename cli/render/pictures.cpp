@@ -79,16 +79,17 @@ Surface with_grid(const ChartSurface& charts, double pixel) {
     return surface;
 }
 
-/// Distance of every vertex to the source in % of its diagonal; 0 for vertices that no face uses.
-std::vector<double> distances(const TriMesh& source, const TriMesh& mesh, double diagonal) {
+/// Error at every vertex in % of the diagonal: the largest distance to the source among the middles of its faces. The
+/// vertices themselves would tell nothing, a bake puts them on the source. 0 for vertices that no face uses.
+std::vector<double> face_errors(const TriMesh& source, const TriMesh& mesh, double diagonal) {
     const bake::ClosestPointIndex index(source.positions, source.faces);
-    std::vector<double> out(mesh.positions.size(), 0);
-    std::vector<bool> used(mesh.positions.size(), false);
-    for (const model::Face& face : mesh.faces)
-        for (const std::uint32_t v : face) used[v] = true;
-    tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t v) {
-        if (used[v]) out[v] = 100 * index.query(mesh.positions[v]).distance / diagonal;
+    std::vector<double> middle(mesh.faces.size(), 0), out(mesh.positions.size(), 0);
+    tbb::parallel_for(std::size_t{0}, middle.size(), [&](std::size_t f) {
+        const auto q = mesh.corners(f);
+        middle[f] = 100 * index.query((q[0] + q[1] + q[2]) / 3).distance / diagonal;
     });
+    for (std::size_t f = 0; f < middle.size(); ++f)
+        for (const std::uint32_t v : mesh.faces[f]) out[v] = std::max(out[v], middle[f]);
     return out;
 }
 
@@ -130,7 +131,7 @@ Image comparison_picture(const TriMesh& source, std::vector<Image> source_textur
     first.textures = std::move(source_textures);
     Surface heat;
     heat.mesh = &charts.mesh;
-    heat.scalars = distances(source, charts.mesh, diagonal);
+    heat.scalars = face_errors(source, charts.mesh, diagonal);
     const double worst = *std::max_element(heat.scalars.begin(), heat.scalars.end());
     heat.scalar_high = percentile(heat.scalars, 0.99);
     if (!(heat.scalar_high > 0)) heat.scalar_high = worst;

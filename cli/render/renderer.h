@@ -36,7 +36,7 @@ struct Surface {
 struct RenderOptions {
     std::uint32_t width = 960, height = 720;
     std::uint32_t samples_per_pixel = 16;  ///< 1..256, fixed pattern
-    std::uint32_t sky_rays = 2;            ///< occlusion rays of each sample, 1..64
+    std::uint32_t sky_rays = 3;            ///< occlusion rays of each sample, 1..64
     double shading = 1;                    ///< 1 lit; 0 the bare colours (for maps that have a legend)
     bool ground_shadow = true;             ///< only seen from above
     model::Rgba8 background{246, 246, 244, 255};

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/main.cpp
 // dgm-validate: is this file what it says it is, and as near to its source as it claims?
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "model/codes.h"
+#include "tool/tool.h"
 #include "validate/output.h"
 #include "validate/validation.h"
 
@@ -58,40 +56,30 @@ void declare(CLI::App& app, CommandLine& line) {
     app.add_option("--explain", line.explain, "Print what a code such as DGM1003 means, and stop")->type_name("CODE");
     auto* quiet = app.add_flag("-q,--quiet", line.quiet, "Print errors only");
     app.add_flag("-v,--verbose", line.verbose, "Print what was measured, too")->excludes(quiet);
-    app.set_version_flag("-V,--version", "dgm-validate " DGM_VERSION);
     app.footer(
         "Exit codes: 0 valid, 1 usage, 2 a file cannot be read, 3 invalid, 4 internal error, 5 unsupported.\n"
         "With several files: that of the worst.");
 }
 
-ExitCode print_error(const model::Error& error) {
-    fmt::print(stderr, "dgm-validate: {}: {}: {}\n  next: {}\n", error.place(), error.code().id(), error.what(),
-               error.code().hint);
-    return error.code().exit;
+/// Writes to stdout; a full disk is an error like any other. @throws model::Error kWriteFailed
+void put(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw model::Error(model::codes::kWriteFailed, "the output cannot be written", "stdout");
 }
 
-ExitCode usage_error(const std::string& what) {
-    fmt::print(stderr, "dgm-validate: {}: {}\n  next: see dgm-validate --help\n", model::codes::kUsage.id(), what);
-    return ExitCode::kUsage;
-}
-
-/// Writes to stdout; a full disk is an error like any other.
-ExitCode put(const std::string& text) {
-    const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-    return written ? ExitCode::kOk
-                   : print_error(model::Error(model::codes::kWriteFailed, "the output cannot be written", "stdout"));
-}
-
-ExitCode run(const CommandLine& line) {
+ExitCode run(const CommandLine& line, std::string& subject) {
     if (!line.explain.empty()) {
         const model::Code* code = find_code(line.explain);
-        return code == nullptr ? usage_error("there is no code `" + line.explain + "`") : put(explain(*code));
+        if (code == nullptr) throw model::Error(model::codes::kUsage, "there is no code `" + line.explain + "`");
+        put(explain(*code));
+        return ExitCode::kOk;
     }
-    if (line.files.empty()) return usage_error("no FILE was named");
+    if (line.files.empty()) throw model::Error(model::codes::kUsage, "no FILE was named");
 
     Options options;
     std::optional<Source> source;
     if (!line.source.empty()) {
+        subject = line.source;
         source = load_source(line.source);
         options.source = &*source;
         if (!line.max_rms.empty()) options.max_rms_percent = parse_percent(line.max_rms);
@@ -103,34 +91,25 @@ ExitCode run(const CommandLine& line) {
     ExitCode worst = ExitCode::kOk;
     std::vector<FileValidation> results;
     for (const std::string& file : line.files) {
+        subject = file;
         FileValidation result = validate_file(file, options);
         worst = worse(worst, result.exit_code());
         if (line.format == "json")
             results.push_back(std::move(result));
         else
-            worst = worse(worst, put(to_text(result, verbosity)));
+            put(to_text(result, verbosity));
     }
-    if (line.format == "json") worst = worse(worst, put(to_json(results)));
+    if (line.format == "json") put(to_json(results));
     return worst;
 }
 }  // namespace
 }  // namespace dgm::validate
 
 int main(int argc, char** argv) {
-    using namespace dgm;
-    validate::CommandLine line;
+    dgm::validate::CommandLine line;
     CLI::App app;
-    try {
-        validate::declare(app, line);
-        app.parse(argc, argv);
-        return static_cast<int>(validate::run(line));
-    } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return static_cast<int>(validate::usage_error(error.what()));
-    } catch (const model::Error& error) {
-        return static_cast<int>(validate::print_error(error));
-    } catch (const std::exception& error) {
-        return static_cast<int>(
-            validate::print_error(model::Error(model::codes::kInternal, error.what(), "dgm-validate")));
-    }
+    dgm::validate::declare(app, line);
+    return dgm::tool::run_tool("dgm-validate", argc, argv, app, [&](std::string& subject) {
+        return static_cast<int>(dgm::validate::run(line, subject));
+    });
 }

@@ -33,7 +33,9 @@ void sync(const fs::path& path, int flags, bool is_folder) {
 
 }  // namespace
 
-void sync_file(const fs::path& path) { sync(path, O_RDONLY, false); }
+void sync_file(const fs::path& path) {
+    sync(path, O_RDONLY, false);
+}
 
 void publish_file(const fs::path& temporary, const fs::path& final_path) {
     sync_file(temporary);

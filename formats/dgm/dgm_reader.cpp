@@ -33,8 +33,9 @@ constexpr std::uint64_t kMaxReportBytes = std::uint64_t{256} << 20;
 
 /// Read-only file descriptor with range-checked reads.
 class RawFile {
-  public:
-    explicit RawFile(const fs::path& path) : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+ public:
+    explicit RawFile(const fs::path& path)
+        : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
         const int error = errno;
         if (file_ < 0)
             throw model::Error(error == ENOENT || error == ENOTDIR ? codes::kFileMissing : codes::kReadFailed,
@@ -62,15 +63,16 @@ class RawFile {
             const ssize_t got = ::pread(file_, out.data() + done, bytes - done, static_cast<off_t>(offset + done));
             if (got < 0 && errno == EINTR) continue;
             if (got <= 0)
-                throw model::Error(codes::kReadFailed,
-                                   got < 0 ? std::generic_category().message(errno) : "the file shrank while it was read",
-                                   path_.string());
+                throw model::Error(
+                    codes::kReadFailed,
+                    got < 0 ? std::generic_category().message(errno) : "the file shrank while it was read",
+                    path_.string());
             done += static_cast<std::size_t>(got);
         }
         return out;
     }
 
-  private:
+ private:
     const fs::path& path_;
     int file_;
     std::uint64_t size_ = 0;
@@ -80,7 +82,7 @@ class RawFile {
 struct EnoughFindings {};
 
 class Walk {
-  public:
+ public:
     Walk(const fs::path& path, const DgmReadLimits& limits, bool keeps_layers)
         : path_(path), limits_(limits), keeps_layers_(keeps_layers), raw_(path) {}
 
@@ -100,7 +102,7 @@ class Walk {
         return std::move(findings_);
     }
 
-  private:
+ private:
     void add(const model::Code& code, std::string message, std::string place,
              std::optional<double> measured = std::nullopt, std::optional<double> limit = std::nullopt) {
         if (keeps_layers_) throw model::Error(code, std::move(message), std::move(place));
@@ -111,7 +113,8 @@ class Walk {
     bool read_header() {
         if (!raw_.contains(0, sizeof layout::kMagic) ||
             std::memcmp(raw_.read(0, sizeof layout::kMagic).data(), layout::kMagic, sizeof layout::kMagic) != 0) {
-            add(codes::kNotDgm, raw_.size() == 0 ? "the file is empty" : "no DGM index at the start of the file", "user block");
+            add(codes::kNotDgm, raw_.size() == 0 ? "the file is empty" : "no DGM index at the start of the file",
+                "user block");
             return false;
         }
         if (!raw_.contains(0, layout::kUserBlockBytes)) {
@@ -158,9 +161,9 @@ class Walk {
         }
         const std::uint64_t bytes = index_bytes(header_.chart_count, header_.layer_count);
         const bool in_block = header_.index_offset == sizeof header_;
-        const bool placed = in_block ? bytes <= layout::kUserBlockBytes - sizeof header_
-                                     : header_.index_offset >= layout::kUserBlockBytes &&
-                                           raw_.contains(header_.index_offset, bytes);
+        const bool placed =
+            in_block ? bytes <= layout::kUserBlockBytes - sizeof header_
+                     : header_.index_offset >= layout::kUserBlockBytes && raw_.contains(header_.index_offset, bytes);
         if (header_.index_bytes != bytes || !placed) {
             add(codes::kBadIndex, "size or place of the records is impossible", "user block");
             return false;
@@ -224,14 +227,16 @@ class Walk {
         const std::span<const std::uint64_t> shape(layer.shape, layer.rank);
         const auto type = static_cast<layout::ElementType>(layer.type);
         const auto bytes = layer_bytes(type, shape);
-        const bool tail_is_zero = std::all_of(layer.shape + layer.rank, std::end(layer.shape), [](auto s) { return s == 0; });
+        const bool tail_is_zero =
+            std::all_of(layer.shape + layer.rank, std::end(layer.shape), [](auto s) { return s == 0; });
         if (!bytes || *bytes != layer.bytes || !tail_is_zero) {
             add(codes::kBadIndex, "type, shape and byte length disagree", place);
             return;
         }
         if (layer.bytes > limits_.max_layer_bytes) add(codes::kBadIndex, "the layer is too large for this tool", place);
         if (layer.offset < layout::kUserBlockBytes || layer.offset % layout::kMinAlignment != 0)
-            add(codes::kBadIndex, "offset " + std::to_string(layer.offset) + " is not aligned or inside the user block", place);
+            add(codes::kBadIndex, "offset " + std::to_string(layer.offset) + " is not aligned or inside the user block",
+                place);
         if (!raw_.contains(layer.offset, layer.bytes))
             add(codes::kTruncated, "the layer ends beyond the file", place, static_cast<double>(layer.offset),
                 static_cast<double>(raw_.size()));
@@ -325,8 +330,9 @@ class Walk {
     void compare(hid_t object, const char* name, const Value& wanted, const std::string& place) {
         // Bytes, not ==: attributes may hold NaN or -0 as long as both sides have the same.
         const Value found = expect<Value>(object, name, place);
-        const bool same = found.size() == wanted.size() &&
-                          (found.empty() || std::memcmp(found.data(), wanted.data(), found.size() * sizeof found[0]) == 0);
+        const bool same =
+            found.size() == wanted.size() &&
+            (found.empty() || std::memcmp(found.data(), wanted.data(), found.size() * sizeof found[0]) == 0);
         if (!same) add(codes::kBadIndex, std::string("attribute ") + name + " differs from the index", place);
     }
 
@@ -338,7 +344,8 @@ class Walk {
         std::copy(std::begin(header_.settings_hash), std::end(header_.settings_hash), settings.begin());
         compare(file, "source_hash", to_hex(source), "/");
         compare(file, "settings_hash", to_hex(settings), "/");
-        string generator = expect<string>(file, "generator", "/"), source_name = expect<string>(file, "source_name", "/");
+        string generator = expect<string>(file, "generator", "/"),
+               source_name = expect<string>(file, "source_name", "/");
         if (maps_ == nullptr) return;
         maps_->generator = std::move(generator);
         maps_->source_name = std::move(source_name);
@@ -380,12 +387,14 @@ class Walk {
         if (!same_shape) add(codes::kBadIndex, "HDF5 and the index disagree on the shape", place);
         const H5Handle type = check.handle(H5Dget_type(set), "read its type");
         const H5Handle wanted = h5_element_type(static_cast<layout::ElementType>(record.type), check);
-        if (H5Tequal(type, wanted) <= 0) add(codes::kBadIndex, "HDF5 and the index disagree on the element type", place);
+        if (H5Tequal(type, wanted) <= 0)
+            add(codes::kBadIndex, "HDF5 and the index disagree on the element type", place);
         if (record.bytes > 0) {
             const haddr_t offset = H5Dget_offset(set);
             if (offset != record.offset)
                 add(codes::kBadIndex,
-                    "HDF5 has the bytes at " + std::to_string(offset) + ", the index at " + std::to_string(record.offset),
+                    "HDF5 has the bytes at " + std::to_string(offset) + ", the index at " +
+                        std::to_string(record.offset),
                     place, static_cast<double>(record.offset), static_cast<double>(offset));
         }
         const bool is_geometry = name == "geometry";
@@ -420,7 +429,8 @@ class Walk {
         const std::size_t size = H5Tget_size(type);
         if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 ||
             H5Sget_simple_extent_type(space) != H5S_SCALAR || H5Pget_layout(creation) != H5D_CONTIGUOUS ||
-            H5Pget_nfilters(creation) != 0 || H5Pget_external_count(creation) != 0 || size == 0 || size > kMaxReportBytes) {
+            H5Pget_nfilters(creation) != 0 || H5Pget_external_count(creation) != 0 || size == 0 ||
+            size > kMaxReportBytes) {
             add(codes::kBadIndex, "the report is not one text of fixed length", "/report");
             return;
         }

@@ -87,16 +87,21 @@ Index plan_index(const MapSet& maps) {
 
 /// The HDF5 part of the file. Creation order, library version bounds and the absence of times make it deterministic.
 class H5Writer {
-  public:
-    H5Writer(const fs::path& path, std::size_t layer_count) : check_{codes::kWriteFailed, path.string()} {
+ public:
+    /// @param smallest  bytes of the smallest layer that has any
+    H5Writer(const fs::path& path, std::size_t layer_count, std::uint64_t smallest)
+        : check_{codes::kWriteFailed, path.string()} {
         const H5Handle creation = check_.handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
         check_.done(H5Pset_userblock(creation, layout::kUserBlockBytes), "set the user block");
         check_.done(H5Pset_obj_track_times(creation, false), "turn off times");
+        // No H5Pset_file_space_strategy here: any but the default puts an object before the root group that keeps
+        // times.
         const H5Handle access = check_.handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
-        check_.done(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), "pin the version");
+        check_.done(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110), "pin the version");
+        // HDF5 aligns what is at least as large as a threshold, metadata too: below the smallest layer it stays packed.
         const bool paged = layer_count <= kMaxPagedLayers;
-        check_.done(H5Pset_alignment(access, 1, paged ? layout::kUserBlockBytes : layout::kMinAlignment), "align");
-        // One block of metadata for a small asset: each new block starts at an aligned address.
+        check_.done(H5Pset_alignment(access, smallest, paged ? layout::kUserBlockBytes : layout::kMinAlignment),
+                    "align");
         check_.done(H5Pset_meta_block_size(access, 16384), "set the block size");
         file_ = check_.handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), "create the file");
 
@@ -130,7 +135,8 @@ class H5Writer {
         for (std::size_t k = 0; k < chart.layers.size(); ++k) {
             const Layer& layer = chart.layers[k];
             check_.place = h5_place(number, layer.name);
-            const H5Handle set = dataset(target, layer.name, h5_element_type(layer.type, check_), layer.shape, layer.bytes);
+            const H5Handle set =
+                dataset(target, layer.name, h5_element_type(layer.type, check_), layer.shape, layer.bytes);
             records[k].offset = offset_of(set, layer.bytes.size());
             if (layer.name == "geometry") {
                 attribute(set, "offset", std::vector<double>(chart.offset.begin(), chart.offset.end()));
@@ -146,7 +152,8 @@ class H5Writer {
         if (report.find('\0') != std::string::npos) refuse("the report holds a zero byte", check_.place);
         std::string padded = report;
         if (padded.empty()) padded.push_back('\0');
-        const H5Handle set = dataset(file_, "report", h5_text_type(padded.size(), check_), {}, std::as_bytes(std::span(padded)));
+        const H5Handle set =
+            dataset(file_, "report", h5_text_type(padded.size(), check_), {}, std::as_bytes(std::span(padded)));
         attribute(set, "hash", to_hex(hash_bytes(std::as_bytes(std::span(report)))));
     }
 
@@ -167,13 +174,14 @@ class H5Writer {
         if (!file_.close()) check_.fail("write the file to its end");
     }
 
-  private:
+ private:
     void attribute(hid_t object, const char* name, const model::AttributeValue& value) {
         write_attribute(object, name, value, check_);
     }
 
     H5Handle group(hid_t parent, const std::string& name) {
-        return check_.handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, group_creation_, H5P_DEFAULT), "create a group");
+        return check_.handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, group_creation_, H5P_DEFAULT),
+                             "create a group");
     }
 
     H5Handle create(hid_t parent, const std::string& name, const H5Handle& type, std::span<const std::uint64_t> shape) {
@@ -182,16 +190,16 @@ class H5Writer {
             extent.empty() ? check_.handle(H5Screate(H5S_SCALAR), "make a space")
                            : check_.handle(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
                                            "make a space");
-        return check_.handle(
-            H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, dataset_creation_, H5P_DEFAULT),
-            "create a dataset (is the disk full?)");
+        return check_.handle(H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, dataset_creation_, H5P_DEFAULT),
+                             "create a dataset (is the disk full?)");
     }
 
     H5Handle dataset(hid_t parent, const std::string& name, const H5Handle& type, std::span<const std::uint64_t> shape,
                      std::span<const std::byte> bytes) {
         H5Handle set = create(parent, name, type, shape);
         if (!bytes.empty())
-            check_.done(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), "write a dataset (is the disk full?)");
+            check_.done(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
+                        "write a dataset (is the disk full?)");
         return set;
     }
 
@@ -229,7 +237,8 @@ std::vector<std::byte> user_block(const MapSet& maps, const std::vector<std::byt
     set_hash(header.index_hash, hash_bytes(records));
     set_hash(header.source_hash, maps.source_hash);
     set_hash(header.settings_hash, maps.settings_hash);
-    set_hash(header.header_hash, hash_bytes(std::as_bytes(std::span(&header, 1)).first(offsetof(layout::FileHeader, header_hash))));
+    set_hash(header.header_hash,
+             hash_bytes(std::as_bytes(std::span(&header, 1)).first(offsetof(layout::FileHeader, header_hash))));
     std::vector<std::byte> out(sizeof header);
     std::memcpy(out.data(), &header, sizeof header);
     if (index_offset == sizeof header) out.insert(out.end(), records.begin(), records.end());
@@ -258,11 +267,15 @@ void write_file(const MapSet& maps, Index index, const fs::path& path) {
     std::uint64_t index_offset = sizeof(layout::FileHeader);
     std::vector<std::byte> records;
     {
-        H5Writer writer(path, index.layers.size());
+        std::uint64_t smallest = fits ? std::numeric_limits<std::uint64_t>::max() : records_bytes;
+        for (const layout::LayerRecord& layer : index.layers)
+            if (layer.bytes > 0) smallest = std::min(smallest, layer.bytes);
+        H5Writer writer(path, index.layers.size(), smallest);
         writer.write_root(maps);
         for (std::size_t k = 0; k < maps.charts.size(); ++k)
-            writer.write_chart(maps.charts[k], k,
-                               std::span(index.layers).subspan(index.charts[k].first_layer, index.charts[k].layer_count));
+            writer.write_chart(
+                maps.charts[k], k,
+                std::span(index.layers).subspan(index.charts[k].first_layer, index.charts[k].layer_count));
         writer.write_report(maps.report_json);
         if (!fits) index_offset = writer.reserve_index(records_bytes);
         records = encode_records(index);

@@ -19,21 +19,32 @@ std::mutex& h5_mutex() {
 }  // namespace
 
 H5Session::H5Session() : lock_(h5_mutex()) {
+    // Every file is closed here; HDF5's own clean-up at exit complains about what a damaged file left in its tables.
+    static const herr_t no_exit_handler = H5dont_atexit();
+    (void)no_exit_handler;
     H5Eget_auto2(H5E_DEFAULT, &report_, &report_data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-H5Session::~H5Session() { H5Eset_auto2(H5E_DEFAULT, report_, report_data_); }
+H5Session::~H5Session() {
+    H5Eset_auto2(H5E_DEFAULT, report_, report_data_);
+}
 
 H5Handle h5_element_type(layout::ElementType type, const H5Check& check) {
     using layout::ElementType;
     switch (type) {
-        case ElementType::kU8: return check.handle(H5Tcopy(H5T_STD_U8LE), "make a type");
-        case ElementType::kU16: return check.handle(H5Tcopy(H5T_STD_U16LE), "make a type");
-        case ElementType::kU32: return check.handle(H5Tcopy(H5T_STD_U32LE), "make a type");
-        case ElementType::kI16: return check.handle(H5Tcopy(H5T_STD_I16LE), "make a type");
-        case ElementType::kF32: return check.handle(H5Tcopy(H5T_IEEE_F32LE), "make a type");
-        case ElementType::kF16: break;
+        case ElementType::kU8:
+            return check.handle(H5Tcopy(H5T_STD_U8LE), "make a type");
+        case ElementType::kU16:
+            return check.handle(H5Tcopy(H5T_STD_U16LE), "make a type");
+        case ElementType::kU32:
+            return check.handle(H5Tcopy(H5T_STD_U32LE), "make a type");
+        case ElementType::kI16:
+            return check.handle(H5Tcopy(H5T_STD_I16LE), "make a type");
+        case ElementType::kF32:
+            return check.handle(H5Tcopy(H5T_IEEE_F32LE), "make a type");
+        case ElementType::kF16:
+            break;
     }
     // IEEE 754 binary16; fields before size and bias, or HDF5 refuses the smaller size.
     H5Handle half = check.handle(H5Tcopy(H5T_IEEE_F32LE), "make a type");
@@ -84,8 +95,8 @@ void write_attribute(hid_t object, const std::string& name, const model::Attribu
         if (in_rows) extent[0] = count / row_length;
         space = check.handle(H5Screate_simple(in_rows ? 2 : 1, extent.data(), nullptr), "make a space");
     }
-    const H5Handle attribute = check.handle(
-        H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), ("create attribute " + name).c_str());
+    const H5Handle attribute = check.handle(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+                                            ("create attribute " + name).c_str());
     if (count == 0 && padded.empty()) return;
     check.done(H5Awrite(attribute, type, data), ("write attribute " + name).c_str());
 }

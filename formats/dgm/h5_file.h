@@ -18,13 +18,13 @@ namespace dgm::formats {
 
 /// Held while HDF5 is in use: the serial library is not thread-safe. Also keeps it from printing to stderr.
 class H5Session {
-  public:
+ public:
     H5Session();
     ~H5Session();
     H5Session(const H5Session&) = delete;
     H5Session& operator=(const H5Session&) = delete;
 
-  private:
+ private:
     std::unique_lock<std::mutex> lock_;
     H5E_auto2_t report_ = nullptr;
     void* report_data_ = nullptr;
@@ -32,7 +32,7 @@ class H5Session {
 
 /// Owns any kind of HDF5 object.
 class H5Handle {
-  public:
+ public:
     H5Handle() = default;
     explicit H5Handle(hid_t id) : id_(id) {}
     H5Handle(H5Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
@@ -48,7 +48,7 @@ class H5Handle {
     /// Closes now. @return false if HDF5 could not: data may be lost
     [[nodiscard]] bool close() { return H5Idec_ref(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
 
-  private:
+ private:
     hid_t id_ = H5I_INVALID_HID;
 };
 

@@ -31,7 +31,9 @@ struct StateDeleter {
 
 }  // namespace
 
-Hash128 hash_bytes(std::span<const std::byte> bytes) { return canonical(XXH3_128bits(bytes.data(), bytes.size())); }
+Hash128 hash_bytes(std::span<const std::byte> bytes) {
+    return canonical(XXH3_128bits(bytes.data(), bytes.size()));
+}
 
 Hash128 hash_file(const std::filesystem::path& path) {
     namespace codes = model::codes;

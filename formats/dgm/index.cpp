@@ -41,7 +41,7 @@ const std::vector<KnownLayer>& known_layers() {
         {"diagonals", {kU8}, {kRowQuads, kColQuads}},
         {"mask", {kU8}, {kRows, kCols}},
         {"border_uv", {kF32}, {kBorder, 2}},
-        {"border_geometry", {kF32}, {kBorder, 3}},
+        {"border_geometry", {kF32, kU16}, {kBorder, 3}},
         {"border_normal", {kI16}, {kBorder, 2}},
         {"border_faces", {kU32}, {kAny, 3}},
     };
@@ -55,7 +55,8 @@ const KnownLayer* find_known(std::string_view name) {
 }
 
 bool is_name_character(char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
 }
 
 std::string shape_text(std::span<const std::uint64_t> shape) {
@@ -117,13 +118,16 @@ std::optional<std::uint64_t> layer_bytes(ElementType type, std::span<const std::
     // Not past an empty extent: its neighbours count too, or a reader that multiplies in another order overflows.
     std::uint64_t without_zeros = bytes;
     for (const std::uint64_t extent : shape) {
-        if (__builtin_mul_overflow(without_zeros, std::max<std::uint64_t>(extent, 1), &without_zeros)) return std::nullopt;
+        if (__builtin_mul_overflow(without_zeros, std::max<std::uint64_t>(extent, 1), &without_zeros))
+            return std::nullopt;
         bytes *= extent;
     }
     return bytes;
 }
 
-bool is_known_layer(std::string_view name) { return find_known(name) != nullptr; }
+bool is_known_layer(std::string_view name) {
+    return find_known(name) != nullptr;
+}
 
 std::string shape_complaint(const layout::ChartRecord& chart, std::string_view name, ElementType type,
                             std::span<const std::uint64_t> shape) {
@@ -137,13 +141,26 @@ std::string shape_complaint(const layout::ChartRecord& chart, std::string_view n
     std::vector<std::uint64_t> expected;
     for (std::size_t k = 0; k < known->shape.size(); ++k) {
         switch (known->shape[k]) {
-            case kAny: expected.push_back(k < shape.size() ? shape[k] : 1); break;
-            case kRows: expected.push_back(chart.rows); break;
-            case kCols: expected.push_back(chart.cols); break;
-            case kRowQuads: expected.push_back(chart.rows - 1); break;
-            case kColQuads: expected.push_back(chart.cols - 1); break;
-            case kBorder: expected.push_back(chart.border_samples); break;
-            default: expected.push_back(static_cast<std::uint64_t>(known->shape[k]));
+            case kAny:
+                expected.push_back(k < shape.size() ? shape[k] : 1);
+                break;
+            case kRows:
+                expected.push_back(chart.rows);
+                break;
+            case kCols:
+                expected.push_back(chart.cols);
+                break;
+            case kRowQuads:
+                expected.push_back(chart.rows - 1);
+                break;
+            case kColQuads:
+                expected.push_back(chart.cols - 1);
+                break;
+            case kBorder:
+                expected.push_back(chart.border_samples);
+                break;
+            default:
+                expected.push_back(static_cast<std::uint64_t>(known->shape[k]));
         }
     }
     if (!std::equal(expected.begin(), expected.end(), shape.begin(), shape.end()))

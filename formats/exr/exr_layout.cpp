@@ -64,12 +64,16 @@ void name_channels(LayerImage& image, std::string_view name, ElementType type, c
     for (std::uint32_t axis = 0; (coded || octahedral) && axis < 3; ++axis)
         image.channels.push_back({prefix + "XYZ"[axis], Imf::FLOAT, coded ? Coding::kPosition : Coding::kNormal, axis});
     for (std::uint32_t c = 0; c < image.components; ++c)
-        image.channels.push_back({prefix + (coded ? "code_" : "") + std::string(named->components[c]), exact_type(type),
-                                  Coding::kExact, c});
+        image.channels.push_back(
+            {prefix + (coded ? "code_" : "") + std::string(named->components[c]), exact_type(type), Coding::kExact, c});
 }
 
-double linear_of_srgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
-double srgb_of_linear(double l) { return l <= 0.0031308 ? l * 12.92 : 1.055 * std::pow(l, 1 / 2.4) - 0.055; }
+double linear_of_srgb(double s) {
+    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+}
+double srgb_of_linear(double l) {
+    return l <= 0.0031308 ? l * 12.92 : 1.055 * std::pow(l, 1 / 2.4) - 0.055;
+}
 
 float float_of_half(std::uint16_t bits) {
     half h;
@@ -78,7 +82,8 @@ float float_of_half(std::uint16_t bits) {
 }
 
 std::uint8_t code_of(double unit) {
-    return std::isnan(unit) ? std::uint8_t{0} : static_cast<std::uint8_t>(std::lround(std::clamp(unit, 0.0, 1.0) * 255));
+    return std::isnan(unit) ? std::uint8_t{0}
+                            : static_cast<std::uint8_t>(std::lround(std::clamp(unit, 0.0, 1.0) * 255));
 }
 
 constexpr std::array<std::string_view, 7> kTypeNames{"", "u8", "u16", "u32", "i16", "f16", "f32"};
@@ -137,7 +142,8 @@ LayerImage image_of_layer(std::string_view name, ElementType type, std::span<con
     for (const std::uint64_t extent : shape) image.pixels *= extent;
     image.row = shape.size() == 1 ? 0 : shape.back();
     if (image.row == 0 || image.row > kMaxExrWidth || image.pixels / image.row > kMaxExrHeight)
-        image.row = std::max<std::uint64_t>(1, std::min<std::uint64_t>(image.pixels, image.pixels > 1'000'000 ? 8192 : 1024));
+        image.row =
+            std::max<std::uint64_t>(1, std::min<std::uint64_t>(image.pixels, image.pixels > 1'000'000 ? 8192 : 1024));
     const std::uint64_t height = (image.pixels + image.row - 1) / image.row;
     const std::uint64_t margin = in_grid && name == "diagonals" && shape.size() == 2 ? 1 : 0;
     image.width = static_cast<std::uint32_t>(image.row + margin);
@@ -151,13 +157,19 @@ bool fits_grid(const LayerImage& image, std::uint32_t rows, std::uint32_t cols) 
     return !image.is_table && image.width == cols && image.height == rows && image.pixels > 0;
 }
 
-std::uint16_t half_of_srgb(std::uint8_t code) { return half(static_cast<float>(linear_of_srgb(code / 255.0))).bits(); }
+std::uint16_t half_of_srgb(std::uint8_t code) {
+    return half(static_cast<float>(linear_of_srgb(code / 255.0))).bits();
+}
 std::uint8_t srgb_of_half(std::uint16_t bits) {
     const double linear = float_of_half(bits);
     return linear > 0 ? code_of(srgb_of_linear(std::min(linear, 1.0))) : std::uint8_t{0};
 }
-std::uint16_t half_of_unit(std::uint8_t code) { return half(static_cast<float>(code) / 255.0f).bits(); }
-std::uint8_t unit_of_half(std::uint16_t bits) { return code_of(float_of_half(bits)); }
+std::uint16_t half_of_unit(std::uint8_t code) {
+    return half(static_cast<float>(code) / 255.0f).bits();
+}
+std::uint8_t unit_of_half(std::uint16_t bits) {
+    return code_of(float_of_half(bits));
+}
 
 std::string manifest_line(const LayerEntry& entry) {
     std::string out = entry.name;

@@ -18,11 +18,11 @@ namespace dgm::formats {
 
 /// What a channel's numbers are.
 enum class Coding {
-    kExact,         ///< the element itself; integers as UINT (signed ones by their 16 bits)
-    kSrgb,          ///< scene-linear half of an 8-bit sRGB code
-    kUnit,          ///< half of an 8-bit 0..1 value
-    kPosition,      ///< for people: scale * code; not read back
-    kNormal,        ///< for people: the decoded normal; not read back
+    kExact,     ///< the element itself; integers as UINT (signed ones by their 16 bits)
+    kSrgb,      ///< scene-linear half of an 8-bit sRGB code
+    kUnit,      ///< half of an 8-bit 0..1 value
+    kPosition,  ///< for people: scale * code; not read back
+    kNormal,    ///< for people: the decoded normal; not read back
 };
 
 struct Channel {
@@ -51,7 +51,8 @@ inline constexpr std::uint64_t kMaxExrWidth = 65536, kMaxExrHeight = std::uint64
 [[nodiscard]] bool fits_grid(const LayerImage& in_grid_image, std::uint32_t rows, std::uint32_t cols);
 
 /// Product of shape and element size; nothing on overflow, wrong rank or type.
-[[nodiscard]] std::optional<std::uint64_t> exr_layer_bytes(layout::ElementType type, std::span<const std::uint64_t> shape);
+[[nodiscard]] std::optional<std::uint64_t> exr_layer_bytes(layout::ElementType type,
+                                                           std::span<const std::uint64_t> shape);
 
 /// Bits of the half that stands for an sRGB code, and the code nearest to a half; exact inverses on all 256 codes.
 [[nodiscard]] std::uint16_t half_of_srgb(std::uint8_t code);

@@ -34,9 +34,11 @@ constexpr int kBlockRows = 256;
 constexpr std::uint64_t kMaxZipRatio = 1032;
 
 class Reader {
-  public:
+ public:
     Reader(const fs::path& path, const ExrReadLimits& limits, std::uint64_t file_bytes)
-        : path_(path), limits_(limits), budget_(std::min(limits.max_total_bytes, file_bytes * kMaxZipRatio)),
+        : path_(path),
+          limits_(limits),
+          budget_(std::min(limits.max_total_bytes, file_bytes * kMaxZipRatio)),
           file_(path.c_str(), 0, false) {}
 
     MapSet run() {
@@ -47,7 +49,8 @@ class Reader {
             check_part(k);
             if (file_.header(k).hasName()) parts_by_name_.emplace(file_.header(k).name(), k);
             const auto* chart = file_.header(k).findTypedAttribute<Imf::IntAttribute>("dgmChart");
-            if (chart != nullptr && !chart_parts.emplace(chart->value(), k).second) refuse("a chart is described twice");
+            if (chart != nullptr && !chart_parts.emplace(chart->value(), k).second)
+                refuse("a chart is described twice");
         }
         read_set(file_.header(0));
         for (std::size_t k = 0; k < maps_.charts.size(); ++k) {
@@ -58,7 +61,7 @@ class Reader {
         return std::move(maps_);
     }
 
-  private:
+ private:
     [[noreturn]] void refuse(const std::string& message) const {
         throw model::Error(codes::kExrUnreadable, message, path_.string());
     }
@@ -68,7 +71,8 @@ class Reader {
         const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
         const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
         if (window.min.x != 0 || window.min.y != 0 || width < 1 || height < 1 ||
-            width > static_cast<std::int64_t>(kMaxExrWidth) + 1 || height > static_cast<std::int64_t>(kMaxExrHeight) + 1 ||
+            width > static_cast<std::int64_t>(kMaxExrWidth) + 1 ||
+            height > static_cast<std::int64_t>(kMaxExrHeight) + 1 ||
             static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > limits_.max_pixels_per_part)
             refuse("part " + std::to_string(number) + " has an impossible or too large data window");
     }
@@ -157,8 +161,7 @@ class Reader {
                 if (table == nullptr || static_cast<std::uint64_t>(table->dataSize()) != *bytes)
                     refuse("the table of layer " + entry.name + " is missing or has another size");
                 layer.bytes.resize(*bytes);
-                if (*bytes > 0)
-                    std::memcpy(layer.bytes.data(), static_cast<const char*>(table->data()), *bytes);
+                if (*bytes > 0) std::memcpy(layer.bytes.data(), static_cast<const char*>(table->data()), *bytes);
                 return;
             }
             case Storage::kGrid:
@@ -202,7 +205,8 @@ class Reader {
             std::vector<char> buffer;
         };
         std::vector<LayerImage> images;
-        for (const Layer* layer : layers) images.push_back(image_of_layer(layer->name, layer->type, layer->shape, in_grid));
+        for (const Layer* layer : layers)
+            images.push_back(image_of_layer(layer->name, layer->type, layer->shape, in_grid));
         std::vector<Target> targets;
         for (std::size_t k = 0; k < layers.size(); ++k) {
             if (static_cast<int>(images[k].width) != width || static_cast<int>(images[k].height) != height)
@@ -226,8 +230,9 @@ class Reader {
                 const std::size_t size = target.channel->type == Imf::HALF ? 2 : 4;
                 target.buffer.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows) * size);
                 frame.insert(target.channel->name,
-                             Imf::Slice::Make(target.channel->type, target.buffer.data(), Imath::V2i(0, top), std::int64_t{width}, std::int64_t{rows},
-                                              std::size_t{0}, size * static_cast<std::size_t>(width)));
+                             Imf::Slice::Make(target.channel->type, target.buffer.data(), Imath::V2i(0, top),
+                                              std::int64_t{width}, std::int64_t{rows}, std::size_t{0},
+                                              size * static_cast<std::size_t>(width)));
             }
             input.setFrameBuffer(frame);
             input.readPixels(top, top + rows - 1);
@@ -236,8 +241,8 @@ class Reader {
         }
     }
 
-    void take_rows(Layer& layer, const LayerImage& image, const Channel& channel, const std::vector<char>& buffer, int top,
-                   int rows) const {
+    void take_rows(Layer& layer, const LayerImage& image, const Channel& channel, const std::vector<char>& buffer,
+                   int top, int rows) const {
         const std::size_t size = channel.type == Imf::HALF ? 2 : 4;
         const std::uint32_t element = layout::element_size(layer.type);
         const std::uint32_t largest = element == 4 ? 0xFFFFFFFFu : (1u << (8 * element)) - 1;
@@ -251,7 +256,8 @@ class Reader {
                 if (channel.coding == Coding::kSrgb) bits = srgb_of_half(static_cast<std::uint16_t>(bits));
                 if (channel.coding == Coding::kUnit) bits = unit_of_half(static_cast<std::uint16_t>(bits));
                 if (bits > largest) refuse("channel " + channel.name + " holds a number beyond its type");
-                std::memcpy(layer.bytes.data() + (pixel * image.components + channel.component) * element, &bits, element);
+                std::memcpy(layer.bytes.data() + (pixel * image.components + channel.component) * element, &bits,
+                            element);
             }
     }
 
@@ -274,9 +280,7 @@ MapSet read_exr(const fs::path& path, const ExrReadLimits& limits) {
         throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
     try {
         return Reader(path, limits, bytes).run();
-    } catch (const model::Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
+    } catch (const model::Error&) { throw; } catch (const std::bad_alloc&) {
         throw model::Error(codes::kExrUnreadable, "the file needs more memory than there is", path.string());
     } catch (const std::exception& e) {
         throw model::Error(codes::kExrUnreadable, std::string("OpenEXR: ") + e.what(), path.string());

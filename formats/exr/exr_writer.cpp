@@ -64,11 +64,13 @@ void insert_text(Imf::Header& header, const std::string& name, const std::string
     header.insert(name, Imf::StringAttribute(text));
 }
 
-Imf::V3dAttribute v3d(const double* xyz) { return Imf::V3dAttribute(Imath::V3d(xyz[0], xyz[1], xyz[2])); }
+Imf::V3dAttribute v3d(const double* xyz) {
+    return Imf::V3dAttribute(Imath::V3d(xyz[0], xyz[1], xyz[2]));
+}
 
 /// Bytes as an IStream: the one way to fill an OpaqueAttribute.
 class ByteStream : public Imf::IStream {
-  public:
+ public:
     explicit ByteStream(std::span<const std::byte> bytes) : IStream("table"), bytes_(bytes) {}
     bool read(char out[], int count) override {
         if (count < 0 || static_cast<std::size_t>(count) > bytes_.size() - position_)
@@ -80,7 +82,7 @@ class ByteStream : public Imf::IStream {
     std::uint64_t tellg() override { return position_; }
     void seekg(std::uint64_t position) override { position_ = std::min<std::size_t>(position, bytes_.size()); }
 
-  private:
+ private:
     std::span<const std::byte> bytes_;
     std::size_t position_ = 0;
 };
@@ -93,18 +95,22 @@ Imf::OpaqueAttribute table_attribute(std::span<const std::byte> bytes) {
 }
 
 class Planner {
-  public:
+ public:
     Planner(const MapSet& maps, const ExrOptions& options) : maps_(maps), options_(options) {}
 
     std::vector<Part> run() {
         for (std::size_t k = 0; k < maps_.charts.size(); ++k) plan_chart(k);
         if (parts_.empty()) add_part(std::string(kGridPart), 1, 1);
         describe_set(parts_.front().header);
+        // OpenEXR wants one display window for all parts: the smallest that shows each of them whole.
+        Imath::Box2i display({0, 0}, {0, 0});
+        for (const Part& part : parts_) display.extendBy(part.header.dataWindow());
+        for (Part& part : parts_) part.header.displayWindow() = display;
         for (Part& part : parts_) finish(part);
         return std::move(parts_);
     }
 
-  private:
+ private:
     Part& add_part(const std::string& name, std::uint32_t width, std::uint32_t height) {
         Part part;
         part.width = static_cast<int>(width);
@@ -122,7 +128,8 @@ class Planner {
         const std::size_t first_part = parts_.size();
         const auto name_of = [&](std::string_view layer) { return part_name(layer, number, maps_.charts.size()); };
         if (chart.rows == 0 || chart.cols == 0 || chart.rows > kMaxExrWidth || chart.cols > kMaxExrWidth)
-            refuse("a grid of " + std::to_string(chart.rows) + " x " + std::to_string(chart.cols), "chart " + std::to_string(number));
+            refuse("a grid of " + std::to_string(chart.rows) + " x " + std::to_string(chart.cols),
+                   "chart " + std::to_string(number));
 
         std::vector<LayerEntry> entries;
         std::set<std::string> names;
@@ -161,8 +168,7 @@ class Planner {
         if (parts_.size() == first_part) add_part(name_of(kGridPart), 1, 1);
         Imf::Header& header = parts_[first_part].header;
         describe_chart(header, chart, number, entries);
-        for (const Layer* table : tables)
-            header.insert("dgmTable." + table->name, table_attribute(table->bytes));
+        for (const Layer* table : tables) header.insert("dgmTable." + table->name, table_attribute(table->bytes));
     }
 
     static void describe_chart(Imf::Header& header, const Chart& chart, std::size_t number,
@@ -227,11 +233,15 @@ std::uint32_t pixel_bits(const Placed& placed, const Channel& channel, std::uint
     const std::uint64_t first = pixel * placed.image.components;
     float value = 0;
     switch (channel.coding) {
-        case Coding::kExact: return element_at(layer, first + channel.component);
-        case Coding::kSrgb: return half_of_srgb(static_cast<std::uint8_t>(element_at(layer, first + channel.component)));
-        case Coding::kUnit: return half_of_unit(static_cast<std::uint8_t>(element_at(layer, first + channel.component)));
+        case Coding::kExact:
+            return element_at(layer, first + channel.component);
+        case Coding::kSrgb:
+            return half_of_srgb(static_cast<std::uint8_t>(element_at(layer, first + channel.component)));
+        case Coding::kUnit:
+            return half_of_unit(static_cast<std::uint8_t>(element_at(layer, first + channel.component)));
         case Coding::kPosition:
-            value = static_cast<float>(placed.chart->scale[channel.component] * element_at(layer, first + channel.component));
+            value = static_cast<float>(placed.chart->scale[channel.component] *
+                                       element_at(layer, first + channel.component));
             break;
         case Coding::kNormal:
             value = dgm::decode_octahedral(static_cast<std::int16_t>(element_at(layer, first)),
@@ -267,8 +277,9 @@ void write_part(Imf::MultiPartOutputFile& file, int number, const Part& part) {
         Imf::FrameBuffer frame;
         buffers.clear();
         const auto add = [&](const std::string& name, Imf::PixelType type) {
-            frame.insert(name, Imf::Slice::Make(type, buffers.back().data(), Imath::V2i(0, top), std::int64_t{part.width}, std::int64_t{rows}, std::size_t{0},
-                                                (type == Imf::HALF ? 2 : 4) * width));
+            frame.insert(name,
+                         Imf::Slice::Make(type, buffers.back().data(), Imath::V2i(0, top), std::int64_t{part.width},
+                                          std::int64_t{rows}, std::size_t{0}, (type == Imf::HALF ? 2 : 4) * width));
         };
         for (const Placed& placed : part.layers)
             for (const Channel& channel : placed.image.channels) {

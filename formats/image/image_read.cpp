@@ -9,21 +9,12 @@
 #include "image/image.h"
 #include "model/codes.h"
 
-// stb is a header of definitions; our warnings are not its own.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_NO_STDIO
 #define STBI_NO_HDR
 #define STBI_MAX_DIMENSIONS 16384
 #include <stb_image.h>
-#pragma GCC diagnostic pop
 
 namespace dgm::formats {
 namespace {
@@ -43,7 +34,9 @@ struct EncodedImage {
     std::vector<stbi_uc> bytes;
     int width = 0, height = 0;
     [[nodiscard]] int size() const { return static_cast<int>(bytes.size()); }
-    [[nodiscard]] std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+    [[nodiscard]] std::size_t pixels() const {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    }
 };
 
 [[noreturn]] void unreadable(const fs::path& path) {
@@ -105,12 +98,14 @@ FloatImage read_height(const fs::path& path) {
         const std::unique_ptr<stbi_us, StbFree> pixels(
             stbi_load_16_from_memory(encoded.bytes.data(), encoded.size(), &width, &height, &channels, 1));
         if (!pixels || width != encoded.width || height != encoded.height) unreadable(path);
-        for (std::size_t k = 0; k < out.pixels.size(); ++k) out.pixels[k] = static_cast<float>(pixels.get()[k]) / 65535.0f;
+        for (std::size_t k = 0; k < out.pixels.size(); ++k)
+            out.pixels[k] = static_cast<float>(pixels.get()[k]) / 65535.0f;
     } else {
         const std::unique_ptr<stbi_uc, StbFree> pixels(
             stbi_load_from_memory(encoded.bytes.data(), encoded.size(), &width, &height, &channels, 1));
         if (!pixels || width != encoded.width || height != encoded.height) unreadable(path);
-        for (std::size_t k = 0; k < out.pixels.size(); ++k) out.pixels[k] = static_cast<float>(pixels.get()[k]) / 255.0f;
+        for (std::size_t k = 0; k < out.pixels.size(); ++k)
+            out.pixels[k] = static_cast<float>(pixels.get()[k]) / 255.0f;
     }
     out.width = static_cast<std::uint32_t>(width);
     out.height = static_cast<std::uint32_t>(height);

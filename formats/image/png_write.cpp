@@ -21,7 +21,8 @@ void check_size(std::uint32_t width, std::uint32_t height, std::size_t pixels) {
     if (width == 0 || height == 0 || width > kMaxImageSide || height > kMaxImageSide)
         throw model::Error(codes::kTooLarge, "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                                                  " pixels cannot be written");
-    if (pixels != std::size_t{width} * height) throw model::Error(codes::kInternal, "pixels do not fit the picture's size");
+    if (pixels != std::size_t{width} * height)
+        throw model::Error(codes::kInternal, "pixels do not fit the picture's size");
 }
 
 /// What libpng calls back into.
@@ -36,9 +37,7 @@ void append(png_structp png, png_bytep data, png_size_t size) {
     try {
         const auto* begin = reinterpret_cast<const std::byte*>(data);
         sink.bytes->insert(sink.bytes->end(), begin, begin + size);
-    } catch (...) {
-        sink.out_of_memory = true;
-    }
+    } catch (...) { sink.out_of_memory = true; }
 }
 void flush(png_structp) {}
 
@@ -60,9 +59,8 @@ std::vector<std::byte> encode(std::uint32_t width, std::uint32_t height, int dep
                               std::size_t row_bytes) {
     std::vector<std::byte> out;
     Sink sink{&out};
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) {
-        png_longjmp(p, 1);
-    }, nullptr);
+    png_structp png = png_create_write_struct(
+        PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) { png_longjmp(p, 1); }, nullptr);
     png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
     bool good = info != nullptr;
     if (good) {
@@ -96,10 +94,15 @@ std::vector<std::byte> encode_png(const Image& image) {
 
 std::vector<std::byte> encode_png(const GrayImage16& image) {
     check_size(image.width, image.height, image.pixels.size());
-    return encode(image.width, image.height, 16, PNG_COLOR_TYPE_GRAY, image.pixels.data(), std::size_t{image.width} * 2);
+    return encode(image.width, image.height, 16, PNG_COLOR_TYPE_GRAY, image.pixels.data(),
+                  std::size_t{image.width} * 2);
 }
 
-void write_png(const fs::path& path, const Image& image) { write_bytes(path, encode_png(image)); }
-void write_png(const fs::path& path, const GrayImage16& image) { write_bytes(path, encode_png(image)); }
+void write_png(const fs::path& path, const Image& image) {
+    write_bytes(path, encode_png(image));
+}
+void write_png(const fs::path& path, const GrayImage16& image) {
+    write_bytes(path, encode_png(image));
+}
 
 }  // namespace dgm::formats

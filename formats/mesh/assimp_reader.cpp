@@ -28,7 +28,7 @@ using model::Vec3d;
 
 /// Remembers which further files an importer opens (the buffers of a glTF, say).
 class RecordingIo : public Assimp::DefaultIOSystem {
-  public:
+ public:
     explicit RecordingIo(std::vector<fs::path>& opened) : opened_(opened) {}
     Assimp::IOStream* Open(const char* file, const char* mode) override {
         Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
@@ -36,7 +36,7 @@ class RecordingIo : public Assimp::DefaultIOSystem {
         return stream;
     }
 
-  private:
+ private:
     std::vector<fs::path>& opened_;
 };
 
@@ -80,12 +80,16 @@ Placement operator*(const Placement& parent, const aiMatrix4x4& child) {
     return out;
 }
 
-Vec3d to_vec(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+Vec3d to_vec(const aiVector3D& v) {
+    return {v.x, v.y, v.z};
+}
 
-std::uint8_t byte_of(float value) { return byte_of_unit(static_cast<double>(value)); }
+std::uint8_t byte_of(float value) {
+    return byte_of_unit(static_cast<double>(value));
+}
 
 class SceneMerger {
-  public:
+ public:
     SceneMerger(const aiScene& scene, const fs::path& path, const MeshReadLimits& limits, ImportedMesh& out)
         : scene_(scene), path_(path), limits_(limits), finder_(path), out_(out) {
         for (unsigned k = 0; k < scene.mNumMeshes; ++k) {
@@ -97,7 +101,8 @@ class SceneMerger {
     }
 
     void run() {
-        for (unsigned k = 0; k < scene_.mNumMaterials; ++k) out_.mesh.materials.push_back(convert(*scene_.mMaterials[k]));
+        for (unsigned k = 0; k < scene_.mNumMaterials; ++k)
+            out_.mesh.materials.push_back(convert(*scene_.mMaterials[k]));
         // Depth first in the file's order, without recursion: hierarchies may be as deep as a file is long.
         struct Entry {
             const aiNode* node;
@@ -119,7 +124,7 @@ class SceneMerger {
         if (bad_faces_ > 0) out_.dropped.emplace_back("faces with vertices that do not exist", bad_faces_);
     }
 
-  private:
+ private:
     void append(const aiMesh& source, const Placement& placement) {
         auto& mesh = out_.mesh;
         const std::uint64_t vertices = mesh.positions.size() + std::uint64_t{source.mNumVertices};
@@ -157,8 +162,8 @@ class SceneMerger {
             mesh.corner_normals.push_back(source.HasNormals() ? placement.normal(to_vec(source.mNormals[k])) : Vec3d{});
         if (has_uvs_) {
             const bool present = source.HasTextureCoords(0);
-            mesh.corner_uvs.push_back(present ? model::Vec2d{source.mTextureCoords[0][k].x, source.mTextureCoords[0][k].y}
-                                              : model::Vec2d{});
+            mesh.corner_uvs.push_back(
+                present ? model::Vec2d{source.mTextureCoords[0][k].x, source.mTextureCoords[0][k].y} : model::Vec2d{});
         }
         if (has_colours_) {
             const bool present = source.HasVertexColors(0);

@@ -49,11 +49,16 @@ ImportedMesh read_mesh(const fs::path& path, const MeshReadLimits& limits) {
     const std::string extension = lower_case(path.extension().string());
     if (extension == ".obj") return read_obj(path, limits);
     if (!assimp_knows_extension(extension) && looks_like_obj(read_head(path))) return read_obj(path, limits);
+    // assimp 5.2 reads on for ever where a PLY header has no end.
+    const std::string head = read_head(path);
+    if (head.starts_with("ply") && head.find("end_header") == std::string::npos)
+        throw model::Error(codes::kImportFailed, "the PLY header has no end_header", path.string());
     return read_with_assimp(path, limits);
 }
 
 bool has_mesh_extension(const fs::path& path) {
-    constexpr std::array kExtensions{".obj", ".3ds", ".ply", ".stl", ".off", ".dae", ".fbx", ".gltf", ".glb", ".x3d", ".lwo"};
+    constexpr std::array kExtensions{".obj", ".3ds",  ".ply", ".stl", ".off", ".dae",
+                                     ".fbx", ".gltf", ".glb", ".x3d", ".lwo"};
     const std::string extension = lower_case(path.extension().string());
     return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }

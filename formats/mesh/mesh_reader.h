@@ -18,7 +18,7 @@ namespace dgm::formats {
 
 struct MeshReadLimits {
     std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
-    std::uint64_t max_faces = 20'000'000;     ///< triangles, after polygons are split
+    std::uint64_t max_faces = 20'000'000;  ///< triangles, after polygons are split
     std::uint64_t max_vertices = 60'000'000;
 };
 

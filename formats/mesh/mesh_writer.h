@@ -10,9 +10,9 @@
 namespace dgm::formats {
 
 struct ObjWriteOptions {
-    bool normals = true;      ///< corner_normals, where the mesh has them
-    bool uvs = true;          ///< corner_uvs, where the mesh has them
-    bool write_mtl = false;   ///< also PATH with the extension .mtl; always if a texture is named
+    bool normals = true;       ///< corner_normals, where the mesh has them
+    bool uvs = true;           ///< corner_uvs, where the mesh has them
+    bool write_mtl = false;    ///< also PATH with the extension .mtl; always if a texture is named
     std::string texture = {};  ///< file name for map_Kd of a mesh without materials; empty for none
     std::string bump = {};     ///< file name for map_Bump of a mesh without materials; empty for none
 };
@@ -24,9 +24,9 @@ struct ObjWriteOptions {
 void write_obj(const std::filesystem::path& path, const model::TriMesh& mesh, const ObjWriteOptions& options = {});
 
 struct PlyWriteOptions {
-    bool normals = true;  ///< a vertex that corners see with several normals is written once for each
-    bool colours = true;  ///< likewise
-    bool doubles = false; ///< positions as double instead of float
+    bool normals = true;   ///< a vertex that corners see with several normals is written once for each
+    bool colours = true;   ///< likewise
+    bool doubles = false;  ///< positions as double instead of float
 };
 
 /// Binary little-endian PLY: x y z [nx ny nz] [red green blue alpha], faces as uchar count and uint indices. Vertices

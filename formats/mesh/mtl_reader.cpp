@@ -22,13 +22,13 @@ struct MapStatement {
     double bump = 1;
 };
 
-/// How many words follow an option of a map statement [MTL, section "Options for texture map statements"]; 3 means one to
-/// three numbers.
+/// How many words follow an option of a map statement [MTL, section "Options for texture map statements"]; 3 means one
+/// to three numbers.
 int option_words(std::string_view option) {
     if (option == "-o" || option == "-s" || option == "-t") return 3;
     if (option == "-mm") return 2;
-    for (const char* one : {"-blendu", "-blendv", "-boost", "-texres", "-clamp", "-bm", "-imfchan", "-type", "-cc",
-                            "-colorspace"})
+    for (const char* one :
+         {"-blendu", "-blendv", "-boost", "-texres", "-clamp", "-bm", "-imfchan", "-type", "-cc", "-colorspace"})
         if (option == one) return 1;
     return 0;
 }
@@ -68,7 +68,7 @@ MapStatement parse_map(std::string_view rest) {
 }
 
 class MtlReader {
-  public:
+ public:
     MtlReader(FileFinder& finder, MtlLibrary& library, std::vector<std::string>& warnings,
               std::vector<fs::path>& dependencies)
         : finder_(finder), library_(library), warnings_(warnings), dependencies_(dependencies) {}
@@ -80,7 +80,7 @@ class MtlReader {
         finish();
     }
 
-  private:
+ private:
     void statement(std::string_view line) {
         const std::string word = lower_case(next_word(line));
         if (word.empty() || word.front() == '#') return;

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "mesh/material_files.h"
@@ -30,6 +31,7 @@ using model::Vec3d;
 
 constexpr std::uint32_t kAbsent = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kInvalid = kAbsent - 1;
+constexpr std::size_t kMaxWarnings = 100;
 
 struct Corner {
     std::uint32_t position = kInvalid, uv = kAbsent, normal = kAbsent;
@@ -54,7 +56,7 @@ struct Tally {
 };
 
 class ObjReader {
-  public:
+ public:
     ObjReader(const fs::path& path, const MeshReadLimits& limits) : path_(path), limits_(limits), finder_(path) {}
 
     ImportedMesh read() {
@@ -72,7 +74,7 @@ class ObjReader {
         return std::move(out_);
     }
 
-  private:
+ private:
     void statement(std::string_view line) {
         const std::string_view word = next_word(line);
         if (word.empty() || word.front() == '#') return;
@@ -201,11 +203,9 @@ class ObjReader {
     // Materials -----------------------------------------------------------------------------------------------------
 
     void read_libraries() {
-        std::vector<std::string> seen;
+        std::set<std::string_view> seen;
         for (const std::string& statement : libraries_) {
-            if (std::find(seen.begin(), seen.end(), statement) != seen.end()) continue;
-            seen.push_back(statement);
-            if (read_library(statement)) continue;
+            if (!seen.insert(statement).second || read_library(statement)) continue;
             // Not one name with spaces: then several names.
             std::string_view rest = statement;
             std::size_t words = 0, found = 0;
@@ -396,9 +396,11 @@ class ObjReader {
         auto& files = out_.dependencies;
         std::sort(files.begin(), files.end());
         files.erase(std::unique(files.begin(), files.end()), files.end());
+        std::set<std::string_view> seen;
         std::vector<std::string> unique;
-        for (std::string& warning : out_.warnings)
-            if (std::find(unique.begin(), unique.end(), warning) == unique.end()) unique.push_back(std::move(warning));
+        for (const std::string& warning : out_.warnings)
+            if (seen.insert(warning).second && seen.size() <= kMaxWarnings) unique.push_back(warning);
+        if (seen.size() > kMaxWarnings) unique.push_back(std::to_string(seen.size() - kMaxWarnings) + " more warnings");
         out_.warnings = std::move(unique);
     }
 
@@ -426,7 +428,9 @@ class ObjReader {
 
 }  // namespace
 
-ImportedMesh read_obj(const fs::path& path, const MeshReadLimits& limits) { return ObjReader(path, limits).read(); }
+ImportedMesh read_obj(const fs::path& path, const MeshReadLimits& limits) {
+    return ObjReader(path, limits).read();
+}
 
 bool looks_like_obj(std::string_view text) {
     LineReader lines(text);

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <fstream>
 #include <map>
+#include <set>
 #include <system_error>
 
 #include "model/codes.h"
@@ -73,18 +74,24 @@ std::vector<std::uint32_t> number_values(const std::vector<Value>& values, Key k
     return out;
 }
 
-/// Material names are words of a line in OBJ: blanks and line ends inside would end them.
-std::string material_name(const TriMesh& mesh, std::size_t index) {
-    std::string name = index < mesh.materials.size() ? mesh.materials[index].name : std::string();
-    for (char& c : name)
-        if (static_cast<unsigned char>(c) <= ' ') c = '_';
-    if (name.empty()) return "material_" + std::to_string(index);
-    for (std::size_t k = 0; k < index; ++k)
-        if (mesh.materials[k].name == mesh.materials[index].name) return name + "_" + std::to_string(index);
-    return name;
+/// A name for each material. They are words of a line in OBJ: blanks and line ends inside would end them.
+std::vector<std::string> material_names(const TriMesh& mesh) {
+    std::vector<std::string> out;
+    std::set<std::string> used;
+    for (const model::Material& material : mesh.materials) {
+        std::string name = material.name.empty() ? "material" : material.name;
+        for (char& c : name)
+            if (static_cast<unsigned char>(c) <= ' ') c = '_';
+        if (!used.insert(name).second) {
+            name += "_" + std::to_string(out.size());
+            while (!used.insert(name).second) name += "_";
+        }
+        out.push_back(name);
+    }
+    return out;
 }
 
-std::string mtl_text(const TriMesh& mesh, const ObjWriteOptions& options) {
+std::string mtl_text(const TriMesh& mesh, const std::vector<std::string>& names, const ObjWriteOptions& options) {
     std::string out;
     const auto material = [&](const std::string& name, const model::Material& m, const std::string& diffuse_map,
                               const std::string& bump_map) {
@@ -104,7 +111,7 @@ std::string mtl_text(const TriMesh& mesh, const ObjWriteOptions& options) {
     if (mesh.materials.empty()) material("surface", {}, options.texture, options.bump);
     for (std::size_t k = 0; k < mesh.materials.size(); ++k) {
         const model::Material& m = mesh.materials[k];
-        material(material_name(mesh, k), m, m.diffuse_map.generic_string(), m.bump_map.generic_string());
+        material(names[k], m, m.diffuse_map.generic_string(), m.bump_map.generic_string());
     }
     return out;
 }
@@ -121,22 +128,32 @@ void write_obj(const fs::path& path, const TriMesh& mesh, const ObjWriteOptions&
     std::vector<model::Vec2d> uvs;
     std::vector<std::uint32_t> uv_numbers;
     if (options.uvs && !mesh.corner_uvs.empty())
-        uv_numbers = number_values(mesh.corner_uvs, [](const model::Vec2d& t) { return std::array{t.x, t.y}; }, uvs);
+        uv_numbers = number_values(
+            mesh.corner_uvs,
+            [](const model::Vec2d& t) {
+                return std::array{t.x, t.y};
+            },
+            uvs);
     for (const auto& t : uvs) append_line(out, "vt", t.x, t.y);
 
     std::vector<model::Vec3d> normals;
     std::vector<std::uint32_t> normal_numbers;
     if (options.normals && !mesh.corner_normals.empty())
         normal_numbers = number_values(
-            mesh.corner_normals, [](const model::Vec3d& n) { return std::array{n.x, n.y, n.z}; }, normals);
+            mesh.corner_normals,
+            [](const model::Vec3d& n) {
+                return std::array{n.x, n.y, n.z};
+            },
+            normals);
     for (const auto& n : normals) append_line(out, "vn", n.x, n.y, n.z);
 
+    const std::vector<std::string> names = material_names(mesh);
     if (with_mtl && mesh.materials.empty()) out += "usemtl surface\n";
     std::uint32_t material = static_cast<std::uint32_t>(-1);
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         if (with_mtl && !mesh.face_materials.empty() && mesh.face_materials[f] != material) {
             material = mesh.face_materials[f];
-            out += "usemtl " + material_name(mesh, material) + "\n";
+            out += "usemtl " + names[material] + "\n";
         }
         out += 'f';
         for (std::size_t k = 0; k < 3; ++k) {
@@ -151,7 +168,7 @@ void write_obj(const fs::path& path, const TriMesh& mesh, const ObjWriteOptions&
         }
         out += '\n';
     }
-    if (with_mtl) write_text(fs::path(path).replace_extension(".mtl"), mtl_text(mesh, options));
+    if (with_mtl) write_text(fs::path(path).replace_extension(".mtl"), mtl_text(mesh, names, options));
     write_text(path, out);
 }
 

@@ -34,7 +34,8 @@ Attributes attributes_of(const TriMesh& mesh, std::size_t corner, bool normals, 
     Attributes out{};
     if (normals)
         for (int k = 0; k < 3; ++k)
-            out[static_cast<std::size_t>(k)] = std::bit_cast<std::uint32_t>(static_cast<float>(mesh.corner_normals[corner][k]));
+            out[static_cast<std::size_t>(k)] =
+                std::bit_cast<std::uint32_t>(static_cast<float>(mesh.corner_normals[corner][k]));
     if (colours) {
         const model::Rgba8 c = mesh.corner_colours[corner];
         out[3] = std::uint32_t{c.r} | std::uint32_t{c.g} << 8 | std::uint32_t{c.b} << 16 | std::uint32_t{c.a} << 24;
@@ -48,7 +49,8 @@ void write_ply(const fs::path& path, const TriMesh& mesh, const PlyWriteOptions&
     const bool normals = options.normals && !mesh.corner_normals.empty();
     const bool colours = options.colours && !mesh.corner_colours.empty();
     const std::size_t corners = 3 * mesh.faces.size();
-    bool good = (!normals || mesh.corner_normals.size() == corners) && (!colours || mesh.corner_colours.size() == corners);
+    bool good =
+        (!normals || mesh.corner_normals.size() == corners) && (!colours || mesh.corner_colours.size() == corners);
     for (const model::Face& face : mesh.faces)
         for (const std::uint32_t v : face) good = good && v < mesh.positions.size();
     if (!good) throw model::Error(codes::kInternal, "mesh arrays disagree", path.string());
@@ -83,7 +85,8 @@ void write_ply(const fs::path& path, const TriMesh& mesh, const PlyWriteOptions&
     if (normals)
         for (const char* axis : {"nx", "ny", "nz"}) out += std::string("property float ") + axis + "\n";
     if (colours)
-        for (const char* channel : {"red", "green", "blue", "alpha"}) out += std::string("property uchar ") + channel + "\n";
+        for (const char* channel : {"red", "green", "blue", "alpha"})
+            out += std::string("property uchar ") + channel + "\n";
     out += "element face " + std::to_string(faces.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
     for (std::size_t k = 0; k < source.size(); ++k) {
         const model::Vec3d& p = mesh.positions[source[k]];

@@ -15,7 +15,9 @@ using model::Vec3d;
 
 constexpr std::uint64_t kMaxPointTests = std::uint64_t{1} << 28;
 
-double turn(Vec2d a, Vec2d b, Vec2d c) { return cross(b - a, c - a); }
+double turn(Vec2d a, Vec2d b, Vec2d c) {
+    return cross(b - a, c - a);
+}
 
 /// The polygon seen along its Newell normal, counter-clockwise; empty if it has no plane or is not finite. Coordinates
 /// are those of the input, shifted and scaled alike, so no products over- or underflow.
@@ -63,7 +65,7 @@ void append_fan(std::span<const std::uint32_t> loop, std::vector<CornerTriple>& 
 }
 
 class EarClipper {
-  public:
+ public:
     explicit EarClipper(std::vector<Vec2d> points) : points_(std::move(points)), size_(points_.size()) {
         next_.resize(size_);
         previous_.resize(size_);
@@ -110,7 +112,7 @@ class EarClipper {
         return true;
     }
 
-  private:
+ private:
     [[nodiscard]] bool is_convex_corner(std::uint32_t k) const {
         return turn(points_[previous_[k]], points_[k], points_[next_[k]]) > 0;
     }

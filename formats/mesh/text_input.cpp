@@ -15,7 +15,9 @@ namespace {
 
 namespace codes = model::codes;
 
-constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0'; }
+constexpr bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
+}
 
 void append_utf8(std::string& out, std::uint32_t code_point) {
     if (code_point < 0x80) {
@@ -37,7 +39,8 @@ void append_utf8(std::string& out, std::uint32_t code_point) {
 
 std::string utf8_of_utf16(std::string_view bytes, bool big_endian) {
     const auto unit = [&](std::size_t k) -> std::uint32_t {
-        const auto first = static_cast<unsigned char>(bytes[2 * k]), second = static_cast<unsigned char>(bytes[2 * k + 1]);
+        const auto first = static_cast<unsigned char>(bytes[2 * k]),
+                   second = static_cast<unsigned char>(bytes[2 * k + 1]);
         return big_endian ? (first << 8 | second) : (second << 8 | first);
     };
     constexpr std::uint32_t kReplacement = 0xFFFD;
@@ -77,9 +80,8 @@ double out_of_range_value(std::string_view word) {
     const std::size_t first = mantissa.find_first_of("123456789");
     if (first == std::string_view::npos) return negative ? -0.0 : 0.0;
     const auto place = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(first);
-    const double magnitude = (exponent > 0 ? place > -exponent : place + exponent > 0)
-                                 ? std::numeric_limits<double>::infinity()
-                                 : 0.0;
+    const double magnitude =
+        (exponent > 0 ? place > -exponent : place + exponent > 0) ? std::numeric_limits<double>::infinity() : 0.0;
     return negative ? -magnitude : magnitude;
 }
 
@@ -113,8 +115,8 @@ std::string read_text_file(const std::filesystem::path& path, std::uint64_t max_
     const std::uint64_t size = std::filesystem::file_size(path, error);
     if (error) throw model::Error(codes::kReadFailed, error.message(), path.string());
     if (size > max_bytes)
-        throw model::Error(codes::kTooLarge,
-                           std::to_string(size) + " bytes; the limit is " + std::to_string(max_bytes), path.string());
+        throw model::Error(codes::kTooLarge, std::to_string(size) + " bytes; the limit is " + std::to_string(max_bytes),
+                           path.string());
     std::ifstream file(path, std::ios::binary);
     std::string text(size, '\0');
     if (!file || !file.read(text.data(), static_cast<std::streamsize>(size)))

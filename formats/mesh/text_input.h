@@ -17,14 +17,14 @@ namespace dgm::formats {
 /// Gives logical lines: ended by LF, CR LF or CR, joined where a line other than a comment ends in a backslash.
 /// The text must outlive the reader; a line is valid until the next call.
 class LineReader {
-  public:
+ public:
     explicit LineReader(std::string_view text) : rest_(text) {}
     /// False at the end of the text.
     [[nodiscard]] bool next(std::string_view& line);
     /// Number of the first physical line of the last logical line, from 1.
     [[nodiscard]] std::uint64_t number() const { return number_; }
 
-  private:
+ private:
     std::string_view physical_line();
     std::string_view rest_;
     std::string joined_;

@@ -39,11 +39,11 @@ constexpr const char* kStartMap = "v:dgm_start";
 }  // namespace dgm::bake
 
 namespace CGAL::Surface_mesh_parameterization {
-/// What ARAP_parameterizer_3 starts from: it names this class and leaves no choice. It gets the map we computed with the
-/// same weights and our solver (kept in a property of the mesh).
+/// What ARAP_parameterizer_3 starts from: it names this class and leaves no choice. It gets the map we computed with
+/// the same weights and our solver (kept in a property of the mesh).
 template <>
 class Mean_value_coordinates_parameterizer_3<dgm::bake::DiskMesh, Default, Default> {
-  public:
+ public:
     template <typename VertexUvMap, typename IndexMap, typename ParameterizedMap>
     Error_code parameterize(dgm::bake::DiskMesh& mesh, dgm::bake::DiskMesh::Halfedge_index, VertexUvMap uvmap, IndexMap,
                             ParameterizedMap) {
@@ -74,18 +74,22 @@ constexpr unsigned kArapIterations = 50;  // CGAL's defaults
 constexpr double kArapTolerance = 1e-6;
 constexpr std::size_t kMaxVertices = std::size_t{1} << 29;
 
-[[noreturn]] void fail(const std::string& what) { throw model::Error(model::codes::kMapInvalid, what); }
+[[noreturn]] void fail(const std::string& what) {
+    throw model::Error(model::codes::kMapInvalid, what);
+}
 
 /// Model of CGAL's SparseLinearAlgebraTraits_d over FactorOnce. Copies share one solver.
 class SolverTraits {
-  public:
+ public:
     using NT = double;
     using Matrix = CGAL::Eigen_sparse_matrix<double>;
     using Vector = CGAL::Eigen_vector<double>;
 
     SolverTraits() : solver_(std::make_shared<FactorOnce>()) {}
     SolverTraits(std::string_view stage, double expected_solves, const model::Progress& progress)
-        : solver_(std::make_shared<FactorOnce>()), stage_(stage), expected_solves_(expected_solves),
+        : solver_(std::make_shared<FactorOnce>()),
+          stage_(stage),
+          expected_solves_(expected_solves),
           progress_(&progress) {}
 
     bool linear_solver(const Matrix& A, const Vector& B, Vector& X, NT& D) {
@@ -96,7 +100,7 @@ class SolverTraits {
     }
     [[nodiscard]] const SolveStatistics& statistics() const { return solver_->statistics(); }
 
-  private:
+ private:
     std::shared_ptr<FactorOnce> solver_;
     std::string_view stage_;
     double expected_solves_ = 1;
@@ -105,9 +109,10 @@ class SolverTraits {
 
 /// Model of CGAL's border parameterizers: hands over the points of the caller.
 class GivenBorder {
-  public:
+ public:
     GivenBorder() = default;
-    GivenBorder(std::span<const std::uint32_t> border, std::span<const Vec2d> points) : border_(border), points_(points) {}
+    GivenBorder(std::span<const std::uint32_t> border, std::span<const Vec2d> points)
+        : border_(border), points_(points) {}
 
     template <typename VertexUvMap, typename IndexMap, typename ParameterizedMap>
     smp::Error_code parameterize(const DiskMesh&, DiskMesh::Halfedge_index, VertexUvMap uvmap, IndexMap,
@@ -120,7 +125,7 @@ class GivenBorder {
     }
     [[nodiscard]] bool is_border_convex() const { return true; }
 
-  private:
+ private:
     std::span<const std::uint32_t> border_;
     std::span<const Vec2d> points_;
 };
@@ -128,25 +133,26 @@ class GivenBorder {
 /// A fixed-border method whose rows can be made positive. `Base` supplies the published weights.
 template <typename Base>
 class GuardedWeights : public Base {
-  public:
+ public:
     GuardedWeights(const GivenBorder& border, const SolverTraits& solver, bool force_positive)
         : Base(border, solver), force_positive_(force_positive) {}
 
     /// True if a row had a weight that is not finite or not positive.
     [[nodiscard]] bool met_bad_row() const { return met_bad_row_; }
 
-  protected:
+ protected:
     using Circulator = CGAL::Vertex_around_target_circulator<DiskMesh>;
 
     /// CGAL asks for the neighbours of one vertex after the other, each time around from its half-edge.
     double compute_w_ij(const DiskMesh& mesh, Vertex i, Circulator j) const override {
         if (i != row_vertex_ || next_ == row_.size()) fill_row(mesh, i);
         if (neighbours_[next_] != *j)
-            next_ = static_cast<std::size_t>(std::find(neighbours_.begin(), neighbours_.end(), *j) - neighbours_.begin());
+            next_ =
+                static_cast<std::size_t>(std::find(neighbours_.begin(), neighbours_.end(), *j) - neighbours_.begin());
         return row_[next_++];
     }
 
-  private:
+ private:
     void fill_row(const DiskMesh& mesh, Vertex i) const {
         row_vertex_ = i;
         next_ = 0;
@@ -213,7 +219,8 @@ void check_disk(const DiskView& disk, bool needs_border_uv) {
         }
     if (std::find(used.begin(), used.end(), 0) != used.end()) fail("a vertex belongs to no face");
     const Topology t = measure_topology(n, disk.faces);
-    if (!t.manifold || !t.oriented || t.components != 1 || t.boundary_loops != 1 || t.genus != 0 || t.degenerate_faces != 0)
+    if (!t.manifold || !t.oriented || t.components != 1 || t.boundary_loops != 1 || t.genus != 0 ||
+        t.degenerate_faces != 0)
         fail("the surface is not a disk: " + std::to_string(t.components) + " components, " +
              std::to_string(t.boundary_loops) + " border loops, genus " + std::to_string(t.genus) +
              (t.manifold ? "" : ", not manifold") + (t.oriented ? "" : ", not oriented"));
@@ -241,7 +248,8 @@ Mesh make_mesh(const DiskView& disk) {
     m.reserve(n, n + faces, faces);
     for (const Vec3d& p : disk.positions) m.add_vertex(DiskKernel::Point_3(p.x, p.y, p.z));
     for (const Face& f : disk.faces)
-        if (m.add_face(Vertex(f[0]), Vertex(f[1]), Vertex(f[2])) == DiskMesh::null_face()) fail("the disk is not manifold");
+        if (m.add_face(Vertex(f[0]), Vertex(f[1]), Vertex(f[2])) == DiskMesh::null_face())
+            fail("the disk is not manifold");
     std::size_t border_edges = 0;
     for (const auto h : m.halfedges())
         if (m.is_border(h)) {
@@ -317,10 +325,13 @@ std::optional<std::vector<Vec2d>> solve_fixed(const DiskView& disk, std::span<co
 }
 
 double surface_area(const DiskView& disk, const Face& f) {
-    return 0.5 * length(cross(disk.positions[f[1]] - disk.positions[f[0]], disk.positions[f[2]] - disk.positions[f[0]]));
+    return 0.5 *
+           length(cross(disk.positions[f[1]] - disk.positions[f[0]], disk.positions[f[2]] - disk.positions[f[0]]));
 }
 
-double map_area(const std::vector<Vec2d>& uv, const Face& f) { return 0.5 * cross(uv[f[1]] - uv[f[0]], uv[f[2]] - uv[f[0]]); }
+double map_area(const std::vector<Vec2d>& uv, const Face& f) {
+    return 0.5 * cross(uv[f[1]] - uv[f[0]], uv[f[2]] - uv[f[0]]);
+}
 
 /// Centroid at the origin, and the surface's area if `rescale`. False if the map has no area.
 bool normalise(const DiskView& disk, std::vector<Vec2d>& uv, bool rescale) {
@@ -339,14 +350,10 @@ bool normalise(const DiskView& disk, std::vector<Vec2d>& uv, bool rescale) {
     return all_finite(uv);
 }
 
-std::optional<std::vector<Vec2d>> solve_lscm(const DiskView& disk, SolveStatistics* statistics,
-                                             const model::Progress& progress) {
+std::optional<std::vector<Vec2d>> solve_lscm(const DiskView& disk, const model::Progress& progress) {
     progress.update("lscm", 0);
-    // CGAL makes LSCM's solver itself, out of reach for counting: one matrix, one right-hand side.
-    Lscm lscm;
-    std::optional<std::vector<Vec2d>> uv = run(lscm, disk);
-    add(statistics, {.factorizations = 1, .solves = 1, .unsymmetric = 0});
-    return uv;
+    Lscm lscm;  // makes its solver itself: one matrix, one right-hand side
+    return run(lscm, disk);
 }
 
 std::optional<std::vector<Vec2d>> solve_arap(const DiskView& disk, SolveStatistics* statistics,
@@ -382,7 +389,7 @@ std::optional<std::vector<Vec2d>> solve_arap(const DiskView& disk, SolveStatisti
 enum class Method { kLscm, kArap, kTutte, kMvc, kAuthalic, kConformal };
 
 class CgalParameterizer final : public Parameterizer {
-  public:
+ public:
     CgalParameterizer(Method method, std::string_view name, SolveStatistics* statistics)
         : method_(method), name_(name), statistics_(statistics) {}
 
@@ -396,24 +403,28 @@ class CgalParameterizer final : public Parameterizer {
             std::vector<Vec2d> uv = fixed_border() ? solve_in_square(disk, progress) : solve_free(disk, progress);
             progress.update(name_, 1);
             return uv;
-        } catch (const model::Error&) {
-            throw;
-        } catch (const std::bad_alloc&) {
+        } catch (const model::Error&) { throw; } catch (const std::bad_alloc&) {
             throw model::Error(model::codes::kWorkerMemory, std::string(name_) + " ran out of memory");
-        } catch (const std::exception& e) {
-            fail(std::string(name_) + ": CGAL failed: " + e.what());
-        }
+        } catch (const std::exception& e) { fail(std::string(name_) + ": CGAL failed: " + e.what()); }
     }
 
-  private:
+ private:
     [[nodiscard]] std::vector<Vec2d> solve_in_square(const DiskView& disk, const model::Progress& progress) const {
         std::optional<std::vector<Vec2d>> uv;
         const auto points = disk.border_uv;
         switch (method_) {
-            case Method::kMvc: uv = solve_fixed<MeanValue>(disk, points, name_, statistics_, progress); break;
-            case Method::kAuthalic: uv = solve_fixed<Authalic>(disk, points, name_, statistics_, progress); break;
-            case Method::kConformal: uv = solve_fixed<Conformal>(disk, points, name_, statistics_, progress); break;
-            default: uv = solve_fixed<Tutte>(disk, points, name_, statistics_, progress); break;
+            case Method::kMvc:
+                uv = solve_fixed<MeanValue>(disk, points, name_, statistics_, progress);
+                break;
+            case Method::kAuthalic:
+                uv = solve_fixed<Authalic>(disk, points, name_, statistics_, progress);
+                break;
+            case Method::kConformal:
+                uv = solve_fixed<Conformal>(disk, points, name_, statistics_, progress);
+                break;
+            default:
+                uv = solve_fixed<Tutte>(disk, points, name_, statistics_, progress);
+                break;
         }
         if (!uv) fail(std::string(name_) + ": the linear system could not be solved");
         // Means of points of the square, up to rounding.
@@ -422,8 +433,8 @@ class CgalParameterizer final : public Parameterizer {
     }
 
     [[nodiscard]] std::vector<Vec2d> solve_free(const DiskView& disk, const model::Progress& progress) const {
-        std::optional<std::vector<Vec2d>> uv = method_ == Method::kArap ? solve_arap(disk, statistics_, progress)
-                                                                       : solve_lscm(disk, statistics_, progress);
+        std::optional<std::vector<Vec2d>> uv =
+            method_ == Method::kArap ? solve_arap(disk, statistics_, progress) : solve_lscm(disk, progress);
         const bool rescale = method_ == Method::kLscm;  // the size of an ARAP map is part of its answer
         if (uv && !normalise(disk, *uv, rescale)) uv.reset();
         if (uv && count_not_positive(disk.faces, *uv) == 0) return std::move(*uv);

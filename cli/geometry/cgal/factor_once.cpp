@@ -53,10 +53,10 @@ bool is_symmetric(const SparseMatrix& a) {
 struct FactorOnce::State {
     enum class Kind { kNone, kSymmetric, kGeneral };
 
-    SparseMatrix matrix;            // as the caller last passed it
-    std::vector<int> free_of;       // row -> unknown, -1 where pinned
-    std::vector<int> row_of;        // unknown -> row
-    SparseMatrix free, coupling;    // A_FF, and A_FP over all columns
+    SparseMatrix matrix;          // as the caller last passed it
+    std::vector<int> free_of;     // row -> unknown, -1 where pinned
+    std::vector<int> row_of;      // unknown -> row
+    SparseMatrix free, coupling;  // A_FF, and A_FP over all columns
     double norm = 0;
     Kind kind = Kind::kNone;
     Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> symmetric;
@@ -157,7 +157,9 @@ struct FactorOnce::State {
 FactorOnce::FactorOnce() : state_(std::make_unique<State>()) {}
 FactorOnce::~FactorOnce() = default;
 
-const SolveStatistics& FactorOnce::statistics() const { return state_->statistics; }
+const SolveStatistics& FactorOnce::statistics() const {
+    return state_->statistics;
+}
 
 bool FactorOnce::solve(const SparseMatrix& A, const Vector& b, Vector& x) {
     State& s = *state_;

@@ -22,7 +22,7 @@ struct SolveStatistics {
 /// Eigen's solvers and not SuiteSparse's, because those call the BLAS of the machine, whose rounding may depend on the
 /// thread count. Not thread-safe.
 class FactorOnce {
-  public:
+ public:
     FactorOnce();
     ~FactorOnce();
     FactorOnce(const FactorOnce&) = delete;
@@ -32,7 +32,7 @@ class FactorOnce {
     [[nodiscard]] bool solve(const Eigen::SparseMatrix<double>& A, const Eigen::VectorXd& b, Eigen::VectorXd& x);
     [[nodiscard]] const SolveStatistics& statistics() const;
 
-  private:
+ private:
     struct State;
     std::unique_ptr<State> state_;
 };

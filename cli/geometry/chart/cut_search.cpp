@@ -27,7 +27,8 @@ struct Trial {
 class Search {
   public:
     Search(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress)
-        : component_(component), options_(options), progress_(progress), stretch_(make_stretch_parameterizer()), cut_(component) {}
+        : component_(component), options_(options), progress_(progress), stretch_(make_stretch_parameterizer(0)), cut_(component),
+          source_(measure_topology(component.positions.size(), component.faces)) {}
 
     CutSearchResult run() {
         cut_.cut_to_disk();
@@ -50,6 +51,9 @@ class Search {
             Disk disk = cut.open();
             trial.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
             SampledChart chart = make_square_chart(std::move(disk), options_.m, options_.n, trial.rotation, *stretch_, {});
+            const Topology map = welded_topology(chart);
+            if (!map.manifold || map.degenerate_faces > 0 || map.genus != source_.genus || map.boundary_loops != source_.boundary_loops)
+                throw model::Error(model::codes::kGridTooSmall, "the grid does not hold the topology of the cut");
             trial.rms = quick_error(component_, chart, options_.samples).rms;
             trial.split = std::move(chart.disk);
             trial.uv = std::move(chart.uv);
@@ -155,6 +159,7 @@ class Search {
     const model::Progress& progress_;
     std::unique_ptr<Parameterizer> stretch_;
     CutGraph cut_;
+    Topology source_;
     std::optional<CutGraph> best_;
     std::optional<model::Error> failure_;
     CutSearchResult out_;

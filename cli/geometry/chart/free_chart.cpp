@@ -10,6 +10,7 @@
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/convex_map.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -89,21 +90,46 @@ void divide_border(Disk& disk, std::vector<Vec2d>& uv, double rows, double cols)
     }
 }
 
+std::vector<std::uint32_t> border_vertices(const Disk& disk) {
+    std::vector<std::uint32_t> border;
+    for (std::uint32_t h : disk.border()) border.push_back(origin(disk.mesh.faces, h));
+    return border;
+}
+
+std::vector<Vec2d> points_at(std::span<const Vec2d> uv, std::span<const std::uint32_t> vertices) {
+    std::vector<Vec2d> out;
+    for (std::uint32_t v : vertices) out.push_back(uv[v]);
+    return out;
+}
+
+/// For a chart that overlaps itself: its border, edge lengths kept, on a circle, and the inside by positive cotangent
+/// weights, which Tutte's theorem makes one to one. No border edge is shorter than a tenth of its equal share.
+std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t> border, std::span<const Vec2d> uv) {
+    const std::size_t n = border.size();
+    std::vector<double> lengths(n);
+    double total = 0;
+    for (std::size_t k = 0; k < n; ++k) total += lengths[k] = length(uv[border[(k + 1) % n]] - uv[border[k]]);
+    double floored = 0;
+    for (double& l : lengths) floored += l = std::max(l, 0.1 * total / static_cast<double>(n));
+    std::vector<Vec2d> circle;
+    double at = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        const double angle = 2 * M_PI * at / floored;
+        circle.push_back({0.5 + 0.5 * std::cos(angle), 0.5 + 0.5 * std::sin(angle)});
+        at += lengths[k];
+    }
+    ConvexMapSolver solver(disk.mesh.positions.size(), disk.mesh.faces, border);
+    return solver.solve(positive_cotangent_weights(disk.mesh.positions, disk.mesh.faces, solver.edges()), circle);
+}
+
 SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m, std::uint32_t n, std::string method,
                                const FreeChartTools& tools) {
     check_map(disk, uv, method);
-    std::vector<std::uint32_t> border;
-    const auto read_border = [&] {
-        border.clear();
-        for (std::uint32_t h : disk.border()) border.push_back(origin(disk.mesh.faces, h));
-    };
-    read_border();
-    fit_to_square(uv, border, m >= n);
+    fit_to_square(uv, border_vertices(disk), m >= n);
     divide_border(disk, uv, m - 1.0, n - 1.0);
     check_map(disk, uv, method);  // fitting and dividing round; nothing may have turned over
-    read_border();
-    std::vector<Vec2d> outline;
-    for (std::uint32_t v : border) outline.push_back(uv[v]);
+    const std::vector<std::uint32_t> border = border_vertices(disk);
+    const std::vector<Vec2d> outline = points_at(uv, border);
     if (!tools.is_simple(outline)) throw Error(codes::kMapInvalid, method + ": the chart overlaps itself");
 
     SampledChart chart;
@@ -147,10 +173,13 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
 
 SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                              const FreeChartTools& tools, const model::Progress& progress) {
-    std::vector<std::uint32_t> border;
-    for (std::uint32_t h : disk.border()) border.push_back(origin(disk.mesh.faces, h));
+    const std::vector<std::uint32_t> border = border_vertices(disk);
     std::vector<Vec2d> uv = method.solve({disk.mesh.positions, disk.mesh.faces, border, {}}, progress);
-    return sample_free_chart(std::move(disk), std::move(uv), m, n, std::string(method.name()), tools);
+    const bool overlaps = !tools.is_simple(points_at(uv, border));
+    if (overlaps) uv = lay_on_circle(disk, border, uv);
+    SampledChart chart = sample_free_chart(std::move(disk), std::move(uv), m, n, std::string(method.name()), tools);
+    if (overlaps) chart.note = "the chart overlapped itself and was laid out again with a convex border";
+    return chart;
 }
 
 SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const FreeChartTools& tools,

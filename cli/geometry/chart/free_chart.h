@@ -22,7 +22,8 @@ struct FreeChartTools {
     Triangulate triangulate;
 };
 
-/// Solves, checks (finite, flips, degenerate faces, simple border), turns the chart to its smallest rectangle, stretches
+/// Solves, checks (finite, flips, degenerate faces, simple border; a chart that overlaps itself is laid out again with a
+/// convex border of the same edge lengths, and says so in `note`), turns the chart to its smallest rectangle, stretches
 /// that over the square, and samples it. Every vertex of the chart's border is a border sample; border edges longer
 /// than a grid cell on either side of a cut are divided on both sides at the same places. A quad is kept only where no
 /// border edge enters it, so a slit thinner than a cell stays a slit.

@@ -4,6 +4,9 @@
 
 #include <dgm/grid.h>
 
+#include <algorithm>
+#include <unordered_set>
+
 namespace dgm::bake {
 
 bool SampledChart::has_quad(std::uint32_t i, std::uint32_t j) const {
@@ -32,27 +35,60 @@ TriMesh SampledChart::surface() const {
     return mesh;
 }
 
+namespace {
+
+/// Edges of the welded surface near the chart's border. Beside the end of a cut the samples before and after it are one
+/// point, so a diagonal from each to the same inner sample would be one edge of four faces.
+class WeldedEdges {
+  public:
+    explicit WeldedEdges(const SampledChart& chart) : chart_(chart) {}
+    [[nodiscard]] bool has(std::size_t a, std::size_t b) const { return edges_.count(key(a, b)) != 0; }
+    void add(std::size_t a, std::size_t b) { edges_.insert(key(a, b)); }
+
+  private:
+    [[nodiscard]] std::uint64_t key(std::size_t a, std::size_t b) const {
+        const std::uint64_t x = chart_.representative[a], y = chart_.representative[b];
+        return std::min(x, y) << 32 | std::max(x, y);
+    }
+    const SampledChart& chart_;
+    std::unordered_set<std::uint64_t> edges_;
+};
+
+}  // namespace
+
 void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
-    const std::uint32_t n = chart.n;
-    chart.diagonals.assign(std::size_t{chart.m - 1} * (n - 1), 0);
-    const auto squared = [](const Vec3d& d) { return dot(d, d); };
-    for (std::uint32_t i = 0; i + 1 < chart.m; ++i)
+    const std::uint32_t m = chart.m, n = chart.n;
+    const bool square = chart.domain == layout::Domain::kSquare;  // a free chart's quads do not touch its border
+    chart.diagonals.assign(std::size_t{m - 1} * (n - 1), 0);
+    const auto on_border = [&](std::uint32_t i, std::uint32_t j) { return i == 0 || j == 0 || i + 2 == m || j + 2 == n; };
+    WeldedEdges edges(chart);
+    if (square)
+        for (std::uint32_t i = 0; i + 1 < m; ++i)
+            for (std::uint32_t j = 0; j + 1 < n; ++j) {
+                if (!on_border(i, j)) continue;
+                const std::size_t a = std::size_t{i} * n + j, b = a + n, c = b + 1, d = a + 1;
+                edges.add(a, b), edges.add(b, c), edges.add(c, d), edges.add(d, a);
+            }
+    const auto squared = [](const Vec3d& v) { return dot(v, v); };
+    for (std::uint32_t i = 0; i + 1 < m; ++i)
         for (std::uint32_t j = 0; j + 1 < n; ++j) {
             const std::size_t a = std::size_t{i} * n + j, b = a + n, c = b + 1, d = a + 1;
             std::uint8_t& diagonal = chart.diagonals[std::size_t{i} * (n - 1) + j];
-            const auto& rep = chart.representative;
-            if (rep[a] == rep[c] || rep[b] == rep[d]) {
-                diagonal = rep[a] == rep[c];
-                continue;
-            }
-            const Vec3d ac = (chart.positions[a] + chart.positions[c]) * 0.5, bd = (chart.positions[b] + chart.positions[d]) * 0.5;
             const SurfaceSample& centre = centres.samples[std::size_t{2 * i + 1} * centres.n + 2 * j + 1];
             if (centre.face == kNone) {
                 diagonal = squared(chart.positions[b] - chart.positions[d]) < squared(chart.positions[a] - chart.positions[c]);
-                continue;
+            } else {
+                const Vec3d truth = position_at(chart.disk.mesh, centre);
+                diagonal = squared((chart.positions[b] + chart.positions[d]) * 0.5 - truth) <
+                           squared((chart.positions[a] + chart.positions[c]) * 0.5 - truth);
             }
-            const Vec3d truth = position_at(chart.disk.mesh, centre);
-            diagonal = squared(bd - truth) < squared(ac - truth);
+            if (!square || !on_border(i, j)) continue;
+            const auto taken = [&](std::uint8_t which) {
+                const std::size_t from = which == 0 ? a : b, to = which == 0 ? c : d;
+                return chart.representative[from] == chart.representative[to] || edges.has(from, to);
+            };
+            if (taken(diagonal) && !taken(!diagonal)) diagonal = !diagonal;
+            if (diagonal == 0) edges.add(a, c); else edges.add(b, d);
         }
 }
 
@@ -72,6 +108,13 @@ std::vector<SurfaceSample> coarsen(const SampleGrid& fine, std::uint32_t m, std:
     for (std::uint32_t i = 0; i < m; ++i)
         for (std::uint32_t j = 0; j < n; ++j) out[std::size_t{i} * n + j] = fine.samples[std::size_t{2 * i} * fine.n + 2 * j];
     return out;
+}
+
+Topology welded_topology(const SampledChart& chart) {
+    std::vector<Face> faces = chart.faces();
+    for (Face& f : faces)
+        for (std::uint32_t& s : f) s = chart.representative[s];
+    return measure_topology(chart.positions.size(), faces);
 }
 
 SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples) {

@@ -9,6 +9,7 @@
 #include <dgm/layout.h>
 
 #include "geometry/cut/disk.h"
+#include "geometry/metrics/map_metrics.h"
 #include "geometry/metrics/surface_error.h"
 #include "geometry/resample/rasterize.h"
 
@@ -29,6 +30,7 @@ struct SampledChart {
     std::vector<Vec2d> border_uv;              ///< free domain only, per border sample
     std::vector<Face> strip;                   ///< free domain only: triangles between lattice and border
     double cut_length = 0;
+    std::string note;                          ///< what the method had to give up, in plain words; usually empty
 
     [[nodiscard]] std::size_t grid_count() const { return std::size_t{m} * n; }
     [[nodiscard]] bool on_surface(std::size_t sample) const {
@@ -43,7 +45,8 @@ struct SampledChart {
 };
 
 /// Chooses each quad's diagonal by the smaller distance of its middle to the surface point that the map has there;
-/// `centres` is the rasterization at (2m-1) x (2n-1). A diagonal between two copies of one class is never taken.
+/// `centres` is the rasterization at (2m-1) x (2n-1). A diagonal that the welded surface has already, or between two
+/// copies of one class, is not taken where the other one is free.
 void choose_diagonals(SampledChart& chart, const SampleGrid& centres);
 
 /// Positions of all samples from their surface points, classes from their representative.
@@ -51,6 +54,9 @@ void place_samples(SampledChart& chart);
 
 /// Every second sample of a (2m-1) x (2n-1) rasterization: the m x n grid itself.
 [[nodiscard]] std::vector<SurfaceSample> coarsen(const SampleGrid& fine, std::uint32_t m, std::uint32_t n);
+
+/// Topology of the chart's surface with its seams closed: what must be that of the component.
+[[nodiscard]] Topology welded_topology(const SampledChart& chart);
 
 /// Error of the chart's surface against its component with few samples: what candidates are compared by.
 [[nodiscard]] SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples);

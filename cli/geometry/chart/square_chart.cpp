@@ -7,6 +7,7 @@
 
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
+#include "geometry/parameterize/slim.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -14,16 +15,28 @@ namespace {
 
 class StretchParameterizer final : public Parameterizer {
   public:
+    explicit StretchParameterizer(std::size_t newton_steps) : newton_steps_(newton_steps) {}
     [[nodiscard]] std::string_view name() const override { return "stretch"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
-        return reweighted_stretch_map(disk, {}, progress);
+        std::vector<Vec2d> uv = reweighted_stretch_map(disk, {}, progress);
+        if (newton_steps_ == 0 || count_not_positive(disk.faces, uv) > 0) return uv;
+        SlimOptions options;
+        options.energy = FlipFreeEnergy::kStretch;
+        options.border_fixed = true;
+        options.iterations = newton_steps_;
+        return descend_flip_free(disk, std::move(uv), options, progress);
     }
+
+  private:
+    std::size_t newton_steps_;
 };
 
 }  // namespace
 
-std::unique_ptr<Parameterizer> make_stretch_parameterizer() { return std::make_unique<StretchParameterizer>(); }
+std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps) {
+    return std::make_unique<StretchParameterizer>(newton_steps);
+}
 
 void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view method) {
     const MapMetrics metrics = measure_map(disk.mesh.positions, disk.mesh.faces, uv);

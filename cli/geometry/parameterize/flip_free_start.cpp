@@ -20,8 +20,8 @@ namespace dgm::bake {
 namespace {
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-constexpr double kKappa = 0.25;          // p between 0 and 3.5 for 3 or more vertices around
-constexpr double kShortestShare = 0.1;   // of a border edge's equal share of the circle
+constexpr double kKappa = 0.25;         // p between 0 and 3.5 for 3 or more vertices around
+constexpr double kShortestShare = 0.1;  // of a border edge's equal share of the circle
 constexpr const char* kStage = "flip-free start";
 
 std::vector<Vec2d> circle(const DiskView& disk) {
@@ -103,7 +103,8 @@ std::vector<Vec2d> embed(const DiskView& disk, std::span<const Vec2d> border_poi
     Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(count, 2);
     for (const Face& f : disk.faces)
         for (std::size_t k = 0; k < 3; ++k) {
-            // Each face adds half the edge's weight; interior edges have two faces, and edges of the border none to add.
+            // Each face adds half the edge's weight; interior edges have two faces, and edges of the border none to
+            // add.
             const std::uint32_t v = f[k], w = f[(k + 1) % 3];
             const double c = 0.5 * weight(v, w);
             for (const auto& [i, j] : {std::pair{v, w}, std::pair{w, v}}) {

@@ -7,12 +7,16 @@
 // [Sander 2001] Sander, Snyder, Gortler, Hoppe. Texture Mapping Progressive Meshes. SIGGRAPH 2001.
 #include "geometry/parameterize/slim.h"
 
+#include <iostream>  // MetisSupport writes to std::cerr and does not include it
+
+#include <Eigen/MetisSupport>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -23,8 +27,8 @@ namespace {
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kThinnest = 1e-6;        // height over longest edge of a rest shape
-constexpr double kCollapseShare = 0.9;    // of the step to the first collapse
+constexpr double kThinnest = 1e-6;      // height over longest edge of a rest shape
+constexpr double kCollapseShare = 0.9;  // of the step to the first collapse
 constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 40;
 
@@ -48,8 +52,10 @@ Density density_of(const SlimOptions& o) {
     switch (o.energy) {
         case FlipFreeEnergy::kArap:
             return {.c1 = 2, .c0 = -2, .c2 = 2 * o.barrier, .c3 = -2 * o.barrier, .constant = 1 + o.barrier};
-        case FlipFreeEnergy::kStretch: return {.c1 = 2 * o.stretch_epsilon, .c3 = -2};
-        case FlipFreeEnergy::kSymmetricDirichlet: break;
+        case FlipFreeEnergy::kStretch:
+            return {.c1 = 2 * o.stretch_epsilon, .c3 = -2};
+        case FlipFreeEnergy::kSymmetricDirichlet:
+            break;
     }
     return {.c1 = 1, .c3 = -1};
 }
@@ -78,7 +84,7 @@ double twice_area(const std::vector<Vec2d>& x, const Face& f) {
 }
 
 class Problem {
-  public:
+ public:
     Problem(const DiskView& disk, const SlimOptions& options) : disk_(disk), density_(density_of(options)) {
         rest_.resize(disk.faces.size());
         double total = 0;
@@ -172,9 +178,8 @@ class Problem {
             const Vec2d u1{cp, sp}, u2{-sp, cp};
             const double g1 = density_.slope(s.s1), g2 = density_.slope(s.s2);
             const double root_half = std::sqrt(0.5);
-            const std::array<double, 4> lambda{
-                density_.curvature(s.s1), density_.curvature(s.s2), density_.divided_difference(s.s1, s.s2),
-                (g1 + g2) / (s.s1 + s.s2)};
+            const std::array<double, 4> lambda{density_.curvature(s.s1), density_.curvature(s.s2),
+                                               density_.divided_difference(s.s1, s.s2), (g1 + g2) / (s.s1 + s.s2)};
             std::array<double, 6> gradient{};
             std::array<std::array<double, 6>, 4> modes{};
             std::array<double, 4> root{};
@@ -197,7 +202,7 @@ class Problem {
 
     [[nodiscard]] std::span<const Face> faces() const { return disk_.faces; }
 
-  private:
+ private:
     const DiskView& disk_;
     Density density_;
     std::vector<Rest> rest_;
@@ -206,11 +211,11 @@ class Problem {
 
 /// The Newton matrix over the free vertices: lower triangle, pattern and scatter table made once.
 class NewtonSystem {
-  public:
-    NewtonSystem(std::span<const Face> faces, std::size_t vertices, const std::vector<std::uint8_t>& fixed)
-        : unknown_of_(vertices, -1) {
+ public:
+    NewtonSystem(const DiskView& disk, const std::vector<std::uint8_t>& fixed) : unknown_of_(fixed.size(), -1) {
+        const std::span<const Face> faces = disk.faces;
         int unknowns = 0;
-        for (std::size_t v = 0; v < vertices; ++v)
+        for (std::size_t v = 0; v < fixed.size(); ++v)
             if (fixed[v] == 0) unknown_of_[v] = 2 * unknowns++;
         std::vector<Eigen::Triplet<double>> entries;
         entries.reserve(faces.size() * 21);
@@ -222,7 +227,12 @@ class NewtonSystem {
         slots_.reserve(faces.size() * 21);
         for (const Face& f : faces)
             for_entries(f, [&](std::size_t, std::size_t, int row, int col) { slots_.push_back(slot(row, col)); });
-        if (unknowns > 0) solver_.analyzePattern(matrix_);
+        if (unknowns > 0) {
+            // METIS draws from a generator with global state, which it seeds itself: one call at a time, always alike.
+            static std::mutex one_at_a_time;
+            const std::scoped_lock lock(one_at_a_time);
+            solver_.analyzePattern(matrix_);
+        }
     }
 
     [[nodiscard]] bool empty() const { return matrix_.rows() == 0; }
@@ -269,7 +279,7 @@ class NewtonSystem {
     [[nodiscard]] double slope(const Eigen::VectorXd& d) const { return d.dot(gradient_); }
     [[nodiscard]] int unknown_of(std::size_t v) const { return unknown_of_[v]; }
 
-  private:
+ private:
     template <typename Visit>
     void for_entries(const Face& f, const Visit& visit) const {
         for (std::size_t k = 0; k < 3; ++k)
@@ -291,7 +301,8 @@ class NewtonSystem {
     std::vector<int> unknown_of_;  // of x; y is the next one; -1 where fixed
     SparseMatrix matrix_;
     std::vector<std::int64_t> slots_;
-    Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> solver_;
+    // Nested dissection: half the time of minimum degree on the camel head with 91k faces.
+    Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::MetisOrdering<int>> solver_;
     Eigen::VectorXd gradient_;
     std::size_t factorizations_ = 0;
 };
@@ -321,7 +332,9 @@ double first_collapse(std::span<const Face> faces, const std::vector<Vec2d>& x, 
     return first;
 }
 
-[[noreturn]] void fail(const std::string& what) { throw model::Error(model::codes::kMapInvalid, what); }
+[[noreturn]] void fail(const std::string& what) {
+    throw model::Error(model::codes::kMapInvalid, what);
+}
 
 void check_sizes(const DiskView& disk, std::size_t points) {
     if (points != disk.positions.size()) fail("the start map has another number of vertices than the mesh");
@@ -394,7 +407,7 @@ std::vector<Vec2d> descend_flip_free(const DiskView& disk, std::vector<Vec2d> st
     std::vector<std::uint8_t> fixed(x.size(), 0);
     if (options.border_fixed)
         for (const std::uint32_t v : disk.border) fixed[v] = 1;
-    NewtonSystem system(disk.faces, x.size(), fixed);
+    NewtonSystem system(disk, fixed);
     std::vector<Vec2d> step(x.size()), trial(x.size());
     Eigen::VectorXd d;
     for (std::size_t k = 0; k < options.iterations && !system.empty() && std::isfinite(energy); ++k) {

@@ -16,17 +16,17 @@ namespace dgm::bake {
 enum class FlipFreeEnergy {
     kSymmetricDirichlet,  ///< g(s) = (s^2 + s^-2) / 2; least (2 in all) where isometric
     kArap,                ///< g(s) = (s - 1)^2 + barrier (1/s - 1)^2; least (0) where isometric
-    kStretch,             ///< g(s) = s^-2 + stretch_epsilon s^2: twice the squared L2 stretch of [Sander 2001], and a term
-                          ///  against needles of oversampling
+    kStretch,  ///< g(s) = s^-2 + stretch_epsilon s^2: twice the squared L2 stretch of [Sander 2001], and a term
+               ///  against needles of oversampling
 };
 
 struct SlimOptions {
     FlipFreeEnergy energy = FlipFreeEnergy::kSymmetricDirichlet;
-    bool border_fixed = false;       ///< border vertices keep their start to the bit
-    std::size_t iterations = 30;     ///< at most so many Newton steps
-    double tolerance = 1e-5;         ///< stop when a step lowers the energy by less than this share of it
-    double barrier = 0.01;           ///< kArap only, 0 < barrier <= 16 (g stays convex)
-    double stretch_epsilon = 1e-3;   ///< kStretch only, >= 0
+    bool border_fixed = false;      ///< border vertices keep their start to the bit
+    std::size_t iterations = 30;    ///< at most so many Newton steps
+    double tolerance = 1e-5;        ///< stop when a step lowers the energy by less than this share of it
+    double barrier = 0.01;          ///< kArap only, 0 < barrier <= 16 (g stays convex)
+    double stretch_epsilon = 1e-3;  ///< kStretch only, >= 0
 };
 
 struct SlimReport {

@@ -138,6 +138,28 @@ TEST(Slim, NastyDisksStartAndStayFreeOfFlips) {
     }
 }
 
+TEST(Slim, SmallestDisks) {
+    // A regular tetrahedron without its base: by symmetry the tip belongs in the middle of the border.
+    const double h = std::sqrt(3.0) / 2;
+    const Disk tip{{{0, 0, 0}, {1, 0, 0}, {0.5, h, 0}, {0.5, h / 3, std::sqrt(2.0 / 3)}},
+                   {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}},
+                   {0, 1, 2},
+                   {}};
+    const std::vector<Vec2d> off{{0, 0}, {1, 0}, {0.5, h}, {0.3, 0.2}};
+    const SlimOptions fixed{.border_fixed = true, .tolerance = 1e-14};
+    const auto uv = descend_flip_free(tip.view(), off, fixed, kSilent);
+    EXPECT_NEAR(uv[3].x, 0.5, 1e-6);
+    EXPECT_NEAR(uv[3].y, h / 3, 1e-6);
+
+    const Disk triangle{{{0, 0, 0}, {1, 0, 0}, {0.5, h, 0}}, {{0, 1, 2}}, {0, 1, 2}, {}};
+    const std::vector<Vec2d> squeezed{{0, 0}, {3, 0}, {1, 0.2}};
+    SlimReport report;
+    static_cast<void>(descend_flip_free(triangle.view(), squeezed, {.tolerance = 1e-14}, kSilent, &report));
+    EXPECT_NEAR(report.energy, 2, 1e-9);
+    // Nothing to move.
+    EXPECT_EQ(descend_flip_free(triangle.view(), squeezed, fixed, kSilent), squeezed);
+}
+
 TEST(Slim, IsDeterministic) {
     const Disk d = testing::sphere_with_hole(12, 12, 0.1);
     const auto a = descend_flip_free(d.view(), flip_free_start(d.view(), kSilent).value(), {}, kSilent);

@@ -166,9 +166,7 @@ TEST(ImportAssimp, FaceLimitHolds) {
     try {
         (void)read_mesh(folder / "a.3ds", {.max_faces = 1});
         FAIL();
-    } catch (const dgm::model::Error& error) {
-        EXPECT_EQ(error.code().number, codes::kTooLarge.number);
-    }
+    } catch (const dgm::model::Error& error) { EXPECT_EQ(error.code().number, codes::kTooLarge.number); }
 }
 
 }  // namespace

@@ -26,14 +26,14 @@ using dgm::test::write_bytes;
 int code_of(const std::function<void()>& action) {
     try {
         action();
-    } catch (const Error& error) {
-        return error.code().number;
-    }
+    } catch (const Error& error) { return error.code().number; }
     return 0;
 }
 
 /// Byte 4..7 of an EXR: version 2 and flags; bit 12 says multi-part.
-bool is_multipart(const std::string& bytes) { return (static_cast<unsigned char>(bytes[5]) & 0x10) != 0; }
+bool is_multipart(const std::string& bytes) {
+    return (static_cast<unsigned char>(bytes[5]) & 0x10) != 0;
+}
 
 TEST(ExrFile, EveryBitComesBack) {
     const TempFolder folder;
@@ -51,7 +51,8 @@ TEST(ExrFile, AllTextureCodesAndAlphasComeBack) {
     dgm::test::Random random(1);
     maps.charts.push_back(random_chart(random, {.rows = 16, .cols = 16, .same_size_textures = true}));
     Layer* texture = maps.charts[0].find("texture");
-    for (std::size_t k = 0; k < texture->bytes.size(); ++k) texture->bytes[k] = static_cast<std::byte>((k / 4 + 64 * (k % 4)) & 255);
+    for (std::size_t k = 0; k < texture->bytes.size(); ++k)
+        texture->bytes[k] = static_cast<std::byte>((k / 4 + 64 * (k % 4)) & 255);
     write_exr(maps, folder / "a.exr");
     EXPECT_EQ(read_exr(folder / "a.exr").charts[0].find("texture")->bytes, texture->bytes);
 }
@@ -62,10 +63,15 @@ TEST(ExrFile, AllOctahedralCodesComeBack) {
     dgm::model::Chart chart;
     chart.rows = chart.cols = 256;
     chart.method = "mvc";
-    Layer normal{.name = "normal", .type = dgm::layout::ElementType::kI16, .shape = {256, 256, 2}, .bytes = {}, .attributes = {}};
+    Layer normal{.name = "normal",
+                 .type = dgm::layout::ElementType::kI16,
+                 .shape = {256, 256, 2},
+                 .bytes = {},
+                 .attributes = {}};
     for (unsigned k = 0; k < 65536; ++k)
         for (const unsigned code : {k, 65535 - k})
-            normal.bytes.insert(normal.bytes.end(), {static_cast<std::byte>(code & 255), static_cast<std::byte>(code >> 8)});
+            normal.bytes.insert(normal.bytes.end(),
+                                {static_cast<std::byte>(code & 255), static_cast<std::byte>(code >> 8)});
     chart.layers.push_back(normal);
     maps.charts.push_back(chart);
     write_exr(maps, folder / "a.exr");
@@ -121,7 +127,9 @@ TEST(ExrFile, DamageIsAnErrorNotACrash) {
     dgm::test::Random random(2);
     for (int k = 0; k < 500; ++k) {
         std::string bad = good;
-        for (int hit = 0; hit < 3; ++hit) bad[random.below(std::min<std::size_t>(bad.size(), k % 2 ? 4000 : bad.size()))] = static_cast<char>(random.next());
+        for (int hit = 0; hit < 3; ++hit)
+            bad[random.below(std::min<std::size_t>(bad.size(), k % 2 ? 4000 : bad.size()))] =
+                static_cast<char>(random.next());
         write_bytes(folder / "bad.exr", bad);
         const int code = code_of([&] { (void)read_exr(folder / "bad.exr"); });
         EXPECT_TRUE(code == 0 || code == codes::kExrUnreadable.number || code == codes::kBadVersion.number) << code;

@@ -20,9 +20,7 @@ using dgm::test::write_bytes;
 int code_of(const std::function<void()>& action) {
     try {
         action();
-    } catch (const dgm::model::Error& error) {
-        return error.code().number;
-    }
+    } catch (const dgm::model::Error& error) { return error.code().number; }
     return 0;
 }
 
@@ -76,7 +74,9 @@ TEST(Png, HasNoTimeOrText) {
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::vector<std::string> chunks;
     for (std::size_t at = 8; at + 8 <= text.size();) {
-        const auto byte = [&](std::size_t k) { return static_cast<std::size_t>(static_cast<unsigned char>(text[at + k])); };
+        const auto byte = [&](std::size_t k) {
+            return static_cast<std::size_t>(static_cast<unsigned char>(text[at + k]));
+        };
         const std::size_t length = byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3);
         if (chunks.empty() || chunks.back() != text.substr(at + 4, 4)) chunks.push_back(text.substr(at + 4, 4));
         at += 12 + length;
@@ -95,7 +95,8 @@ TEST(ImageFiles, BmpAndTgaAreRead) {
     EXPECT_EQ(from_bmp.at(0, 0), (dgm::model::Rgba8{255, 0, 0, 255}));
     EXPECT_EQ(from_bmp.at(1, 0), (dgm::model::Rgba8{0, 255, 0, 255}));
     // TGA, uncompressed, 1 x 2, origin at the lower left: the first row stored is the lower one.
-    write_bytes(folder / "a.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\2\0\x18\0", 18) + std::string("\xFF\0\0\0\0\xFF", 6));
+    write_bytes(folder / "a.tga",
+                std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\2\0\x18\0", 18) + std::string("\xFF\0\0\0\0\xFF", 6));
     const Image from_tga = dgm::formats::read_image(folder / "a.tga");
     ASSERT_EQ(from_tga.height, 2u);
     EXPECT_EQ(from_tga.at(0, 0), (dgm::model::Rgba8{255, 0, 0, 255}));

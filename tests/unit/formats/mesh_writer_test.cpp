@@ -28,7 +28,8 @@ TriMesh random_mesh() {
     for (int k = 0; k < 50; ++k)
         mesh.positions.push_back({1e7 + random.unit(), (random.unit() - 0.5) * 1e-200, random.unit() * 1e200});
     for (int f = 0; f < 80; ++f) {
-        mesh.faces.push_back({static_cast<std::uint32_t>(random.below(50)), static_cast<std::uint32_t>(random.below(50)),
+        mesh.faces.push_back({static_cast<std::uint32_t>(random.below(50)),
+                              static_cast<std::uint32_t>(random.below(50)),
                               static_cast<std::uint32_t>(random.below(50))});
         mesh.face_materials.push_back(static_cast<std::uint32_t>(f / 40));
         for (int k = 0; k < 3; ++k) {
@@ -91,7 +92,8 @@ TEST(PlyWriter, BytesAreThoseOfTheFormat) {
     const std::string header =
         "ply\nformat binary_little_endian 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
         "property float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\n"
-        "property uchar blue\nproperty uchar alpha\nelement face 2\nproperty list uchar uint vertex_indices\nend_header\n";
+        "property uchar blue\nproperty uchar alpha\nelement face 2\nproperty list uchar uint "
+        "vertex_indices\nend_header\n";
     ASSERT_EQ(bytes.substr(0, header.size()), header);
     ASSERT_EQ(bytes.size(), header.size() + 5 * 28 + 2 * 13);
     float last[6];  // the copy of vertex 2 that the second face's last corner sees
@@ -121,9 +123,7 @@ TEST(MeshWriters, RefuseWhatDoesNotFit) {
     const auto code_of = [](const std::function<void()>& action) {
         try {
             action();
-        } catch (const dgm::model::Error& error) {
-            return error.code().number;
-        }
+        } catch (const dgm::model::Error& error) { return error.code().number; }
         return 0;
     };
     TriMesh mesh = random_mesh();

@@ -43,8 +43,8 @@ TEST(Obj, KeepsDoubles) {
     const ImportedMesh in = read_text(
         "v 10000000.123456789 1e-200 -1.7976931348623157e308\n"
         "v .5 -0 +2.5E1\nv 0.1 1. 3\nf 1 2 3\n");
-    EXPECT_EQ(in.mesh.positions, (std::vector<Vec3d>{{10000000.123456789, 1e-200, -1.7976931348623157e308},
-                                                     {0.5, 0, 25}, {0.1, 1, 3}}));
+    EXPECT_EQ(in.mesh.positions,
+              (std::vector<Vec3d>{{10000000.123456789, 1e-200, -1.7976931348623157e308}, {0.5, 0, 25}, {0.1, 1, 3}}));
     EXPECT_TRUE(in.mesh.corner_normals.empty() && in.mesh.corner_uvs.empty() && in.mesh.corner_colours.empty());
     EXPECT_TRUE(in.mesh.face_materials.empty() && in.mesh.materials.empty());
 }
@@ -52,7 +52,8 @@ TEST(Obj, KeepsDoubles) {
 TEST(Obj, NumbersOfEverySpelling) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const ImportedMesh in = read_text(
-        "v nan inf -inf\nv 1.#QNAN 1.#INF -1.#IND\nv 1e400 -1e400 1e-400\nv 0.1e999999999999 0e5 1,5\nv x 1\nf 1 2 3\nf 3 4 5\n");
+        "v nan inf -inf\nv 1.#QNAN 1.#INF -1.#IND\nv 1e400 -1e400 1e-400\nv 0.1e999999999999 0e5 1,5\nv x 1\nf 1 2 "
+        "3\nf 3 4 5\n");
     const auto& p = in.mesh.positions;
     ASSERT_EQ(p.size(), 5u);
     EXPECT_TRUE(std::isnan(p[0].x) && p[0].y == kInfinity && p[0].z == -kInfinity);
@@ -124,8 +125,7 @@ TEST(Obj, Utf16OfBothKinds) {
 
 TEST(Obj, VertexColours) {
     const ImportedMesh units = read_text("v 0 0 0 1 0 0.5\nv 1 0 0 0 0 0 0.25\nv 0 1 0\nf 1 2 3\n");
-    EXPECT_EQ(units.mesh.corner_colours,
-              (std::vector<Rgba8>{{255, 0, 128, 255}, {0, 0, 0, 64}, {255, 255, 255, 255}}));
+    EXPECT_EQ(units.mesh.corner_colours, (std::vector<Rgba8>{{255, 0, 128, 255}, {0, 0, 0, 64}, {255, 255, 255, 255}}));
     const ImportedMesh bytes = read_text("v 0 0 0 255 0 128\nv 1 0 0 1 2 3\nv 0 1 0 0 0 0\nf 1 2 3\n");
     EXPECT_EQ(bytes.mesh.corner_colours, (std::vector<Rgba8>{{255, 0, 128, 255}, {1, 2, 3, 255}, {0, 0, 0, 255}}));
 }
@@ -162,7 +162,7 @@ TEST(Obj, RepeatedCornersOfPolygonsAreTakenOut) {
 }
 
 class ObjMaterials : public testing::Test {
-  protected:
+ protected:
     void picture(const std::string& name) {
         fs::create_directories((folder_ / name).parent_path());
         dgm::formats::write_png(folder_ / name, dgm::formats::Image{1, 1, {{}}});
@@ -179,9 +179,10 @@ class ObjMaterials : public testing::Test {
 TEST_F(ObjMaterials, ColourAlphaAndMaps) {
     picture("Skin Tex.PNG");
     picture("maps/bump.png");
-    const ImportedMesh in = read(obj_,
-                                 "# a comment\nnewmtl other\nKd 1 1 1\nnewmtl skin\nKd 1 0.5 0\nd 0.5\n"
-                                 "map_Kd -blendu on -clamp off skin tex.png\nmap_Bump -bm 0.25 C:\\work\\maps\\bump.png\n");
+    const ImportedMesh in =
+        read(obj_,
+             "# a comment\nnewmtl other\nKd 1 1 1\nnewmtl skin\nKd 1 0.5 0\nd 0.5\n"
+             "map_Kd -blendu on -clamp off skin tex.png\nmap_Bump -bm 0.25 C:\\work\\maps\\bump.png\n");
     ASSERT_EQ(in.mesh.materials.size(), 1u);
     const auto& m = in.mesh.materials[0];
     EXPECT_EQ(m.name, "skin");
@@ -251,7 +252,8 @@ TEST(Obj, RefusalsSayWhere) {
     EXPECT_EQ(error_of(""), "DGM3001 the file is empty @a.obj");
     EXPECT_EQ(error_of(" \n \n").substr(0, 7), "DGM3001");
     EXPECT_EQ(error_of(kTriangle), "DGM3001 no usable faces @a.obj");
-    EXPECT_EQ(error_of(kTriangle + "f 1 2 9\n"), "DGM3001 no usable faces; 1 faces name vertices that do not exist @a.obj:4");
+    EXPECT_EQ(error_of(kTriangle + "f 1 2 9\n"),
+              "DGM3001 no usable faces; 1 faces name vertices that do not exist @a.obj:4");
     EXPECT_EQ(error_of(std::string("\x89PNG\r\n\0\1\2", 9)), "DGM3001 no usable faces; no vertices @a.obj");
     EXPECT_EQ(error_of(kTriangle + "f \\").substr(0, 7), "DGM3001");
 }
@@ -262,9 +264,7 @@ TEST(Obj, LimitsHold) {
     const auto code_with = [&](dgm::formats::MeshReadLimits limits) {
         try {
             (void)read_mesh(folder / "a.obj", limits);
-        } catch (const Error& error) {
-            return error.code().number;
-        }
+        } catch (const Error& error) { return error.code().number; }
         return 0;
     };
     EXPECT_EQ(code_with({}), 0);
@@ -285,19 +285,40 @@ TEST(Obj, ContentIsRecognisedWithoutExtension) {
 TEST(Obj, RandomBytesDoNoHarm) {
     const TempFolder folder;
     dgm::test::Random random(4);
-    const std::string words[] = {"v", "vt", "vn", "f", "usemtl", "mtllib", "1", "-1", "1e999", "/", "//", "nan", "\\", "\n",
-                                 "\r", "#", "2/1", "3//1", "99999999999999999999", " ", "\t", "x", "4294967295", "-4294967296"};
+    const std::string words[] = {"v",
+                                 "vt",
+                                 "vn",
+                                 "f",
+                                 "usemtl",
+                                 "mtllib",
+                                 "1",
+                                 "-1",
+                                 "1e999",
+                                 "/",
+                                 "//",
+                                 "nan",
+                                 "\\",
+                                 "\n",
+                                 "\r",
+                                 "#",
+                                 "2/1",
+                                 "3//1",
+                                 "99999999999999999999",
+                                 " ",
+                                 "\t",
+                                 "x",
+                                 "4294967295",
+                                 "-4294967296"};
     for (int k = 0; k < 300; ++k) {
         std::string text;
-        for (int w = 0; w < 400; ++w) text += words[random.below(std::size(words))] + (random.below(3) == 0 ? "\n" : " ");
+        for (int w = 0; w < 400; ++w)
+            text += words[random.below(std::size(words))] + (random.below(3) == 0 ? "\n" : " ");
         write_bytes(folder / "a.obj", text);
         try {
             const ImportedMesh in = read_mesh(folder / "a.obj");
             for (const Face& face : in.mesh.faces)
                 for (const std::uint32_t v : face) ASSERT_LT(v, in.mesh.positions.size());
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code().number, codes::kNoFaces.number);
-        }
+        } catch (const Error& error) { EXPECT_EQ(error.code().number, codes::kNoFaces.number); }
     }
 }
 

@@ -44,9 +44,7 @@ TEST(Octahedral, CodesSurviveDecodingAndEncoding) {
         ASSERT_EQ(encode_octahedral(decode_octahedral(again)), again) << u << " " << v;
         ASSERT_LT(length(decode_octahedral(again) - n), 1e-6) << u << " " << v;
         // Inside the border no two codes share a direction.
-        if (std::abs(u) < 32767 && std::abs(v) < 32767) {
-            ASSERT_EQ(again, code);
-        }
+        if (std::abs(u) < 32767 && std::abs(v) < 32767) { ASSERT_EQ(again, code); }
     };
     for (int k = 0; k < 300'000; ++k)
         check(static_cast<int>(random.below(65536)) - 32768, static_cast<int>(random.below(65536)) - 32768);

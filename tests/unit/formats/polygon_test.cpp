@@ -74,7 +74,8 @@ TEST(Polygon, StarsAndCombsAreTiled) {
 
 TEST(Polygon, LargeDiscsAreQuick) {
     std::vector<Vec3d> disc;
-    for (int k = 0; k < 10'000; ++k) disc.push_back({std::cos(k * 6.28318530717958 / 10'000), std::sin(k * 6.28318530717958 / 10'000), 0});
+    for (int k = 0; k < 10'000; ++k)
+        disc.push_back({std::cos(k * 6.28318530717958 / 10'000), std::sin(k * 6.28318530717958 / 10'000), 0});
     expect_tiling(disc);
 }
 

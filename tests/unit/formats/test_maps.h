@@ -13,13 +13,13 @@ namespace dgm::test {
 
 /// splitmix64: the same numbers on every machine.
 class Random {
-  public:
+ public:
     explicit Random(std::uint64_t seed) : state_(seed) {}
     std::uint64_t next();
     std::uint64_t below(std::uint64_t bound) { return next() % bound; }
     double unit() { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
-  private:
+ private:
     std::uint64_t state_;
 };
 
@@ -38,7 +38,7 @@ struct MapChoice {
 
 /// An empty folder for one test, removed with all that is in it at the end.
 class TempFolder {
-  public:
+ public:
     TempFolder();
     ~TempFolder();
     TempFolder(const TempFolder&) = delete;
@@ -46,7 +46,7 @@ class TempFolder {
     [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  private:
+ private:
     std::filesystem::path path_;
 };
 

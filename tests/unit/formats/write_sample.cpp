@@ -26,7 +26,8 @@ void write_expected(const dgm::model::MapSet& maps, const std::filesystem::path&
         list << '\n';
         for (const auto& layer : chart.layers) {
             const std::string file = stem.string() + "_" + std::to_string(k) + "_" + layer.name + ".bin";
-            list << "layer " << k << ' ' << layer.name << ' ' << kTypes[static_cast<unsigned>(layer.type)] << ' ' << file;
+            list << "layer " << k << ' ' << layer.name << ' ' << kTypes[static_cast<unsigned>(layer.type)] << ' '
+                 << file;
             for (const auto extent : layer.shape) list << ' ' << extent;
             list << '\n';
             dgm::test::write_bytes(file, {reinterpret_cast<const char*>(layer.bytes.data()), layer.bytes.size()});

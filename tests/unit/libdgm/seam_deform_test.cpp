@@ -57,7 +57,9 @@ void check(const Case& c, const std::vector<std::array<std::uint32_t, 2>>& conta
         const PointView p = state.positions();
         // A class may have copies that the window reaches only as another copy: the class has the largest weight.
         std::map<std::uint32_t, double> of_class;
-        const auto weight = [&](std::uint32_t s) { return expected(c.images, s / c.n, s % c.n, ic, jc, b, sigma); };
+        const auto weight = [&, i0 = ic, j0 = jc](std::uint32_t s) {
+            return expected(c.images, s / c.n, s % c.n, i0, j0, b, sigma);
+        };
         for (std::uint32_t s = 0; s < c.m * c.n; ++s) of_class[s] = weight(s);
         for (const auto& [representative, copies] : classes) {
             double best = of_class[representative];

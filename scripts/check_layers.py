@@ -1,0 +1,257 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Who may include whom, and which licence each file names: reads the table below and every #include line.
+
+    scripts/check_layers.py [ROOT]      check the tree; prints FILE:LINE: MESSAGE for each fault; exit code 3 if any
+    scripts/check_layers.py --self-test check a made-up tree that must fail, and one that must pass
+
+Arrows point down: a part may include itself and the parts its row names. A library from outside may be included only
+by the parts whose row names it, so that HDF5 can be replaced in one folder, CGAL's licence and compile time stay in
+one folder, and the runtime never grows a dependency.
+"""
+import dataclasses
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+SYSTEM, XXHASH, PNG, STB = "the operating system", "xxHash", "libpng", "stb"
+EIGEN, CGAL, EMBREE, TBB, BOOST = "Eigen", "CGAL", "Embree", "TBB", "Boost"
+HDF5, OPENEXR, ASSIMP = "HDF5", "OpenEXR", "assimp"
+FMT, JSON, CLI11, GTEST = "fmt", "nlohmann-json", "CLI11", "GoogleTest"
+
+
+@dataclasses.dataclass(frozen=True)
+class Part:
+    folder: str          # the longest folder that matches a file is its part
+    level: int
+    uses: tuple          # folders of parts below
+    libraries: tuple     # beside the C and C++ standard libraries
+    why: str
+
+
+RUNTIME = ("libdgm/include",)
+DATA = RUNTIME + ("formats/model", "formats/image")
+GEOMETRY = DATA + ("cli/geometry",)
+CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
+BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cli/pipeline", "cli/tool")
+
+PARTS = (
+    Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
+    Part("libdgm/src", 0, RUNTIME, (SYSTEM, XXHASH), "maps files; xxHash is inlined, nothing is linked"),
+    Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
+    Part("formats/image", 1, ("formats/model",), (PNG, STB), "pixels in and out; no other part decodes pictures"),
+    Part("cli/geometry", 2, DATA, (EIGEN, EMBREE, TBB), "pure functions on meshes; builds without CGAL"),
+    Part("cli/geometry/cgal", 3, GEOMETRY, (CGAL, EIGEN), "the only folder to see CGAL: its licence and compile time"),
+    Part("formats/dgm", 3, DATA, (HDF5, XXHASH, SYSTEM), "the only folder to see HDF5"),
+    Part("formats/exr", 3, DATA, (OPENEXR, SYSTEM), "the only folder to see OpenEXR and Imath"),
+    Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
+    Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_easy_font"),
+    Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
+    Part("cli/pipeline", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB, SYSTEM),
+         "the stages in order; introduces the parameterizers to the geometry"),
+    Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
+    Part("cli/validate", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
+    Part("cli/info", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
+    Part("cli/export", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
+    Part("samples/generate", 5, ("formats/model",), (PNG,), "a program that makes meshes; knows nothing of baking"),
+    Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
+    Part("tests", 6, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
+                             JSON, CLI11, GTEST), "tests may look at everything"),
+    Part("tests/e2e/consumer", 6, RUNTIME, (), "a user's project: knows the installed runtime only"),
+)
+
+LIBRARIES = (  # patterns of headers, first match wins
+    (r"CGAL/", CGAL), (r"Eigen/|unsupported/Eigen/", EIGEN), (r"embree3/", EMBREE), (r"(oneapi/)?tbb/", TBB),
+    (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
+    (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
+    (r"CLI/", CLI11), (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
+    (r"(sys|linux|net|netinet|arpa)/|(fcntl|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
+     r"windows|io)\.h", SYSTEM),
+)
+STANDARD = re.compile(r"[a-z_0-9]+|(assert|ctype|errno|float|inttypes|limits|locale|math|stdarg|stddef|stdint|stdio|"
+                      r"stdlib|string|strings|time)\.h")
+INCLUDE = re.compile(r'\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')
+# Where <...> and "..." of ours are looked up, after the including file's own folder for the latter.
+SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "libdgm/include", "tests", "tests/support",
+                                          "tests/unit/formats")}
+
+CODE = {".h", ".hpp", ".c", ".cpp"}
+MARKED = CODE | {".py", ".sh", ".cmake", ".md"}
+LICENCES = {"libdgm": "MIT"}  # by top folder
+DEFAULT_LICENCE = "GPL-3.0-or-later"
+SPDX = re.compile(r"(?://|#|/\*|<!--) SPDX-License-Identifier: ([\w.-]+)(?: \*/| -->)?\s*")
+
+
+def files_of(root):
+    """Every file of the tree but builds, outputs and hidden folders other than .ci; sorted."""
+    def skipped(relative):
+        top = relative.parts[0]
+        hidden = any(p.startswith(".") and p != ".ci" for p in relative.parts[:-1])
+        return hidden or top == "out" or top.startswith("build") or "__pycache__" in relative.parts
+    relatives = (p.relative_to(root) for p in sorted(root.rglob("*")) if p.is_file())
+    return [r for r in relatives if not skipped(r)]
+
+
+def part_of(relative):
+    """The row of PARTS a file belongs to, or None."""
+    path = relative.as_posix()
+    fitting = [p for p in PARTS if path.startswith(p.folder + "/")]
+    return max(fitting, key=lambda p: len(p.folder), default=None)
+
+
+def library_of(header):
+    """Name of the library a <header> comes from: "" for the standard one, None if unknown."""
+    if STANDARD.fullmatch(header):
+        return ""
+    return next((name for pattern, name in LIBRARIES if re.match(pattern, header)), None)
+
+
+def resolve(root, relative, kind, header):
+    """The file of ours an include means, relative to root, or None."""
+    folders = [root / place for place in SEARCH[kind]]
+    if kind == '"':
+        folders.insert(0, (root / relative).parent)
+    for folder in folders:
+        candidate = (folder / header).resolve()
+        if candidate.is_file() and candidate.is_relative_to(root):
+            return candidate.relative_to(root)
+    return None
+
+
+def include_fault(root, relative, part, angled, quoted):
+    """What is wrong with one include, or None."""
+    kind, header = ("<", angled) if angled else ('"', quoted)
+    target = resolve(root, relative, kind, header)
+    if target is not None:
+        other = part_of(target)
+        if other is None:
+            return f'"{header}" is in no part of the table'
+        if other is part or other.folder in part.uses or "" in part.uses:
+            return None
+        return f"{part.folder} (level {part.level}) may not include {other.folder} (level {other.level}): {part.why}"
+    if kind == '"':
+        return f'"{header}" is no file of ours; name headers of libraries in <>'
+    library = library_of(header)
+    if library is None:
+        return f"<{header}> belongs to no library of the table; add it with a reason, or do without"
+    if library == "" or library in part.libraries:
+        return None
+    return f"{part.folder} (level {part.level}) may not include {library} (<{header}>): {part.why}"
+
+
+def include_faults(root, relative):
+    """(line, message) of each include that is not allowed."""
+    lines = (root / relative).read_text(encoding="utf-8", errors="replace").splitlines()
+    found = [(k, match) for k, line in enumerate(lines, 1) if (match := INCLUDE.match(line))]
+    part = part_of(relative)
+    if part is None:
+        return [(1, "is in no part of the table: give its folder a row")]
+    faults = [(k, include_fault(root, relative, part, *match.groups())) for k, match in found]
+    return [(k, message) for k, message in faults if message]
+
+
+def licence_fault(root, relative):
+    """(line, message) if the file does not name its licence, or None."""
+    with open(root / relative, encoding="utf-8", errors="replace") as file:
+        first, second = file.readline(), file.readline()
+    script = first.startswith("#!")
+    if relative.suffix not in MARKED and relative.name != "CMakeLists.txt" and not script:
+        return None
+    line, text = (2, second) if script else (1, first)
+    wanted = LICENCES.get(relative.parts[0], DEFAULT_LICENCE)
+    match = SPDX.fullmatch(text)
+    if not match:
+        return line, f"the line should be: SPDX-License-Identifier: {wanted}"
+    if match.group(1) != wanted:
+        return line, f"the licence here is {wanted}, not {match.group(1)}"
+    return None
+
+
+def check(root):
+    """All faults of a tree, as text lines."""
+    root = root.resolve()
+    faults, checked = [], 0
+    for relative in files_of(root):
+        found = [fault] if (fault := licence_fault(root, relative)) else []
+        if relative.suffix in CODE:
+            checked += 1
+            found += include_faults(root, relative)
+        faults += [f"{relative.as_posix()}:{line}: {message}" for line, message in found]
+    if checked == 0:
+        faults.append(f"{root}: no source file found")
+    return faults
+
+
+GOOD = {
+    "libdgm/include/dgm/vec.h": "// SPDX-License-Identifier: MIT\n#include <cmath>\n",
+    "libdgm/src/hash.cpp": "// SPDX-License-Identifier: MIT\n#include <dgm/vec.h>\n#include <xxhash.h>\n",
+    "formats/model/mesh.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <dgm/vec.h>\n",
+    "formats/dgm/writer.cpp": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <hdf5.h>\n"
+                              '#include "model/mesh.h"\n',
+    "cli/pipeline/pipeline.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
+    "scripts/demo": "#!/bin/sh\n# SPDX-License-Identifier: GPL-3.0-or-later\n",
+    "build/x.cpp": "not ours\n",
+}
+BAD = {  # file: (text, line of the fault, part of the message)
+    "libdgm/include/dgm/big.h": ("// SPDX-License-Identifier: MIT\n#include <fmt/format.h>\n", 2, "include fmt"),
+    "libdgm/src/up.cpp": ('// SPDX-License-Identifier: MIT\n\n#include "model/mesh.h"\n', 3, "formats/model (level 1)"),
+    "libdgm/src/gpl.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "the licence here is MIT"),
+    "formats/model/h5.h": ("// SPDX-License-Identifier: GPL-3.0-or-later\n# include <hdf5.h>\n", 2, "include HDF5"),
+    "formats/exr/side.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include \"dgm/writer.h\"\n", 2,
+                             "may not include formats/dgm"),
+    "formats/dgm/writer.h": ("#pragma once\n", 1, "SPDX-License-Identifier: GPL-3.0-or-later"),
+    "cli/geometry/cut/cut.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include <CGAL/Surface_mesh.h>\n", 2,
+                                 "include CGAL"),
+    "cli/geometry/metrics/up.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n"
+                                    '#include "pipeline/pipeline.h"\n', 2, "may not include cli/pipeline"),
+    "cli/bake/odd.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include <openssl/md5.h>\n", 2, "no library"),
+    "cli/bake/lost.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include \"lost.h\"\n", 2, "no file of ours"),
+    "cli/new/new.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "no part"),
+    "scripts/run.sh": ("#!/bin/sh\nset -e\n", 2, "SPDX-License-Identifier"),
+}
+
+
+def plant(root, files):
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8")
+
+
+def self_test():
+    """Faults of the check itself, as text lines."""
+    wrong = []
+    with tempfile.TemporaryDirectory(prefix="check-layers-") as folder:
+        root = Path(folder)
+        plant(root, GOOD)
+        wrong += [f"a good tree fails: {fault}" for fault in check(root)]
+        plant(root, {name: text for name, (text, _, _) in BAD.items()})
+        faults = check(root)
+        for name, (_, line, message) in BAD.items():
+            mine = [f for f in faults if f.startswith(name + ":")]
+            if len(mine) != 1 or not mine[0].startswith(f"{name}:{line}:") or message not in mine[0]:
+                wrong.append(f"{name}:{line}: expected one fault with \"{message}\", got {mine}")
+        if len(faults) != len(BAD):
+            wrong.append(f"expected {len(BAD)} faults, got {len(faults)}")
+    with tempfile.TemporaryDirectory(prefix="check-layers-") as folder:
+        if len(check(Path(folder))) != 1:
+            wrong.append("an empty tree passes")
+    return wrong
+
+
+def main(arguments):
+    if arguments == ["--self-test"]:
+        faults = self_test()
+    elif len(arguments) <= 1 and not any(a.startswith("-") for a in arguments):
+        faults = check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent)
+    else:
+        print(__doc__, file=sys.stderr)
+        return 1
+    for fault in faults:
+        print(fault)
+    print(f"check_layers: {len(faults)} faults" if faults else "check_layers: ok")
+    return 3 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

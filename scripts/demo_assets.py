@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes the samples at 257 x 257, validates and draws them, and prints what came out. Called by scripts/demo.
+
+    demo_assets.py BUILD OUT
+"""
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+SAMPLES = ("stomach/stomach.obj", "stomach/stomach.3ds", "liver/liver.obj", "cushion/cushion.obj", "cushion/cover.obj",
+           "sheet/sheet.obj", "chair/seat.obj", "chair/back.obj", "chair/chair.obj")
+SIZE = "257x257"
+COLUMNS = ("asset", "method", "grid", "PSNR dB", "max error %", "seam gap", "flips", "time s", "bytes", "valid")
+
+
+def say(text):
+    print(text, flush=True)
+
+
+def run(program, *arguments):
+    """Runs a tool with its messages on our terminal; its exit code."""
+    return subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, check=False).returncode
+
+
+def up_axis(mesh):
+    """The samples are z-up; the importer turns 3DS, which is z-up by definition, to y-up."""
+    return "y" if mesh.suffix == ".3ds" else "z"
+
+
+def joined(values):
+    """"a" for a, a; "a + b" for a, b: the charts of one asset."""
+    return " + ".join(dict.fromkeys(values))
+
+
+def row(asset, valid):
+    """One line of the table."""
+    name = "/".join(Path(asset["source"]).parts[-2:])
+    if "error" in asset:
+        return (name, "refused: " + asset["error"]["code"]) + ("-",) * (len(COLUMNS) - 2)
+    report, charts = asset["report"], asset["report"]["charts"]
+    return (name, joined(c["method"] for c in charts), joined(f"{c['rows']}x{c['cols']}" for c in charts),
+            f"{report['error']['psnr']:.1f}", f"{report['error']['hausdorff_percent']:.4f}",
+            f"{max(c['seam_gap'] for c in charts):g}", str(sum(c["map"]["flips"] for c in charts)),
+            f"{asset['seconds']:.1f}", str(sum(f["bytes"] for f in asset["files"])), "yes" if valid else "NO")
+
+
+def print_table(rows):
+    """Columns as wide as they need to be; numbers to the right."""
+    rows = [COLUMNS, *rows]
+    widths = [max(len(r[k]) for r in rows) for k in range(len(COLUMNS))]
+    for r in rows:
+        say("  ".join(cell.ljust(w) if k < 3 else cell.rjust(w) for k, (cell, w) in enumerate(zip(r, widths))).rstrip())
+
+
+def main(build, out):
+    tools = {name: build / "cli" / name / f"dgm-{name}" for name in ("bake", "validate", "export")}
+    out.mkdir(parents=True, exist_ok=True)
+    meshes = [build / "samples/meshes" / name for name in SAMPLES]
+    report = out / "report.json"
+
+    say(f"demo: 3/5 bake {len(meshes)} samples at {SIZE}")
+    report.unlink(missing_ok=True)
+    worst = run(tools["bake"], *meshes, "-o", f"{out}/", "--size", SIZE, "--report", report)
+    if not report.exists():
+        return worst or 4
+    assets = json.loads(report.read_text(encoding="utf-8"))["assets"]
+
+    say("demo: 4/5 validate each against its source")
+    valid, pictures = {}, []
+    baked = [(Path(a["source"]), Path(a["files"][0]["path"])) for a in assets if a["files"]]
+    for mesh, file in baked:
+        code = run(tools["validate"], file, "--source", mesh)
+        valid[str(mesh)] = code == 0
+        worst = worst or code
+
+    say("demo: 5/5 draw")
+    for mesh, file in baked:
+        compared, layers = file.with_suffix(".png"), file.with_suffix(".layers.png")
+        beside = ("-o", compared, "--source", mesh, "--size", "1600x440")
+        for options in (beside, ("-o", layers, "--sheet")):
+            code = run(tools["export"], file, *options, "--up", up_axis(mesh))
+            worst = worst or code
+        pictures += [compared, layers]
+
+    say("")
+    print_table([row(asset, valid.get(asset["source"], False)) for asset in assets])
+    say(f"\nmaps and pictures: {out}")
+    say("  NAME.png         source | reconstruction | grid and seam | error")
+    say("  NAME.layers.png  every layer of every chart")
+    say(f"  report.json      all that was measured\nnext: {tools['bake']} --help")
+    return worst
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()))
