@@ -22,6 +22,7 @@ using model::Error;
 namespace codes = model::codes;
 
 constexpr std::size_t kNewtonSteps = 8;
+constexpr double kPoor = 75;  // dB: below this a square chart has something folded away; a free one is tried as well
 
 bool is_free_method(const std::string& method) { return method == "lscm" || method == "arap" || method == "uv"; }
 
@@ -42,11 +43,26 @@ class ComponentBaker {
         const double shrink = longest > 257 ? 256.0 / (longest - 1) : 1.0;
         search.m = std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((size_.rows - 1) * shrink)));
         search.n = std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((size_.cols - 1) * shrink)));
-        cut_ = search_cut(component_, search, progress_);
+        // A small grid is a small part of the asset (component_size): it gets a proportionate search.
+        const double effort = std::min(1.0, static_cast<double>(search.m) * search.n / (129.0 * 129.0));
+        search.samples = static_cast<std::uint64_t>(200 + 7800 * effort);
+        if (effort < 0.1) search.max_extremities = 8, search.patience = 1, search.rotations = 2, search.drops = 2;
+        try {
+            cut_ = search_cut(component_, search, progress_);
+        } catch (const Error& e) {
+            if (e.code().number == codes::kInterrupted.number || !may_be_free()) throw;
+            CutGraph shortest(component_);  // no square map at all: a free chart may still do
+            shortest.cut_to_disk();
+            cut_.disk = shortest.open();
+            cut_.cut_length = shortest.length();
+            failure_ = e;
+        }
         // The search's rotation counts samples of its own grid.
         const double ratio = static_cast<double>(BorderGrid{size_.rows, size_.cols}.count()) / BorderGrid{search.m, search.n}.count();
         rotation_ = static_cast<std::uint32_t>(std::lround(cut_.rotation * ratio));
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
+        if (options_.method == "auto" && may_be_free() && !tried("arap") && (!best_ || result_.candidates.front().psnr < kPoor))
+            add("arap", [&] { return make("arap"); });
         return finish();
     }
 
@@ -55,7 +71,7 @@ class ComponentBaker {
         if (options_.method != "auto") return {options_.method};
         const bool square = options_.domain != DomainChoice::kFree, free = options_.domain != DomainChoice::kSquare;
         std::vector<std::string> out;
-        if (square) out.push_back("stretch");
+        if (square && !failure_) out.push_back("stretch");
         // A free chart earns its unused samples only where the surface is a panel: flat pieces of cloth above all.
         if (free && (!square || is_panel())) out.push_back("arap");
         if (free && !square) out.push_back("lscm");
@@ -64,6 +80,16 @@ class ComponentBaker {
 
     /// A disk as it stands, not cut by us.
     [[nodiscard]] bool is_panel() const { return cut_.cut_length == 0; }
+
+    [[nodiscard]] bool may_be_free() const {
+        return options_.method == "auto" ? options_.domain != DomainChoice::kSquare : is_free_method(options_.method);
+    }
+
+    [[nodiscard]] bool tried(std::string_view method) const {
+        for (const CandidateReport& c : result_.candidates)
+            if (c.method == method) return true;
+        return false;
+    }
 
     SampledChart make(const std::string& method) {
         if (is_free_method(method))

@@ -158,11 +158,24 @@ bool fits_grid(const LayerImage& image, std::uint32_t rows, std::uint32_t cols) 
 }
 
 std::uint16_t half_of_srgb(std::uint8_t code) {
-    return half(static_cast<float>(linear_of_srgb(code / 255.0))).bits();
+    static const auto table = [] {
+        std::array<std::uint16_t, 256> out{};
+        for (std::size_t k = 0; k < out.size(); ++k)
+            out[k] = half(static_cast<float>(linear_of_srgb(static_cast<double>(k) / 255))).bits();
+        return out;
+    }();
+    return table[code];
 }
 std::uint8_t srgb_of_half(std::uint16_t bits) {
-    const double linear = float_of_half(bits);
-    return linear > 0 ? code_of(srgb_of_linear(std::min(linear, 1.0))) : std::uint8_t{0};
+    static const auto table = [] {
+        std::vector<std::uint8_t> out(65536);
+        for (std::size_t k = 0; k < out.size(); ++k) {
+            const double linear = float_of_half(static_cast<std::uint16_t>(k));
+            out[k] = linear > 0 ? code_of(srgb_of_linear(std::min(linear, 1.0))) : std::uint8_t{0};
+        }
+        return out;
+    }();
+    return table[bits];
 }
 std::uint16_t half_of_unit(std::uint8_t code) {
     return half(static_cast<float>(code) / 255.0f).bits();

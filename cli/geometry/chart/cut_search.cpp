@@ -137,7 +137,7 @@ class Search {
             for (std::size_t p = 0; p < paths.size(); ++p)
                 if (paths[p].mate == (p + 1) % paths.size()) found.emplace_back(-paths[p].length, paths[p].half_edges);
         std::sort(found.begin(), found.end());
-        if (found.size() > kMaxDrops) found.resize(kMaxDrops);
+        if (found.size() > options_.drops) found.resize(options_.drops);
         std::vector<std::vector<std::uint32_t>> out;
         for (auto& entry : found) out.push_back(std::move(entry.second));
         return out;
@@ -153,7 +153,6 @@ class Search {
         }
     }
 
-    static constexpr std::size_t kMaxDrops = 12;
     const TriMesh& component_;
     const CutSearchOptions& options_;
     const model::Progress& progress_;

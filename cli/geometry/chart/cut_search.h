@@ -14,6 +14,7 @@ struct CutSearchOptions {
     int max_extremities = 40;
     int patience = 4;               ///< extremities tried in a row without a gain of 1 %
     std::size_t rotations = 4;
+    std::size_t drops = 12;         ///< branches tried without, at most
 };
 
 struct CutSearchResult {

@@ -94,10 +94,11 @@ std::vector<std::uint32_t> CutGraph::cut_vertices() const {
 }
 
 void CutGraph::cut_to_disk() {
-    if (genus_ > 0) cut_handles();
-    if (!loops_.empty()) {
+    if (genus_ > 0) {
+        cut_handles();  // joins the borders as well
+    } else if (!loops_.empty()) {
         join_boundary_loops();
-    } else if (genus_ == 0) {
+    } else {
         Search s;
         const std::uint32_t any = mesh_->faces[0][0];
         const auto farthest = [&](std::uint32_t from) {
@@ -133,31 +134,28 @@ void CutGraph::cut_handles() {
             in_tree[h] = 1;
             if (opposite_[h] != kNone) in_tree[opposite_[h]] = 1;
         }
-    // Dual nodes: faces, then one per boundary loop (the surface with its holes capped).
-    const std::size_t f = mesh_->faces.size();
-    std::vector<std::uint32_t> hole(opposite_.size(), kNone);
-    for (std::uint32_t k = 0; k < loops_.size(); ++k) {
-        std::uint32_t h = loops_[k];
-        do {
-            hole[h] = static_cast<std::uint32_t>(f + k);
-            h = next_border_half_edge(opposite_, h);
-        } while (h != loops_[k]);
-    }
-    std::vector<std::pair<double, std::uint32_t>> edges;
+    // A spanning tree of the faces opens the surface into a tree of triangles, which is a disk whatever the genus and the
+    // borders. Edges whose loop over the root is longest are crossed first, edges of the tree of shortest paths only
+    // where nothing else joins the faces (a path from border to border parts them).
+    struct Edge {
+        bool on_path;
+        double loop;
+        std::uint32_t half_edge;
+    };
+    std::vector<Edge> edges;
     for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
-        if (in_tree[h] || (opposite_[h] != kNone && opposite_[h] < h)) continue;
+        if (opposite_[h] == kNone || opposite_[h] < h) continue;
         const std::uint32_t a = origin(mesh_->faces, h), b = target(mesh_->faces, h);
-        edges.emplace_back(-(tree.distance[a] + tree.distance[b] + dgm::model::length(mesh_->positions[a] - mesh_->positions[b])), h);
+        edges.push_back({in_tree[h] != 0,
+                         tree.distance[a] + tree.distance[b] + dgm::model::length(mesh_->positions[a] - mesh_->positions[b]), h});
     }
-    std::sort(edges.begin(), edges.end());  // longest loops first: they are the ones the dual tree crosses
-    UnionFind dual(f + loops_.size());
-    for (const auto& [minus_length, h] : edges) {
-        const std::uint32_t left = h / 3, right = opposite_[h] != kNone ? opposite_[h] / 3 : hole[h];
-        if (dual.unite(left, right)) continue;
-        mark(h, true);
-        mark_path(tree, origin(mesh_->faces, h));
-        mark_path(tree, target(mesh_->faces, h));
-    }
+    std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
+        if (x.on_path != y.on_path) return y.on_path;
+        return x.loop != y.loop ? x.loop > y.loop : x.half_edge < y.half_edge;
+    });
+    UnionFind faces(mesh_->faces.size());
+    for (const Edge& e : edges)
+        if (!faces.unite(e.half_edge / 3, opposite_[e.half_edge] / 3)) mark(e.half_edge, true);
     prune();
 }
 
@@ -182,17 +180,11 @@ void CutGraph::join_boundary_loops() {
         joined[k] = 1, --open;
         for (std::uint32_t v : members[k]) add_vertex(v);
     };
-    for (std::uint32_t h = 0; h < cut_.size(); ++h)
-        if (cut_[h]) add_vertex(origin(mesh_->faces, h));
-    for (std::uint32_t v : std::vector<std::uint32_t>(sources))
-        if (loop_of[v] != kNone && !joined[loop_of[v]]) add_loop(loop_of[v]);
-    if (sources.empty()) {
-        // Start from the longest loop: it is the one that should face the square's border most.
-        std::size_t longest = 0;
-        for (std::size_t k = 1; k < members.size(); ++k)
-            if (members[k].size() > members[longest].size()) longest = k;
-        add_loop(static_cast<std::uint32_t>(longest));
-    }
+    // Start from the longest loop: it is the one that should face the square's border most.
+    std::size_t longest = 0;
+    for (std::size_t k = 1; k < members.size(); ++k)
+        if (members[k].size() > members[longest].size()) longest = k;
+    add_loop(static_cast<std::uint32_t>(longest));
     Search s;
     while (open > 0) {
         const std::uint32_t end = search(

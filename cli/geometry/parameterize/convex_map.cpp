@@ -147,7 +147,14 @@ std::vector<Vec2d> reweighted_stretch_map(const DiskView& disk, const ReweightOp
                                           const model::Progress& progress) {
     ConvexMapSolver solver(disk.positions.size(), disk.faces, disk.border);
     std::vector<double> weights = positive_cotangent_weights(disk.positions, disk.faces, solver.edges());
-    std::vector<Vec2d> uv = solver.solve(weights, disk.border_uv), best = uv;
+    std::vector<Vec2d> uv;
+    try {
+        uv = solver.solve(weights, disk.border_uv);
+    } catch (const model::Error&) {  // weights over many powers of ten; equal ones always have a solution
+        weights.assign(weights.size(), 1.0);
+        uv = solver.solve(weights, disk.border_uv);
+    }
+    std::vector<Vec2d> best = uv;
     double least = stretch_energy(disk.positions, disk.faces, uv);
     std::vector<double> stretch(disk.positions.size()), area(disk.positions.size());
     int worse = 0;
@@ -171,7 +178,11 @@ std::vector<Vec2d> reweighted_stretch_map(const DiskView& disk, const ReweightOp
             const double product = stretch[edges[e].first] * stretch[edges[e].second];
             weights[e] = std::clamp(weights[e] / std::pow(product, options.exponent), 1e-12, 1e12);
         }
-        uv = solver.solve(weights, disk.border_uv);
+        try {
+            uv = solver.solve(weights, disk.border_uv);
+        } catch (const model::Error&) {
+            break;  // reweighted beyond what doubles can factorize; the best map so far stands
+        }
         const double energy = stretch_energy(disk.positions, disk.faces, uv);
         if (energy < least || (!std::isfinite(least) && k == 0))
             least = energy, best = uv, worse = 0;

@@ -149,7 +149,9 @@ TEST(NormalLayer, UnitAndRadialOnABall) {
         EXPECT_EQ(out.decoded[s], n);
         ASSERT_NEAR(length(n), 1, 1e-6);
         const Vec3d radial = normalized(source_position(b, s) - Vec3d{10, 20, 30});
-        ASSERT_GT(dot(n, radial), std::cos(0.5 * kPi / 180));
+        const std::size_t i = s / 21, j = s % 21;
+        const bool inner = i > 2 && j > 0 && i < 22 && j < 20;  // corners stand on vertices that cut a flat edge in two
+        ASSERT_GT(dot(n, radial), std::cos((inner ? 0.5 : 2.5) * kPi / 180)) << i << ", " << j;
         const std::uint32_t rep = b.chart.representative[s];
         ASSERT_EQ(codes[2 * s], codes[2 * rep]);
         ASSERT_EQ(codes[2 * s + 1], codes[2 * rep + 1]);
@@ -303,12 +305,15 @@ TEST(ContactLayer, AreasAddUpAndASquareIsShared) {
         EXPECT_EQ(shares[2 * s + 1], 1);
     }
     EXPECT_NEAR(sum, 4, 1e-6);
-    EXPECT_GE(shares[2 * 4], 4 / 3.0 - 1e-6) << "the middle has a third of 4 to 8 triangles of 1/2";
+    int round_middle = 0;
+    for (const Face& f : flat.chart.faces()) round_middle += std::count(f.begin(), f.end(), 4u) > 0;
+    EXPECT_NEAR(shares[2 * 4], round_middle * 0.5 / 3, 1e-6) << "a third of each triangle of 1/2 that meets there";
 
     const Bench ball = baked(test::icosphere(4, 3), 33, 33, false);
     const std::vector<Vec3d> local = store_positions(ball.input()).local;
+    const std::vector<float> areas = read<float>(make_contact(ball.chart, local));
     sum = 0;
-    for (std::size_t s = 0; s < 33 * 33; ++s) sum += read<float>(make_contact(ball.chart, local))[2 * s];
+    for (std::size_t s = 0; s < 33 * 33; ++s) sum += areas[2 * s];
     EXPECT_NEAR(sum, test::surface_area(local, ball.chart.faces()), 1e-4);
     EXPECT_NEAR(sum, 4 * kPi * 9, 0.03 * 4 * kPi * 9);
 }
