@@ -35,7 +35,9 @@ Outcome bake_with(std::size_t threads, const TriMesh& mesh) {
     const CutSearchResult cut = search_cut(component, options, {});
     const auto layers = [&](const SampledChart& chart) {
         const SampleGrid fine = rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
-        return make_layers({chart, repaired.frame, choose_frame(repaired.frame, chart, false), {}, fine, std::nullopt}, {}).chart;
+        return make_layers({chart, repaired.frame, choose_frame(repaired.frame, chart, false), {}, fine, std::nullopt},
+                           {})
+            .chart;
     };
     Outcome out;
     const SampledChart square = make_square_chart(cut.disk, 33, 29, cut.rotation, *make_stretch_parameterizer(4), {});

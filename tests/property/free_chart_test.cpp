@@ -44,7 +44,9 @@ struct Named {
     const char* name;
     TriMesh mesh;
 };
-void PrintTo(const Named& named, std::ostream* out) { *out << named.name; }
+void PrintTo(const Named& named, std::ostream* out) {
+    *out << named.name;
+}
 
 std::vector<Named> surfaces() {
     TriMesh bent = test::grid_sheet(16, 12, 2, 1);
@@ -113,7 +115,8 @@ TEST(FreeChartSlit, ASlitStaysASlit) {
         ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, mesh));
         const std::vector<Face> faces = chart.faces();
         EXPECT_NEAR(test::surface_area(chart.positions, faces), area, 1e-6);
-        for (const Face& f : faces) {  // back in source coordinates: nothing crosses the slit's axis well left of its tip
+        for (const Face& f :
+             faces) {  // back in source coordinates: nothing crosses the slit's axis well left of its tip
             double lo = 9, hi = -9, right = -9;
             for (std::uint32_t s : f) {
                 const Vec3d p = repaired.frame.centre + chart.positions[s] * repaired.frame.diagonal;
@@ -163,9 +166,7 @@ TEST(UvChart, UsesTheMeshsOwnCoordinatesAndItsSeam) {
     const auto code = [](const TriMesh& bad) {
         try {
             (void)make_uv_chart(bad, 17, 17, kTools, {});
-        } catch (const model::Error& e) {
-            return e.code().number;
-        }
+        } catch (const model::Error& e) { return e.code().number; }
         return 0;
     };
     TriMesh bare = mesh;
@@ -203,7 +204,8 @@ TEST(FreeChartLayers, KnowTheStrip) {
     EXPECT_EQ(layer("border_geometry").shape, (std::vector<std::uint64_t>{extra, 3}));
     EXPECT_EQ(layer("border_normal").shape, (std::vector<std::uint64_t>{extra, 2}));
     EXPECT_EQ(layer("border_faces").shape, (std::vector<std::uint64_t>{chart.strip.size(), 3}));
-    for (const char* name : {"geometry", "mask", "border_uv", "border_geometry", "border_faces"}) EXPECT_TRUE(layer(name).required);
+    for (const char* name : {"geometry", "mask", "border_uv", "border_geometry", "border_faces"})
+        EXPECT_TRUE(layer(name).required);
     std::vector<Vec3d> local;
     for (const char* name : {"geometry", "border_geometry"}) {
         const auto v = values<float>(layer(name));
@@ -235,7 +237,8 @@ TEST(FreeChartLayers, KnowTheStrip) {
         for (std::size_t box = 0; box < std::size_t{levels[0]} * levels[1] && !held; ++box) {
             held = true;
             for (std::uint32_t s : f)
-                for (int k = 0; k < 3; ++k) held &= local[s][k] >= boxes[6 * box + k] && local[s][k] <= boxes[6 * box + 3 + k];
+                for (int k = 0; k < 3; ++k)
+                    held &= local[s][k] >= boxes[6 * box + k] && local[s][k] <= boxes[6 * box + 3 + k];
         }
         EXPECT_TRUE(held);
     }

@@ -19,7 +19,9 @@
 namespace dgm::bake {
 namespace {
 
-TriMesh component(const TriMesh& mesh) { return repair(mesh).components.at(0); }
+TriMesh component(const TriMesh& mesh) {
+    return repair(mesh).components.at(0);
+}
 
 SampledChart chart_of(const TriMesh& mesh, std::uint32_t m, std::uint32_t n, std::size_t newton_steps = 0,
                       std::size_t which_rotation = 0) {
@@ -35,7 +37,9 @@ struct Named {
     const char* name;
     TriMesh mesh;
 };
-void PrintTo(const Named& named, std::ostream* out) { *out << named.name; }
+void PrintTo(const Named& named, std::ostream* out) {
+    *out << named.name;
+}
 
 std::vector<Named> surfaces() {
     const std::array<std::array<std::uint32_t, 2>, 5> holes{{{1, 1}, {1, 9}, {9, 1}, {9, 9}, {5, 5}}};
@@ -106,9 +110,7 @@ TEST(SquareChartError, TooSmallAGridIsRefusedNotBroken) {
     try {
         const SampledChart chart = chart_of(mesh, 5, 5);
         FAIL() << "24 of 16 intervals";
-    } catch (const model::Error& e) {
-        EXPECT_EQ(e.code().number, model::codes::kGridTooSmall.number);
-    }
+    } catch (const model::Error& e) { EXPECT_EQ(e.code().number, model::codes::kGridTooSmall.number); }
 }
 
 /// A limb must be cut to be seen: a long finger is a disk already, but its tip shrinks to nothing until it is joined to
@@ -125,7 +127,8 @@ TEST(CutSearch, CutsALongFingerOpen) {
     const SampledChart chart =
         make_square_chart(found.disk, 49, 49, found.rotation, *make_stretch_parameterizer(0), {});
     test::expect_topology(chart, mesh);
-    const double first = quick_error(mesh, chart_of(mesh, 49, 49), 20'000).rms, best = quick_error(mesh, chart, 20'000).rms;
+    const double first = quick_error(mesh, chart_of(mesh, 49, 49), 20'000).rms,
+                 best = quick_error(mesh, chart, 20'000).rms;
     EXPECT_LT(best, 0.5 * first);
     EXPECT_NEAR(best, found.rms, 0.2 * best) << "the error that it reports is the error that is there";
     EXPECT_GT(found.cut_length, 0);
@@ -139,9 +142,7 @@ TEST(CutSearch, StopsWhenAskedTo) {
     try {
         (void)search_cut(component(test::icosphere(2)), {}, progress);
         FAIL() << "ran on";
-    } catch (const model::Error& e) {
-        EXPECT_EQ(e.code().number, model::codes::kInterrupted.number);
-    }
+    } catch (const model::Error& e) { EXPECT_EQ(e.code().number, model::codes::kInterrupted.number); }
 }
 
 }  // namespace

@@ -80,11 +80,11 @@ inline TriMesh slit_sheet(std::uint32_t cells, double width) {
 inline TriMesh icosphere(int levels, double radius = 1) {
     const double g = std::numbers::phi;
     TriMesh mesh;
-    mesh.positions = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                      {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-    mesh.faces = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                  {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+    mesh.positions = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                      {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    mesh.faces = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     for (int level = 0; level < levels; ++level) {
         std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
         const auto middle = [&](std::uint32_t a, std::uint32_t b) {
@@ -148,7 +148,8 @@ inline TriMesh finger(double radius, double tube_length, std::uint32_t around, s
         const double z = i <= along ? tube_length * i / along : tube_length + radius * std::sin(angle);
         for (std::uint32_t j = 0; j < around; ++j) {
             const double t = 2 * std::numbers::pi * j / around;
-            mesh.positions.push_back({radius * std::cos(angle) * std::cos(t), radius * std::cos(angle) * std::sin(t), z});
+            mesh.positions.push_back(
+                {radius * std::cos(angle) * std::cos(t), radius * std::cos(angle) * std::sin(t), z});
         }
     }
     for (Face f : lattice_faces(along + cap, around, false, true)) mesh.faces.push_back({f[0], f[2], f[1]});
@@ -250,8 +251,12 @@ inline TriMesh comb(int teeth, int tall, int detail = 1) {
     return cubes(cells, detail);
 }
 
-inline TriMesh cubes_touching_at_edge() { return cubes(std::array<std::array<int, 3>, 2>{{{0, 0, 0}, {1, 1, 0}}}); }
-inline TriMesh cubes_touching_at_vertex() { return cubes(std::array<std::array<int, 3>, 2>{{{0, 0, 0}, {1, 1, 1}}}); }
+inline TriMesh cubes_touching_at_edge() {
+    return cubes(std::array<std::array<int, 3>, 2>{{{0, 0, 0}, {1, 1, 0}}});
+}
+inline TriMesh cubes_touching_at_vertex() {
+    return cubes(std::array<std::array<int, 3>, 2>{{{0, 0, 0}, {1, 1, 1}}});
+}
 
 /// Two triangles that share one vertex.
 inline TriMesh bow_tie() {
@@ -261,7 +266,8 @@ inline TriMesh bow_tie() {
     return mesh;
 }
 
-/// `pages` unit squares that share the edge from (0,0,0) to (0,0,1), evenly around it; odd pages are wound the other way.
+/// `pages` unit squares that share the edge from (0,0,0) to (0,0,1), evenly around it; odd pages are wound the other
+/// way.
 inline TriMesh book(std::uint32_t pages) {
     TriMesh mesh;
     mesh.positions = {{0, 0, 0}, {0, 0, 1}};
@@ -311,7 +317,9 @@ inline double surface_area(std::span<const Vec3d> positions, std::span<const Fac
         sum += 0.5 * length(cross(positions[f[1]] - positions[f[0]], positions[f[2]] - positions[f[0]]));
     return sum;
 }
-inline double surface_area(const TriMesh& mesh) { return surface_area(mesh.positions, mesh.faces); }
+inline double surface_area(const TriMesh& mesh) {
+    return surface_area(mesh.positions, mesh.faces);
+}
 
 /// Signed volume; positive where a closed surface is wound outward.
 inline double volume(const TriMesh& mesh) {

@@ -108,7 +108,7 @@ TEST(ConvexMap, StretchOfAffineTriangles) {
     };
     EXPECT_NEAR(energy(1, 1, 0), 1, 1e-13);
     EXPECT_NEAR(energy(3, 2, 0), 6.5, 1e-12);
-    EXPECT_NEAR(energy(1, 1, 2), 3, 1e-12);     // S_t = (2, 1): (1 + 5) / 2
+    EXPECT_NEAR(energy(1, 1, 2), 3, 1e-12);        // S_t = (2, 1): (1 + 5) / 2
     EXPECT_NEAR(energy(0.5, 4, 1), 8.625, 1e-11);  // (0.25 + 1 + 16) / 2
     const std::vector<Vec3d> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const std::vector<Vec2d> flipped{{0, 0}, {0, 1}, {1, 0}}, flat{{0, 0}, {1, 1}, {2, 2}};

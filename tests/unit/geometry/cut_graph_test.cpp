@@ -80,7 +80,8 @@ TEST(CutGraph, OpensEverySurfaceIntoOneDisk) {
         for (std::uint32_t h = 0; h < disk.mate.size(); ++h) {
             ASSERT_EQ(disk.mate[h] != kNone, cut.is_cut(h));
             if (disk.mate[h] != kNone)
-                mated += length(disk.mesh.positions[origin(disk.mesh.faces, h)] - disk.mesh.positions[target(disk.mesh.faces, h)]);
+                mated += length(disk.mesh.positions[origin(disk.mesh.faces, h)] -
+                                disk.mesh.positions[target(disk.mesh.faces, h)]);
         }
         EXPECT_NEAR(mated / 2, cut.length(), 1e-12);
     }
@@ -159,7 +160,8 @@ TEST(CutGraph, DistanceToTheRimOfASheet) {
     const CutGraph cut(mesh);
     const std::vector<double> distance = cut.distance_to_cut();
     for (int i = 0; i <= 8; ++i)
-        for (int j = 0; j <= 8; ++j) EXPECT_DOUBLE_EQ(distance[i * 9 + j], std::min(std::min(i, 8 - i), std::min(j, 8 - j)));
+        for (int j = 0; j <= 8; ++j)
+            EXPECT_DOUBLE_EQ(distance[i * 9 + j], std::min(std::min(i, 8 - i), std::min(j, 8 - j)));
 }
 
 TEST(CutGraph, MarkCutsAndHealsBothSides) {
@@ -189,7 +191,8 @@ void expect_paths(const Disk& disk, const std::vector<BorderPath>& paths) {
         ASSERT_FALSE(path.half_edges.empty());
         double sum = 0;
         for (std::uint32_t h : path.half_edges) {
-            sum += length(disk.mesh.positions[origin(disk.mesh.faces, h)] - disk.mesh.positions[target(disk.mesh.faces, h)]);
+            sum += length(disk.mesh.positions[origin(disk.mesh.faces, h)] -
+                          disk.mesh.positions[target(disk.mesh.faces, h)]);
             all.push_back(h);
         }
         EXPECT_NEAR(path.length, sum, 1e-12);
@@ -257,7 +260,8 @@ TEST(BorderPaths, AnnulusHasTwoLoopsAndACut) {
     const std::vector<BorderPath> paths = cut.open().paths();
     ASSERT_EQ(paths.size(), 4u);
     int loops = 0, mated = 0;
-    for (const BorderPath& path : paths) loops += path.is_loop && path.mate == kNone, mated += path.mate != kNone && !path.is_loop;
+    for (const BorderPath& path : paths)
+        loops += path.is_loop && path.mate == kNone, mated += path.mate != kNone && !path.is_loop;
     EXPECT_EQ(loops, 2);
     EXPECT_EQ(mated, 2);
 }
@@ -272,8 +276,8 @@ TEST(BorderPaths, BranchesAndLeaves) {
         FAIL();
     };
     const auto at = [](std::uint32_t i, std::uint32_t j) { return i * 9 + j; };
-    for (std::uint32_t i = 0; i < 4; ++i) mark(at(i, 4), at(i + 1, 4));       // from the rim to the middle
-    for (std::uint32_t j = 2; j < 6; ++j) mark(at(4, j), at(4, j + 1));       // and a bar across
+    for (std::uint32_t i = 0; i < 4; ++i) mark(at(i, 4), at(i + 1, 4));  // from the rim to the middle
+    for (std::uint32_t j = 2; j < 6; ++j) mark(at(4, j), at(4, j + 1));  // and a bar across
     const Disk disk = cut.open();
     test::expect_disk(disk);
     const std::vector<BorderPath> paths = disk.paths();

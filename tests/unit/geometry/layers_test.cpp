@@ -7,75 +7,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
 
-#include "geometry/chart/square_chart.h"
-#include "geometry/cut/cut_graph.h"
 #include "model/half.h"
 #include "model/octahedral.h"
 #include "support/meshes.h"
+#include "unit/geometry/layer_bench.h"
 
 namespace dgm::bake {
 namespace {
 constexpr double kPi = std::numbers::pi;
 
-template <class T>
-std::vector<T> read(const model::Layer& layer) {
-    std::vector<T> out(layer.bytes.size() / sizeof(T));
-    std::copy_n(layer.bytes.data(), layer.bytes.size(), reinterpret_cast<std::byte*>(out.data()));
-    return out;
+Vec3d source_position(const Bench& b, std::size_t s) {
+    return b.frame.centre + b.chart.positions[s] * b.frame.diagonal;
 }
-
-/// A chart with all that layers are made from.
-struct Bench {
-    SampledChart chart;
-    Frame frame;
-    StoredFrame stored;
-    MaterialImages images;
-    SampleGrid fine;
-    [[nodiscard]] LayerInput input() const { return {chart, frame, stored, images, fine, std::nullopt}; }
-};
-
-/// The unit square with (2m-1) x (2n-1) vertices, bent by `place`: its map is the identity, and vertices are samples.
-Bench patch(std::uint32_t m, std::uint32_t n, const std::function<Vec3d(double, double)>& place) {
-    Bench b;
-    TriMesh mesh = test::grid_sheet(2 * m - 2, 2 * n - 2);
-    for (const Vec3d& p : mesh.positions) b.chart.uv.push_back({p.x, p.y});
-    for (Vec3d& p : mesh.positions) p = place(p.x, p.y);
-    b.chart.m = m, b.chart.n = n;
-    b.chart.method = "by hand";
-    b.chart.disk = CutGraph(mesh).open();  // nothing is cut; corners are found in face order, so vertices move
-    std::vector<Vec2d> uv(b.chart.uv.size());
-    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] = b.chart.uv[b.chart.disk.weld[v]];
-    b.chart.uv = uv;
-    b.fine = rasterize(b.chart.disk.mesh.faces, uv, 2 * m - 1, 2 * n - 1);
-    b.chart.samples = coarsen(b.fine, m, n);
-    for (std::uint32_t s = 0; s < b.chart.samples.size(); ++s) b.chart.representative.push_back(s);
-    place_samples(b.chart);
-    choose_diagonals(b.chart, b.fine);
-    return b;
-}
-
-/// A ball of radius 3 about (10, 20, 30), or a torus there, mapped by the baker itself.
-Bench baked(const TriMesh& mesh, std::uint32_t m, std::uint32_t n, bool quantised, Vec3d centre = {10, 20, 30}) {
-    Bench b;
-    TriMesh source = mesh;
-    for (Vec3d& p : source.positions) p += centre;
-    RepairedMesh repaired = repair(source);
-    b.frame = repaired.frame;
-    CutGraph cut(repaired.components.at(0));
-    cut.cut_to_disk();
-    const Disk disk = cut.open();
-    b.chart = make_square_chart(disk, m, n, candidate_rotations(disk, m, n, 1).front(), *make_stretch_parameterizer(0), {});
-    b.stored = choose_frame(b.frame, b.chart, quantised);
-    b.fine = rasterize(b.chart.disk.mesh.faces, b.chart.uv, 2 * m - 1, 2 * n - 1);
-    return b;
-}
-
-Vec3d source_position(const Bench& b, std::size_t s) { return b.frame.centre + b.chart.positions[s] * b.frame.diagonal; }
 Vec3d decoded_position(const Bench& b, const Vec3d& stored) {
     Vec3d p;
     for (int k = 0; k < 3; ++k) p[k] = b.stored.offset[k] + b.stored.scale[k] * stored[k];
@@ -132,7 +79,8 @@ TEST(GeometryLayer, U16ErrsByHalfAStepAtMost) {
                 EXPECT_NEAR(out.local[s][k], b.stored.scale[k] * stored[k], 1e-15);
             }
             const std::uint32_t rep = b.chart.representative[s];
-            for (int k = 0; k < 3; ++k) ASSERT_EQ(values[3 * s + k], values[3 * rep + k]) << "copies are equal to the bit";
+            for (int k = 0; k < 3; ++k)
+                ASSERT_EQ(values[3 * s + k], values[3 * rep + k]) << "copies are equal to the bit";
         }
         EXPECT_LE(worst, step / 2 * (1 + 1e-9));
         EXPECT_GT(worst, step / 4) << "the step is not finer than it says";
@@ -347,7 +295,8 @@ TEST(BumpLayer, SagittaOfACylinder) {
 TEST(BumpLayer, BallStandsOutBetweenSamples) {
     const Bench b = baked(test::icosphere(5, 3), 17, 17, false);
     const StoredPositions positions = store_positions(b.input());
-    const std::vector<std::uint16_t> bits = read<std::uint16_t>(make_bump(b.input(), positions, store_normals(b.input())));
+    const std::vector<std::uint16_t> bits =
+        read<std::uint16_t>(make_bump(b.input(), positions, store_normals(b.input())));
     int checked = 0;
     for (std::uint32_t i = 0; i < 16; ++i)
         for (std::uint32_t j = 2; j < 15; ++j) {
@@ -375,147 +324,6 @@ TEST(BumpLayer, TinyAssetsKeepTheirRelief) {
     const double scale = std::get<std::vector<double>>(layer.attributes.at("scale")).at(0);
     const double sagitta = r * (1 - std::cos(kPi / 32));
     EXPECT_NEAR(scale * model::half_value(read<std::uint16_t>(layer)[9]), sagitta, 0.03 * sagitta);
-}
-
-TEST(Tables, SeamPairsNameTheLowestSample) {
-    const Bench b = baked(test::torus(3, 1, 30, 16), 17, 13, false);
-    const std::vector<model::Layer> tables = make_tables(b.chart);
-    ASSERT_EQ(tables.size(), 2u);
-    EXPECT_EQ(tables[0].name, "seams");
-    EXPECT_TRUE(tables[0].required);
-    EXPECT_EQ(tables[1].name, "diagonals");
-    const std::vector<std::uint32_t> pairs = read<std::uint32_t>(tables[0]);
-    std::vector<std::uint32_t> copy_of(17 * 13, kNone);
-    for (std::size_t k = 0; k < pairs.size(); k += 2) {
-        EXPECT_LT(pairs[k], pairs[k + 1]);
-        EXPECT_EQ(copy_of[pairs[k + 1]], kNone) << "a copy stands once";
-        copy_of[pairs[k + 1]] = pairs[k];
-        if (k > 0) { EXPECT_LT(std::pair(pairs[k - 2], pairs[k - 1]), std::pair(pairs[k], pairs[k + 1])); }
-    }
-    for (std::size_t k = 0; k < pairs.size(); k += 2) EXPECT_EQ(copy_of[pairs[k]], kNone) << "representatives are no copies";
-    // Classes are what coincides: on an opened torus every border sample has a copy, no inner one does.
-    for (std::uint32_t s = 0; s < 17 * 13; ++s) {
-        bool alone = true;
-        std::uint32_t lowest = s;
-        for (std::uint32_t t = 0; t < 17 * 13; ++t)
-            if (t != s && length(b.chart.positions[s] - b.chart.positions[t]) < 1e-9) alone = false, lowest = std::min(lowest, t);
-        const std::uint32_t i = s / 13, j = s % 13;
-        EXPECT_EQ(alone, i > 0 && j > 0 && i < 16 && j < 12);
-        EXPECT_EQ(copy_of[s], lowest == s ? kNone : lowest);
-    }
-    const std::vector<std::uint8_t> diagonals = read<std::uint8_t>(tables[1]);
-    EXPECT_EQ(diagonals.size(), 16u * 12u);
-    EXPECT_LE(*std::max_element(diagonals.begin(), diagonals.end()), 1);
-}
-
-TEST(Tables, DiagonalsFollowTheSurface) {
-    // A saddle of folds: each quad's middle lies on the line x = y or x = -y of its cell; the fold decides.
-    for (const bool along : {true, false}) {
-        const Bench b = patch(5, 5, [&](double x, double y) {
-            const double fx = 4 * x - std::floor(4 * x), fy = 4 * y - std::floor(4 * y);
-            return Vec3d{x, y, fx == 0.5 && fy == 0.5 ? (along ? 0.5 : -0.5) : std::lround(4 * x + 4 * y) % 2 == 0 ? 0.5 : -0.5};
-        });
-        // Corners alternate between +0.5 (i + j even) and -0.5; the middle is at the height of one kind.
-        for (std::uint32_t i = 0; i < 4; ++i)
-            for (std::uint32_t j = 0; j < 4; ++j) {
-                const bool even = (i + j) % 2 == 0;  // (i, j) and (i+1, j+1) are high
-                EXPECT_EQ(b.chart.diagonals[i * 4 + j], even == along ? 0 : 1);
-            }
-    }
-}
-
-TEST(TextureLayer, TwoColouredPicture) {
-    const model::Rgba8 red{255, 0, 0, 255}, blue{0, 0, 255, 255}, green{0, 255, 0, 255};
-    Bench b = patch(9, 9, [](double x, double y) { return Vec3d{x, y, 0}; });
-    auto& mesh = b.chart.disk.mesh;
-    EXPECT_FALSE(make_texture(b.input())) << "no colours, no layer";
-    test::paint_positions(mesh);  // texture coordinates (x, y), v up
-    mesh.face_materials.assign(mesh.faces.size(), 0);
-    mesh.materials.resize(1);
-    b.images.colour.resize(1);
-    formats::Image image{64, 64, std::vector<model::Rgba8>(64 * 64, blue)};
-    for (std::uint32_t y = 0; y < 64; ++y)
-        for (std::uint32_t x = 0; x < 32; ++x) image.pixels[y * 64 + x] = y < 32 ? green : red;  // row 0 is the top
-    b.images.colour[0] = image;
-    const std::optional<model::Layer> layer = make_texture(b.input());
-    ASSERT_TRUE(layer);
-    ASSERT_EQ(layer->shape, (std::vector<std::uint64_t>{17, 17, 4}));
-    const std::vector<std::uint8_t> rgba = read<std::uint8_t>(*layer);
-    for (std::uint32_t i = 1; i < 16; ++i)  // u = x along rows; the outermost texels mix with the repeat
-        for (std::uint32_t j = 1; j < 16; ++j) {
-            if (i == 8 || (i < 8 && j == 8)) continue;
-            const model::Rgba8 want = i > 8 ? blue : j > 8 ? green : red;
-            const std::uint8_t* t = &rgba[4 * (i * 17 + j)];
-            EXPECT_EQ((model::Rgba8{t[0], t[1], t[2], t[3]}), want) << i << ", " << j;
-        }
-}
-
-TEST(TextureLayer, VertexColoursAreInterpolatedAndOpaque) {
-    Bench b = patch(5, 5, [](double x, double y) { return Vec3d{x, y, 0}; });
-    auto& mesh = b.chart.disk.mesh;
-    for (const Face& f : mesh.faces)
-        for (std::uint32_t v : f) {
-            const Vec3d p = mesh.positions[v];
-            mesh.corner_colours.push_back({static_cast<std::uint8_t>(240 * p.x), static_cast<std::uint8_t>(240 * p.y), 77, 13});
-        }
-    const std::optional<model::Layer> layer = make_texture(b.input());
-    ASSERT_TRUE(layer);
-    ASSERT_EQ(layer->shape, (std::vector<std::uint64_t>{5, 5, 4}));
-    const std::vector<std::uint8_t> rgba = read<std::uint8_t>(*layer);
-    for (std::uint32_t i = 0; i < 5; ++i)
-        for (std::uint32_t j = 0; j < 5; ++j) {
-            EXPECT_EQ(rgba[4 * (i * 5 + j)], 60 * i);
-            EXPECT_EQ(rgba[4 * (i * 5 + j) + 1], 60 * j);
-            EXPECT_EQ(rgba[4 * (i * 5 + j) + 2], 77);
-            EXPECT_EQ(rgba[4 * (i * 5 + j) + 3], 255);
-        }
-}
-
-TEST(TextureLayer, MaterialColourAndFabric) {
-    Bench b = patch(5, 5, [](double x, double y) { return Vec3d{x, y, 0}; });
-    auto& mesh = b.chart.disk.mesh;
-    mesh.materials.resize(2);
-    mesh.materials[1].diffuse = {10, 20, 30, 255};
-    b.images.colour.resize(2);
-    mesh.face_materials.assign(mesh.faces.size(), 0);
-    EXPECT_FALSE(make_texture(b.input())) << "a white material is no colour";
-    mesh.face_materials.assign(mesh.faces.size(), 1);
-    std::optional<model::Layer> layer = make_texture(b.input());
-    ASSERT_TRUE(layer);
-    EXPECT_EQ(read<std::uint8_t>(*layer)[0], 10);
-    EXPECT_EQ(read<std::uint8_t>(*layer)[4 * 24 + 2], 30);
-    b.images.fabric = formats::Image{1, 1, {{9, 8, 7, 6}}};
-    LayerInput in = b.input();
-    in.texture_size = std::pair(3u, 7u);
-    layer = make_texture(in);
-    ASSERT_TRUE(layer);
-    ASSERT_EQ(layer->shape, (std::vector<std::uint64_t>{3, 7, 4}));
-    for (std::size_t t = 0; t < 21; ++t) EXPECT_EQ(read<std::uint8_t>(*layer)[4 * t + 3], 6);
-}
-
-TEST(MakeLayers, NamesBoundsAndChoice) {
-    const Bench b = baked(test::icosphere(3, 3), 17, 13, false);
-    const ChartLayers all = make_layers(b.input(), {});
-    std::vector<std::string> names;
-    for (const model::Layer& layer : all.chart.layers) names.push_back(layer.name);
-    EXPECT_EQ(names, (std::vector<std::string>{"geometry", "normal", "bump", "collision", "cover", "deformation", "contact",
-                                               "seams", "diagonals"}));
-    EXPECT_EQ(all.chart.rows, 17u);
-    EXPECT_EQ(all.chart.cols, 13u);
-    EXPECT_EQ(all.chart.method, "stretch");
-    const std::vector<float> g = read<float>(*all.chart.find("geometry"));
-    for (int k = 0; k < 3; ++k) {
-        float lo = 1e9f, hi = -1e9f;
-        for (std::size_t s = 0; s < 17 * 13; ++s) lo = std::min(lo, g[3 * s + k]), hi = std::max(hi, g[3 * s + k]);
-        EXPECT_EQ(all.chart.bbox[k], lo);
-        EXPECT_EQ(all.chart.bbox[k + 3], hi);
-    }
-    const std::vector<std::string> asked{"normal"};
-    const ChartLayers some = make_layers(b.input(), asked);
-    names.clear();
-    for (const model::Layer& layer : some.chart.layers) names.push_back(layer.name);
-    EXPECT_EQ(names, (std::vector<std::string>{"geometry", "normal", "seams", "diagonals"}));
-    EXPECT_EQ(*some.chart.find("normal"), *all.chart.find("normal"));
 }
 
 }  // namespace

@@ -48,7 +48,8 @@ Jittered jittered(std::uint32_t cells, unsigned seed) {
 }
 
 TEST(Rasterize, EverySampleGetsTheLowestFaceThatHoldsIt) {
-    for (const auto& [cells, m, n] : {std::tuple{8u, 33u, 33u}, {16u, 17u, 65u}, {4u, 129u, 9u}, {32u, 33u, 33u}, {2u, 3u, 3u}}) {
+    for (const auto& [cells, m, n] :
+         {std::tuple{8u, 33u, 33u}, {16u, 17u, 65u}, {4u, 129u, 9u}, {32u, 33u, 33u}, {2u, 3u, 3u}}) {
         const Jittered mesh = jittered(cells, cells + m);
         const SampleGrid grid = rasterize(mesh.faces, mesh.uv, m, n);
         ASSERT_EQ(grid.samples.size(), std::size_t{m} * n);
@@ -59,7 +60,8 @@ TEST(Rasterize, EverySampleGetsTheLowestFaceThatHoldsIt) {
                 const Whole c{i * kSide / (m - 1), j * kSide / (n - 1)};
                 std::uint32_t want = kNone, holders = 0;
                 for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) {
-                    const Whole &p = mesh.whole[mesh.faces[f][0]], &q = mesh.whole[mesh.faces[f][1]], &r = mesh.whole[mesh.faces[f][2]];
+                    const Whole &p = mesh.whole[mesh.faces[f][0]], &q = mesh.whole[mesh.faces[f][1]],
+                                &r = mesh.whole[mesh.faces[f][2]];
                     ASSERT_GT(twice_area(p, q, r), 0);
                     if (twice_area(p, q, c) < 0 || twice_area(q, r, c) < 0 || twice_area(r, p, c) < 0) continue;
                     ++holders;
@@ -96,7 +98,8 @@ TEST(Rasterize, NoHolesWhenCoordinatesAreRounded) {
                     const double x = inner && random() % 2 ? u(random) : 0, y = inner && random() % 2 ? u(random) : 0;
                     uv.push_back({(i + x) / cells, (j + y) / cells});
                 }
-            EXPECT_EQ(rasterize(test::lattice_faces(cells + 1, cells + 1), uv, m, m + 3).missing, 0u) << cells << " " << m;
+            EXPECT_EQ(rasterize(test::lattice_faces(cells + 1, cells + 1), uv, m, m + 3).missing, 0u)
+                << cells << " " << m;
         }
 }
 

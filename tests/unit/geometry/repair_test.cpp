@@ -45,9 +45,7 @@ void expect_component(const RepairedMesh& repaired, std::size_t c, std::uint64_t
 int code_of(const TriMesh& mesh) {
     try {
         (void)repair(mesh);
-    } catch (const model::Error& e) {
-        return e.code().number;
-    }
+    } catch (const model::Error& e) { return e.code().number; }
     return 0;
 }
 
@@ -65,10 +63,14 @@ TEST(Repair, SoundMeshesComeBackUntouched) {
         std::int64_t genus;
     };
     const std::array<std::array<std::uint32_t, 2>, 5> holes{{{1, 1}, {1, 6}, {6, 1}, {6, 6}, {4, 4}}};
-    const Case cases[] = {{test::icosphere(2), 0, 0},      {test::torus(2, 0.7, 12, 8), 0, 1},
-                          {test::genus_plate(3), 0, 3},    {test::annulus(1, 2, 12, 3), 2, 0},
-                          {test::grid_sheet(4, 6), 1, 0},  {test::finger(0.1, 2, 8, 10, 3), 1, 0},
-                          {test::sheet_with_holes(9, holes), 6, 0}, {test::comb(4, 3), 0, 0},
+    const Case cases[] = {{test::icosphere(2), 0, 0},
+                          {test::torus(2, 0.7, 12, 8), 0, 1},
+                          {test::genus_plate(3), 0, 3},
+                          {test::annulus(1, 2, 12, 3), 2, 0},
+                          {test::grid_sheet(4, 6), 1, 0},
+                          {test::finger(0.1, 2, 8, 10, 3), 1, 0},
+                          {test::sheet_with_holes(9, holes), 6, 0},
+                          {test::comb(4, 3), 0, 0},
                           {test::polygon_disk(3), 1, 0}};
     for (const Case& c : cases) {
         const RepairedMesh out = repair(c.mesh);
@@ -151,8 +153,8 @@ TEST(Repair, UnusableFacesAreDroppedAndCounted) {
     const std::size_t faces = mesh.faces.size();
     mesh.faces.push_back({0, 1, 4'000'000'000u});
     mesh.faces.push_back({3, 3, 5});
-    mesh.faces.push_back(mesh.faces[7]);                                              // twice
-    mesh.faces.push_back({mesh.faces[9][1], mesh.faces[9][0], mesh.faces[9][2]});     // and turned over
+    mesh.faces.push_back(mesh.faces[7]);                                           // twice
+    mesh.faces.push_back({mesh.faces[9][1], mesh.faces[9][0], mesh.faces[9][2]});  // and turned over
     mesh.positions.push_back({std::numeric_limits<double>::quiet_NaN(), 0, 0});
     mesh.positions.push_back({0, -std::numeric_limits<double>::infinity(), 0});
     const auto v = static_cast<std::uint32_t>(mesh.positions.size());
@@ -184,7 +186,8 @@ TEST(Repair, NothingLeftIsRefused) {
 }
 
 TEST(Repair, OneSidedSurfacesAreRefused) {
-    for (std::uint32_t around : {5u, 8u, 30u}) EXPECT_EQ(code_of(test::moebius(around, 3)), codes::kNonOrientable.number);
+    for (std::uint32_t around : {5u, 8u, 30u})
+        EXPECT_EQ(code_of(test::moebius(around, 3)), codes::kNonOrientable.number);
     EXPECT_EQ(code_of(test::klein_bottle(16, 12)), codes::kNonOrientable.number);
     EXPECT_EQ(code_of(test::soup(test::klein_bottle(16, 12))), codes::kNonOrientable.number);
     try {
@@ -198,7 +201,8 @@ TEST(Repair, OneSidedSurfacesAreRefused) {
 
 TEST(Repair, MixedWindingsAreMadeToAgreeAndClosedBodiesFaceOutward) {
     std::mt19937 random(3);
-    for (const TriMesh& body : {test::icosphere(2), test::torus(2, 0.6, 16, 9), test::genus_plate(2), test::comb(3, 2)}) {
+    for (const TriMesh& body :
+         {test::icosphere(2), test::torus(2, 0.6, 16, 9), test::genus_plate(2), test::comb(3, 2)}) {
         const double outward = test::volume(body);
         ASSERT_GT(outward, 0);
         for (int share : {15, 50, 85}) {
@@ -237,14 +241,16 @@ TEST(Repair, CornerAttributesStayWithTheirCorners) {
     for (Face& f : mesh.faces)
         if (random() % 100 < 30) std::swap(f[1], f[2]);
     mesh.materials.resize(5);
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) mesh.face_materials.push_back(static_cast<std::uint32_t>(random() % 5));
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+        mesh.face_materials.push_back(static_cast<std::uint32_t>(random() % 5));
     test::paint_positions(mesh);
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         const auto q = mesh.corners(f);
         const Vec3d normal = normalized(cross(q[1] - q[0], q[2] - q[0]));
         for (int k = 0; k < 3; ++k) {
             mesh.corner_normals.push_back(normal);  // of the winding: must turn with it
-            mesh.corner_colours.push_back({static_cast<std::uint8_t>(mesh.faces[f][k]), static_cast<std::uint8_t>(f), 7, 9});
+            mesh.corner_colours.push_back(
+                {static_cast<std::uint8_t>(mesh.faces[f][k]), static_cast<std::uint8_t>(f), 7, 9});
         }
     }
     const RepairedMesh out = repair(mesh);
@@ -267,7 +273,8 @@ TEST(Repair, CornerAttributesStayWithTheirCorners) {
             ASSERT_LT(length(got.corner_normals[3 * f + k] - normal), 1e-9);
             const std::uint8_t vertex = got.corner_colours[3 * f + k].r;
             bool same = false;  // the colour names the source vertex modulo 256
-            for (std::size_t v = vertex; v < mesh.positions.size(); v += 256) same |= length(mesh.positions[v] - p) < 1e-12;
+            for (std::size_t v = vertex; v < mesh.positions.size(); v += 256)
+                same |= length(mesh.positions[v] - p) < 1e-12;
             ASSERT_TRUE(same);
             ASSERT_EQ(got.corner_colours[3 * f + k].g, static_cast<std::uint8_t>(f));
         }
@@ -283,7 +290,8 @@ TEST(Repair, TouchingCubesComeApart) {
             EXPECT_EQ(out.components[c].positions.size(), 8u);
             EXPECT_EQ(out.components[c].faces.size(), 12u);
             const double d = out.frame.diagonal;
-            EXPECT_NEAR(test::volume(out.components[c]) * d * d * d, 1, 1e-12) << "a cube each, not two L-shaped halves";
+            EXPECT_NEAR(test::volume(out.components[c]) * d * d * d, 1, 1e-12)
+                << "a cube each, not two L-shaped halves";
         }
         EXPECT_EQ(count(out, "non-manifold edges taken apart"), 1u);
         EXPECT_EQ(count(out, "vertices split where surfaces only touch"), 2u);

@@ -74,7 +74,8 @@ TEST(SplitEdge, ManySplitsOfAClosedSurfaceKeepTheLinks) {
 
 TEST(SplitEdge, ManySplitsOfAnOpenedSurfaceKeepMatesAndWelds) {
     std::mt19937 random(2);
-    for (const TriMesh& mesh : {test::torus(1, 0.4, 9, 6), test::icosphere(0), test::annulus(1, 2, 7, 2), test::genus_plate(2)}) {
+    for (const TriMesh& mesh :
+         {test::torus(1, 0.4, 9, 6), test::icosphere(0), test::annulus(1, 2, 7, 2), test::genus_plate(2)}) {
         CutGraph cut(mesh);
         cut.cut_to_disk();
         Disk disk = cut.open();
@@ -129,7 +130,8 @@ TEST(SplitEdge, BothSidesOfACutInOneFace) {
 
 /// Two triangles glued along all three edges, but with one pair of them standing between the same two vertices.
 TEST(SplitEdge, RepeatedEdgesGetAVertexInTheMiddle) {
-    // Two discs 0-1-2 and 0-1-3 either side of two edges 0-1: (0,1,2), (1,0,3) joined by one, (0,1,3'), (1,0,2') by the other.
+    // Two discs 0-1-2 and 0-1-3 either side of two edges 0-1: (0,1,2), (1,0,3) joined by one, (0,1,3'), (1,0,2') by the
+    // other.
     TriMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}};
     mesh.faces = {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}, {1, 0, 2}};
