@@ -151,7 +151,7 @@ void draw_legend(Image& image, std::int64_t x, std::int64_t y, std::uint32_t wid
     const std::string bottom = fmt::format("{:.2g}", low), middle = fmt::format("{:.2g}", 0.5 * (low + high));
     draw_text(image, x, below, bottom, scale);
     // The middle only where it stands clear of both ends.
-    if (text_width(bottom, scale) + text_width(top, scale) + text_width(middle, scale) + 4 * text_width(" ", scale) < width)
+    if (text_width(middle, scale) + 2 * std::max(text_width(bottom, scale), text_width(top, scale)) + 8 * scale < width)
         draw_text_centred(image, x + width / 2, below, middle, scale);
     draw_text(image, x + width - text_width(top, scale), below, top, scale);
 }

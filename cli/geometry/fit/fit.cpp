@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/fit.cpp
+#include "geometry/fit/fit.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <dgm/grid.h>
+
+#include "geometry/fit/least_squares.h"
+#include "geometry/spatial/closest_point.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kDamping = 0.005;
+constexpr int kCgIterations = 20;
+constexpr double kMinCosine = 0.3;  // source and grid are matched only where their normals agree so far
+
+struct SurfacePoint {
+    Vec3d position;
+    Vec3d normal;  // of its face; zero for a face without area
+    std::uint32_t face;
+    double b[3];
+};
+
+Vec3d face_normal(const TriMesh& mesh, std::uint32_t f) {
+    const auto q = mesh.corners(f);
+    return normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+}
+
+/// `count` points spread evenly by area (k-th point at share (k + 1/2) / count of the total, inside its face by the R2
+/// sequence), so the same mesh gives the same points.
+std::vector<SurfacePoint> spread_points(const TriMesh& mesh, std::size_t count) {
+    std::vector<double> upto(mesh.faces.size() + 1, 0.0);
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) upto[f + 1] = upto[f] + face_area(mesh.corners(f));
+    std::vector<SurfacePoint> points;
+    points.reserve(count);
+    std::size_t f = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double at = upto.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+        while (f + 1 < mesh.faces.size() && upto[f + 1] <= at) ++f;
+        double s = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(k), 1.0);
+        double t = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
+        if (s + t > 1) s = 1 - s, t = 1 - t;
+        const auto q = mesh.corners(f);
+        points.push_back({q[0] * (1 - s - t) + q[1] * s + q[2] * t, face_normal(mesh, static_cast<std::uint32_t>(f)),
+                          static_cast<std::uint32_t>(f), {1 - s - t, s, t}});
+    }
+    return points;
+}
+
+double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const Vec3d e0 = b - a, e1 = c - a, d = p - a;
+    const double g00 = dot(e0, e0), g01 = dot(e0, e1), g11 = dot(e1, e1), r0 = dot(e0, d), r1 = dot(e1, d);
+    const double det = g00 * g11 - g01 * g01;
+    const double s = det > 0 ? (g11 * r0 - g01 * r1) / det : -1, t = det > 0 ? (g00 * r1 - g01 * r0) / det : -1;
+    if (s >= 0 && t >= 0 && s + t <= 1) {
+        const Vec3d r = d - e0 * s - e1 * t;
+        return dot(r, r);
+    }
+    const auto to_edge = [&](const Vec3d& from, const Vec3d& e) {
+        const Vec3d v = p - from;
+        const double l = dot(e, e), u = l > 0 ? std::clamp(dot(v, e) / l, 0.0, 1.0) : 0.0;
+        const Vec3d r = v - e * u;
+        return dot(r, r);
+    };
+    return std::min({to_edge(a, e0), to_edge(a, e1), to_edge(b, c - b)});
+}
+
+class Fitter {
+  public:
+    Fitter(const TriMesh& component, SampledChart& chart, const FitOptions& options, const model::Progress& progress)
+        : source_(component), chart_(chart), options_(options), progress_(progress),
+          source_index_(component.positions, component.faces) {
+        number_unknowns();
+        const auto count = static_cast<std::size_t>(options.points_per_sample * static_cast<double>(chart.grid_count()));
+        points_ = spread_points(component, count);
+        area_points_ = points_.size();
+        add_vertices();
+    }
+
+    FitReport run() {
+        FitReport report;
+        best_ = measure();
+        report.start_rms = best_.rms, report.start_hausdorff = best_.hausdorff;
+        keep();
+        const int total = options_.rounds + options_.worst_rounds;
+        for (int round = 0; round < options_.rounds; ++round) {
+            progress_.update("fit", static_cast<double>(round) / total);
+            match();
+            step(false);
+            if (round % 2 == 0) split_quads();
+            const SurfaceError error = measure();
+            if (error.rms < best_.rms) best_ = error, keep(), ++report.rounds;
+        }
+        restore();
+        const double price = std::pow(10, options_.worst_price_db / 20), allowed = best_.rms * price;
+        for (int round = 0; round < options_.worst_rounds; ++round) {
+            progress_.update("fit", static_cast<double>(options_.rounds + round) / total);
+            match();
+            step(true);
+            const SurfaceError error = measure();
+            if (error.rms <= allowed && error.hausdorff < best_.hausdorff) best_ = error, keep(), ++report.rounds;
+        }
+        restore();
+        report.rms = best_.rms, report.hausdorff = best_.hausdorff;
+        return report;
+    }
+
+  private:
+    void number_unknowns() {
+        const std::size_t count = chart_.positions.size();
+        unknown_.assign(count, kNone);
+        for (std::uint32_t s = 0; s < count; ++s) {
+            if (!chart_.on_surface(s)) continue;
+            const std::uint32_t rep = chart_.representative[s];
+            if (unknown_[rep] == kNone) unknown_[rep] = unknowns_++, sample_of_.push_back(rep);
+            unknown_[s] = unknown_[rep];
+        }
+        // Samples on the source's real border: edges of the welded grid surface with one face.
+        fixed_.assign(unknowns_, 0);
+        std::vector<std::pair<std::uint64_t, int>> edges;
+        for (const Face& f : chart_.faces())
+            for (int k = 0; k < 3; ++k) {
+                const std::uint64_t a = unknown_[f[k]], b = unknown_[f[(k + 1) % 3]];
+                edges.emplace_back(std::min(a, b) << 32 | std::max(a, b), 0);
+            }
+        std::sort(edges.begin(), edges.end());
+        for (std::size_t k = 0; k < edges.size(); ++k) {
+            const bool single = (k == 0 || edges[k - 1].first != edges[k].first) &&
+                                (k + 1 == edges.size() || edges[k + 1].first != edges[k].first);
+            if (single) fixed_[edges[k].first >> 32] = fixed_[edges[k].first & 0xffffffffu] = 1;
+        }
+    }
+
+    void add_vertices() {
+        std::vector<Vec3d> normals(source_.positions.size(), Vec3d{});
+        std::vector<std::uint32_t> face(source_.positions.size(), kNone);
+        for (std::uint32_t f = 0; f < source_.faces.size(); ++f) {
+            const auto q = source_.corners(f);
+            for (std::uint32_t v : source_.faces[f]) normals[v] += cross(q[1] - q[0], q[2] - q[0]), face[v] = f;
+        }
+        for (std::uint32_t v = 0; v < face.size(); ++v)
+            if (face[v] != kNone) points_.push_back({source_.positions[v], normalized(normals[v], Vec3d{}), face[v], {0, 0, 0}});
+    }
+
+    [[nodiscard]] SurfaceError measure() const {
+        return quick_error(source_, chart_, std::min<std::uint64_t>(60'000, 2 * chart_.grid_count()));
+    }
+    void keep() { kept_positions_ = chart_.positions, kept_diagonals_ = chart_.diagonals; }
+    void restore() { chart_.positions = kept_positions_, chart_.diagonals = kept_diagonals_; }
+
+    void match() {
+        surface_ = chart_.surface();
+        const ClosestPointIndex index(surface_.positions, surface_.faces);
+        hits_.assign(points_.size(), {});
+        constexpr std::size_t kChunk = 1024;
+        tbb::parallel_for(std::size_t{0}, (points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+            for (std::size_t k = chunk * kChunk; k < std::min(points_.size(), (chunk + 1) * kChunk); ++k)
+                hits_[k] = index.query_facing(points_[k].position, points_[k].normal, kMinCosine);
+        });
+        if (!options_.two_way) return;
+        back_points_ = spread_points(surface_, static_cast<std::size_t>(1.5 * static_cast<double>(chart_.grid_count())));
+        back_hits_.assign(back_points_.size(), {});
+        tbb::parallel_for(std::size_t{0}, (back_points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+            for (std::size_t k = chunk * kChunk; k < std::min(back_points_.size(), (chunk + 1) * kChunk); ++k)
+                back_hits_[k] = source_index_.query_facing(back_points_[k].position, back_points_[k].normal, kMinCosine);
+        });
+    }
+
+    /// Normal of the metric: the surface's, but along the gap where the closest point is on an edge of the face.
+    [[nodiscard]] Vec3d metric_normal(const Vec3d& gap, const Vec3d& face, const double b[3]) const {
+        const bool inside = b[0] > 1e-9 && b[1] > 1e-9 && b[2] > 1e-9;
+        return inside ? face : normalized(gap, face);
+    }
+
+    void step(bool worst_only) {
+        std::vector<FitRow> rows;
+        rows.reserve(hits_.size() + back_hits_.size());
+        double largest = 0;
+        for (const ClosestPoint& hit : hits_)
+            if (hit.face != kNone) largest = std::max(largest, hit.distance);
+        for (const ClosestPoint& hit : back_hits_)
+            if (hit.face != kNone) largest = std::max(largest, hit.distance);
+        // The last rounds pull hardest where more than 60 % of the largest error stands.
+        const auto urgency = [&](double distance) {
+            if (!worst_only || !(largest > 0)) return 1.0;
+            const double share = distance / largest;
+            return share > 0.6 ? 1 + 200 * (share - 0.6) : 1.0;
+        };
+        for (std::size_t k = 0; k < points_.size(); ++k) {
+            const ClosestPoint& hit = hits_[k];
+            if (hit.face == kNone) continue;
+            const Face& f = surface_.faces[hit.face];
+            const Vec3d gap = points_[k].position - hit.point;
+            const double weight = (k < area_points_ ? 1.0 : 0.25) * urgency(hit.distance);
+            rows.push_back({{unknown_[f[0]], unknown_[f[1]], unknown_[f[2]]},
+                            {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}, gap,
+                            metric_normal(gap, face_normal(surface_, hit.face), hit.barycentric), weight});
+        }
+        const double back_weight = static_cast<double>(area_points_) / std::max<double>(1, static_cast<double>(back_points_.size()));
+        if (options_.two_way)
+            for (std::size_t k = 0; k < back_points_.size(); ++k) {
+                const ClosestPoint& hit = back_hits_[k];
+                if (hit.face == kNone) continue;
+                const Face& f = surface_.faces[back_points_[k].face];
+                const double* b = back_points_[k].b;
+                const Vec3d gap = hit.point - back_points_[k].position;
+                rows.push_back({{unknown_[f[0]], unknown_[f[1]], unknown_[f[2]]}, {b[0], b[1], b[2]}, gap,
+                                metric_normal(gap, face_normal(source_, hit.face), hit.barycentric),
+                                back_weight * urgency(hit.distance)});
+            }
+        move(least_squares_step(rows, unknowns_, fixed_, options_.point_share, kDamping, kCgIterations));
+    }
+
+    /// Applies a step: its tangential part is clamped, then halved (and at last the whole step) at the corners of faces
+    /// that it would turn.
+    void move(const std::vector<Vec3d>& step) {
+        std::vector<Vec3d> normal(unknowns_, Vec3d{}), along(unknowns_), across(unknowns_);
+        std::vector<double> edge(unknowns_, INFINITY), slide(unknowns_, 1.0), whole(unknowns_, 1.0);
+        const std::vector<Face>& faces = surface_.faces;
+        for (std::uint32_t f = 0; f < faces.size(); ++f) {
+            const auto q = surface_.corners(f);
+            for (int k = 0; k < 3; ++k) {
+                const std::uint32_t u = unknown_[faces[f][k]];
+                normal[u] += cross(q[1] - q[0], q[2] - q[0]);
+                edge[u] = std::min({edge[u], length(q[(k + 1) % 3] - q[k]), length(q[(k + 2) % 3] - q[k])});
+            }
+        }
+        for (std::uint32_t u = 0; u < unknowns_; ++u) {
+            normal[u] = normalized(normal[u], Vec3d{});
+            across[u] = normal[u] * dot(step[u], normal[u]);
+            along[u] = step[u] - across[u];
+            const double l = length(along[u]), limit = options_.max_slide * edge[u];
+            if (l > limit) along[u] *= limit / l;
+        }
+        std::vector<Vec3d> start(unknowns_);
+        for (std::uint32_t u = 0; u < unknowns_; ++u) start[u] = chart_.positions[sample_of_[u]];
+        const auto moved = [&](std::uint32_t u) { return start[u] + (across[u] + along[u] * slide[u]) * whole[u]; };
+        for (int pass = 0; pass < 12; ++pass) {
+            bool turned = false;
+            for (std::uint32_t f = 0; f < faces.size(); ++f) {
+                const std::uint32_t a = unknown_[faces[f][0]], b = unknown_[faces[f][1]], c = unknown_[faces[f][2]];
+                const Vec3d pa = moved(a), pb = moved(b), pc = moved(c);
+                const Vec3d now = cross(pb - pa, pc - pa), was = cross(start[b] - start[a], start[c] - start[a]);
+                const double both = length(now) * length(was);
+                if (dot(now, was) > 0.5 * both && length(now) > 0.1 * length(was)) continue;
+                turned = true;
+                for (std::uint32_t u : {a, b, c}) {
+                    slide[u] *= 0.5;
+                    if (pass >= 5) whole[u] *= 0.25;
+                    if (pass >= 9) whole[u] = 0;
+                }
+            }
+            if (!turned) break;
+        }
+        for (std::size_t s = 0; s < chart_.positions.size(); ++s)
+            if (unknown_[s] != kNone && !fixed_[unknown_[s]]) chart_.positions[s] = moved(unknown_[s]);
+    }
+
+    /// Each quad takes the diagonal with the smaller squared distance to the source points over it. Quads at the chart's
+    /// border keep theirs: those may be the only ones that leave the welded surface a manifold.
+    void split_quads() {
+        const std::uint32_t m = chart_.m, n = chart_.n;
+        std::vector<std::uint32_t> quad_of_face;  // per grid triangle; strip faces have none
+        for (std::uint32_t i = 0; i + 1 < m; ++i)
+            for (std::uint32_t j = 0; j + 1 < n; ++j)
+                if (chart_.has_quad(i, j)) quad_of_face.insert(quad_of_face.end(), 2, i * (n - 1) + j);
+        std::vector<std::array<double, 2>> sums(std::size_t{m - 1} * (n - 1), {0, 0});
+        for (std::size_t k = 0; k < points_.size(); ++k) {
+            if (hits_[k].face >= quad_of_face.size()) continue;
+            const std::uint32_t quad = quad_of_face[hits_[k].face], i = quad / (n - 1), j = quad % (n - 1);
+            for (unsigned d = 0; d < 2; ++d) {
+                double least = INFINITY;
+                for (const Face& t : quad_triangles(i, j, n, d))
+                    least = std::min(least, squared_distance_to_triangle(points_[k].position, chart_.positions[t[0]],
+                                                                         chart_.positions[t[1]], chart_.positions[t[2]]));
+                sums[quad][d] += least;
+            }
+        }
+        for (std::uint32_t i = 1; i + 2 < m; ++i)
+            for (std::uint32_t j = 1; j + 2 < n; ++j) {
+                const std::size_t quad = std::size_t{i} * (n - 1) + j;
+                if (!chart_.has_quad(i, j) || sums[quad][0] == sums[quad][1]) continue;
+                const unsigned wanted = sums[quad][1] < sums[quad][0], old = chart_.diagonals[quad];
+                if (wanted == old) continue;
+                if (keeps_orientation(quad_triangles(i, j, n, old), quad_triangles(i, j, n, wanted)))
+                    chart_.diagonals[quad] = static_cast<std::uint8_t>(wanted);
+            }
+    }
+
+    [[nodiscard]] bool keeps_orientation(const std::array<Face, 2>& old, const std::array<Face, 2>& fresh) const {
+        const auto area = [&](const Face& f) {
+            return cross(chart_.positions[f[1]] - chart_.positions[f[0]], chart_.positions[f[2]] - chart_.positions[f[0]]);
+        };
+        const Vec3d mean = area(old[0]) + area(old[1]);
+        return dot(area(fresh[0]), mean) > 0 && dot(area(fresh[1]), mean) > 0;
+    }
+
+    const TriMesh& source_;
+    SampledChart& chart_;
+    const FitOptions& options_;
+    const model::Progress& progress_;
+    ClosestPointIndex source_index_;
+    std::vector<SurfacePoint> points_, back_points_;
+    std::size_t area_points_ = 0;
+    std::vector<ClosestPoint> hits_, back_hits_;
+    TriMesh surface_;
+    std::vector<std::uint32_t> unknown_, sample_of_;
+    std::uint32_t unknowns_ = 0;
+    std::vector<char> fixed_;
+    SurfaceError best_;
+    std::vector<Vec3d> kept_positions_;
+    std::vector<std::uint8_t> kept_diagonals_;
+};
+
+/// Closest point of the source, as a face of the disk, among faces that look the same way; any face if none does.
+SurfaceSample closest_on(const ClosestPointIndex& index, const Vec3d& p, const Vec3d& normal) {
+    ClosestPoint hit = index.query_facing(p, normal, kMinCosine);
+    if (hit.face == kNone) hit = index.query(p);
+    return {hit.face, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
+}
+
+}  // namespace
+
+FitOptions l2_fit() { return {}; }
+
+FitOptions best_fit() {
+    FitOptions o;
+    o.rounds = 10;
+    o.point_share = 0.01;
+    o.two_way = true;
+    o.worst_rounds = 8;
+    return o;
+}
+
+FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOptions& options, const model::Progress& progress) {
+    const FitReport report = Fitter(component, chart, options, progress).run();
+    const TriMesh& mesh = chart.disk.mesh;
+    const ClosestPointIndex index(mesh.positions, mesh.faces);
+    std::vector<Vec3d> normals(chart.positions.size(), Vec3d{});
+    for (const Face& f : chart.faces()) {
+        const Vec3d n = cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
+        for (std::uint32_t s : f) normals[chart.representative[s]] += n;
+    }
+    tbb::parallel_for(std::size_t{0}, chart.samples.size(), [&](std::size_t s) {
+        if (chart.on_surface(s) && chart.representative[s] == s)
+            chart.samples[s] = closest_on(index, chart.positions[s], normalized(normals[s]));
+    });
+    for (std::size_t s = 0; s < chart.samples.size(); ++s)
+        if (chart.representative[s] != s) chart.samples[s] = chart.samples[chart.representative[s]];
+    return report;
+}
+
+SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
+    SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
+    const ClosestPointIndex index(chart.disk.mesh.positions, chart.disk.mesh.faces);
+    tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
+        for (std::uint32_t c = 0; c < cols; ++c) {
+            // Position on the chart's own grid, and the quad's triangle under it.
+            const double x = static_cast<double>(r) * (chart.m - 1) / (rows - 1), y = static_cast<double>(c) * (chart.n - 1) / (cols - 1);
+            const auto i = std::min(static_cast<std::uint32_t>(x), chart.m - 2), j = std::min(static_cast<std::uint32_t>(y), chart.n - 2);
+            if (!chart.has_quad(i, j)) continue;
+            const double s = x - i, t = y - j;
+            const unsigned diagonal = chart.diagonals[std::size_t{i} * (chart.n - 1) + j];
+            const auto triangles = quad_triangles(i, j, chart.n, diagonal);
+            // (0,0) (1,0) (1,1) | (0,0) (1,1) (0,1)   or   (0,0) (1,0) (0,1) | (1,0) (1,1) (0,1)
+            const bool second = diagonal == 0 ? t > s : s + t > 1;
+            const Face& f = triangles[second];
+            const std::array<double, 3> b = diagonal == 0 ? second ? std::array{1 - t, s, t - s} : std::array{1 - s, s - t, t}
+                                            : second      ? std::array{1 - t, s + t - 1, 1 - s}
+                                                          : std::array{1 - s - t, s, t};
+            const Vec3d p = chart.positions[f[0]] * b[0] + chart.positions[f[1]] * b[1] + chart.positions[f[2]] * b[2];
+            const Vec3d n = cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
+            grid.samples[std::size_t{r} * cols + c] = closest_on(index, p, normalized(n));
+        }
+    });
+    for (const SurfaceSample& s : grid.samples) grid.missing += s.face == kNone;
+    return grid;
+}
+
+}  // namespace dgm::bake
