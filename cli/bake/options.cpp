@@ -155,12 +155,15 @@ void describe(CLI::App& app, Raw& raw) {
           "parameterization: " + joined(kMethodNames) + " [auto: the smallest error]");
     group(bake, "--domain", "D", raw.domain,
           "square: every sample on the surface; free: any shape, with a mask [auto]");
-    group(bake, "--fit", "F", raw.fit, "sample: samples lie on the surface; l2: least-squares fit [sample]");
+    group(bake, "--fit", "F", raw.fit,
+          "sample: samples lie on the surface; l2: least-squares fit; best: samples slide to where the error is "
+          "[sample]");
     group(bake, "--layers", "L,...", raw.layers,
           "comma-separated: " + joined(kLayerNames) + " [all that have data]; geometry is always there");
     group(bake, "--precision", "P", raw.precision, "of positions: f32 or u16 [f32]");
     group(bake, "--texture", "FILE", raw.texture, "image that replaces the materials' textures");
-    group(bake, "--texture-size", "MxN", raw.texture_size, "pixels of the texture layer, MxN or N [the grid's size]");
+    group(bake, "--texture-size", "MxN", raw.texture_size,
+          "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
     group(bake, "--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
     group(bake, "--exr-layout", "X", raw.exr_layout,
           "auto: one part where sizes agree; multipart: one part a layer [auto]");
@@ -236,6 +239,11 @@ CommandLine checked(const Raw& raw) {
         unknown_word("--method", "method", raw.method, kMethodNames);
     out.bake.method = raw.method;
     out.bake.domain = choice("--domain", kDomainNames, raw.domain);
+    const bool lays_free = raw.method == "lscm" || raw.method == "arap" || raw.method == "uv";
+    if (raw.method != "auto" && out.bake.domain != DomainChoice::kAuto &&
+        lays_free != (out.bake.domain == DomainChoice::kFree))
+        wrong(fmt::format("--method {} lays charts out in the {} domain only; leave out --domain {}", raw.method,
+                          lays_free ? "free" : "square", raw.domain));
     out.bake.fit = choice("--fit", kFitNames, raw.fit);
     out.bake.precision = choice("--precision", kPrecisionNames, raw.precision);
     out.bake.exr_layout = choice("--exr-layout", kExrLayoutNames, raw.exr_layout);

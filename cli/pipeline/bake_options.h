@@ -16,19 +16,19 @@ struct GridSize {
     friend bool operator==(const GridSize&, const GridSize&) = default;
 };
 
-enum class Fit { kSample, kL2 };
+enum class Fit { kSample, kL2, kBest };
 enum class Precision { kF32, kU16 };
 enum class DomainChoice { kAuto, kSquare, kFree };
 enum class ExrLayout { kAuto, kMultipart };
 
 struct BakeOptions {
-    GridSize size;                       ///< samples of each chart; 3..8193 a side
-    std::string method = "auto";         ///< auto stretch mvc authalic conformal tutte lscm arap uv
+    GridSize size;                ///< samples of each chart; 3..8193 a side
+    std::string method = "auto";  ///< auto stretch mvc authalic conformal tutte lscm arap uv
     DomainChoice domain = DomainChoice::kAuto;
     Fit fit = Fit::kSample;
     Precision precision = Precision::kF32;
-    std::vector<std::string> layers;     ///< empty: all that have data
-    std::filesystem::path texture;       ///< fabric image that replaces the materials' textures
+    std::vector<std::string> layers;       ///< empty: all that have data
+    std::filesystem::path texture;         ///< fabric image that replaces the materials' textures
     std::optional<GridSize> texture_size;  ///< default: the grid's size
     bool write_dgm = true, write_exr = false;
     ExrLayout exr_layout = ExrLayout::kAuto;

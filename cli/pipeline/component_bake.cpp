@@ -24,17 +24,19 @@ namespace codes = model::codes;
 constexpr std::size_t kNewtonSteps = 8;
 constexpr double kPoor = 75;  // dB: below this a square chart has something folded away; a free one is tried as well
 
-bool is_free_method(const std::string& method) { return method == "lscm" || method == "arap" || method == "uv"; }
+bool is_free_method(const std::string& method) {
+    return method == "lscm" || method == "arap" || method == "uv";
+}
 
 /// What every candidate of one component shares.
 class ComponentBaker {
-  public:
+ public:
     ComponentBaker(const TriMesh& component, GridSize size, const BakeOptions& options, const model::Progress& progress)
         : component_(component), size_(size), options_(options), progress_(progress) {}
 
     ComponentResult run() {
         if (options_.method == "uv") {
-            add("uv", [&] { return make_uv_chart(component_, size_.rows, size_.cols, tools(), progress_); });
+            add_uv();
             return finish();
         }
         CutSearchOptions search;
@@ -58,15 +60,20 @@ class ComponentBaker {
             failure_ = e;
         }
         // The search's rotation counts samples of its own grid.
-        const double ratio = static_cast<double>(BorderGrid{size_.rows, size_.cols}.count()) / BorderGrid{search.m, search.n}.count();
-        rotation_ = static_cast<std::uint32_t>(std::lround(cut_.rotation * ratio));
+        const double ratio =
+            static_cast<double>(BorderGrid{size_.rows, size_.cols}.count()) / BorderGrid{search.m, search.n}.count();
+        rotation_ = shrink == 1.0 ? cut_.rotation
+                                  : nearest_rotation(cut_.disk, size_.rows, size_.cols,
+                                                     static_cast<std::uint32_t>(std::lround(cut_.rotation * ratio)));
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
-        if (options_.method == "auto" && may_be_free() && !tried("arap") && (!best_ || result_.candidates.front().psnr < kPoor))
+        if (options_.method == "auto" && may_be_free() && !tried("arap") &&
+            (!best_ || result_.candidates.front().psnr < kPoor))
             add("arap", [&] { return make("arap"); });
+        if (options_.method == "auto" && may_be_free() && !component_.corner_uvs.empty()) add_uv();
         return finish();
     }
 
-  private:
+ private:
     [[nodiscard]] std::vector<std::string> methods() const {
         if (options_.method != "auto") return {options_.method};
         const bool square = options_.domain != DomainChoice::kFree, free = options_.domain != DomainChoice::kSquare;
@@ -85,6 +92,10 @@ class ComponentBaker {
         return options_.method == "auto" ? options_.domain != DomainChoice::kSquare : is_free_method(options_.method);
     }
 
+    void add_uv() {
+        add("uv", [&] { return make_uv_chart(component_, size_.rows, size_.cols, tools(), progress_); });
+    }
+
     [[nodiscard]] bool tried(std::string_view method) const {
         for (const CandidateReport& c : result_.candidates)
             if (c.method == method) return true;
@@ -93,7 +104,8 @@ class ComponentBaker {
 
     SampledChart make(const std::string& method) {
         if (is_free_method(method))
-            return make_free_chart(cut_.disk, size_.rows, size_.cols, *make_cgal_parameterizer(method), tools(), progress_);
+            return make_free_chart(cut_.disk, size_.rows, size_.cols, *make_cgal_parameterizer(method), tools(),
+                                   progress_);
         const std::unique_ptr<Parameterizer> parameterizer =
             method == "stretch" ? make_stretch_parameterizer(kNewtonSteps) : make_cgal_parameterizer(method);
         if (!parameterizer) throw Error(codes::kUsage, "unknown method: " + method);
@@ -107,7 +119,7 @@ class ComponentBaker {
         CandidateReport report{method, 0, ""};
         try {
             SampledChart chart = make_chart();
-            chart.cut_length = cut_.cut_length;
+            if (method != "uv") chart.cut_length = cut_.cut_length;
             check_topology(chart);
             const SurfaceError error = quick_error(component_, chart, 20'000);
             report.psnr = error.psnr();
@@ -133,9 +145,10 @@ class ComponentBaker {
         throw Error(codes::kGridTooSmall,
                     chart.method + ": a grid of " + std::to_string(chart.m) + "x" + std::to_string(chart.n) +
                         " does not hold the surface's topology (genus " + std::to_string(source.genus) + ", " +
-                        std::to_string(source.boundary_loops) + " borders; the grid has genus " + std::to_string(map.genus) +
-                        ", " + std::to_string(map.boundary_loops) + " borders, " + std::to_string(map.degenerate_faces) +
-                        " degenerate faces" + (map.manifold ? "" : ", not manifold") + ")");
+                        std::to_string(source.boundary_loops) + " borders; the grid has genus " +
+                        std::to_string(map.genus) + ", " + std::to_string(map.boundary_loops) + " borders, " +
+                        std::to_string(map.degenerate_faces) + " degenerate faces" +
+                        (map.manifold ? "" : ", not manifold") + ")");
     }
 
     ComponentResult finish() {

@@ -16,7 +16,8 @@ struct NamedValue {
     E value;
 };
 
-inline constexpr std::array kFitNames{NamedValue<Fit>{"sample", Fit::kSample}, NamedValue<Fit>{"l2", Fit::kL2}};
+inline constexpr std::array kFitNames{NamedValue<Fit>{"sample", Fit::kSample}, NamedValue<Fit>{"l2", Fit::kL2},
+                                      NamedValue<Fit>{"best", Fit::kBest}};
 inline constexpr std::array kPrecisionNames{NamedValue<Precision>{"f32", Precision::kF32},
                                             NamedValue<Precision>{"u16", Precision::kU16}};
 inline constexpr std::array kDomainNames{NamedValue<DomainChoice>{"auto", DomainChoice::kAuto},

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "dgm/hash.h"
+#include "geometry/fit/fit.h"
 #include "geometry/layers/layers.h"
 #include "geometry/metrics/reconstruction.h"
 #include "geometry/repair/repair.h"
@@ -46,23 +47,27 @@ void append(TriMesh& whole, const TriMesh& part) {
 }
 
 class AssetBake {
-  public:
+ public:
     AssetBake(const std::filesystem::path& source, const BakeOptions& options, const model::Progress& progress)
         : source_(source), options_(options), progress_(progress) {}
 
     BakeResult run() {
         stage("import", [&] { import(); });
-        stage("repair", [&] { repaired_ = repair(imported_.mesh); });
+        stage("repair", [&] {
+            repaired_ = repair(imported_.mesh);
+            for (TriMesh& component : repaired_.components) complete_normals(component);
+        });
         stage("textures", [&] { load_images(); });
         describe();
         stage("map", [&] { map_components(); });
+        if (options_.fit != Fit::kSample) stage("fit", [&] { fit_charts(); });
         stage("layers", [&] { make_charts(); });
         stage("measure", [&] { measure(); });
         result_.maps.report_json = to_json(result_.report, false);
         return std::move(result_);
     }
 
-  private:
+ private:
     template <class Body>
     void stage(const char* name, Body body) {
         progress_.update(name, 0);
@@ -117,7 +122,8 @@ class AssetBake {
                 .with_stage("repair");
         for (const auto& count : repaired_.counts) result_.report.repairs.push_back(count);
         const std::size_t components = repaired_.components.size();
-        if (components > 1) result_.report.warnings.push_back(std::to_string(components) + " components: one chart each");
+        if (components > 1)
+            result_.report.warnings.push_back(std::to_string(components) + " components: one chart each");
     }
 
     void map_components() {
@@ -130,8 +136,9 @@ class AssetBake {
             samples += std::uint64_t{size.rows} * size.cols;
         }
         if (samples > kMaxSamples)
-            throw Error(codes::kTooLarge, std::to_string(areas.size()) + " components would need " + std::to_string(samples) +
-                                              " samples, more than " + std::to_string(kMaxSamples) +
+            throw Error(codes::kTooLarge, std::to_string(areas.size()) + " components would need " +
+                                              std::to_string(samples) + " samples, more than " +
+                                              std::to_string(kMaxSamples) +
                                               "; join or drop components, or ask for a smaller --size");
         for (std::size_t c = 0; c < areas.size(); ++c) {
             const double done = static_cast<double>(c) / static_cast<double>(areas.size());
@@ -141,13 +148,27 @@ class AssetBake {
                 progress_.update("map", done + share / static_cast<double>(areas.size()));
             };
             try {
-                mapped_.push_back(bake_component(repaired_.components[c], component_size(options_.size, areas[c], largest),
-                                                 options_, inner));
+                mapped_.push_back(bake_component(repaired_.components[c],
+                                                 component_size(options_.size, areas[c], largest), options_, inner));
             } catch (Error& e) {
                 if (areas.size() == 1) throw;
-                throw Error(e.code(), "component " + std::to_string(c + 1) + " of " + std::to_string(areas.size()) + ": " + e.what(),
-                            e.place());
+                throw Error(
+                    e.code(),
+                    "component " + std::to_string(c + 1) + " of " + std::to_string(areas.size()) + ": " + e.what(),
+                    e.place());
             }
+        }
+    }
+
+    void fit_charts() {
+        const FitOptions fit = options_.fit == Fit::kBest ? best_fit() : l2_fit();
+        for (std::size_t c = 0; c < mapped_.size(); ++c) {
+            model::Progress inner;
+            inner.cancelled = progress_.cancelled;
+            inner.on_update = [&](std::string_view, double share) {
+                progress_.update("fit", (static_cast<double>(c) + share) / static_cast<double>(mapped_.size()));
+            };
+            fit_chart(repaired_.components[c], mapped_[c].chart, fit, inner);
         }
     }
 
@@ -156,8 +177,11 @@ class AssetBake {
             progress_.update("layers", static_cast<double>(c) / static_cast<double>(mapped_.size()));
             const SampledChart& chart = mapped_[c].chart;
             const StoredFrame stored = choose_frame(repaired_.frame, chart, options_.precision == Precision::kU16);
-            const SampleGrid fine = rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
-            LayerInput in{chart, repaired_.frame, stored, images_, fine, std::nullopt};
+            const bool fitted = options_.fit != Fit::kSample;
+            const SampleGrid fine = fitted
+                                        ? closest_samples(chart, 2 * chart.m - 1, 2 * chart.n - 1)
+                                        : rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
+            LayerInput in{chart, repaired_.frame, stored, images_, fine, std::nullopt, fitted};
             if (options_.texture_size) in.texture_size = {options_.texture_size->rows, options_.texture_size->cols};
             ChartLayers made = make_layers(in, options_.layers);
             worst_quantisation_ = std::max(worst_quantisation_, made.worst_quantisation);
@@ -195,7 +219,8 @@ class AssetBake {
             std::size_t used = 0;
             for (std::size_t s = 0; s < chart.grid_count(); ++s) used += chart.on_surface(s);
             report.utilisation = static_cast<double>(used) / static_cast<double>(chart.grid_count());
-            for (std::size_t s = 0; s < chart.representative.size(); ++s) report.seam_pairs += chart.representative[s] != s;
+            for (std::size_t s = 0; s < chart.representative.size(); ++s)
+                report.seam_pairs += chart.representative[s] != s;
             report.source_topology = measure_topology(component.positions.size(), component.faces);
             report.map_topology = measure_topology(map.positions.size(), reconstruction.welded_faces);
             if (report.source_topology.boundary_loops == 0) {
@@ -224,7 +249,9 @@ class AssetBake {
         // Geometry is always made, to measure it; it is stored only if it was asked for.
         if (!wants(options_.layers, "geometry"))
             for (model::Chart& chart : result_.maps.charts)
-                std::erase_if(chart.layers, [](const model::Layer& l) { return l.name == "geometry" || l.name == "border_geometry"; });
+                std::erase_if(chart.layers, [](const model::Layer& l) {
+                    return l.name == "geometry" || l.name == "border_geometry";
+                });
     }
 
     const std::filesystem::path& source_;
@@ -240,7 +267,8 @@ class AssetBake {
 
 }  // namespace
 
-BakeResult bake_asset(const std::filesystem::path& source, const BakeOptions& options, const model::Progress& progress) {
+BakeResult bake_asset(const std::filesystem::path& source, const BakeOptions& options,
+                      const model::Progress& progress) {
     return AssetBake(source, options, progress).run();
 }
 

@@ -145,5 +145,14 @@ TEST(CutSearch, StopsWhenAskedTo) {
     } catch (const model::Error& e) { EXPECT_EQ(e.code().number, model::codes::kInterrupted.number); }
 }
 
+TEST(CutSearch, LeavesADiskAlone) {
+    CutSearchOptions options;
+    options.m = options.n = 33;
+    options.samples = 2000;
+    const CutSearchResult found = search_cut(component(test::grid_sheet(8, 8)), options, {});
+    EXPECT_EQ(found.cut_length, 0);
+    EXPECT_LT(found.rms, 1e-12);
+}
+
 }  // namespace
 }  // namespace dgm::bake

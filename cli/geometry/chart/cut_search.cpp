@@ -15,19 +15,24 @@ namespace dgm::bake {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kGain = 0.99;  // a trial must lower the error by 1 % to count
+constexpr double kExact = 1e-10;  // normalised units
+constexpr double kGain = 0.99;    // a trial must lower the error by 1 % to count
 
 struct Trial {
     double rms = kInfinity;
     std::uint32_t rotation = 0;
-    Disk split;              // as the border layout split it
-    std::vector<Vec2d> uv;   // empty if the map failed
+    Disk split;             // as the border layout split it
+    std::vector<Vec2d> uv;  // empty if the map failed
 };
 
 class Search {
-  public:
+ public:
     Search(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress)
-        : component_(component), options_(options), progress_(progress), stretch_(make_stretch_parameterizer(0)), cut_(component),
+        : component_(component),
+          options_(options),
+          progress_(progress),
+          stretch_(make_stretch_parameterizer(0)),
+          cut_(component),
           source_(measure_topology(component.positions.size(), component.faces)) {}
 
     CutSearchResult run() {
@@ -41,7 +46,7 @@ class Search {
         return std::move(out_);
     }
 
-  private:
+ private:
     /// One map and one measurement of a cut; keeps the first failure's reason.
     Trial attempt(const CutGraph& cut, std::optional<std::uint32_t> rotation) {
         progress_.update("cut", share());
@@ -50,9 +55,11 @@ class Search {
         try {
             Disk disk = cut.open();
             trial.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
-            SampledChart chart = make_square_chart(std::move(disk), options_.m, options_.n, trial.rotation, *stretch_, {});
+            SampledChart chart =
+                make_square_chart(std::move(disk), options_.m, options_.n, trial.rotation, *stretch_, {});
             const Topology map = welded_topology(chart);
-            if (!map.manifold || map.degenerate_faces > 0 || map.genus != source_.genus || map.boundary_loops != source_.boundary_loops)
+            if (!map.manifold || map.degenerate_faces > 0 || map.genus != source_.genus ||
+                map.boundary_loops != source_.boundary_loops)
                 throw model::Error(model::codes::kGridTooSmall, "the grid does not hold the topology of the cut");
             trial.rms = quick_error(component_, chart, options_.samples).rms;
             trial.split = std::move(chart.disk);
@@ -79,13 +86,14 @@ class Search {
         int idle = 0;
         for (int k = 0; k <= options_.max_extremities; ++k) {
             const Trial trial = attempt(cut_, std::nullopt);
-            if (trial.rms < out_.rms) {
-                if (trial.rms > kGain * out_.rms) ++idle; else idle = 0;
+            if (trial.rms < kGain * out_.rms) {
+                idle = 0;
                 keep(cut_, trial);
                 out_.extremities = k;
             } else {
                 ++idle;
             }
+            if (out_.rms < kExact) break;  // a flat panel: what is left is rounding
             // While nothing valid was found, keep going: a body with limbs needs its limbs cut first.
             if (idle > options_.patience && best_) break;
             const std::uint32_t vertex = extremity(trial);
@@ -103,8 +111,9 @@ class Search {
         } else {
             std::vector<double> surface(n, 0.0), map(n, 0.0);
             for (const Face& f : trial.split.mesh.faces) {
-                const double area = 0.5 * length(cross(trial.split.mesh.positions[f[1]] - trial.split.mesh.positions[f[0]],
-                                                       trial.split.mesh.positions[f[2]] - trial.split.mesh.positions[f[0]]));
+                const double area =
+                    0.5 * length(cross(trial.split.mesh.positions[f[1]] - trial.split.mesh.positions[f[0]],
+                                       trial.split.mesh.positions[f[2]] - trial.split.mesh.positions[f[0]]));
                 const double mapped = 0.5 * cross(trial.uv[f[1]] - trial.uv[f[0]], trial.uv[f[2]] - trial.uv[f[0]]);
                 for (std::uint32_t v : f) {
                     const std::uint32_t point = trial.split.weld[v];
@@ -144,7 +153,7 @@ class Search {
     }
 
     void try_rotations() {
-        if (options_.rotations < 2) return;
+        if (options_.rotations < 2 || out_.rms < kExact) return;
         const Disk disk = best_->open();
         for (std::uint32_t r : candidate_rotations(disk, options_.m, options_.n, options_.rotations)) {
             if (r == out_.rotation) continue;

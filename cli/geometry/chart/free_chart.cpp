@@ -62,7 +62,8 @@ void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border
     const auto [u0, u1] = extent(axis);
     const auto [v0, v1] = extent(across);
     for (Vec2d& p : uv)
-        p = {std::clamp((dot(p, axis) - u0) / (u1 - u0), 0.0, 1.0), std::clamp((dot(p, across) - v0) / (v1 - v0), 0.0, 1.0)};
+        p = {std::clamp((dot(p, axis) - u0) / (u1 - u0), 0.0, 1.0),
+             std::clamp((dot(p, across) - v0) / (v1 - v0), 0.0, 1.0)};
 }
 
 /// Divides border edges longer than one grid cell, on both sides of a cut at the same places.
@@ -173,13 +174,20 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
 
 SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                              const FreeChartTools& tools, const model::Progress& progress) {
+    // A cut of one edge leaves two border edges between the same two vertices, which no map can tell apart.
+    if (const std::vector<std::uint32_t> edges = disk.border(); edges.size() == 2) disk.split(edges.front(), 0.5);
     const std::vector<std::uint32_t> border = border_vertices(disk);
     std::vector<Vec2d> uv = method.solve({disk.mesh.positions, disk.mesh.faces, border, {}}, progress);
-    const bool overlaps = !tools.is_simple(points_at(uv, border));
-    if (overlaps) uv = lay_on_circle(disk, border, uv);
-    SampledChart chart = sample_free_chart(std::move(disk), std::move(uv), m, n, std::string(method.name()), tools);
-    if (overlaps) chart.note = "the chart overlapped itself and was laid out again with a convex border";
-    return chart;
+    const std::string name(method.name());
+    try {
+        return sample_free_chart(disk, uv, m, n, name, tools);
+    } catch (const Error& e) {
+        if (e.code().number != codes::kMapInvalid.number) throw;
+        uv = lay_on_circle(disk, border, uv);
+        SampledChart chart = sample_free_chart(std::move(disk), std::move(uv), m, n, name, tools);
+        chart.note = std::string(e.what()) + "; laid out again with a convex border";
+        return chart;
+    }
 }
 
 SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const FreeChartTools& tools,
@@ -213,9 +221,7 @@ SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint3
         for (Vec2d& p : uv) p.x = -p.x;  // mirrored as a whole
     try {
         return sample_free_chart(std::move(disk), std::move(uv), m, n, "uv", tools);
-    } catch (const Error& e) {
-        throw unsuited(e.what());
-    }
+    } catch (const Error& e) { throw unsuited(e.what()); }
 }
 
 }  // namespace dgm::bake

@@ -23,7 +23,7 @@ double distance_to_segment(Vec2d p, Vec2d a, Vec2d b) {
 }
 
 class Joiner {
-  public:
+ public:
     explicit Joiner(SampledChart& chart) : chart_(chart), m_(chart.m), n_(chart.n) {
         for (const Vec2d& p : chart.border_uv) border_.push_back({p.x * (m_ - 1), p.y * (n_ - 1)});
     }
@@ -33,12 +33,14 @@ class Joiner {
         for (std::size_t k = 0; k < count; ++k) clear_near(border_[k], border_[(k + 1) % count]);
         for (std::size_t k = 0; k < count; ++k) open_crossed_cells(border_[k], border_[(k + 1) % count]);
         collect();
-        for (const Face& f : triangulate(points_, constraints_)) chart_.strip.push_back({sample_[f[0]], sample_[f[1]], sample_[f[2]]});
-        if (chart_.strip.empty()) throw model::Error(model::codes::kMapInvalid, chart_.method + ": the chart has no strip");
+        for (const Face& f : triangulate(points_, constraints_))
+            chart_.strip.push_back({sample_[f[0]], sample_[f[1]], sample_[f[2]]});
+        if (chart_.strip.empty())
+            throw model::Error(model::codes::kMapInvalid, chart_.method + ": the chart has no strip");
         flip_repeated_edges();
     }
 
-  private:
+ private:
     [[nodiscard]] std::size_t at(std::uint32_t i, std::uint32_t j) const { return std::size_t{i} * n_ + j; }
 
     struct Range {
@@ -49,7 +51,8 @@ class Joiner {
         const auto clamp = [](double x, double hi) { return static_cast<std::uint32_t>(std::clamp(x, 0.0, hi)); };
         const double hi_i = m_ - last, hi_j = n_ - last;
         return {clamp(std::floor(std::min(a.x, b.x) - lower), hi_i), clamp(std::ceil(std::max(a.x, b.x) + upper), hi_i),
-                clamp(std::floor(std::min(a.y, b.y) - lower), hi_j), clamp(std::ceil(std::max(a.y, b.y) + upper), hi_j)};
+                clamp(std::floor(std::min(a.y, b.y) - lower), hi_j),
+                clamp(std::ceil(std::max(a.y, b.y) + upper), hi_j)};
     }
 
     void clear_near(Vec2d a, Vec2d b) {
@@ -64,7 +67,8 @@ class Joiner {
         constexpr double kMargin = 1e-9;
         const Vec2d centre{i + 0.5, j + 0.5}, p = a - centre, q = b - centre, d = b - a;
         const double half = 0.5 + kMargin;
-        if (std::min(p.x, q.x) > half || std::max(p.x, q.x) < -half || std::min(p.y, q.y) > half || std::max(p.y, q.y) < -half)
+        if (std::min(p.x, q.x) > half || std::max(p.x, q.x) < -half || std::min(p.y, q.y) > half ||
+            std::max(p.y, q.y) < -half)
             return false;
         return std::abs(cross(d, p)) <= half * (std::abs(d.x) + std::abs(d.y)) + kMargin * length(d);
     }
@@ -75,13 +79,15 @@ class Joiner {
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)
             for (std::uint32_t j = r.j0; j <= r.j1; ++j) {
                 if (!meets_cell(a, b, i, j)) continue;
-                const std::array<std::array<std::uint32_t, 2>, 4> corners{{{i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j + 1}}};
+                const std::array<std::array<std::uint32_t, 2>, 4> corners{
+                    {{i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j + 1}}};
                 const auto masked = [&](const auto& c) { return chart_.mask[at(c[0], c[1])] != 0; };
                 if (!std::all_of(corners.begin(), corners.end(), masked)) continue;
-                const auto nearest = std::min_element(corners.begin(), corners.end(), [&](const auto& x, const auto& y) {
-                    return distance_to_segment({double(x[0]), double(x[1])}, a, b) <
-                           distance_to_segment({double(y[0]), double(y[1])}, a, b);
-                });
+                const auto nearest =
+                    std::min_element(corners.begin(), corners.end(), [&](const auto& x, const auto& y) {
+                        return distance_to_segment({double(x[0]), double(x[1])}, a, b) <
+                               distance_to_segment({double(y[0]), double(y[1])}, a, b);
+                    });
                 chart_.mask[at((*nearest)[0], (*nearest)[1])] = 0;
             }
     }
@@ -111,7 +117,8 @@ class Joiner {
         for (std::int64_t i = 0; i < m_; ++i)
             for (std::int64_t j = 0; j < n_; ++j) {
                 const auto s = static_cast<std::size_t>(i * n_ + j);
-                if (i + 1 < m_ && quad(i, j) != quad(i, j - 1)) constraints_.emplace_back(point_of[s], point_of[s + n_]);
+                if (i + 1 < m_ && quad(i, j) != quad(i, j - 1))
+                    constraints_.emplace_back(point_of[s], point_of[s + n_]);
                 if (j + 1 < n_ && quad(i, j) != quad(i - 1, j)) constraints_.emplace_back(point_of[s], point_of[s + 1]);
             }
     }
@@ -142,7 +149,8 @@ class Joiner {
                 const Edge w = welded(edge.first, edge.second);
                 if (faces[1] == kNone || (uses[w] <= 2 && w.first != w.second)) continue;
                 if (touched.count(faces[0]) || touched.count(faces[1])) continue;
-                flipped |= flip(faces[0], faces[1], edge.first, edge.second, uses, welded);
+                if (!flip(faces[0], faces[1], edge.first, edge.second, uses, welded)) continue;
+                flipped = true;
                 touched.insert(faces[0]), touched.insert(faces[1]);
                 uses[w] -= 2;
             }
@@ -153,7 +161,9 @@ class Joiner {
     template <class Uses, class Welded>
     bool flip(std::uint32_t f, std::uint32_t g, std::uint32_t a, std::uint32_t b, const Uses& uses, Welded welded) {
         Face &first = chart_.strip[f], &second = chart_.strip[g];
-        const auto apex = [&](const Face& face) { return face[0] != a && face[0] != b ? 0 : face[1] != a && face[1] != b ? 1 : 2; };
+        const auto apex = [&](const Face& face) {
+            return face[0] != a && face[0] != b ? 0 : face[1] != a && face[1] != b ? 1 : 2;
+        };
         const int p = apex(first), q = apex(second);
         const std::uint32_t c = first[p], d = second[q], from = first[(p + 1) % 3], to = first[(p + 2) % 3];
         const auto w = welded(c, d);
@@ -173,6 +183,8 @@ class Joiner {
 
 }  // namespace
 
-void join_lattice_to_border(SampledChart& chart, const Triangulate& triangulate) { Joiner(chart).run(triangulate); }
+void join_lattice_to_border(SampledChart& chart, const Triangulate& triangulate) {
+    Joiner(chart).run(triangulate);
+}
 
 }  // namespace dgm::bake

@@ -4,9 +4,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <dgm/grid.h>
 #include <algorithm>
 #include <cmath>
-#include <dgm/grid.h>
 
 #include "geometry/fit/least_squares.h"
 #include "geometry/spatial/closest_point.h"
@@ -45,8 +45,10 @@ std::vector<SurfacePoint> spread_points(const TriMesh& mesh, std::size_t count) 
         double t = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
         if (s + t > 1) s = 1 - s, t = 1 - t;
         const auto q = mesh.corners(f);
-        points.push_back({q[0] * (1 - s - t) + q[1] * s + q[2] * t, face_normal(mesh, static_cast<std::uint32_t>(f)),
-                          static_cast<std::uint32_t>(f), {1 - s - t, s, t}});
+        points.push_back({q[0] * (1 - s - t) + q[1] * s + q[2] * t,
+                          face_normal(mesh, static_cast<std::uint32_t>(f)),
+                          static_cast<std::uint32_t>(f),
+                          {1 - s - t, s, t}});
     }
     return points;
 }
@@ -70,12 +72,17 @@ double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d&
 }
 
 class Fitter {
-  public:
+ public:
     Fitter(const TriMesh& component, SampledChart& chart, const FitOptions& options, const model::Progress& progress)
-        : source_(component), chart_(chart), options_(options), progress_(progress),
+        : source_(component),
+          chart_(chart),
+          options_(options),
+          progress_(progress),
           source_index_(component.positions, component.faces) {
         number_unknowns();
-        const auto count = static_cast<std::size_t>(options.points_per_sample * static_cast<double>(chart.grid_count()));
+        for (std::uint32_t f = 0; f < component.faces.size(); ++f) source_normals_.push_back(face_normal(component, f));
+        const auto count =
+            static_cast<std::size_t>(options.points_per_sample * static_cast<double>(chart.grid_count()));
         points_ = spread_points(component, count);
         area_points_ = points_.size();
         add_vertices();
@@ -109,7 +116,17 @@ class Fitter {
         return report;
     }
 
-  private:
+ private:
+    /// The closest point whose face looks the same way, if it is about as near as the closest of all: a sliver's normal
+    /// says little, and may agree with the far side of the body only. Else the closest of all.
+    static ClosestPoint facing(const ClosestPointIndex& index, const std::vector<Vec3d>& normals, const SurfacePoint& p,
+                               double spacing) {
+        const ClosestPoint any = index.query(p.position);
+        if (any.face == kNone || dot(normals[any.face], p.normal) > kMinCosine) return any;
+        const ClosestPoint same = index.query_facing(p.position, p.normal, kMinCosine);
+        return same.face != kNone && same.distance <= 2 * any.distance + 0.25 * spacing ? same : any;
+    }
+
     void number_unknowns() {
         const std::size_t count = chart_.positions.size();
         unknown_.assign(count, kNone);
@@ -143,7 +160,8 @@ class Fitter {
             for (std::uint32_t v : source_.faces[f]) normals[v] += cross(q[1] - q[0], q[2] - q[0]), face[v] = f;
         }
         for (std::uint32_t v = 0; v < face.size(); ++v)
-            if (face[v] != kNone) points_.push_back({source_.positions[v], normalized(normals[v], Vec3d{}), face[v], {0, 0, 0}});
+            if (face[v] != kNone)
+                points_.push_back({source_.positions[v], normalized(normals[v], Vec3d{}), face[v], {0, 0, 0}});
     }
 
     [[nodiscard]] SurfaceError measure() const {
@@ -155,19 +173,57 @@ class Fitter {
     void match() {
         surface_ = chart_.surface();
         const ClosestPointIndex index(surface_.positions, surface_.faces);
+        std::vector<Vec3d> surface_normals(surface_.faces.size());
+        double area = 0;
+        for (std::uint32_t f = 0; f < surface_.faces.size(); ++f)
+            surface_normals[f] = face_normal(surface_, f), area += face_area(surface_.corners(f));
+        spacing_ = std::sqrt(area / static_cast<double>(chart_.grid_count()));
         hits_.assign(points_.size(), {});
         constexpr std::size_t kChunk = 1024;
         tbb::parallel_for(std::size_t{0}, (points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
             for (std::size_t k = chunk * kChunk; k < std::min(points_.size(), (chunk + 1) * kChunk); ++k)
-                hits_[k] = index.query_facing(points_[k].position, points_[k].normal, kMinCosine);
+                hits_[k] = facing(index, surface_normals, points_[k], spacing_);
         });
         if (!options_.two_way) return;
-        back_points_ = spread_points(surface_, static_cast<std::size_t>(1.5 * static_cast<double>(chart_.grid_count())));
+        spread_back_points();
         back_hits_.assign(back_points_.size(), {});
         tbb::parallel_for(std::size_t{0}, (back_points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
             for (std::size_t k = chunk * kChunk; k < std::min(back_points_.size(), (chunk + 1) * kChunk); ++k)
-                back_hits_[k] = source_index_.query_facing(back_points_[k].position, back_points_[k].normal, kMinCosine);
+                back_hits_[k] = facing(source_index_, source_normals_, back_points_[k], spacing_);
         });
+    }
+
+    /// Every grid sample and the middle of every face, weighed by area: a sample in a crowded part of the grid, where
+    /// no source point falls, is still held to the surface.
+    void spread_back_points() {
+        back_points_.clear(), back_weights_.clear();
+        std::vector<double> area(unknowns_, 0.0);
+        std::vector<Vec3d> normal(unknowns_, Vec3d{});
+        std::vector<std::uint32_t> face(unknowns_, kNone);
+        double total = 0;
+        for (std::uint32_t f = 0; f < surface_.faces.size(); ++f) {
+            const auto q = surface_.corners(f);
+            const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
+            const double a = 0.5 * length(n);
+            total += a;
+            back_points_.push_back({(q[0] + q[1] + q[2]) / 3, normalized(n, Vec3d{}), f, {1.0 / 3, 1.0 / 3, 1.0 / 3}});
+            back_weights_.push_back(a);
+            for (std::uint32_t s : surface_.faces[f]) {
+                const std::uint32_t u = unknown_[s];
+                area[u] += a / 3, normal[u] += n, face[u] = f;
+            }
+        }
+        for (std::uint32_t u = 0; u < unknowns_; ++u) {
+            if (face[u] == kNone) continue;
+            SurfacePoint p{chart_.positions[sample_of_[u]], normalized(normal[u], Vec3d{}), face[u], {0, 0, 0}};
+            for (int k = 0; k < 3; ++k) p.b[k] = unknown_[surface_.faces[face[u]][k]] == u ? 1 : 0;
+            back_points_.push_back(p);
+            back_weights_.push_back(area[u]);
+        }
+        // As much weight in all as the forward points have; none under a twentieth of the mean.
+        const double mean = 2 * total / static_cast<double>(back_points_.size());
+        const double scale = static_cast<double>(area_points_) / (2 * total);
+        for (double& w : back_weights_) w = std::max(w, 0.05 * mean) * scale;
     }
 
     /// Normal of the metric: the surface's, but along the gap where the closest point is on an edge of the face.
@@ -197,10 +253,11 @@ class Fitter {
             const Vec3d gap = points_[k].position - hit.point;
             const double weight = (k < area_points_ ? 1.0 : 0.25) * urgency(hit.distance);
             rows.push_back({{unknown_[f[0]], unknown_[f[1]], unknown_[f[2]]},
-                            {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}, gap,
-                            metric_normal(gap, face_normal(surface_, hit.face), hit.barycentric), weight});
+                            {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]},
+                            gap,
+                            metric_normal(gap, face_normal(surface_, hit.face), hit.barycentric),
+                            weight});
         }
-        const double back_weight = static_cast<double>(area_points_) / std::max<double>(1, static_cast<double>(back_points_.size()));
         if (options_.two_way)
             for (std::size_t k = 0; k < back_points_.size(); ++k) {
                 const ClosestPoint& hit = back_hits_[k];
@@ -208,9 +265,11 @@ class Fitter {
                 const Face& f = surface_.faces[back_points_[k].face];
                 const double* b = back_points_[k].b;
                 const Vec3d gap = hit.point - back_points_[k].position;
-                rows.push_back({{unknown_[f[0]], unknown_[f[1]], unknown_[f[2]]}, {b[0], b[1], b[2]}, gap,
+                rows.push_back({{unknown_[f[0]], unknown_[f[1]], unknown_[f[2]]},
+                                {b[0], b[1], b[2]},
+                                gap,
                                 metric_normal(gap, face_normal(source_, hit.face), hit.barycentric),
-                                back_weight * urgency(hit.distance)});
+                                back_weights_[k] * urgency(hit.distance)});
             }
         move(least_squares_step(rows, unknowns_, fixed_, options_.point_share, kDamping, kCgIterations));
     }
@@ -260,8 +319,8 @@ class Fitter {
             if (unknown_[s] != kNone && !fixed_[unknown_[s]]) chart_.positions[s] = moved(unknown_[s]);
     }
 
-    /// Each quad takes the diagonal with the smaller squared distance to the source points over it. Quads at the chart's
-    /// border keep theirs: those may be the only ones that leave the welded surface a manifold.
+    /// Each quad takes the diagonal with the smaller squared distance to the source points over it. Quads at the
+    /// chart's border keep theirs: those may be the only ones that leave the welded surface a manifold.
     void split_quads() {
         const std::uint32_t m = chart_.m, n = chart_.n;
         std::vector<std::uint32_t> quad_of_face;  // per grid triangle; strip faces have none
@@ -275,8 +334,9 @@ class Fitter {
             for (unsigned d = 0; d < 2; ++d) {
                 double least = INFINITY;
                 for (const Face& t : quad_triangles(i, j, n, d))
-                    least = std::min(least, squared_distance_to_triangle(points_[k].position, chart_.positions[t[0]],
-                                                                         chart_.positions[t[1]], chart_.positions[t[2]]));
+                    least =
+                        std::min(least, squared_distance_to_triangle(points_[k].position, chart_.positions[t[0]],
+                                                                     chart_.positions[t[1]], chart_.positions[t[2]]));
                 sums[quad][d] += least;
             }
         }
@@ -293,7 +353,8 @@ class Fitter {
 
     [[nodiscard]] bool keeps_orientation(const std::array<Face, 2>& old, const std::array<Face, 2>& fresh) const {
         const auto area = [&](const Face& f) {
-            return cross(chart_.positions[f[1]] - chart_.positions[f[0]], chart_.positions[f[2]] - chart_.positions[f[0]]);
+            return cross(chart_.positions[f[1]] - chart_.positions[f[0]],
+                         chart_.positions[f[2]] - chart_.positions[f[0]]);
         };
         const Vec3d mean = area(old[0]) + area(old[1]);
         return dot(area(fresh[0]), mean) > 0 && dot(area(fresh[1]), mean) > 0;
@@ -305,12 +366,15 @@ class Fitter {
     const model::Progress& progress_;
     ClosestPointIndex source_index_;
     std::vector<SurfacePoint> points_, back_points_;
+    std::vector<double> back_weights_;
     std::size_t area_points_ = 0;
     std::vector<ClosestPoint> hits_, back_hits_;
     TriMesh surface_;
     std::vector<std::uint32_t> unknown_, sample_of_;
     std::uint32_t unknowns_ = 0;
     std::vector<char> fixed_;
+    std::vector<Vec3d> source_normals_;
+    double spacing_ = 0;  // mean distance of samples
     SurfaceError best_;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;
@@ -325,7 +389,11 @@ SurfaceSample closest_on(const ClosestPointIndex& index, const Vec3d& p, const V
 
 }  // namespace
 
-FitOptions l2_fit() { return {}; }
+FitOptions l2_fit() {
+    FitOptions o;
+    o.two_way = true;
+    return o;
+}
 
 FitOptions best_fit() {
     FitOptions o;
@@ -336,13 +404,15 @@ FitOptions best_fit() {
     return o;
 }
 
-FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOptions& options, const model::Progress& progress) {
+FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOptions& options,
+                    const model::Progress& progress) {
     const FitReport report = Fitter(component, chart, options, progress).run();
     const TriMesh& mesh = chart.disk.mesh;
     const ClosestPointIndex index(mesh.positions, mesh.faces);
     std::vector<Vec3d> normals(chart.positions.size(), Vec3d{});
     for (const Face& f : chart.faces()) {
-        const Vec3d n = cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
+        const Vec3d n =
+            cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
         for (std::uint32_t s : f) normals[chart.representative[s]] += n;
     }
     tbb::parallel_for(std::size_t{0}, chart.samples.size(), [&](std::size_t s) {
@@ -360,8 +430,10 @@ SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::u
     tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
         for (std::uint32_t c = 0; c < cols; ++c) {
             // Position on the chart's own grid, and the quad's triangle under it.
-            const double x = static_cast<double>(r) * (chart.m - 1) / (rows - 1), y = static_cast<double>(c) * (chart.n - 1) / (cols - 1);
-            const auto i = std::min(static_cast<std::uint32_t>(x), chart.m - 2), j = std::min(static_cast<std::uint32_t>(y), chart.n - 2);
+            const double x = static_cast<double>(r) * (chart.m - 1) / std::max(1u, rows - 1);
+            const double y = static_cast<double>(c) * (chart.n - 1) / std::max(1u, cols - 1);
+            const auto i = std::min(static_cast<std::uint32_t>(x), chart.m - 2),
+                       j = std::min(static_cast<std::uint32_t>(y), chart.n - 2);
             if (!chart.has_quad(i, j)) continue;
             const double s = x - i, t = y - j;
             const unsigned diagonal = chart.diagonals[std::size_t{i} * (chart.n - 1) + j];
@@ -369,11 +441,13 @@ SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::u
             // (0,0) (1,0) (1,1) | (0,0) (1,1) (0,1)   or   (0,0) (1,0) (0,1) | (1,0) (1,1) (0,1)
             const bool second = diagonal == 0 ? t > s : s + t > 1;
             const Face& f = triangles[second];
-            const std::array<double, 3> b = diagonal == 0 ? second ? std::array{1 - t, s, t - s} : std::array{1 - s, s - t, t}
-                                            : second      ? std::array{1 - t, s + t - 1, 1 - s}
-                                                          : std::array{1 - s - t, s, t};
+            const std::array<double, 3> b = diagonal == 0
+                                                ? second ? std::array{1 - t, s, t - s} : std::array{1 - s, s - t, t}
+                                            : second ? std::array{1 - t, s + t - 1, 1 - s}
+                                                     : std::array{1 - s - t, s, t};
             const Vec3d p = chart.positions[f[0]] * b[0] + chart.positions[f[1]] * b[1] + chart.positions[f[2]] * b[2];
-            const Vec3d n = cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
+            const Vec3d n =
+                cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
             grid.samples[std::size_t{r} * cols + c] = closest_on(index, p, normalized(n));
         }
     });

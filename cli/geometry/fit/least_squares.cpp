@@ -13,7 +13,8 @@ using model::Vec3d;
 using Block = std::array<double, 6>;
 
 Vec3d multiply(const Block& a, const Vec3d& v) {
-    return {a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z, a[2] * v.x + a[4] * v.y + a[5] * v.z};
+    return {a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z,
+            a[2] * v.x + a[4] * v.y + a[5] * v.z};
 }
 
 Block inverse(const Block& a) {
@@ -21,7 +22,12 @@ Block inverse(const Block& a) {
     const double d = a[0] * c0 + a[1] * c1 + a[2] * c2;
     if (!(std::abs(d) > 0)) return {1, 0, 0, 1, 0, 1};
     const double s = 1 / d;
-    return {c0 * s, c1 * s, c2 * s, (a[0] * a[5] - a[2] * a[2]) * s, (a[1] * a[2] - a[0] * a[4]) * s, (a[0] * a[3] - a[1] * a[1]) * s};
+    return {c0 * s,
+            c1 * s,
+            c2 * s,
+            (a[0] * a[5] - a[2] * a[2]) * s,
+            (a[1] * a[2] - a[0] * a[4]) * s,
+            (a[0] * a[3] - a[1] * a[1]) * s};
 }
 
 double dot_all(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
@@ -49,11 +55,15 @@ std::vector<Vec3d> least_squares_step(std::span<const FitRow> rows, std::size_t 
             trace += wbb;
         }
     }
-    const double lambda = damping * trace / static_cast<double>(unknowns);
+    // By each unknown's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
+    // whose rows weigh little, while their neighbours move.
+    const double floor = 1e-6 * damping * trace / static_cast<double>(unknowns);
+    std::vector<double> lambda(unknowns);
     std::vector<Block> preconditioner(unknowns);
     for (std::size_t k = 0; k < unknowns; ++k) {
         Block d = diagonal[k];
-        d[0] += lambda, d[3] += lambda, d[5] += lambda;
+        lambda[k] = floor + damping * (d[0] + d[3] + d[5]);
+        d[0] += lambda[k], d[3] += lambda[k], d[5] += lambda[k];
         preconditioner[k] = inverse(d);
         if (fixed[k]) residual[k] = {};
     }
@@ -65,7 +75,7 @@ std::vector<Vec3d> least_squares_step(std::span<const FitRow> rows, std::size_t 
     double rz = dot_all(residual, z);
     const double enough = 1e-6 * rz;
     for (int it = 0; it < iterations && rz > enough; ++it) {
-        for (std::size_t k = 0; k < unknowns; ++k) product[k] = direction[k] * lambda;
+        for (std::size_t k = 0; k < unknowns; ++k) product[k] = direction[k] * lambda[k];
         for (const FitRow& row : rows) {
             const auto& u = row.unknown;
             const Vec3d moved = direction[u[0]] * row.b[0] + direction[u[1]] * row.b[1] + direction[u[2]] * row.b[2];

@@ -19,7 +19,7 @@ struct FitRow {
     double weight;
 };
 
-/// Minimises  sum of the rows + damping * mean diagonal * |step|^2  by conjugate gradients with 3x3 block Jacobi
+/// Minimises  sum of the rows + damping * (own diagonal) * |step|^2  by conjugate gradients with 3x3 block Jacobi
 /// preconditioning, matrix-free; unknowns marked `fixed` stay 0. Sums run in row order: the same bits every time.
 [[nodiscard]] std::vector<model::Vec3d> least_squares_step(std::span<const FitRow> rows, std::size_t unknowns,
                                                            std::span<const char> fixed, double share, double damping,

@@ -39,18 +39,24 @@ struct LayerInput {
     const Frame& frame;
     const StoredFrame& stored;
     const MaterialImages& images;
-    const SampleGrid& fine;         ///< rasterization at (2m-1) x (2n-1)
+    const SampleGrid& fine;  ///< where the surface at (2m-1) x (2n-1) lies on the source
     std::optional<std::pair<std::uint32_t, std::uint32_t>> texture_size;
+    bool fitted = false;     ///< samples have moved off the map (fit.h): look up by closest point, not by (u, v)
 };
 
-/// Stored positions of all samples, and what they decode to: local coordinates, source units, equal bits within a class.
+/// Stored positions of all samples, and what they decode to: local coordinates, source units, equal bits within a
+/// class.
 struct StoredPositions {
-    model::Layer geometry;                          ///< [m][n][3]
-    std::optional<model::Layer> border_geometry;    ///< [k][3] f32, free domain
-    std::vector<Vec3d> local;                       ///< per sample, border samples after the grid
-    double worst_quantisation = 0;                  ///< half a step, source units; 0 for f32
+    model::Layer geometry;                        ///< [m][n][3]
+    std::optional<model::Layer> border_geometry;  ///< [k][3] f32, free domain
+    std::vector<Vec3d> local;                     ///< per sample, border samples after the grid
+    double worst_quantisation = 0;                ///< half a step, source units; 0 for f32
 };
 [[nodiscard]] StoredPositions store_positions(const LayerInput& in);
+
+/// Gives every corner without a normal the area-weighted normal of its vertex, so that edges split later interpolate
+/// it.
+void complete_normals(TriMesh& mesh);
 
 /// Unit normals of all samples, decoded from their octahedral codes, and the layers `normal`, `border_normal`.
 struct StoredNormals {
@@ -64,14 +70,16 @@ struct StoredNormals {
 [[nodiscard]] std::optional<model::Layer> make_texture(const LayerInput& in);
 /// f16 [2m-1][2n-1]: height of the mapped surface over the stored grid surface along the decoded normal, plus the
 /// material's height map (`-bm` source units from black to white; 1 % of the diagonal where the file does not say).
-[[nodiscard]] model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, const StoredNormals& normals);
+[[nodiscard]] model::Layer make_bump(const LayerInput& in, const StoredPositions& positions,
+                                     const StoredNormals& normals);
 /// f32 [nodes][6], attribute `levels`.
 [[nodiscard]] model::Layer make_collision(const SampledChart& chart, std::span<const Vec3d> local);
 /// f32 [m][n], rounded up.
 [[nodiscard]] model::Layer make_cover(const SampledChart& chart, std::span<const Vec3d> local);
 /// f32 [m][n][4]: E, F, G by central differences over the seam, and stiffness (vertex alpha, else 1).
 [[nodiscard]] model::Layer make_deformation(const SampledChart& chart, std::span<const Vec3d> local);
-/// f32 [m][n][2]: area (a third of each triangle to each corner; border samples hand theirs to a grid sample) and mobility.
+/// f32 [m][n][2]: area (a third of each triangle to each corner; border samples hand theirs to a grid sample) and
+/// mobility.
 [[nodiscard]] model::Layer make_contact(const SampledChart& chart, std::span<const Vec3d> local);
 /// seams, diagonals, and for a free domain mask, border_uv, border_faces: what every reader of geometry needs.
 [[nodiscard]] std::vector<model::Layer> make_tables(const SampledChart& chart);

@@ -6,13 +6,27 @@
 
 namespace dgm::bake {
 
+void complete_normals(TriMesh& mesh) {
+    std::vector<Vec3d> smooth(mesh.positions.size(), Vec3d{});
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        const auto q = mesh.corners(f);
+        for (std::uint32_t v : mesh.faces[f]) smooth[v] += cross(q[1] - q[0], q[2] - q[0]);
+    }
+    mesh.corner_normals.resize(3 * mesh.faces.size(), Vec3d{});
+    for (std::size_t c = 0; c < mesh.corner_normals.size(); ++c) {
+        Vec3d& n = mesh.corner_normals[c];
+        n = normalized(n, normalized(smooth[mesh.faces[c / 3][c % 3]], Vec3d{}));
+    }
+}
+
 StoredNormals store_normals(const LayerInput& in) {
     const SampledChart& chart = in.chart;
     const TriMesh& mesh = chart.disk.mesh;
     // Over the welded surface, so that the two sides of a cut agree.
     std::vector<Vec3d> welded(chart.disk.weld_count, Vec3d{});
     for (const Face& f : mesh.faces) {
-        const Vec3d area = cross(mesh.positions[f[1]] - mesh.positions[f[0]], mesh.positions[f[2]] - mesh.positions[f[0]]);
+        const Vec3d area =
+            cross(mesh.positions[f[1]] - mesh.positions[f[0]], mesh.positions[f[2]] - mesh.positions[f[0]]);
         for (std::uint32_t v : f) welded[chart.disk.weld[v]] += area;
     }
     for (Vec3d& n : welded) n = normalized(n, Vec3d{});

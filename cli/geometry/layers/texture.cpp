@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/fit/fit.h"
 #include "geometry/layers/image_lookup.h"
 #include "geometry/layers/layers.h"
 
@@ -12,7 +13,9 @@ namespace {
 
 using model::Rgba8;
 
-std::uint8_t to_byte(double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); }
+std::uint8_t to_byte(double x) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0)));
+}
 
 /// Colour of a point of the disk by its corner attributes and material.
 Rgba8 colour_at(const LayerInput& in, const SurfaceSample& at) {
@@ -44,7 +47,8 @@ bool has_colour(const LayerInput& in) {
     return false;
 }
 
-/// Colours the texels that no face covers from their nearest covered neighbour, so that filtering never bleeds in black.
+/// Colours the texels that no face covers from their nearest covered neighbour, so that filtering never bleeds in
+/// black.
 void dilate(std::span<std::uint8_t> rgba, std::vector<char>& covered, std::uint32_t rows, std::uint32_t cols) {
     std::vector<std::uint32_t> front;
     for (std::uint32_t t = 0; t < covered.size(); ++t)
@@ -75,7 +79,9 @@ std::optional<model::Layer> make_texture(const LayerInput& in) {
     const std::uint32_t cols = in.texture_size ? in.texture_size->second : has_image ? in.fine.n : in.chart.n;
     model::Layer layer = empty_layer("texture", model::ElementType::kU8, {rows, cols, 4});
     const auto rgba = values<std::uint8_t>(layer);
-    const auto put = [&](std::size_t t, Rgba8 c) { rgba[4 * t] = c.r, rgba[4 * t + 1] = c.g, rgba[4 * t + 2] = c.b, rgba[4 * t + 3] = c.a; };
+    const auto put = [&](std::size_t t, Rgba8 c) {
+        rgba[4 * t] = c.r, rgba[4 * t + 1] = c.g, rgba[4 * t + 2] = c.b, rgba[4 * t + 3] = c.a;
+    };
     if (in.images.fabric) {
         for (std::uint32_t i = 0; i < rows; ++i)
             for (std::uint32_t j = 0; j < cols; ++j)
@@ -83,7 +89,9 @@ std::optional<model::Layer> make_texture(const LayerInput& in) {
         return layer;
     }
     const bool same = rows == in.fine.m && cols == in.fine.n;
-    const SampleGrid own = same ? SampleGrid{} : rasterize(in.chart.disk.mesh.faces, in.chart.uv, rows, cols);
+    const SampleGrid own = same        ? SampleGrid{}
+                           : in.fitted ? closest_samples(in.chart, rows, cols)
+                                       : rasterize(in.chart.disk.mesh.faces, in.chart.uv, rows, cols);
     const SampleGrid& grid = same ? in.fine : own;
     std::vector<char> covered(grid.samples.size(), 0);
     for (std::size_t t = 0; t < grid.samples.size(); ++t) {

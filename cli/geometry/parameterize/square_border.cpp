@@ -49,15 +49,22 @@ struct Laid {
 };
 
 /// A path of least(path) intervals keeps its quads apart: a loop needs three, or its ends share a quad's triangle.
-std::uint32_t least(const BorderPath& path, bool roomy) { return path.is_loop ? 3u : roomy ? 2u : 1u; }
+std::uint32_t least(const BorderPath& path, bool roomy) {
+    return path.is_loop ? 3u : roomy ? 2u : 1u;
+}
+
+bool has_four_real_sides(const std::vector<BorderPath>& paths) {
+    return paths.size() == 4 &&
+           std::all_of(paths.begin(), paths.end(), [](const BorderPath& p) { return p.mate == kNone; });
+}
 
 class BorderLayout {
-  public:
+ public:
     BorderLayout(Disk& disk, BorderGrid grid, std::uint32_t rotation) : disk_(disk), grid_(grid) {
         const std::vector<BorderPath> paths = disk.paths();
-        const std::vector<std::uint32_t> intervals = fits_four_corners(paths)
-                                                         ? std::vector<std::uint32_t>{grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1}
-                                                         : allocate_intervals(paths, grid.count());
+        const std::vector<std::uint32_t> intervals =
+            has_four_real_sides(paths) ? std::vector<std::uint32_t>{grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1}
+                                       : allocate_intervals(paths, grid.count());
         std::uint32_t start = rotation % grid.count();
         for (std::size_t p = 0; p < paths.size(); ++p) {
             Laid l;
@@ -87,14 +94,7 @@ class BorderLayout {
         return std::move(out_);
     }
 
-  private:
-    bool fits_four_corners(const std::vector<BorderPath>& paths) const {
-        if (paths.size() != 4) return false;
-        for (const BorderPath& path : paths)
-            if (path.mate != kNone) return false;
-        return true;
-    }
-
+ private:
     [[nodiscard]] std::uint32_t border_half_edge(std::uint32_t from) const {
         for (std::uint32_t h : disk_.border())
             if (origin(disk_.mesh.faces, h) == from) return h;
@@ -107,7 +107,8 @@ class BorderLayout {
             const std::uint32_t q = (t + grid_.count() - path.start) % grid_.count();
             if (q >= path.intervals || q == 0) continue;
             Laid* mate = path.mate == kNone ? nullptr : &laid_[path.mate];
-            const auto at = static_cast<std::size_t>(std::lower_bound(path.tau.begin(), path.tau.end(), q) - path.tau.begin());
+            const auto at =
+                static_cast<std::size_t>(std::lower_bound(path.tau.begin(), path.tau.end(), q) - path.tau.begin());
             const auto snap = [&](std::size_t i) {
                 path.tau[i] = q;
                 if (mate != nullptr) mate->tau[mate->tau.size() - 1 - i] = mate->intervals - q;
@@ -237,9 +238,9 @@ std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& pat
         }
         if (needed > total) {
             if (roomy) continue;
-            throw Error(codes::kGridTooSmall, "the cut has " + std::to_string(paths.size()) + " border paths and needs " +
-                                                  std::to_string(needed) + " border intervals, the grid has " +
-                                                  std::to_string(total));
+            throw Error(codes::kGridTooSmall, "the cut has " + std::to_string(paths.size()) +
+                                                  " border paths and needs " + std::to_string(needed) +
+                                                  " border intervals, the grid has " + std::to_string(total));
         }
         std::int64_t left = total;
         for (Share& s : shares) {
@@ -260,7 +261,8 @@ std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& pat
         }
         if (left != 0) {
             if (roomy) continue;
-            throw Error(codes::kGridTooSmall, "the border paths cannot share " + std::to_string(total) + " intervals evenly");
+            throw Error(codes::kGridTooSmall,
+                        "the border paths cannot share " + std::to_string(total) + " intervals evenly");
         }
         std::vector<std::uint32_t> out(paths.size());
         for (const Share& s : shares) {
@@ -276,39 +278,64 @@ SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std
     return BorderLayout(disk, {m, n}, rotation).run();
 }
 
-std::vector<std::uint32_t> candidate_rotations(const Disk& disk, std::uint32_t m, std::uint32_t n, std::size_t how_many) {
-    const std::vector<BorderPath> paths = disk.paths();
-    const BorderGrid grid{m, n};
-    const std::uint32_t total = grid.count(), period = m == n ? m - 1 : total / 2;
-    if (paths.size() == 4 && std::all_of(paths.begin(), paths.end(), [](const BorderPath& p) { return p.mate == kNone; }))
-        return {0};
-    const std::vector<std::uint32_t> intervals = allocate_intervals(paths, total);
-    std::vector<char> leaf(total, 0), corner(total, 0);
-    std::uint32_t start = 0;
-    for (std::size_t p = 0; p < paths.size(); ++p) {
-        const std::size_t before = (p + paths.size() - 1) % paths.size();
-        if (paths[p].mate == before && paths.size() > 1) leaf[start] = 1;
-        if (paths[p].mate == kNone && paths[before].mate == kNone && paths.size() > 1) corner[start] = 1;
-        start += intervals[p];
+namespace {
+
+/// Which border samples of the unrotated cycle are leaves of the cut, and which are corners of the real border.
+struct BorderMarks {
+    BorderGrid grid;
+    std::vector<char> leaf, corner;
+
+    BorderMarks(const std::vector<BorderPath>& paths, BorderGrid g)
+        : grid(g), leaf(g.count(), 0), corner(g.count(), 0) {
+        const std::vector<std::uint32_t> intervals = allocate_intervals(paths, g.count());
+        std::uint32_t start = 0;
+        for (std::size_t p = 0; p < paths.size(); ++p) {
+            const std::size_t before = (p + paths.size() - 1) % paths.size();
+            if (paths[p].mate == before && paths.size() > 1) leaf[start] = 1;
+            if (paths[p].mate == kNone && paths[before].mate == kNone && paths.size() > 1) corner[start] = 1;
+            start += intervals[p];
+        }
     }
-    // Position s of the unrotated cycle lies on a corner of the square if (s + r) is one.
-    const auto hits = [&](const std::vector<char>& marks, std::uint32_t r) {
+    /// Position s of the unrotated cycle lies on a corner of the square if s + r is one.
+    [[nodiscard]] int hits(const std::vector<char>& marks, std::uint32_t r) const {
         int count = 0;
-        for (int k = 0; k < 4; ++k) count += marks[(grid.corner(k) + total - r) % total];
+        for (int k = 0; k < 4; ++k) count += marks[(grid.corner(k) + grid.count() - r % grid.count()) % grid.count()];
         return count;
-    };
+    }
+};
+
+}  // namespace
+
+std::uint32_t nearest_rotation(const Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t wanted) {
+    const std::vector<BorderPath> paths = disk.paths();
+    if (has_four_real_sides(paths)) return 0;
+    const BorderMarks marks(paths, {m, n});
+    const std::uint32_t total = marks.grid.count();
+    for (std::uint32_t d = 0; d < total; ++d)
+        for (const std::uint32_t r : {(wanted + d) % total, (wanted + total - d) % total})
+            if (marks.hits(marks.leaf, r) == 0) return r;
+    return wanted;
+}
+
+std::vector<std::uint32_t> candidate_rotations(const Disk& disk, std::uint32_t m, std::uint32_t n,
+                                               std::size_t how_many) {
+    const std::vector<BorderPath> paths = disk.paths();
+    if (has_four_real_sides(paths)) return {0};
+    const BorderMarks marks(paths, {m, n});
+    const std::uint32_t period = m == n ? m - 1 : marks.grid.count() / 2;
     std::vector<std::uint32_t> out;
     // Rotations that put corners of the real border on corners of the square come first, best first.
     std::vector<std::pair<int, std::uint32_t>> by_corners;
     for (std::uint32_t r = 0; r < period; ++r)
-        if (hits(leaf, r) == 0 && hits(corner, r) > 0) by_corners.emplace_back(-hits(corner, r), r);
+        if (marks.hits(marks.leaf, r) == 0 && marks.hits(marks.corner, r) > 0)
+            by_corners.emplace_back(-marks.hits(marks.corner, r), r);
     std::sort(by_corners.begin(), by_corners.end());
     for (const auto& entry : by_corners)
         if (out.size() < (how_many + 1) / 2) out.push_back(entry.second);
     for (std::size_t k = 0; k < 4 * how_many && out.size() < how_many; ++k) {
         auto r = static_cast<std::uint32_t>(k * period / how_many) % period;
-        for (std::uint32_t tries = 0; tries < period && hits(leaf, r) > 0; ++tries) r = (r + 1) % period;
-        if (hits(leaf, r) == 0 && std::find(out.begin(), out.end(), r) == out.end()) out.push_back(r);
+        for (std::uint32_t tries = 0; tries < period && marks.hits(marks.leaf, r) > 0; ++tries) r = (r + 1) % period;
+        if (marks.hits(marks.leaf, r) == 0 && std::find(out.begin(), out.end(), r) == out.end()) out.push_back(r);
     }
     if (out.empty()) out.push_back(0);
     return out;

@@ -18,31 +18,34 @@ struct SurfaceSample {
 
 /// One of the 2(m-1) + 2(n-1) samples of the square's border, counter-clockwise in (u, v) from (0, 0).
 struct BorderSample {
-    std::uint32_t index;       ///< flat sample index i*n+j
-    SurfaceSample at;          ///< on this side of the cut
-    std::uint32_t same_as;     ///< position in the border cycle of the first sample of its class; itself if it is the first
+    std::uint32_t index;  ///< flat sample index i*n+j
+    SurfaceSample at;     ///< on this side of the cut
+    std::uint32_t
+        same_as;  ///< position in the border cycle of the first sample of its class; itself if it is the first
 };
 
 struct SquareBorder {
     std::vector<std::uint32_t> vertices;  ///< border cycle of the (split) disk
     std::vector<Vec2d> uv;                ///< of those vertices, counter-clockwise on the unit square's border
     std::vector<BorderSample> samples;
-    double smallest_interval = 0;         ///< shortest path length per interval, normalised units
+    double smallest_interval = 0;  ///< shortest path length per interval, normalised units
 };
 
 /// Grid corner k (0..3) counted in border samples.
 struct BorderGrid {
     std::uint32_t m, n;
     [[nodiscard]] std::uint32_t count() const { return 2 * (m - 1) + 2 * (n - 1); }
-    [[nodiscard]] std::uint32_t corner(int k) const { return k == 0 ? 0 : k == 1 ? m - 1 : k == 2 ? m + n - 2 : 2 * m + n - 3; }
+    [[nodiscard]] std::uint32_t corner(int k) const {
+        return k == 0 ? 0 : k == 1 ? m - 1 : k == 2 ? m + n - 2 : 2 * m + n - 3;
+    }
     /// Flat index of border sample t.
     [[nodiscard]] std::uint32_t sample(std::uint32_t t) const;
     /// (u, v) of real-valued border position t in [0, count()); exact on the sides.
     [[nodiscard]] Vec2d uv(double t) const;
 };
 
-/// Lays the disk's border on the square (methods.md section 2): path p gets a whole number of sample intervals, the same
-/// for both mates, nearest its share of the length; inside a path vertices follow arc length; the square's corners
+/// Lays the disk's border on the square (methods.md section 2): path p gets a whole number of sample intervals, the
+/// same for both mates, nearest its share of the length; inside a path vertices follow arc length; the square's corners
 /// fall on samples, and an edge (with its mate) is split where one falls inside it. Then every interior edge that joins
 /// two points of one side of the square is split, so that no triangle can collapse onto the side.
 ///
@@ -54,8 +57,13 @@ struct BorderGrid {
 /// `least(path)`. Exposed for its test. @throws kGridTooSmall
 [[nodiscard]] std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& paths, std::uint32_t total);
 
-/// Rotations worth trying: no leaf of the cut on a corner of the square, corners of the real border on it where they fit.
+/// Rotations worth trying: no leaf of the cut on a corner of the square, corners of the real border on it where they
+/// fit.
 [[nodiscard]] std::vector<std::uint32_t> candidate_rotations(const Disk& disk, std::uint32_t m, std::uint32_t n,
                                                              std::size_t how_many);
+
+/// The rotation nearest to `wanted` that leaves no leaf of the cut on a corner of the square; `wanted` if there is
+/// none.
+[[nodiscard]] std::uint32_t nearest_rotation(const Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t wanted);
 
 }  // namespace dgm::bake

@@ -60,6 +60,7 @@ struct Bench {
     for (Vec3d& p : source.positions) p += centre;
     RepairedMesh repaired = repair(source);
     b.frame = repaired.frame;
+    for (TriMesh& component : repaired.components) complete_normals(component);  // as the pipeline does
     CutGraph cut(repaired.components.at(0));
     cut.cut_to_disk();
     const Disk disk = cut.open();

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/property/free_chart_corner_cases_test.cpp
+// Free charts whose cut ends inside: short cuts, sharp ends, flat slits.
+#include <gtest/gtest.h>
+
+#include "geometry/cgal/border_simple.h"
+#include "geometry/cgal/cgal_parameterizers.h"
+#include "geometry/cgal/constrained_triangulation.h"
+#include "geometry/chart/free_chart.h"
+#include "geometry/cut/cut_graph.h"
+#include "geometry/repair/repair.h"
+#include "support/chart_checks.h"
+#include "support/meshes.h"
+
+namespace dgm::bake {
+namespace {
+
+SampledChart chart_of(const TriMesh& mesh, const std::vector<std::uint32_t>& joined, std::uint32_t m, std::uint32_t n,
+                      const char* method) {
+    CutGraph cut(mesh);
+    cut.cut_to_disk();
+    for (std::uint32_t v : joined) cut.join(v);
+    return make_free_chart(cut.open(), m, n, *make_cgal_parameterizer(method),
+                           {border_is_simple, constrained_triangulation}, {});
+}
+
+/// The chord across the end of a cut has one surface point at both its ends; it must be flipped away, though the chords
+/// beside it cannot be.
+TEST(FreeChartCornerCases, SharpEndsOfCuts) {
+    const TriMesh finger = repair(test::finger(0.1, 2, 8, 12, 3)).components.at(0);
+    ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart_of(finger, {56}, 8, 30, "lscm"), finger));
+    ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart_of(finger, {63, 14}, 44, 12, "lscm"), finger));
+    const TriMesh triangle = repair(test::polygon_disk(3)).components.at(0);
+    ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart_of(triangle, {2, 3, 0}, 12, 38, "lscm"), triangle));
+}
+
+/// A tetrahedron is opened along one edge: its disk has two vertices on the border, joined by two different edges.
+TEST(FreeChartCornerCases, CutOfASingleEdge) {
+    TriMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    mesh.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    mesh = repair(mesh).components.at(0);
+    for (const char* method : {"arap", "lscm"}) {
+        const SampledChart chart = chart_of(mesh, {}, 25, 33, method);
+        ASSERT_NO_FATAL_FAILURE(test::expect_bijective(chart));
+        ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, mesh));
+    }
+}
+
+/// A slit in a flat sheet has both its sides in one place in an isometric map: it must be told from a simple border.
+TEST(FreeChartCornerCases, CutOfAFlatSheet) {
+    const TriMesh sheet = repair(test::grid_sheet(5, 5)).components.at(0);
+    for (std::uint32_t v = 0; v < sheet.positions.size(); ++v)
+        for (const char* method : {"arap", "lscm"}) {
+            SCOPED_TRACE(std::to_string(v) + " " + method);
+            const SampledChart chart = chart_of(sheet, {v}, 39, 38, method);
+            ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, sheet));
+        }
+}
+
+}  // namespace
+}  // namespace dgm::bake
