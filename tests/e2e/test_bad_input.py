@@ -91,7 +91,7 @@ class BadInput(support.Folder):
         self.sheet()
         for option, value, words in [("--layers", "geometry,normals", ["did you mean normal?"]),
                                      ("--domain", "round", ["square, free"]),
-                                     ("--fit", "best", ["sample, l2"]),
+                                     ("--fit", "worst", ["sample, l2, best"]),
                                      ("--precision", "f16", ["f32, u16"]),
                                      ("--format", "dgm,png", ['"png"']),
                                      ("--exr-layout", "scan", ["multipart"]),

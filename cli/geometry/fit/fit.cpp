@@ -71,6 +71,29 @@ double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d&
     return std::min({to_edge(a, e0), to_edge(a, e1), to_edge(b, c - b)});
 }
 
+std::vector<Vec3d> face_normals(const TriMesh& mesh) {
+    std::vector<Vec3d> normals(mesh.faces.size());
+    for (std::uint32_t f = 0; f < normals.size(); ++f) normals[f] = face_normal(mesh, f);
+    return normals;
+}
+
+/// Mean distance of the chart's samples.
+double sample_spacing(const TriMesh& surface, const SampledChart& chart) {
+    double area = 0;
+    for (std::size_t f = 0; f < surface.faces.size(); ++f) area += face_area(surface.corners(f));
+    return std::sqrt(area / static_cast<double>(chart.grid_count()));
+}
+
+/// The closest point whose face looks the same way, if it is about as near as the closest of all: a sliver's normal
+/// says little, and may agree with the far side of the body only. Else the closest of all.
+ClosestPoint closest_facing(const ClosestPointIndex& index, const std::vector<Vec3d>& normals, const Vec3d& point,
+                            const Vec3d& normal, double spacing) {
+    const ClosestPoint any = index.query(point);
+    if (any.face == kNone || dot(normals[any.face], normal) > kMinCosine) return any;
+    const ClosestPoint same = index.query_facing(point, normal, kMinCosine);
+    return same.face != kNone && same.distance <= 2 * any.distance + 0.25 * spacing ? same : any;
+}
+
 class Fitter {
  public:
     Fitter(const TriMesh& component, SampledChart& chart, const FitOptions& options, const model::Progress& progress)
@@ -80,7 +103,7 @@ class Fitter {
           progress_(progress),
           source_index_(component.positions, component.faces) {
         number_unknowns();
-        for (std::uint32_t f = 0; f < component.faces.size(); ++f) source_normals_.push_back(face_normal(component, f));
+        source_normals_ = face_normals(component);
         const auto count =
             static_cast<std::size_t>(options.points_per_sample * static_cast<double>(chart.grid_count()));
         points_ = spread_points(component, count);
@@ -92,6 +115,7 @@ class Fitter {
         FitReport report;
         best_ = measure();
         report.start_rms = best_.rms, report.start_hausdorff = best_.hausdorff;
+        if (untangle()) best_ = measure();
         keep();
         const int total = options_.rounds + options_.worst_rounds;
         for (int round = 0; round < options_.rounds; ++round) {
@@ -117,16 +141,6 @@ class Fitter {
     }
 
  private:
-    /// The closest point whose face looks the same way, if it is about as near as the closest of all: a sliver's normal
-    /// says little, and may agree with the far side of the body only. Else the closest of all.
-    static ClosestPoint facing(const ClosestPointIndex& index, const std::vector<Vec3d>& normals, const SurfacePoint& p,
-                               double spacing) {
-        const ClosestPoint any = index.query(p.position);
-        if (any.face == kNone || dot(normals[any.face], p.normal) > kMinCosine) return any;
-        const ClosestPoint same = index.query_facing(p.position, p.normal, kMinCosine);
-        return same.face != kNone && same.distance <= 2 * any.distance + 0.25 * spacing ? same : any;
-    }
-
     void number_unknowns() {
         const std::size_t count = chart_.positions.size();
         unknown_.assign(count, kNone);
@@ -170,26 +184,68 @@ class Fitter {
     void keep() { kept_positions_ = chart_.positions, kept_diagonals_ = chart_.diagonals; }
     void restore() { chart_.positions = kept_positions_, chart_.diagonals = kept_diagonals_; }
 
+    /// Sampling may leave faces that look against the source, above all beside the zigzags of a cut. Their samples are
+    /// moved to the mean of their neighbours and back onto the source until none is left. Returns true if any moved.
+    bool untangle() {
+        constexpr int kPasses = 30;
+        constexpr double kUpright = 0.1;
+        bool moved = false;
+        std::vector<Vec3d> sum(unknowns_);
+        std::vector<double> count(unknowns_);
+        for (int pass = 0; pass < kPasses; ++pass) {
+            const TriMesh surface = chart_.surface();
+            std::vector<char> turned(surface.faces.size(), 0);
+            tbb::parallel_for(std::size_t{0}, turned.size(), [&](std::size_t f) {
+                const auto q = surface.corners(f);
+                const ClosestPoint hit = source_index_.query((q[0] + q[1] + q[2]) / 3);
+                turned[f] =
+                    dot(face_normal(surface, static_cast<std::uint32_t>(f)), source_normals_[hit.face]) < kUpright;
+            });
+            std::vector<char> marked(unknowns_, 0);
+            bool any = false;
+            for (std::size_t f = 0; f < turned.size(); ++f)
+                if (turned[f]) {
+                    any = true;
+                    for (std::uint32_t s : surface.faces[f]) marked[unknown_[s]] = 1;
+                }
+            if (!any) break;
+            std::fill(sum.begin(), sum.end(), Vec3d{});
+            std::fill(count.begin(), count.end(), 0.0);
+            for (const Face& f : surface.faces)
+                for (int k = 0; k < 3; ++k) {
+                    const std::uint32_t u = unknown_[f[k]];
+                    if (!marked[u]) continue;
+                    sum[u] += surface.positions[f[(k + 1) % 3]] + surface.positions[f[(k + 2) % 3]];
+                    count[u] += 2;
+                }
+            for (std::uint32_t u = 0; u < unknowns_; ++u)
+                if (marked[u] && !fixed_[u] && count[u] > 0) sum[u] = source_index_.query(sum[u] / count[u]).point;
+            for (std::size_t s = 0; s < chart_.positions.size(); ++s) {
+                const std::uint32_t u = unknown_[s];
+                if (u != kNone && marked[u] && !fixed_[u] && count[u] > 0) chart_.positions[s] = sum[u], moved = true;
+            }
+        }
+        return moved;
+    }
+
     void match() {
         surface_ = chart_.surface();
         const ClosestPointIndex index(surface_.positions, surface_.faces);
-        std::vector<Vec3d> surface_normals(surface_.faces.size());
-        double area = 0;
-        for (std::uint32_t f = 0; f < surface_.faces.size(); ++f)
-            surface_normals[f] = face_normal(surface_, f), area += face_area(surface_.corners(f));
-        spacing_ = std::sqrt(area / static_cast<double>(chart_.grid_count()));
+        const std::vector<Vec3d> surface_normals = face_normals(surface_);
+        const double spacing = sample_spacing(surface_, chart_);
         hits_.assign(points_.size(), {});
         constexpr std::size_t kChunk = 1024;
         tbb::parallel_for(std::size_t{0}, (points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
             for (std::size_t k = chunk * kChunk; k < std::min(points_.size(), (chunk + 1) * kChunk); ++k)
-                hits_[k] = facing(index, surface_normals, points_[k], spacing_);
+                hits_[k] = closest_facing(index, surface_normals, points_[k].position, points_[k].normal, spacing);
         });
         if (!options_.two_way) return;
         spread_back_points();
         back_hits_.assign(back_points_.size(), {});
         tbb::parallel_for(std::size_t{0}, (back_points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
             for (std::size_t k = chunk * kChunk; k < std::min(back_points_.size(), (chunk + 1) * kChunk); ++k)
-                back_hits_[k] = facing(source_index_, source_normals_, back_points_[k], spacing_);
+                back_hits_[k] = closest_facing(source_index_, source_normals_, back_points_[k].position,
+                                               back_points_[k].normal, spacing);
         });
     }
 
@@ -304,8 +360,10 @@ class Fitter {
                 const std::uint32_t a = unknown_[faces[f][0]], b = unknown_[faces[f][1]], c = unknown_[faces[f][2]];
                 const Vec3d pa = moved(a), pb = moved(b), pc = moved(c);
                 const Vec3d now = cross(pb - pa, pc - pa), was = cross(start[b] - start[a], start[c] - start[a]);
-                const double both = length(now) * length(was);
-                if (dot(now, was) > 0.5 * both && length(now) > 0.1 * length(was)) continue;
+                const double after = length(now), before = length(was);
+                if (dot(now, was) > 0.5 * after * before && after > 0.1 * before &&
+                    !turns_against(f, now / after, was / before))
+                    continue;
                 turned = true;
                 for (std::uint32_t u : {a, b, c}) {
                     slide[u] *= 0.5;
@@ -317,6 +375,15 @@ class Fitter {
         }
         for (std::size_t s = 0; s < chart_.positions.size(); ++s)
             if (unknown_[s] != kNone && !fixed_[unknown_[s]]) chart_.positions[s] = moved(unknown_[s]);
+    }
+
+    /// True if the face would look away from the source below it, more than it did. The first back points are the
+    /// middles of the faces.
+    [[nodiscard]] bool turns_against(std::uint32_t f, const Vec3d& now, const Vec3d& was) const {
+        constexpr double kUpright = 0.3;
+        if (!options_.two_way || back_hits_[f].face == kNone) return false;
+        const Vec3d& source = source_normals_[back_hits_[f].face];
+        return dot(now, source) < std::min(kUpright, dot(was, source));
     }
 
     /// Each quad takes the diagonal with the smaller squared distance to the source points over it. Quads at the
@@ -374,18 +441,28 @@ class Fitter {
     std::uint32_t unknowns_ = 0;
     std::vector<char> fixed_;
     std::vector<Vec3d> source_normals_;
-    double spacing_ = 0;  // mean distance of samples
     SurfaceError best_;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;
 };
 
-/// Closest point of the source, as a face of the disk, among faces that look the same way; any face if none does.
-SurfaceSample closest_on(const ClosestPointIndex& index, const Vec3d& p, const Vec3d& normal) {
-    ClosestPoint hit = index.query_facing(p, normal, kMinCosine);
-    if (hit.face == kNone) hit = index.query(p);
-    return {hit.face, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
-}
+/// Looks up the source, as faces of the disk, from points of the chart's surface.
+class DiskLookup {
+ public:
+    explicit DiskLookup(const SampledChart& chart)
+        : index_(chart.disk.mesh.positions, chart.disk.mesh.faces),
+          normals_(face_normals(chart.disk.mesh)),
+          spacing_(sample_spacing(chart.surface(), chart)) {}
+    [[nodiscard]] SurfaceSample operator()(const Vec3d& p, const Vec3d& normal) const {
+        const ClosestPoint hit = closest_facing(index_, normals_, p, normal, spacing_);
+        return {hit.face, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
+    }
+
+ private:
+    ClosestPointIndex index_;
+    std::vector<Vec3d> normals_;
+    double spacing_;
+};
 
 }  // namespace
 
@@ -407,8 +484,7 @@ FitOptions best_fit() {
 FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOptions& options,
                     const model::Progress& progress) {
     const FitReport report = Fitter(component, chart, options, progress).run();
-    const TriMesh& mesh = chart.disk.mesh;
-    const ClosestPointIndex index(mesh.positions, mesh.faces);
+    const DiskLookup look_up(chart);
     std::vector<Vec3d> normals(chart.positions.size(), Vec3d{});
     for (const Face& f : chart.faces()) {
         const Vec3d n =
@@ -417,7 +493,7 @@ FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOpti
     }
     tbb::parallel_for(std::size_t{0}, chart.samples.size(), [&](std::size_t s) {
         if (chart.on_surface(s) && chart.representative[s] == s)
-            chart.samples[s] = closest_on(index, chart.positions[s], normalized(normals[s]));
+            chart.samples[s] = look_up(chart.positions[s], normalized(normals[s]));
     });
     for (std::size_t s = 0; s < chart.samples.size(); ++s)
         if (chart.representative[s] != s) chart.samples[s] = chart.samples[chart.representative[s]];
@@ -426,7 +502,7 @@ FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOpti
 
 SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
     SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
-    const ClosestPointIndex index(chart.disk.mesh.positions, chart.disk.mesh.faces);
+    const DiskLookup look_up(chart);
     tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
         for (std::uint32_t c = 0; c < cols; ++c) {
             // Position on the chart's own grid, and the quad's triangle under it.
@@ -448,7 +524,7 @@ SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::u
             const Vec3d p = chart.positions[f[0]] * b[0] + chart.positions[f[1]] * b[1] + chart.positions[f[2]] * b[2];
             const Vec3d n =
                 cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
-            grid.samples[std::size_t{r} * cols + c] = closest_on(index, p, normalized(n));
+            grid.samples[std::size_t{r} * cols + c] = look_up(p, normalized(n));
         }
     });
     for (const SurfaceSample& s : grid.samples) grid.missing += s.face == kNone;

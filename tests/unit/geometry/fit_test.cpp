@@ -60,27 +60,46 @@ Case square_case(const TriMesh& mesh, std::uint32_t side) {
     return c;
 }
 
+/// Faces of a chart of a ball round the origin that look inward.
+int inward_faces(const SampledChart& chart) {
+    int inward = 0;
+    for (const Face& f : chart.faces()) {
+        const Vec3d &a = chart.positions[f[0]], &b = chart.positions[f[1]], &c = chart.positions[f[2]];
+        inward += dot(cross(b - a, c - a), a + b + c) <= 0;
+    }
+    return inward;
+}
+
 TEST(Fit, BeatsSamplingOnABallAndKeepsSeams) {
     const Case c = square_case(test::icosphere(5), 33);
     const double sampled = quick_error(c.component, c.chart, 20000).psnr();
-    double last = sampled;
+    EXPECT_GT(inward_faces(c.chart), 0);  // beside the zigzag of the cut; what the fit has to mend
     for (const FitOptions& options : {l2_fit(), best_fit()}) {
         SampledChart fitted = c.chart;
         const FitReport report = fit_chart(c.component, fitted, options, {});
         const SurfaceError error = quick_error(c.component, fitted, 20000);
-        EXPECT_GT(error.psnr(), last + 2);  // samples on a ball leave all the error inside: fitting halves it at least
-        last = error.psnr();
+        // Samples on a ball leave all the error inside; the best planes of the same grid leave a third of it. There is
+        // nowhere on a ball to slide to, so both fits gain about the same.
+        EXPECT_GT(error.psnr(), sampled + 5);
         EXPECT_LT(report.rms, report.start_rms);
         for (std::size_t s = 0; s < fitted.positions.size(); ++s)
             ASSERT_EQ(fitted.positions[s], fitted.positions[fitted.representative[s]]);
         EXPECT_EQ(welded_topology(fitted), welded_topology(c.chart));
-        for (const Face& f : fitted.faces()) {
-            const Vec3d middle = fitted.positions[f[0]] + fitted.positions[f[1]] + fitted.positions[f[2]];
-            const Vec3d n =
-                cross(fitted.positions[f[1]] - fitted.positions[f[0]], fitted.positions[f[2]] - fitted.positions[f[0]]);
-            ASSERT_GT(dot(n, middle), 0);  // no face turned against the ball
-        }
+        EXPECT_EQ(inward_faces(fitted), 0) << options.rounds;
     }
+}
+
+TEST(Fit, SlidesToWhereTheErrorIs) {
+    TriMesh drop = test::icosphere(5);
+    for (Vec3d& p : drop.positions) {
+        const double narrow = 0.15 + 0.85 * (1 - p.x) / 2;  // a sharp nose at +x
+        p = {1.6 * p.x, narrow * p.y, narrow * p.z};
+    }
+    const Case c = square_case(drop, 33);
+    SampledChart plain = c.chart, slid = c.chart;
+    fit_chart(c.component, plain, l2_fit(), {});
+    fit_chart(c.component, slid, best_fit(), {});
+    EXPECT_GT(quick_error(c.component, slid, 20000).psnr(), quick_error(c.component, plain, 20000).psnr() + 1);
 }
 
 TEST(Fit, RealBordersStay) {
