@@ -11,6 +11,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 
@@ -107,21 +108,19 @@ class Repairer {
         positions_.assign(source_.positions.size(), Vec3d{});
         for (std::size_t v = 0; v < used.size(); ++v)
             if (used[v]) positions_[v] = (source_.positions[v] - out_.frame.centre) / out_.frame.diagonal;
-        vertex_.resize(positions_.size());
-        for (std::uint32_t v = 0; v < vertex_.size(); ++v) vertex_[v] = v;
     }
 
     /// Shortest open edge at each vertex (edges that one face alone uses); infinity for vertices without one.
     [[nodiscard]] std::vector<double> shortest_open_edge() const {
         std::vector<double> shortest(positions_.size(), std::numeric_limits<double>::infinity());
-        for (const auto& group : edge_groups()) {
-            if (group.size() != 1) continue;
+        each_edge([&](std::span<const std::uint32_t> group) {
+            if (group.size() != 1) return;
             const std::uint32_t a = origin(faces_, group[0]), b = target(faces_, group[0]);
-            if (a == b) continue;
+            if (a == b) return;
             const double l = length(positions_[a] - positions_[b]);
             shortest[a] = std::min(shortest[a], l);
             shortest[b] = std::min(shortest[b], l);
-        }
+        });
         return shortest;
     }
 
@@ -206,8 +205,9 @@ class Repairer {
         count("faces that stand twice dropped", keep_if([&](std::size_t f) { return !duplicate[f]; }));
     }
 
-    /// Half-edges by undirected edge, in a fixed order.
-    [[nodiscard]] std::vector<std::vector<std::uint32_t>> edge_groups() const {
+    /// Calls `visit` with the half-edges of each undirected edge, in a fixed order.
+    template <class Visit>
+    void each_edge(Visit visit) const {
         std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;
         edges.reserve(faces_.size() * 3);
         for (std::uint32_t h = 0; h < faces_.size() * 3; ++h) {
@@ -215,25 +215,26 @@ class Repairer {
             edges.emplace_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), h);
         }
         std::sort(edges.begin(), edges.end());
-        std::vector<std::vector<std::uint32_t>> groups;
+        std::vector<std::uint32_t> group;
         for (std::size_t k = 0; k < edges.size(); ++k) {
-            if (k == 0 || edges[k].first != edges[k - 1].first) groups.emplace_back();
-            groups.back().push_back(edges[k].second);
+            group.push_back(edges[k].second);
+            if (k + 1 < edges.size() && edges[k + 1].first == edges[k].first) continue;
+            visit(std::span<const std::uint32_t>(group));
+            group.clear();
         }
-        return groups;
     }
 
     void glue_edges() {
         partner_.assign(faces_.size() * 3, kNone);
         std::uint64_t non_manifold = 0;
-        for (std::vector<std::uint32_t>& group : edge_groups()) {
+        each_edge([&](std::span<const std::uint32_t> group) {
             if (group.size() > 2) {
                 ++non_manifold;
                 pair_by_angle(group);
             } else if (group.size() == 2) {
                 glue(group[0], group[1]);
             }
-        }
+        });
         count("non-manifold edges taken apart", non_manifold);
     }
 
@@ -241,7 +242,7 @@ class Repairer {
 
     /// Faces around one edge, sorted by angle: a face is joined to the next one that runs the other way, so that two
     /// solids that touch along an edge come apart as two solids. What finds no partner stays open.
-    void pair_by_angle(std::vector<std::uint32_t>& group) {
+    void pair_by_angle(std::span<const std::uint32_t> group) {
         const std::uint32_t a = std::min(origin(faces_, group[0]), target(faces_, group[0]));
         const std::uint32_t b = std::max(origin(faces_, group[0]), target(faces_, group[0]));
         const Vec3d axis = normalized(positions_[b] - positions_[a]);
@@ -399,7 +400,6 @@ class Repairer {
     std::vector<Vec3d> positions_;          // normalised
     std::vector<Face> faces_;
     std::vector<std::uint32_t> original_;   // face of the source, per face
-    std::vector<std::uint32_t> vertex_;
     std::vector<std::uint32_t> partner_;    // glued half-edge, either direction
     std::vector<std::uint32_t> component_;
     std::vector<char> turned_;
