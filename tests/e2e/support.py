@@ -12,6 +12,8 @@ BAKE = os.environ.get("DGM_BAKE", "")
 FAULTY_BAKE = os.environ.get("DGM_FAULTY_BAKE", "")
 EXPORT = os.environ.get("DGM_EXPORT", "")
 DUMP_LAYERS = os.environ.get("DGM_DUMP_LAYERS", "")
+DEFORM_SAMPLE = os.environ.get("DGM_DEFORM_SAMPLE", "")
+SAMPLES = os.environ.get("DGM_SAMPLES", "")
 SANITIZED = os.environ.get("DGM_SANITIZED", "") == "1"
 TIMEOUT_SECONDS = 300
 
