@@ -22,6 +22,8 @@ using model::Error;
 namespace codes = model::codes;
 
 constexpr std::size_t kNewtonSteps = 8;
+constexpr double kGain = 0.99;    // a later candidate must be 1 % better, and the earlier not exact but for rounding
+constexpr double kExact = 1e-10;  // normalised units
 constexpr double kPoor = 75;  // dB: below this a square chart has something folded away; a free one is tried as well
 
 bool is_free_method(const std::string& method) {
@@ -124,7 +126,7 @@ class ComponentBaker {
             const SurfaceError error = quick_error(component_, chart, 20'000);
             report.psnr = error.psnr();
             report.outcome = "higher error";
-            if (!best_ || error.rms < best_rms_) {
+            if (!best_ || (error.rms < kGain * best_rms_ && best_rms_ > kExact)) {
                 best_ = std::move(chart), best_rms_ = error.rms, best_index_ = result_.candidates.size();
             }
         } catch (const Error& e) {

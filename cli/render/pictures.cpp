@@ -134,7 +134,8 @@ Image comparison_picture(const TriMesh& source, std::vector<Image> source_textur
     heat.scalars = face_errors(source, charts.mesh, diagonal);
     const double worst = *std::max_element(heat.scalars.begin(), heat.scalars.end());
     heat.scalar_high = percentile(heat.scalars, 0.99);
-    if (!(heat.scalar_high > 0)) heat.scalar_high = worst;
+    constexpr double kRounding = 1e-9;  // %; below it there is no error to show, only the last bits
+    heat.scalar_high = std::max(heat.scalar_high, kRounding);
 
     const std::pair<Surface, std::string> panels[] = {
         {std::move(first), fmt::format("source, {} faces", source.faces.size())},

@@ -16,9 +16,9 @@
 #include <unordered_map>
 
 #include "geometry/mesh/half_edges.h"
+#include "geometry/mesh/split_edge.h"
 #include "geometry/mesh/union_find.h"
 #include "geometry/repair/flip_degenerate.h"
-#include "geometry/mesh/split_edge.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -28,7 +28,7 @@ using model::Error;
 namespace codes = model::codes;
 
 class Repairer {
-  public:
+ public:
     explicit Repairer(const TriMesh& source) : source_(source) {}
 
     RepairedMesh run() {
@@ -42,10 +42,15 @@ class Repairer {
         orient();
         build_components();
         for (TriMesh& component : out_.components) count("zero-height faces flipped away", flip_degenerate(component));
+        double area = 0;
+        for (const TriMesh& component : out_.components)
+            for (std::size_t f = 0; f < component.faces.size(); ++f) area += face_area(component.corners(f));
+        constexpr double kLeastArea = 1e-12;  // of the squared diagonal
+        if (!(area > kLeastArea)) throw Error(codes::kNoFaces, "the faces have no area: all corners lie on one line");
         return std::move(out_);
     }
 
-  private:
+ private:
     void count(const std::string& what, std::uint64_t n) {
         if (n == 0) return;
         for (auto& [name, total] : out_.counts)
@@ -147,7 +152,8 @@ class Repairer {
         std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
         const auto cell = [&](const Vec3d& p, int dx, int dy, int dz) {
             const auto part = [](double x, int d) {
-                return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / kLargest)) + d + (1 << 20)) & 0x1fffff;
+                return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / kLargest)) + d + (1 << 20)) &
+                       0x1fffff;
             };
             return part(p.x, dx) << 42 | part(p.y, dy) << 21 | part(p.z, dz);
         };
@@ -255,7 +261,8 @@ class Repairer {
         std::vector<std::pair<double, std::uint32_t>> around;
         for (std::uint32_t h : group) {
             const Vec3d d = arm(h);
-            around.emplace_back(h == group[0] ? 0.0 : std::fmod(std::atan2(dot(d, y), dot(d, x)) + 2 * M_PI, 2 * M_PI), h);
+            around.emplace_back(h == group[0] ? 0.0 : std::fmod(std::atan2(dot(d, y), dot(d, x)) + 2 * M_PI, 2 * M_PI),
+                                h);
         }
         std::sort(around.begin(), around.end());
         // Seen along the axis, a face that runs a->b has its inside on the side of falling angle.
@@ -368,14 +375,16 @@ class Repairer {
         split_double_edges(local_faces);
     }
 
-    /// Gluing may leave two different edges between the same two vertices; the later ones get a vertex in the middle, so
-    /// that from here on an edge is known by its ends.
+    /// Gluing may leave two different edges between the same two vertices; the later ones get a vertex in the middle,
+    /// so that from here on an edge is known by its ends.
     void split_double_edges(const std::vector<std::uint32_t>& local_faces) {
         std::vector<std::vector<std::uint32_t>> partners(out_.components.size());
-        for (std::size_t c = 0; c < partners.size(); ++c) partners[c].assign(3 * out_.components[c].faces.size(), kNone);
+        for (std::size_t c = 0; c < partners.size(); ++c)
+            partners[c].assign(3 * out_.components[c].faces.size(), kNone);
         const auto local_half_edge = [&](std::uint32_t h) {
             if (h == kNone) return kNone;
-            static constexpr std::uint32_t kTurned[3] = {2, 1, 0};  // corners (0, 2, 1): edge 0-1 is the last, 2-0 the first
+            static constexpr std::uint32_t kTurned[3] = {2, 1,
+                                                         0};  // corners (0, 2, 1): edge 0-1 is the last, 2-0 the first
             return 3 * local_faces[h / 3] + (turned_[h / 3] ? kTurned[h % 3] : h % 3);
         };
         for (std::uint32_t h = 0; h < partner_.size(); ++h)
@@ -388,7 +397,8 @@ class Repairer {
         const std::size_t base = 3 * std::size_t{original_[f]};
         for (std::uint32_t k : order) {
             if (!source_.corner_normals.empty())
-                mesh.corner_normals.push_back(turned_[f] ? -source_.corner_normals[base + k] : source_.corner_normals[base + k]);
+                mesh.corner_normals.push_back(turned_[f] ? -source_.corner_normals[base + k]
+                                                         : source_.corner_normals[base + k]);
             if (!source_.corner_uvs.empty()) mesh.corner_uvs.push_back(source_.corner_uvs[base + k]);
             if (!source_.corner_colours.empty()) mesh.corner_colours.push_back(source_.corner_colours[base + k]);
         }
@@ -397,10 +407,10 @@ class Repairer {
 
     const TriMesh& source_;
     RepairedMesh out_;
-    std::vector<Vec3d> positions_;          // normalised
+    std::vector<Vec3d> positions_;  // normalised
     std::vector<Face> faces_;
-    std::vector<std::uint32_t> original_;   // face of the source, per face
-    std::vector<std::uint32_t> partner_;    // glued half-edge, either direction
+    std::vector<std::uint32_t> original_;  // face of the source, per face
+    std::vector<std::uint32_t> partner_;   // glued half-edge, either direction
     std::vector<std::uint32_t> component_;
     std::vector<char> turned_;
     std::uint32_t component_count_ = 0;
@@ -408,6 +418,8 @@ class Repairer {
 
 }  // namespace
 
-RepairedMesh repair(const TriMesh& source) { return Repairer(source).run(); }
+RepairedMesh repair(const TriMesh& source) {
+    return Repairer(source).run();
+}
 
 }  // namespace dgm::bake

@@ -36,7 +36,7 @@ struct RepairedMesh {
 ///  4. windings are made to agree; a closed component whose windings were mixed is turned outward;
 ///  5. faces without height are flipped away where a neighbour can take their longest edge.
 ///
-/// @throws model::Error kNoFaces if nothing is left, kNonOrientable with the first face where the sides meet
+/// @throws model::Error kNoFaces if nothing with an area is left, kNonOrientable with the first face where the sides meet
 [[nodiscard]] RepairedMesh repair(const model::TriMesh& source);
 
 }  // namespace dgm::bake

@@ -183,6 +183,10 @@ TEST(Repair, NothingLeftIsRefused) {
     EXPECT_EQ(code_of(mesh), codes::kNoFaces.number);
     mesh.faces = {{7, 8, 9}};
     EXPECT_EQ(code_of(mesh), codes::kNoFaces.number);
+    TriMesh line;  // three corners apart, but no area
+    line.positions = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}};
+    line.faces = {{0, 1, 2}, {1, 3, 2}};
+    EXPECT_EQ(code_of(line), codes::kNoFaces.number);
 }
 
 TEST(Repair, OneSidedSurfacesAreRefused) {
