@@ -51,6 +51,9 @@ class ComponentBaker {
         const double effort = std::min(1.0, static_cast<double>(search.m) * search.n / (129.0 * 129.0));
         search.samples = static_cast<std::uint64_t>(200 + 7800 * effort);
         if (effort < 0.1) search.max_extremities = 8, search.patience = 1, search.rotations = 2, search.drops = 2;
+        // A trial costs a few solves over all vertices; from here on there are fewer of them.
+        constexpr std::size_t kLargeMesh = 150'000;
+        if (component_.faces.size() > kLargeMesh) search.patience = 2, search.rotations = 2, search.drops = 3;
         try {
             cut_ = search_cut(component_, search, progress_);
         } catch (const Error& e) {
