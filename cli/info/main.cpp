@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
 
     return dgm::tool::run_tool("dgm-info", argc, argv, app, [&](std::string& subject) {
         std::vector<dgm::info::FileInfo> infos;
-        int worst = 0;
+        dgm::model::ExitCode worst = dgm::model::ExitCode::kOk;
         for (const std::string& file : files) {
             subject = file;
             try {
@@ -25,10 +25,10 @@ int main(int argc, char** argv) {
                 if (!json) std::fputs(dgm::info::to_text(infos.back()).c_str(), stdout);
             } catch (const dgm::model::Error& error) {  // the other files are still worth telling about
                 dgm::tool::print_error("dgm-info", file, error);
-                worst = dgm::tool::worse(worst, static_cast<int>(error.code().exit));
+                worst = dgm::model::worse(worst, error.code().exit);
             }
         }
         if (json) std::fputs(dgm::info::to_json(infos).c_str(), stdout);
-        return worst;
+        return static_cast<int>(worst);
     });
 }

@@ -293,24 +293,6 @@ class Batch {
     std::list<Running> running_;  ///< last: its workers are killed before the folders are cleared
 };
 
-/// Higher is worse.
-int severity(model::ExitCode exit) {
-    switch (exit) {
-        case model::ExitCode::kOk:
-            return 0;
-        case model::ExitCode::kUnsupported:
-            return 1;
-        case model::ExitCode::kInvalid:
-            return 2;
-        case model::ExitCode::kIo:
-            return 3;
-        case model::ExitCode::kInterrupted:
-            return 5;
-        default:
-            return 4;
-    }
-}
-
 }  // namespace
 
 std::string_view name_of(Outcome outcome) {
@@ -340,7 +322,7 @@ model::ExitCode worst_exit(const std::vector<AssetResult>& results) {
         model::ExitCode exit = model::ExitCode::kOk;
         if (result.outcome == Outcome::kInterrupted) exit = model::ExitCode::kInterrupted;
         if (result.error) exit = result.error->code().exit;
-        if (severity(exit) > severity(worst)) worst = exit;
+        worst = model::worse(worst, exit);
     }
     return worst;
 }

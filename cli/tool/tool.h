@@ -30,11 +30,6 @@ inline void print_error(const std::string& program, const std::string& subject, 
     std::fprintf(stderr, "%s\n  next: %s\n", line.c_str(), error.code().hint);
 }
 
-/// The code of `a` or `b` that a batch returns: the larger, with interruption above all.
-[[nodiscard]] inline int worse(int a, int b) {
-    return a > b ? a : b;
-}
-
 /// Parses the command line and runs `body`, which gets a string to name the file it works on and returns an exit code.
 /// Turns what is thrown into a message and a code: model::Error its own, a wrong command line 1, no memory and
 /// everything else 4.

@@ -93,7 +93,7 @@ ExitCode run(const CommandLine& line, std::string& subject) {
     for (const std::string& file : line.files) {
         subject = file;
         FileValidation result = validate_file(file, options);
-        worst = worse(worst, result.exit_code());
+        worst = dgm::model::worse(worst, result.exit_code());
         if (line.format == "json")
             results.push_back(std::move(result));
         else

@@ -22,23 +22,6 @@ using model::MapSet;
 using model::TriMesh;
 namespace codes = model::codes;
 
-int severity(ExitCode code) {
-    switch (code) {
-        case ExitCode::kOk:
-            return 0;
-        case ExitCode::kUnsupported:
-            return 1;
-        case ExitCode::kInvalid:
-            return 2;
-        case ExitCode::kIo:
-            return 3;
-        case ExitCode::kInterrupted:
-            return 5;
-        default:
-            return 4;
-    }
-}
-
 /// Adds a chart's surface to one mesh of the whole asset. Corner normals stay only while every chart has them.
 void append_mesh(TriMesh& whole, const TriMesh& part) {
     const bool normals = (whole.faces.empty() || !whole.corner_normals.empty()) && !part.corner_normals.empty();
@@ -124,14 +107,10 @@ void check_maps(const MapSet& maps, const Options& options, FileValidation& out,
 }
 }  // namespace
 
-ExitCode worse(ExitCode a, ExitCode b) {
-    return severity(b) > severity(a) ? b : a;
-}
-
 ExitCode FileValidation::exit_code() const {
     ExitCode code = ExitCode::kOk;
     for (const formats::Finding& f : findings)
-        if (f.severity == formats::Severity::kError) code = worse(code, f.code->exit);
+        if (f.severity == formats::Severity::kError) code = model::worse(code, f.code->exit);
     return code;
 }
 

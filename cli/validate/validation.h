@@ -51,7 +51,4 @@ struct FileValidation {
 /// The same from the layers on, for maps in memory: what a baker asks of its own result. `path` stays empty.
 [[nodiscard]] FileValidation validate_maps(const model::MapSet& maps, const Options& options = {});
 
-/// The more serious of two: interrupted, internal, I/O, invalid, unsupported, ok.
-[[nodiscard]] model::ExitCode worse(model::ExitCode a, model::ExitCode b);
-
 }  // namespace dgm::validate

@@ -12,9 +12,38 @@
 namespace dgm::model {
 
 enum class ExitCode : int {
-    kOk = 0, kUsage = 1, kIo = 2, kInvalid = 3, kInternal = 4, kUnsupported = 5, kDiffers = 7,
-    kTransient = 75, kInterrupted = 130,
+    kOk = 0,
+    kUsage = 1,
+    kIo = 2,
+    kInvalid = 3,
+    kInternal = 4,
+    kUnsupported = 5,
+    kDiffers = 7,
+    kTransient = 75,
+    kInterrupted = 130,
 };
+
+/// The more serious of two, what a run over several files returns: interrupted, internal, I/O, invalid, unsupported,
+/// ok. Codes that only one program uses (usage, differs, transient) rank with internal.
+[[nodiscard]] constexpr ExitCode worse(ExitCode a, ExitCode b) {
+    constexpr auto rank = [](ExitCode exit) {
+        switch (exit) {
+            case ExitCode::kOk:
+                return 0;
+            case ExitCode::kUnsupported:
+                return 1;
+            case ExitCode::kInvalid:
+                return 2;
+            case ExitCode::kIo:
+                return 3;
+            case ExitCode::kInterrupted:
+                return 5;
+            default:
+                return 4;
+        }
+    };
+    return rank(b) > rank(a) ? b : a;
+}
 
 /// A row of the code table in model/codes.h.
 struct Code {
@@ -28,9 +57,10 @@ struct Code {
 };
 
 /// Thrown by formats and geometry; caught by the batch loop and by main() alone. what() is the message for people:
-/// what was wrong, with figures. `place` is a path, an HDF5 path, or FILE:LINE; stages add their name with with_stage().
+/// what was wrong, with figures. `place` is a path, an HDF5 path, or FILE:LINE; stages add their name with
+/// with_stage().
 class Error : public std::exception {
-  public:
+ public:
     Error(const Code& code, std::string message, std::string place = {})
         : code_(&code), message_(std::move(message)), place_(std::move(place)) {}
 
@@ -44,7 +74,7 @@ class Error : public std::exception {
         return *this;
     }
 
-  private:
+ private:
     const Code* code_;
     std::string message_, place_, stage_;
 };
