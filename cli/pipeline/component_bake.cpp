@@ -144,9 +144,7 @@ class ComponentBaker {
     void check_topology(const SampledChart& chart) const {
         const Topology map = welded_topology(chart);
         const Topology source = measure_topology(component_.positions.size(), component_.faces);
-        if (map.manifold && map.oriented && map.degenerate_faces == 0 && map.components == source.components &&
-            map.boundary_loops == source.boundary_loops && map.genus == source.genus)
-            return;
+        if (holds_topology(map, source)) return;
         throw Error(codes::kGridTooSmall,
                     chart.method + ": a grid of " + std::to_string(chart.m) + "x" + std::to_string(chart.n) +
                         " does not hold the surface's topology (genus " + std::to_string(source.genus) + ", " +

@@ -57,9 +57,7 @@ class Search {
             trial.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
             SampledChart chart =
                 make_square_chart(std::move(disk), options_.m, options_.n, trial.rotation, *stretch_, {});
-            const Topology map = welded_topology(chart);
-            if (!map.manifold || map.degenerate_faces > 0 || map.genus != source_.genus ||
-                map.boundary_loops != source_.boundary_loops)
+            if (!holds_topology(welded_topology(chart), source_))
                 throw model::Error(model::codes::kGridTooSmall, "the grid does not hold the topology of the cut");
             trial.rms = quick_error(component_, chart, options_.samples).rms;
             trial.split = std::move(chart.disk);

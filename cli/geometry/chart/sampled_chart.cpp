@@ -117,6 +117,12 @@ Topology welded_topology(const SampledChart& chart) {
     return measure_topology(chart.positions.size(), faces);
 }
 
+bool holds_topology(const Topology& welded, const Topology& source) {
+    return welded.manifold && welded.oriented && welded.degenerate_faces == 0 &&
+           welded.components == source.components && welded.boundary_loops == source.boundary_loops &&
+           welded.genus == source.genus;
+}
+
 SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples) {
     return measure_surface_error(component, chart.surface(), {samples, 1});
 }

@@ -58,6 +58,9 @@ void place_samples(SampledChart& chart);
 /// Topology of the chart's surface with its seams closed: what must be that of the component.
 [[nodiscard]] Topology welded_topology(const SampledChart& chart);
 
+/// True if a welded surface is the oriented manifold that its source is: what a chart must hold before it is believed.
+[[nodiscard]] bool holds_topology(const Topology& welded, const Topology& source);
+
 /// Error of the chart's surface against its component with few samples: what candidates are compared by.
 [[nodiscard]] SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples);
 

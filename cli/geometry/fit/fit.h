@@ -34,8 +34,8 @@ struct FitReport {
 };
 
 /// Fits `chart.positions` and `chart.diagonals`; the copies of a class move as one unknown, samples on the source's real
-/// border stay where they are, and a step is shortened where it would turn a triangle against the source. The state
-/// with the least measured error is kept, so the result is never worse than the start.
+/// border stay where they are, and a step is shortened where it would turn a triangle against the source. Faces that
+/// the start turns against the source are mended first; from there on the state with the least measured error is kept.
 /// `chart.samples` are moved to the closest points of the source, for the layers that are read there.
 /// Deterministic, whatever the number of threads.
 FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOptions& options, const model::Progress& progress);
