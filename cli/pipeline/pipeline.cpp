@@ -168,7 +168,7 @@ class AssetBake {
             inner.on_update = [&](std::string_view, double share) {
                 progress_.update("fit", (static_cast<double>(c) + share) / static_cast<double>(mapped_.size()));
             };
-            fit_chart(repaired_.components[c], mapped_[c].chart, fit, inner);
+            fit_chart(mapped_[c].chart, fit, inner);
         }
     }
 

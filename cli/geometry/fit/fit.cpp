@@ -8,414 +8,258 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/fit/least_squares.h"
-#include "geometry/spatial/closest_point.h"
+#include "geometry/fit/matches.h"
+#include "geometry/fit/normal_equations.h"
+#include "geometry/fit/untangle.h"
 
 namespace dgm::bake {
 namespace {
 
-constexpr double kDamping = 0.005;
+// Chosen by measurement on organs and busts: the first three trade the speed of sliding against its stability, the
+// others how thin and how tilted a face may become while it slides.
+constexpr double kDamping = 0.001;
+constexpr double kMaxSlide = 0.4;  // tangential step a round, of the shortest edge at the sample
 constexpr int kCgIterations = 20;
-constexpr double kMinCosine = 0.3;  // source and grid are matched only where their normals agree so far
-
-struct SurfacePoint {
-    Vec3d position;
-    Vec3d normal;  // of its face; zero for a face without area
-    std::uint32_t face;
-    double b[3];
-};
-
-Vec3d face_normal(const TriMesh& mesh, std::uint32_t f) {
-    const auto q = mesh.corners(f);
-    return normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
-}
-
-/// `count` points spread evenly by area (k-th point at share (k + 1/2) / count of the total, inside its face by the R2
-/// sequence), so the same mesh gives the same points.
-std::vector<SurfacePoint> spread_points(const TriMesh& mesh, std::size_t count) {
-    std::vector<double> upto(mesh.faces.size() + 1, 0.0);
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) upto[f + 1] = upto[f] + face_area(mesh.corners(f));
-    std::vector<SurfacePoint> points;
-    points.reserve(count);
-    std::size_t f = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-        const double at = upto.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
-        while (f + 1 < mesh.faces.size() && upto[f + 1] <= at) ++f;
-        double s = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(k), 1.0);
-        double t = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
-        if (s + t > 1) s = 1 - s, t = 1 - t;
-        const auto q = mesh.corners(f);
-        points.push_back({q[0] * (1 - s - t) + q[1] * s + q[2] * t,
-                          face_normal(mesh, static_cast<std::uint32_t>(f)),
-                          static_cast<std::uint32_t>(f),
-                          {1 - s - t, s, t}});
-    }
-    return points;
-}
-
-double squared_distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    const Vec3d e0 = b - a, e1 = c - a, d = p - a;
-    const double g00 = dot(e0, e0), g01 = dot(e0, e1), g11 = dot(e1, e1), r0 = dot(e0, d), r1 = dot(e1, d);
-    const double det = g00 * g11 - g01 * g01;
-    const double s = det > 0 ? (g11 * r0 - g01 * r1) / det : -1, t = det > 0 ? (g00 * r1 - g01 * r0) / det : -1;
-    if (s >= 0 && t >= 0 && s + t <= 1) {
-        const Vec3d r = d - e0 * s - e1 * t;
-        return dot(r, r);
-    }
-    const auto to_edge = [&](const Vec3d& from, const Vec3d& e) {
-        const Vec3d v = p - from;
-        const double l = dot(e, e), u = l > 0 ? std::clamp(dot(v, e) / l, 0.0, 1.0) : 0.0;
-        const Vec3d r = v - e * u;
-        return dot(r, r);
-    };
-    return std::min({to_edge(a, e0), to_edge(a, e1), to_edge(b, c - b)});
-}
-
-std::vector<Vec3d> face_normals(const TriMesh& mesh) {
-    std::vector<Vec3d> normals(mesh.faces.size());
-    for (std::uint32_t f = 0; f < normals.size(); ++f) normals[f] = face_normal(mesh, f);
-    return normals;
-}
-
-/// Mean distance of the chart's samples.
-double sample_spacing(const TriMesh& surface, const SampledChart& chart) {
-    double area = 0;
-    for (std::size_t f = 0; f < surface.faces.size(); ++f) area += face_area(surface.corners(f));
-    return std::sqrt(area / static_cast<double>(chart.grid_count()));
-}
-
-/// The closest point whose face looks the same way, if it is about as near as the closest of all: a sliver's normal
-/// says little, and may agree with the far side of the body only. Else the closest of all.
-ClosestPoint closest_facing(const ClosestPointIndex& index, const std::vector<Vec3d>& normals, const Vec3d& point,
-                            const Vec3d& normal, double spacing) {
-    const ClosestPoint any = index.query(point);
-    if (any.face == kNone || dot(normals[any.face], normal) > kMinCosine) return any;
-    const ClosestPoint same = index.query_facing(point, normal, kMinCosine);
-    return same.face != kNone && same.distance <= 2 * any.distance + 0.25 * spacing ? same : any;
-}
+constexpr double kThinnest = 0.02;    // twice the area over the longest edge squared, or what it was
+constexpr double kShrink = 0.1;       // area after a round over the area before
+constexpr double kUpright = 0.3;      // cosine to the source below, or what it was ...
+constexpr double kUprightLoss = 0.1;  // ... less this a round, while it is positive
+constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are mended at the start and at the end
+constexpr int kDiagonalRounds = 9;
+constexpr double kMiddleWeight = 2;  // of a diagonal's middle, in source points
+constexpr double kWorstShare = 0.6, kUrgency = 200;
 
 class Fitter {
  public:
-    Fitter(const TriMesh& component, SampledChart& chart, const FitOptions& options, const model::Progress& progress)
-        : source_(component),
-          chart_(chart),
+    Fitter(SampledChart& chart, const FitOptions& options, const model::Progress& progress)
+        : chart_(chart),
           options_(options),
           progress_(progress),
-          source_index_(component.positions, component.faces) {
-        number_unknowns();
-        source_normals_ = face_normals(component);
-        const auto count =
-            static_cast<std::size_t>(options.points_per_sample * static_cast<double>(chart.grid_count()));
-        points_ = spread_points(component, count);
-        area_points_ = points_.size();
-        add_vertices();
+          source_(link_source(chart.disk)),
+          grid_(chart),
+          matches_(chart, source_, grid_, point_count(chart, options)),
+          fixed_(grid_.on_border) {
+        double area = 0;
+        for (std::size_t f = 0; f < source_.faces.size(); ++f) area += face_area(source_.corners(f));
+        upward_ = normals_at_scale(source_, area / static_cast<double>(chart.grid_count()));
     }
 
     FitReport run() {
         FitReport report;
-        best_ = measure();
-        report.start_rms = best_.rms, report.start_hausdorff = best_.hausdorff;
-        if (untangle()) best_ = measure();
+        matches_.update(false);
+        report.start_rms = matches_.rms, report.start_hausdorff = matches_.largest;
+        if (untangle(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
         keep();
-        const int total = options_.rounds + options_.worst_rounds;
         for (int round = 0; round < options_.rounds; ++round) {
-            progress_.update("fit", static_cast<double>(round) / total);
-            match();
+            tell(round);
+            if (round % 2 == 0 && round < kDiagonalRounds) split_quads();
             step(false);
-            if (round % 2 == 0) split_quads();
-            const SurfaceError error = measure();
-            if (error.rms < best_.rms) best_ = error, keep(), ++report.rounds;
+            matches_.update(false);
+            if (matches_.rms < rms_) keep(), ++report.rounds;
         }
         restore();
-        const double price = std::pow(10, options_.worst_price_db / 20), allowed = best_.rms * price;
+        matches_.update(true);
+        const double allowed = rms_ * std::pow(10, options_.worst_price_db / 20);
+        largest_ = matches_.largest;
         for (int round = 0; round < options_.worst_rounds; ++round) {
-            progress_.update("fit", static_cast<double>(options_.rounds + round) / total);
-            match();
+            tell(options_.rounds + round);
             step(true);
-            const SurfaceError error = measure();
-            if (error.rms <= allowed && error.hausdorff < best_.hausdorff) best_ = error, keep(), ++report.rounds;
+            matches_.update(true);
+            if (matches_.rms <= allowed && matches_.largest < largest_) keep(), ++report.rounds;
         }
         restore();
-        report.rms = best_.rms, report.hausdorff = best_.hausdorff;
+        matches_.update(false);
+        if (untangle(source_, grid_, matches_, fixed_, kEndUpright)) matches_.update(true), keep();
+        finish();
+        report.rms = rms_, report.hausdorff = largest_;
         return report;
     }
 
  private:
-    void number_unknowns() {
-        const std::size_t count = chart_.positions.size();
-        unknown_.assign(count, kNone);
-        for (std::uint32_t s = 0; s < count; ++s) {
-            if (!chart_.on_surface(s)) continue;
-            const std::uint32_t rep = chart_.representative[s];
-            if (unknown_[rep] == kNone) unknown_[rep] = unknowns_++, sample_of_.push_back(rep);
-            unknown_[s] = unknown_[rep];
-        }
-        // Samples on the source's real border: edges of the welded grid surface with one face.
-        fixed_.assign(unknowns_, 0);
-        std::vector<std::pair<std::uint64_t, int>> edges;
-        for (const Face& f : chart_.faces())
-            for (int k = 0; k < 3; ++k) {
-                const std::uint64_t a = unknown_[f[k]], b = unknown_[f[(k + 1) % 3]];
-                edges.emplace_back(std::min(a, b) << 32 | std::max(a, b), 0);
-            }
-        std::sort(edges.begin(), edges.end());
-        for (std::size_t k = 0; k < edges.size(); ++k) {
-            const bool single = (k == 0 || edges[k - 1].first != edges[k].first) &&
-                                (k + 1 == edges.size() || edges[k + 1].first != edges[k].first);
-            if (single) fixed_[edges[k].first >> 32] = fixed_[edges[k].first & 0xffffffffu] = 1;
-        }
+    static std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
+        const double samples = static_cast<double>(chart.grid_count()), wanted = options.points_per_sample * samples;
+        return static_cast<std::size_t>(std::max(wanted, std::min(200'000.0, 3 * wanted)));
     }
 
-    void add_vertices() {
-        std::vector<Vec3d> normals(source_.positions.size(), Vec3d{});
-        std::vector<std::uint32_t> face(source_.positions.size(), kNone);
-        for (std::uint32_t f = 0; f < source_.faces.size(); ++f) {
-            const auto q = source_.corners(f);
-            for (std::uint32_t v : source_.faces[f]) normals[v] += cross(q[1] - q[0], q[2] - q[0]), face[v] = f;
-        }
-        for (std::uint32_t v = 0; v < face.size(); ++v)
-            if (face[v] != kNone)
-                points_.push_back({source_.positions[v], normalized(normals[v], Vec3d{}), face[v], {0, 0, 0}});
+    void tell(int round) const {
+        progress_.update("fit", static_cast<double>(round) / (options_.rounds + options_.worst_rounds));
     }
 
-    [[nodiscard]] SurfaceError measure() const {
-        return quick_error(source_, chart_, std::min<std::uint64_t>(60'000, 2 * chart_.grid_count()));
+    void keep() {
+        rms_ = matches_.rms, largest_ = matches_.largest;
+        kept_positions_ = grid_.surface.positions, kept_diagonals_ = chart_.diagonals;
     }
-    void keep() { kept_positions_ = chart_.positions, kept_diagonals_ = chart_.diagonals; }
-    void restore() { chart_.positions = kept_positions_, chart_.diagonals = kept_diagonals_; }
-
-    /// Sampling may leave faces that look against the source, above all beside the zigzags of a cut. Their samples are
-    /// moved to the mean of their neighbours and back onto the source until none is left. Returns true if any moved.
-    bool untangle() {
-        constexpr int kPasses = 30;
-        constexpr double kUpright = 0.1;
-        bool moved = false;
-        std::vector<Vec3d> sum(unknowns_);
-        std::vector<double> count(unknowns_);
-        for (int pass = 0; pass < kPasses; ++pass) {
-            const TriMesh surface = chart_.surface();
-            std::vector<char> turned(surface.faces.size(), 0);
-            tbb::parallel_for(std::size_t{0}, turned.size(), [&](std::size_t f) {
-                const auto q = surface.corners(f);
-                const ClosestPoint hit = source_index_.query((q[0] + q[1] + q[2]) / 3);
-                turned[f] =
-                    dot(face_normal(surface, static_cast<std::uint32_t>(f)), source_normals_[hit.face]) < kUpright;
-            });
-            std::vector<char> marked(unknowns_, 0);
-            bool any = false;
-            for (std::size_t f = 0; f < turned.size(); ++f)
-                if (turned[f]) {
-                    any = true;
-                    for (std::uint32_t s : surface.faces[f]) marked[unknown_[s]] = 1;
-                }
-            if (!any) break;
-            std::fill(sum.begin(), sum.end(), Vec3d{});
-            std::fill(count.begin(), count.end(), 0.0);
-            for (const Face& f : surface.faces)
-                for (int k = 0; k < 3; ++k) {
-                    const std::uint32_t u = unknown_[f[k]];
-                    if (!marked[u]) continue;
-                    sum[u] += surface.positions[f[(k + 1) % 3]] + surface.positions[f[(k + 2) % 3]];
-                    count[u] += 2;
-                }
-            for (std::uint32_t u = 0; u < unknowns_; ++u)
-                if (marked[u] && !fixed_[u] && count[u] > 0) sum[u] = source_index_.query(sum[u] / count[u]).point;
-            for (std::size_t s = 0; s < chart_.positions.size(); ++s) {
-                const std::uint32_t u = unknown_[s];
-                if (u != kNone && marked[u] && !fixed_[u] && count[u] > 0) chart_.positions[s] = sum[u], moved = true;
-            }
-        }
-        return moved;
+    void restore() {
+        grid_.surface.positions = kept_positions_, chart_.diagonals = kept_diagonals_;
+        grid_.link(chart_);
     }
 
-    void match() {
-        surface_ = chart_.surface();
-        const ClosestPointIndex index(surface_.positions, surface_.faces);
-        const std::vector<Vec3d> surface_normals = face_normals(surface_);
-        const double spacing = sample_spacing(surface_, chart_);
-        hits_.assign(points_.size(), {});
-        constexpr std::size_t kChunk = 1024;
-        tbb::parallel_for(std::size_t{0}, (points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-            for (std::size_t k = chunk * kChunk; k < std::min(points_.size(), (chunk + 1) * kChunk); ++k)
-                hits_[k] = closest_facing(index, surface_normals, points_[k].position, points_[k].normal, spacing);
-        });
-        if (!options_.two_way) return;
-        spread_back_points();
-        back_hits_.assign(back_points_.size(), {});
-        tbb::parallel_for(std::size_t{0}, (back_points_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-            for (std::size_t k = chunk * kChunk; k < std::min(back_points_.size(), (chunk + 1) * kChunk); ++k)
-                back_hits_[k] = closest_facing(source_index_, source_normals_, back_points_[k].position,
-                                               back_points_[k].normal, spacing);
-        });
-    }
-
-    /// Every grid sample and the middle of every face, weighed by area: a sample in a crowded part of the grid, where
-    /// no source point falls, is still held to the surface.
-    void spread_back_points() {
-        back_points_.clear(), back_weights_.clear();
-        std::vector<double> area(unknowns_, 0.0);
-        std::vector<Vec3d> normal(unknowns_, Vec3d{});
-        std::vector<std::uint32_t> face(unknowns_, kNone);
-        double total = 0;
-        for (std::uint32_t f = 0; f < surface_.faces.size(); ++f) {
-            const auto q = surface_.corners(f);
-            const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
-            const double a = 0.5 * length(n);
-            total += a;
-            back_points_.push_back({(q[0] + q[1] + q[2]) / 3, normalized(n, Vec3d{}), f, {1.0 / 3, 1.0 / 3, 1.0 / 3}});
-            back_weights_.push_back(a);
-            for (std::uint32_t s : surface_.faces[f]) {
-                const std::uint32_t u = unknown_[s];
-                area[u] += a / 3, normal[u] += n, face[u] = f;
-            }
+    /// The chart takes the fitted positions, and for its samples the closest points of the source.
+    void finish() {
+        grid_.write_positions(chart_);
+        for (std::size_t s = 0; s < chart_.samples.size(); ++s) {
+            if (grid_.class_of[s] == kNone || fixed_[grid_.class_of[s]]) continue;
+            const SurfaceHit& hit = matches_.classes[grid_.class_of[s]].hit;
+            chart_.samples[s] = {hit.face, {hit.b[0], hit.b[1], hit.b[2]}};
         }
-        for (std::uint32_t u = 0; u < unknowns_; ++u) {
-            if (face[u] == kNone) continue;
-            SurfacePoint p{chart_.positions[sample_of_[u]], normalized(normal[u], Vec3d{}), face[u], {0, 0, 0}};
-            for (int k = 0; k < 3; ++k) p.b[k] = unknown_[surface_.faces[face[u]][k]] == u ? 1 : 0;
-            back_points_.push_back(p);
-            back_weights_.push_back(area[u]);
-        }
-        // As much weight in all as the forward points have; none under a twentieth of the mean.
-        const double mean = 2 * total / static_cast<double>(back_points_.size());
-        const double scale = static_cast<double>(area_points_) / (2 * total);
-        for (double& w : back_weights_) w = std::max(w, 0.05 * mean) * scale;
     }
 
     /// Normal of the metric: the surface's, but along the gap where the closest point is on an edge of the face.
-    [[nodiscard]] Vec3d metric_normal(const Vec3d& gap, const Vec3d& face, const double b[3]) const {
+    static Vec3d metric_normal(const Vec3d& gap, const Vec3d& face, const std::array<double, 3>& b) {
         const bool inside = b[0] > 1e-9 && b[1] > 1e-9 && b[2] > 1e-9;
         return inside ? face : normalized(gap, face);
     }
 
     void step(bool worst_only) {
-        std::vector<FitRow> rows;
-        rows.reserve(hits_.size() + back_hits_.size());
-        double largest = 0;
-        for (const ClosestPoint& hit : hits_)
-            if (hit.face != kNone) largest = std::max(largest, hit.distance);
-        for (const ClosestPoint& hit : back_hits_)
-            if (hit.face != kNone) largest = std::max(largest, hit.distance);
-        // The last rounds pull hardest where more than 60 % of the largest error stands.
-        const auto urgency = [&](double distance) {
-            if (!worst_only || !(largest > 0)) return 1.0;
-            const double share = distance / largest;
-            return share > 0.6 ? 1 + 200 * (share - 0.6) : 1.0;
+        // The last rounds pull hardest where the error is near the largest.
+        const auto urgency = [&](double squared) {
+            if (!worst_only || !(matches_.largest > 0)) return 1.0;
+            return 1 + kUrgency * std::max(0.0, std::sqrt(squared) / matches_.largest - kWorstShare);
         };
-        for (std::size_t k = 0; k < points_.size(); ++k) {
-            const ClosestPoint& hit = hits_[k];
-            if (hit.face == kNone) continue;
-            const Face& f = surface_.faces[hit.face];
-            const Vec3d gap = points_[k].position - hit.point;
-            const double weight = (k < area_points_ ? 1.0 : 0.25) * urgency(hit.distance);
-            rows.push_back({{unknown_[f[0]], unknown_[f[1]], unknown_[f[2]]},
-                            {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]},
-                            gap,
-                            metric_normal(gap, face_normal(surface_, hit.face), hit.barycentric),
-                            weight});
+        const LinkedSurface& grid = grid_.surface;
+        NormalEquations equations(grid_);
+        for (const Match& m : matches_.points) {
+            const Vec3d gap = m.position - point_at(grid, m.hit);
+            equations.add(m.hit.face, m.hit.b, gap, metric_normal(gap, grid.normals[m.hit.face], m.hit.b),
+                          m.weight * urgency(m.hit.squared));
         }
-        if (options_.two_way)
-            for (std::size_t k = 0; k < back_points_.size(); ++k) {
-                const ClosestPoint& hit = back_hits_[k];
-                if (hit.face == kNone) continue;
-                const Face& f = surface_.faces[back_points_[k].face];
-                const double* b = back_points_[k].b;
-                const Vec3d gap = hit.point - back_points_[k].position;
-                rows.push_back({{unknown_[f[0]], unknown_[f[1]], unknown_[f[2]]},
-                                {b[0], b[1], b[2]},
-                                gap,
-                                metric_normal(gap, face_normal(source_, hit.face), hit.barycentric),
-                                back_weights_[k] * urgency(hit.distance)});
+        const auto add_back = [&](const Match& m, double weight, std::uint32_t face, const std::array<double, 3>& b) {
+            const Vec3d gap = point_at(source_, m.hit) - m.position;
+            equations.add(face, b, gap, metric_normal(gap, source_.normals[m.hit.face], m.hit.b),
+                          weight * urgency(m.hit.squared));
+        };
+        for (std::size_t e = 0; e < matches_.edges.size(); ++e) {
+            if (!(urgency(matches_.edges[e].hit.squared) > 1)) continue;
+            const auto [face, k] = matches_.edge_place[e];
+            std::array<double, 3> b{0, 0, 0};
+            b[k] = b[(k + 1) % 3] = 0.5;
+            add_back(matches_.edges[e], matches_.middles[face].weight / 2, face, b);
+        }
+        std::vector<char> done(matches_.classes.size(), 0);
+        for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
+            add_back(matches_.middles[f], matches_.middles[f].weight, f, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t c = grid.faces[f][k];
+                if (done[c]) continue;
+                done[c] = 1;
+                std::array<double, 3> b{0, 0, 0};
+                b[k] = 1;
+                add_back(matches_.classes[c], matches_.classes[c].weight, f, b);
             }
-        move(least_squares_step(rows, unknowns_, fixed_, options_.point_share, kDamping, kCgIterations));
+        }
+        move(equations.solve(fixed_, kDamping, kCgIterations));
     }
 
     /// Applies a step: its tangential part is clamped, then halved (and at last the whole step) at the corners of faces
-    /// that it would turn.
+    /// that it would turn or flatten.
     void move(const std::vector<Vec3d>& step) {
-        std::vector<Vec3d> normal(unknowns_, Vec3d{}), along(unknowns_), across(unknowns_);
-        std::vector<double> edge(unknowns_, INFINITY), slide(unknowns_, 1.0), whole(unknowns_, 1.0);
-        const std::vector<Face>& faces = surface_.faces;
-        for (std::uint32_t f = 0; f < faces.size(); ++f) {
-            const auto q = surface_.corners(f);
-            for (int k = 0; k < 3; ++k) {
-                const std::uint32_t u = unknown_[faces[f][k]];
-                normal[u] += cross(q[1] - q[0], q[2] - q[0]);
-                edge[u] = std::min({edge[u], length(q[(k + 1) % 3] - q[k]), length(q[(k + 2) % 3] - q[k])});
+        constexpr int kPasses = 12, kWholePass = 5, kStopPass = 9;
+        LinkedSurface& grid = grid_.surface;
+        const std::size_t count = grid.positions.size();
+        std::vector<Vec3d> normal(count, Vec3d{}), along(count), across(count);
+        std::vector<double> edge(count, INFINITY), slide(count, 1.0), whole(count, 1.0);
+        for (std::size_t f = 0; f < grid.faces.size(); ++f) {
+            const auto q = grid.corners(f);
+            const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t a = grid.faces[f][k], b = grid.faces[f][(k + 1) % 3];
+                const double l = length(q[(k + 1) % 3] - q[k]);
+                normal[a] += n;
+                edge[a] = std::min(edge[a], l), edge[b] = std::min(edge[b], l);
             }
         }
-        for (std::uint32_t u = 0; u < unknowns_; ++u) {
-            normal[u] = normalized(normal[u], Vec3d{});
-            across[u] = normal[u] * dot(step[u], normal[u]);
-            along[u] = step[u] - across[u];
-            const double l = length(along[u]), limit = options_.max_slide * edge[u];
-            if (l > limit) along[u] *= limit / l;
+        for (std::size_t c = 0; c < count; ++c) {
+            normal[c] = normalized(normal[c], Vec3d{});
+            across[c] = normal[c] * dot(step[c], normal[c]);
+            along[c] = step[c] - across[c];
+            const double l = length(along[c]), limit = kMaxSlide * edge[c];
+            if (l > limit) along[c] *= limit / l;
         }
-        std::vector<Vec3d> start(unknowns_);
-        for (std::uint32_t u = 0; u < unknowns_; ++u) start[u] = chart_.positions[sample_of_[u]];
-        const auto moved = [&](std::uint32_t u) { return start[u] + (across[u] + along[u] * slide[u]) * whole[u]; };
-        for (int pass = 0; pass < 12; ++pass) {
-            bool turned = false;
-            for (std::uint32_t f = 0; f < faces.size(); ++f) {
-                const std::uint32_t a = unknown_[faces[f][0]], b = unknown_[faces[f][1]], c = unknown_[faces[f][2]];
-                const Vec3d pa = moved(a), pb = moved(b), pc = moved(c);
-                const Vec3d now = cross(pb - pa, pc - pa), was = cross(start[b] - start[a], start[c] - start[a]);
-                const double after = length(now), before = length(was);
-                if (dot(now, was) > 0.5 * after * before && after > 0.1 * before &&
-                    !turns_against(f, now / after, was / before))
-                    continue;
-                turned = true;
-                for (std::uint32_t u : {a, b, c}) {
-                    slide[u] *= 0.5;
-                    if (pass >= 5) whole[u] *= 0.25;
-                    if (pass >= 9) whole[u] = 0;
-                }
+        const std::vector<Vec3d> start = grid.positions;
+        for (std::size_t c = 0; c < count; ++c) grid.positions[c] = start[c] + across[c] + along[c];
+        std::vector<char> bad(count);
+        for (int pass = 0; pass < kPasses; ++pass) {
+            std::fill(bad.begin(), bad.end(), 0);
+            bool any = false;
+            for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
+                const Face& v = grid.faces[f];
+                if (allows(f, {start[v[0]], start[v[1]], start[v[2]]}, grid.corners(f))) continue;
+                any = true;
+                for (const std::uint32_t c : v) bad[c] = 1;
             }
-            if (!turned) break;
+            if (!any) break;
+            for (std::size_t c = 0; c < count; ++c) {
+                if (!bad[c]) continue;
+                slide[c] *= 0.5;
+                if (pass >= kWholePass) whole[c] *= 0.25;
+                if (pass >= kStopPass) whole[c] = 0;
+                grid.positions[c] = start[c] + (across[c] + along[c] * slide[c]) * whole[c];
+            }
         }
-        for (std::size_t s = 0; s < chart_.positions.size(); ++s)
-            if (unknown_[s] != kNone && !fixed_[unknown_[s]]) chart_.positions[s] = moved(unknown_[s]);
+        grid.update_normals();
     }
 
-    /// True if the face would look away from the source below it, more than it did. The first back points are the
-    /// middles of the faces.
-    [[nodiscard]] bool turns_against(std::uint32_t f, const Vec3d& now, const Vec3d& was) const {
-        constexpr double kUpright = 0.3;
-        if (!options_.two_way || back_hits_[f].face == kNone) return false;
-        const Vec3d& source = source_normals_[back_hits_[f].face];
-        return dot(now, source) < std::min(kUpright, dot(was, source));
+    /// True if a face may go from `was` to `now`: not much smaller, thinner or more tilted against the source below it.
+    [[nodiscard]] bool allows(std::uint32_t f, const std::array<Vec3d, 3>& was, const std::array<Vec3d, 3>& now) const {
+        const auto longest = [](const std::array<Vec3d, 3>& q) {
+            const Vec3d a = q[1] - q[0], b = q[2] - q[1], c = q[0] - q[2];
+            return std::max({dot(a, a), dot(b, b), dot(c, c)});
+        };
+        const Vec3d n0 = cross(was[1] - was[0], was[2] - was[0]), n1 = cross(now[1] - now[0], now[2] - now[0]);
+        const double before = length(n0), after = length(n1);
+        if (!(after > kShrink * before)) return false;
+        const double thin = after / longest(now);
+        if (thin < kThinnest && thin < before / longest(was)) return false;
+        Vec3d below = upward_[matches_.middles[f].hit.face];
+        if (dot(n1, below) >= kUpright * after) return true;
+        // Over a fold the middle's closest wall is a matter of chance; what all corners lie on is not.
+        for (const std::uint32_t c : grid_.surface.faces[f]) below += upward_[matches_.classes[c].hit.face];
+        below = normalized(below, Vec3d{});
+        const double start = before > 0 ? dot(n0, below) / before : 0;
+        return dot(n1, below) >= std::min({kUpright, start, std::max(0.0, start - kUprightLoss)}) * after;
     }
 
-    /// Each quad takes the diagonal with the smaller squared distance to the source points over it. Quads at the
-    /// chart's border keep theirs: those may be the only ones that leave the welded surface a manifold.
+    /// Each quad takes the diagonal with the smaller squared distance to the source points over it and of its own
+    /// middle to the source. Quads at the chart's border keep theirs: those may be the only ones that leave the welded
+    /// surface a manifold.
     void split_quads() {
         const std::uint32_t m = chart_.m, n = chart_.n;
+        grid_.write_positions(chart_);
         std::vector<std::uint32_t> quad_of_face;  // per grid triangle; strip faces have none
-        for (std::uint32_t i = 0; i + 1 < m; ++i)
-            for (std::uint32_t j = 0; j + 1 < n; ++j)
-                if (chart_.has_quad(i, j)) quad_of_face.insert(quad_of_face.end(), 2, i * (n - 1) + j);
-        std::vector<std::array<double, 2>> sums(std::size_t{m - 1} * (n - 1), {0, 0});
-        for (std::size_t k = 0; k < points_.size(); ++k) {
-            if (hits_[k].face >= quad_of_face.size()) continue;
-            const std::uint32_t quad = quad_of_face[hits_[k].face], i = quad / (n - 1), j = quad % (n - 1);
+        for (std::uint32_t q = 0; q < grid_.face_of_quad.size(); ++q)
+            if (grid_.face_of_quad[q] != kNone) quad_of_face.insert(quad_of_face.end(), 2, q);
+        const auto corners = [&](const Face& t) {
+            return std::array{chart_.positions[t[0]], chart_.positions[t[1]], chart_.positions[t[2]]};
+        };
+        std::vector<std::array<double, 2>> sums(grid_.face_of_quad.size(), {0, 0});
+        std::array<double, 3> ignored;
+        for (const Match& match : matches_.points) {
+            if (match.hit.face >= quad_of_face.size()) continue;
+            const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
             for (unsigned d = 0; d < 2; ++d) {
-                double least = INFINITY;
-                for (const Face& t : quad_triangles(i, j, n, d))
-                    least =
-                        std::min(least, squared_distance_to_triangle(points_[k].position, chart_.positions[t[0]],
-                                                                     chart_.positions[t[1]], chart_.positions[t[2]]));
-                sums[quad][d] += least;
+                const auto t = quad_triangles(i, j, n, d);
+                sums[quad][d] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),
+                                          closest_on_triangle(match.position, corners(t[1]), ignored));
             }
         }
-        for (std::uint32_t i = 1; i + 2 < m; ++i)
+        tbb::parallel_for(std::uint32_t{1}, m - 2, [&](std::uint32_t i) {
             for (std::uint32_t j = 1; j + 2 < n; ++j) {
-                const std::size_t quad = std::size_t{i} * (n - 1) + j;
-                if (!chart_.has_quad(i, j) || sums[quad][0] == sums[quad][1]) continue;
+                const std::size_t quad = std::size_t{i} * (n - 1) + j, a = std::size_t{i} * n + j;
+                if (grid_.face_of_quad[quad] == kNone) continue;
+                const std::uint32_t start = matches_.middles[grid_.face_of_quad[quad]].hit.face;
+                const auto off = [&](std::size_t from, std::size_t to) {
+                    const Vec3d middle = (chart_.positions[from] + chart_.positions[to]) * 0.5;
+                    return kMiddleWeight * walk_to_closest(source_, middle, start).squared;
+                };
+                sums[quad][0] += off(a, a + n + 1), sums[quad][1] += off(a + n, a + 1);
                 const unsigned wanted = sums[quad][1] < sums[quad][0], old = chart_.diagonals[quad];
-                if (wanted == old) continue;
+                if (wanted == old || sums[quad][0] == sums[quad][1]) continue;
                 if (keeps_orientation(quad_triangles(i, j, n, old), quad_triangles(i, j, n, wanted)))
                     chart_.diagonals[quad] = static_cast<std::uint8_t>(wanted);
             }
+        });
+        grid_.link(chart_);
+        matches_.update(false);
     }
 
     [[nodiscard]] bool keeps_orientation(const std::array<Face, 2>& old, const std::array<Face, 2>& fresh) const {
@@ -427,82 +271,39 @@ class Fitter {
         return dot(area(fresh[0]), mean) > 0 && dot(area(fresh[1]), mean) > 0;
     }
 
-    const TriMesh& source_;
     SampledChart& chart_;
     const FitOptions& options_;
     const model::Progress& progress_;
-    ClosestPointIndex source_index_;
-    std::vector<SurfacePoint> points_, back_points_;
-    std::vector<double> back_weights_;
-    std::size_t area_points_ = 0;
-    std::vector<ClosestPoint> hits_, back_hits_;
-    TriMesh surface_;
-    std::vector<std::uint32_t> unknown_, sample_of_;
-    std::uint32_t unknowns_ = 0;
-    std::vector<char> fixed_;
-    std::vector<Vec3d> source_normals_;
-    SurfaceError best_;
+    LinkedSurface source_;
+    WeldedGrid grid_;
+    Matches matches_;
+    std::vector<char> fixed_;    // per class
+    std::vector<Vec3d> upward_;  // per face of the source: its normal at the scale of the grid
+    double rms_ = 0, largest_ = 0;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;
-};
-
-/// Looks up the source, as faces of the disk, from points of the chart's surface.
-class DiskLookup {
- public:
-    explicit DiskLookup(const SampledChart& chart)
-        : index_(chart.disk.mesh.positions, chart.disk.mesh.faces),
-          normals_(face_normals(chart.disk.mesh)),
-          spacing_(sample_spacing(chart.surface(), chart)) {}
-    [[nodiscard]] SurfaceSample operator()(const Vec3d& p, const Vec3d& normal) const {
-        const ClosestPoint hit = closest_facing(index_, normals_, p, normal, spacing_);
-        return {hit.face, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
-    }
-
- private:
-    ClosestPointIndex index_;
-    std::vector<Vec3d> normals_;
-    double spacing_;
 };
 
 }  // namespace
 
 FitOptions l2_fit() {
-    FitOptions o;
-    o.two_way = true;
-    return o;
+    return {};
 }
 
 FitOptions best_fit() {
     FitOptions o;
     o.rounds = 10;
-    o.point_share = 0.01;
-    o.two_way = true;
     o.worst_rounds = 8;
     return o;
 }
 
-FitReport fit_chart(const TriMesh& component, SampledChart& chart, const FitOptions& options,
-                    const model::Progress& progress) {
-    const FitReport report = Fitter(component, chart, options, progress).run();
-    const DiskLookup look_up(chart);
-    std::vector<Vec3d> normals(chart.positions.size(), Vec3d{});
-    for (const Face& f : chart.faces()) {
-        const Vec3d n =
-            cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
-        for (std::uint32_t s : f) normals[chart.representative[s]] += n;
-    }
-    tbb::parallel_for(std::size_t{0}, chart.samples.size(), [&](std::size_t s) {
-        if (chart.on_surface(s) && chart.representative[s] == s)
-            chart.samples[s] = look_up(chart.positions[s], normalized(normals[s]));
-    });
-    for (std::size_t s = 0; s < chart.samples.size(); ++s)
-        if (chart.representative[s] != s) chart.samples[s] = chart.samples[chart.representative[s]];
-    return report;
+FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress) {
+    return Fitter(chart, options, progress).run();
 }
 
 SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
     SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
-    const DiskLookup look_up(chart);
+    const LinkedSurface source = link_source(chart.disk);
     tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
         for (std::uint32_t c = 0; c < cols; ++c) {
             // Position on the chart's own grid, and the quad's triangle under it.
@@ -522,9 +323,9 @@ SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::u
                                             : second ? std::array{1 - t, s + t - 1, 1 - s}
                                                      : std::array{1 - s - t, s, t};
             const Vec3d p = chart.positions[f[0]] * b[0] + chart.positions[f[1]] * b[1] + chart.positions[f[2]] * b[2];
-            const Vec3d n =
-                cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
-            grid.samples[std::size_t{r} * cols + c] = look_up(p, normalized(n));
+            const std::size_t nearest = b[0] >= b[1] && b[0] >= b[2] ? 0 : b[1] >= b[2] ? 1 : 2;
+            const SurfaceHit hit = walk_to_closest(source, p, chart.samples[f[nearest]].face);
+            grid.samples[std::size_t{r} * cols + c] = {hit.face, {hit.b[0], hit.b[1], hit.b[2]}};
         }
     });
     for (const SurfaceSample& s : grid.samples) grid.missing += s.face == kNone;

@@ -26,7 +26,7 @@ struct SlimOptions {
     std::size_t iterations = 30;    ///< at most so many Newton steps
     double tolerance = 1e-5;        ///< stop when a step lowers the energy by less than this share of it
     double barrier = 0.01;          ///< kArap only, 0 < barrier <= 16 (g stays convex)
-    double stretch_epsilon = 1e-3;  ///< kStretch only, >= 0
+    double stretch_epsilon = 0.3;   ///< kStretch only, >= 0
 };
 
 struct SlimReport {

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/linked_surface.cpp
+#include "geometry/fit/linked_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+namespace dgm::bake {
+namespace {
+
+constexpr int kMaxSteps = 200;         // of a walk
+constexpr int kMaxTurns = 32;          // faces tried around a vertex, each way round
+constexpr std::size_t kNearby = 400;   // faces of a search
+constexpr double kNearer = 1 - 1e-12;  // nearer beyond rounding, or a walk could circle
+
+double closest_on_segment(const Vec3d& p, const Vec3d& a, const Vec3d& e, double& t) {
+    const Vec3d v = p - a;
+    const double l = dot(e, e);
+    t = l > 0 ? std::clamp(dot(v, e) / l, 0.0, 1.0) : 0.0;
+    const Vec3d r = v - e * t;
+    return dot(r, r);
+}
+
+}  // namespace
+
+double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& q, std::array<double, 3>& b) {
+    const Vec3d e0 = q[1] - q[0], e1 = q[2] - q[0], d = p - q[0];
+    const double g00 = dot(e0, e0), g01 = dot(e0, e1), g11 = dot(e1, e1), r0 = dot(e0, d), r1 = dot(e1, d);
+    const double det = g00 * g11 - g01 * g01, s = g11 * r0 - g01 * r1, t = g00 * r1 - g01 * r0;
+    if (det > 0 && s >= 0 && t >= 0 && s + t <= det) {
+        const double u = s / det, v = t / det;
+        b = {1 - u - v, u, v};
+        const Vec3d r = d - e0 * u - e1 * v;
+        return dot(r, r);
+    }
+    // Outside: on an edge that has p on its outer side (any of the three without area).
+    double best = INFINITY, x = 0;
+    const auto offer = [&](double squared, const std::array<double, 3>& at) {
+        if (squared < best) best = squared, b = at;
+    };
+    if (!(t > 0) || !(det > 0)) {
+        const double squared = closest_on_segment(p, q[0], e0, x);
+        offer(squared, {1 - x, x, 0});
+    }
+    if (!(s > 0) || !(det > 0)) {
+        const double squared = closest_on_segment(p, q[0], e1, x);
+        offer(squared, {1 - x, 0, x});
+    }
+    if (!(s + t < det) || !(det > 0)) {
+        const double squared = closest_on_segment(p, q[1], q[2] - q[1], x);
+        offer(squared, {0, 1 - x, x});
+    }
+    return best;
+}
+
+void LinkedSurface::update_normal(std::size_t face) {
+    const auto q = corners(face);
+    normals[face] = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+}
+
+void LinkedSurface::update_normals() {
+    normals.resize(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) update_normal(f);
+}
+
+SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start) {
+    SurfaceHit hit{start, 0, {}};
+    hit.squared = closest_on_triangle(p, surface.corners(start), hit.b);
+    for (int step = 0; step < kMaxSteps; ++step) {
+        SurfaceHit best = hit;
+        const auto visit = [&](std::uint32_t face) {
+            std::array<double, 3> b;
+            const double squared = closest_on_triangle(p, surface.corners(face), b);
+            if (squared < best.squared * kNearer) best = {face, squared, b};
+        };
+        const int zeros = (hit.b[0] <= 0) + (hit.b[1] <= 0) + (hit.b[2] <= 0);
+        if (zeros == 0) break;
+        if (zeros == 1) {
+            const int edge = hit.b[0] <= 0 ? 1 : hit.b[1] <= 0 ? 2 : 0;
+            const std::uint32_t across = surface.neighbours[hit.face][edge];
+            if (across != kNone) visit(across);
+        } else {
+            const int corner = hit.b[0] > 0 ? 0 : hit.b[1] > 0 ? 1 : 2;
+            const std::uint32_t vertex = surface.faces[hit.face][corner];
+            bool all_round = false;
+            for (const bool forward : {true, false}) {
+                std::uint32_t face = hit.face;
+                for (int turn = 0; turn < kMaxTurns && !all_round; ++turn) {
+                    const Face& f = surface.faces[face];
+                    const int at = f[0] == vertex ? 0 : f[1] == vertex ? 1 : 2;
+                    face = surface.neighbours[face][forward ? at : (at + 2) % 3];
+                    if (face == kNone) break;
+                    all_round = face == hit.face;
+                    if (!all_round) visit(face);
+                }
+            }
+        }
+        if (best.face == hit.face) break;
+        hit = best;
+    }
+    return hit;
+}
+
+SurfaceHit search_nearby(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start) {
+    std::vector<std::uint32_t> reached{start};
+    std::unordered_set<std::uint32_t> seen{start};
+    SurfaceHit best = walk_to_closest(surface, p, start);
+    for (std::size_t k = 0; k < reached.size(); ++k) {
+        SurfaceHit hit{reached[k], 0, {}};
+        hit.squared = closest_on_triangle(p, surface.corners(hit.face), hit.b);
+        if (hit.squared < best.squared) best = hit;
+        for (const std::uint32_t next : surface.neighbours[hit.face])
+            if (next != kNone && reached.size() < kNearby && seen.insert(next).second) reached.push_back(next);
+    }
+    return best;
+}
+
+LinkedSurface link_source(const Disk& disk) {
+    LinkedSurface out;
+    out.positions.resize(disk.weld_count);
+    for (std::size_t v = 0; v < disk.weld.size(); ++v) out.positions[disk.weld[v]] = disk.mesh.positions[v];
+    out.faces = disk.mesh.faces;
+    out.neighbours.resize(out.faces.size());
+    for (std::uint32_t f = 0; f < out.faces.size(); ++f)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            out.faces[f][k] = disk.weld[disk.mesh.faces[f][k]];
+            const std::uint32_t h = 3 * f + k, across = disk.opposite[h] != kNone ? disk.opposite[h] : disk.mate[h];
+            out.neighbours[f][k] = across == kNone ? kNone : across / 3;
+        }
+    out.update_normals();
+    return out;
+}
+
+std::vector<Vec3d> normals_at_scale(const LinkedSurface& surface, double area) {
+    constexpr int kPasses = 4;
+    const std::size_t count = surface.faces.size();
+    std::vector<double> weight(count);
+    for (std::size_t f = 0; f < count; ++f) weight[f] = std::min(area, face_area(surface.corners(f)));
+    std::vector<Vec3d> normals = surface.normals, next(count);
+    for (int pass = 0; pass < kPasses; ++pass) {
+        for (std::size_t f = 0; f < count; ++f) {
+            Vec3d sum = normals[f] * weight[f];
+            for (const std::uint32_t g : surface.neighbours[f])
+                if (g != kNone) sum += normals[g] * weight[g];
+            next[f] = weight[f] >= area ? normals[f] : normalized(sum, normals[f]);
+        }
+        normals.swap(next);
+    }
+    return normals;
+}
+
+}  // namespace dgm::bake

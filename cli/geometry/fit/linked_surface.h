@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/linked_surface.h
+// Surfaces on which a point finds its closest point by walking from where it was last time.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/cut/disk.h"
+
+namespace dgm::bake {
+
+/// An indexed surface with the face across each edge. Edge k of a face runs from its corner k to corner k + 1.
+struct LinkedSurface {
+    std::vector<Vec3d> positions;
+    std::vector<Face> faces;
+    std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< kNone on a border
+    std::vector<Vec3d> normals;                            ///< unit, per face; zero for a face without area
+
+    [[nodiscard]] std::array<Vec3d, 3> corners(std::size_t face) const {
+        return {positions[faces[face][0]], positions[faces[face][1]], positions[faces[face][2]]};
+    }
+    void update_normal(std::size_t face);
+    void update_normals();
+};
+
+/// A point of a surface and how far it is from the point that was looked up.
+struct SurfaceHit {
+    std::uint32_t face = kNone;
+    double squared = 0;  ///< squared distance
+    std::array<double, 3> b{0, 0, 0};
+};
+
+[[nodiscard]] inline Vec3d point_at(const LinkedSurface& surface, const SurfaceHit& hit) {
+    const auto q = surface.corners(hit.face);
+    return q[0] * hit.b[0] + q[1] * hit.b[1] + q[2] * hit.b[2];
+}
+
+/// Squared distance from p to a triangle and the barycentric coordinates of the closest point; faces without area count
+/// as their edges.
+double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& corners, std::array<double, 3>& b);
+
+/// Goes from face to face, each step nearer to `p`, until no neighbour of the closest point is nearer: a local minimum
+/// of the distance, on the sheet that `start` lies on. Bounded work. Thread-safe.
+[[nodiscard]] SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start);
+
+/// The same among some hundred faces around `start`: the other wall of a narrow fold, where a walk does not go.
+[[nodiscard]] SurfaceHit search_nearby(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start);
+
+/// The source of a chart with its cut closed: the disk's faces, in their order, over its surface points.
+[[nodiscard]] LinkedSurface link_source(const Disk& disk);
+
+/// Unit face normals at the scale of faces with `area`: smaller faces look where their surroundings do. The sides of a
+/// spike between two samples look everywhere, and would forbid the grid to grow one.
+[[nodiscard]] std::vector<Vec3d> normals_at_scale(const LinkedSurface& surface, double area);
+
+}  // namespace dgm::bake

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/matches.cpp
+#include "geometry/fit/matches.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "geometry/spatial/closest_point.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kVertexWeight = 0.25;
+
+template <class Body>
+void in_chunks(std::size_t count, const Body& body) {
+    constexpr std::size_t kChunk = 1024;
+    tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+        for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) body(k);
+    });
+}
+
+}  // namespace
+
+Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid, std::size_t count)
+    : source_(source), grid_(grid) {
+    spread(chart, count);
+    start(chart);
+}
+
+/// k-th point at share (k + 1/2) / count of the area, inside its face by the R2 sequence: the same mesh gives the same
+/// points. Each starts on the quad that the map puts it on.
+void Matches::spread(const SampledChart& chart, std::size_t count) {
+    const TriMesh& mesh = chart.disk.mesh;
+    const auto cell = [](double x, std::uint32_t samples) {
+        return static_cast<std::size_t>(std::clamp(x * (samples - 1), 0.0, static_cast<double>(samples - 2)));
+    };
+    const auto add = [&](const Vec3d& position, const Vec2d& uv, double weight) {
+        const std::size_t quad = cell(uv.x, chart.m) * (chart.n - 1) + cell(uv.y, chart.n);
+        points.push_back({position, {grid_.face_of_quad[quad], 0, {}}, weight});
+    };
+    std::vector<double> upto(mesh.faces.size() + 1, 0.0);
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) upto[f + 1] = upto[f] + face_area(mesh.corners(f));
+    points.reserve(count + source_.positions.size());
+    std::size_t f = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double at = upto.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+        while (f + 1 < mesh.faces.size() && upto[f + 1] <= at) ++f;
+        double s = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(k), 1.0);
+        double t = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
+        if (s + t > 1) s = 1 - s, t = 1 - t;
+        const auto q = mesh.corners(f);
+        const Face& v = mesh.faces[f];
+        add(q[0] * (1 - s - t) + q[1] * s + q[2] * t,
+            chart.uv[v[0]] * (1 - s - t) + chart.uv[v[1]] * s + chart.uv[v[2]] * t, 1);
+    }
+    area_points = points.size();
+    std::vector<char> seen(source_.positions.size(), 0);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        const std::uint32_t point = chart.disk.weld[v];
+        if (!seen[point]) seen[point] = 1, add(mesh.positions[v], chart.uv[v], kVertexWeight);
+    }
+}
+
+/// Points that fall on no quad (beside the border of a free chart) and samples without a face start at the closest of
+/// all faces.
+void Matches::start(const SampledChart& chart) {
+    std::unique_ptr<ClosestPointIndex> index;
+    const auto find = [&](const LinkedSurface& surface, const Vec3d& p) {
+        if (!index) index = std::make_unique<ClosestPointIndex>(surface.positions, surface.faces);
+        const std::uint32_t face = index->query(p).face;
+        return face == kNone ? 0 : face;
+    };
+    for (Match& m : points)
+        if (m.hit.face == kNone) m.hit.face = find(grid_.surface, m.position);
+    index.reset();
+    classes.resize(grid_.sample_of.size());
+    for (std::size_t c = 0; c < classes.size(); ++c) {
+        const std::uint32_t face = chart.samples[grid_.sample_of[c]].face;
+        classes[c].hit.face = face != kNone ? face : find(source_, grid_.surface.positions[c]);
+    }
+    middles.resize(grid_.surface.faces.size());
+    for (std::size_t f = 0; f < middles.size(); ++f) middles[f].hit.face = classes[grid_.surface.faces[f][0]].hit.face;
+}
+
+void Matches::update(bool with_edges) {
+    const LinkedSurface& grid = grid_.surface;
+    in_chunks(points.size(),
+              [&](std::size_t k) { points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face); });
+    in_chunks(classes.size(), [&](std::size_t c) {
+        classes[c].position = grid.positions[c];
+        classes[c].hit = walk_to_closest(source_, classes[c].position, classes[c].hit.face);
+    });
+    in_chunks(middles.size(), [&](std::size_t f) { update_middle(f); });
+    edges.clear();
+    if (with_edges) update_edges();
+    look_again_far_off();
+    weigh();
+    measure();
+}
+
+void Matches::update_middle(std::size_t face) {
+    const auto q = grid_.surface.corners(face);
+    Match& m = middles[face];
+    m.position = (q[0] + q[1] + q[2]) / 3;
+    m.hit = walk_to_closest(source_, m.position, m.hit.face);
+}
+
+void Matches::update_edges() {
+    const LinkedSurface& grid = grid_.surface;
+    edges.resize(grid_.edges.size());
+    edge_place.resize(edges.size());
+    for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
+        for (int k = 0; k < 3; ++k) edge_place[grid_.edge_of[f][k]] = {f, k};
+    in_chunks(edges.size(), [&](std::size_t e) {
+        edges[e].position = (grid.positions[grid_.edges[e].first] + grid.positions[grid_.edges[e].second]) / 2;
+        edges[e].hit = walk_to_closest(source_, edges[e].position, middles[edge_place[e].first].hit.face);
+        edges[e].weight = 0;
+    });
+}
+
+/// The farthest points are few, decide the largest error, and may have been stopped by a local minimum.
+void Matches::look_again_far_off() {
+    constexpr double kFar = 0.3;  // of the largest distance
+    constexpr std::size_t kMost = 5000;
+    double squared = 0;
+    for (const auto* list : {&points, &classes, &middles, &edges})
+        for (const Match& m : *list) squared = std::max(squared, m.hit.squared);
+    std::size_t count = 0;
+    for (auto* list : {&points, &classes, &middles, &edges})
+        for (Match& m : *list)
+            if (m.hit.squared > kFar * kFar * squared && ++count <= kMost)
+                m.hit = search_nearby(list == &points ? grid_.surface : source_, m.position, m.hit.face);
+}
+
+/// By area; as much in all as the source's points have, none under a twentieth of the mean: a sample in a crowded part
+/// of the grid, where no source point falls, is still held to the surface.
+void Matches::weigh() {
+    const LinkedSurface& grid = grid_.surface;
+    for (Match& m : classes) m.weight = 0;
+    double total = 0;
+    for (std::size_t f = 0; f < grid.faces.size(); ++f) {
+        const double area = face_area(grid.corners(f));
+        middles[f].weight = area, total += area;
+        for (const std::uint32_t c : grid.faces[f]) classes[c].weight += area / 3;
+    }
+    const double mean = 2 * total / static_cast<double>(classes.size() + middles.size());
+    const double scale = total > 0 ? static_cast<double>(area_points) / (2 * total) : 0;
+    for (auto* list : {&classes, &middles})
+        for (Match& m : *list) m.weight = std::max(m.weight, 0.05 * mean) * scale;
+}
+
+void Matches::measure() {
+    double forward = 0, backward = 0, weight = 0, farthest = 0;
+    for (std::size_t k = 0; k < area_points; ++k) forward += points[k].hit.squared;
+    for (const auto* list : {&classes, &middles})
+        for (const Match& m : *list) backward += m.weight * m.hit.squared, weight += m.weight;
+    for (const auto* list : {&points, &classes, &middles, &edges})
+        for (const Match& m : *list) farthest = std::max(farthest, m.hit.squared);
+    const double mean_forward = area_points > 0 ? forward / static_cast<double>(area_points) : 0;
+    rms = std::sqrt(std::max(mean_forward, weight > 0 ? backward / weight : 0));
+    largest = std::sqrt(farthest);
+}
+
+}  // namespace dgm::bake

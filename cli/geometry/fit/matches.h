@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/matches.h
+// Points of the source and of the grid, each with its closest point on the other surface.
+#pragma once
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "geometry/fit/welded_grid.h"
+
+namespace dgm::bake {
+
+struct Match {
+    Vec3d position;
+    SurfaceHit hit;  ///< on the other surface
+    double weight = 1;
+};
+
+/// The matches of a chart being fitted. A match starts where the map puts it and walks on from its last answer, so
+/// looking up all of them again after a small move costs a few triangles each.
+/// `update` runs in parallel and gives the same bits for any number of threads.
+class Matches {
+ public:
+    /// About `count` area-uniform points of the source and its vertices, which weigh a quarter; all classes of the
+    /// grid and the middles of its faces. The references must outlive the object.
+    Matches(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid, std::size_t count);
+
+    /// Looks everything up for the grid's present shape. `with_edges`: the middles of the edges too, where a chord
+    /// across a fold is farthest from it; they have no weight, but count for `largest`.
+    void update(bool with_edges);
+    /// The middle of one face again, after a corner of it has moved.
+    void update_middle(std::size_t face);
+
+    std::vector<Match> points;                              ///< of the source
+    std::size_t area_points = 0;                            ///< first so many are area-uniform, the others its vertices
+    std::vector<Match> classes, middles, edges;             ///< of the grid
+    std::vector<std::pair<std::uint32_t, int>> edge_place;  ///< a face of the edge and its number there
+    double rms = 0, largest = 0;                            ///< symmetric, of the last update
+
+ private:
+    void spread(const SampledChart& chart, std::size_t count);
+    void start(const SampledChart& chart);
+    void update_edges();
+    void look_again_far_off();
+    void weigh();
+    void measure();
+
+    const LinkedSurface& source_;
+    const WeldedGrid& grid_;
+};
+
+}  // namespace dgm::bake

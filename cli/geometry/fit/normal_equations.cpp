@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/normal_equations.cpp
+#include "geometry/fit/normal_equations.h"
+
+#include <cmath>
+
+namespace dgm::bake {
+namespace {
+
+using Block = std::array<double, 6>;
+
+Vec3d multiply(const Block& a, const Vec3d& v) {
+    return {a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z,
+            a[2] * v.x + a[4] * v.y + a[5] * v.z};
+}
+
+Block inverse(const Block& a) {
+    const double c0 = a[3] * a[5] - a[4] * a[4], c1 = a[2] * a[4] - a[1] * a[5], c2 = a[1] * a[4] - a[2] * a[3];
+    const double d = a[0] * c0 + a[1] * c1 + a[2] * c2;
+    if (!(std::abs(d) > 0)) return {1, 0, 0, 1, 0, 1};
+    const double s = 1 / d;
+    return {c0 * s,
+            c1 * s,
+            c2 * s,
+            (a[0] * a[5] - a[2] * a[2]) * s,
+            (a[1] * a[2] - a[0] * a[4]) * s,
+            (a[0] * a[3] - a[1] * a[1]) * s};
+}
+
+double dot_all(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) sum += dot(a[k], b[k]);
+    return sum;
+}
+
+}  // namespace
+
+NormalEquations::NormalEquations(const WeldedGrid& grid)
+    : grid_(grid),
+      diagonal_(grid.sample_of.size(), Block{}),
+      off_(grid.edges.size(), Block{}),
+      right_(grid.sample_of.size(), Vec3d{}) {}
+
+void NormalEquations::add(std::uint32_t face, const std::array<double, 3>& b, const Vec3d& gap, const Vec3d& n,
+                          double weight) {
+    const Vec3d wn = n * weight;
+    const Block m{wn.x * n.x, wn.x * n.y, wn.x * n.z, wn.y * n.y, wn.y * n.z, wn.z * n.z};
+    const Vec3d pull = wn * dot(n, gap);
+    const Face& f = grid_.surface.faces[face];
+    const auto& edges = grid_.edge_of[face];
+    for (std::size_t k = 0; k < 3; ++k) {
+        right_[f[k]] += pull * b[k];
+        const double own = b[k] * b[k], pair = b[k] * b[(k + 1) % 3];
+        Block& d = diagonal_[f[k]];
+        Block& o = off_[edges[k]];
+        for (std::size_t e = 0; e < 6; ++e) d[e] += own * m[e], o[e] += pair * m[e];
+    }
+}
+
+std::vector<Vec3d> NormalEquations::solve(std::span<const char> fixed, double damping, int iterations) {
+    const std::size_t count = diagonal_.size();
+    std::vector<Vec3d> residual = right_, step(count, Vec3d{}), direction, z(count), product(count);
+    double trace = 0;
+    for (const Block& d : diagonal_) trace += d[0] + d[3] + d[5];
+    // By each class's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
+    // whose rows weigh little, while their neighbours move.
+    const double floor = 1e-6 * damping * trace / static_cast<double>(count);
+    std::vector<Block> damped = diagonal_, preconditioner(count);
+    for (std::size_t k = 0; k < count; ++k) {
+        Block& d = damped[k];
+        const double lambda = floor + damping * (d[0] + d[3] + d[5]);
+        d[0] += lambda, d[3] += lambda, d[5] += lambda;
+        preconditioner[k] = inverse(d);
+        if (fixed[k]) residual[k] = {};
+    }
+    const auto precondition = [&] {
+        for (std::size_t k = 0; k < count; ++k) z[k] = multiply(preconditioner[k], residual[k]);
+    };
+    precondition();
+    direction = z;
+    double rz = dot_all(residual, z);
+    const double enough = 1e-6 * rz;
+    for (int it = 0; it < iterations && rz > enough; ++it) {
+        for (std::size_t k = 0; k < count; ++k) product[k] = multiply(damped[k], direction[k]);
+        for (std::size_t e = 0; e < off_.size(); ++e) {
+            const auto [a, b] = grid_.edges[e];
+            product[a] += multiply(off_[e], direction[b]);
+            product[b] += multiply(off_[e], direction[a]);
+        }
+        for (std::size_t k = 0; k < count; ++k)
+            if (fixed[k]) product[k] = {};
+        const double curvature = dot_all(direction, product);
+        if (!(curvature > 0)) break;
+        const double t = rz / curvature;
+        for (std::size_t k = 0; k < count; ++k) step[k] += direction[k] * t, residual[k] -= product[k] * t;
+        precondition();
+        const double next = dot_all(residual, z), beta = next / rz;
+        for (std::size_t k = 0; k < count; ++k) direction[k] = z[k] + direction[k] * beta;
+        rz = next;
+    }
+    return step;
+}
+
+}  // namespace dgm::bake

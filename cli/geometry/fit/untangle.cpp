@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/untangle.cpp
+#include "geometry/fit/untangle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+namespace dgm::bake {
+namespace {
+
+constexpr int kPasses = 20;
+constexpr int kDirections = 12;
+constexpr double kWanted = 0.3;  // cosine from which a face counts as upright
+constexpr double kCover = 3;     // price of a source vertex one spacing away from the ring that covered it
+constexpr double kOff = 0.1;     // price of a face whose middle is a ring's reach away from the source
+constexpr double kLeastGain = 1e-3;
+
+class Untangler {
+ public:
+    Untangler(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed)
+        : source_(source), grid_(grid.surface), matches_(matches), fixed_(fixed), rings_(grid.rings()) {
+        double area = 0;
+        for (std::size_t f = 0; f < source.faces.size(); ++f) area += face_area(source.corners(f));
+        squared_spacing_ = area / static_cast<double>(grid_.positions.size());
+        for (std::size_t k = matches.area_points; k < matches.points.size(); ++k)
+            covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
+    }
+
+    bool run(double upright) {
+        bool any = false;
+        for (int pass = 0; pass < kPasses; ++pass) {
+            bool moved = false;
+            for (std::uint32_t f = 0; f < grid_.faces.size(); ++f) {
+                if (!(dot(grid_.normals[f], source_.normals[matches_.middles[f].hit.face]) < upright)) continue;
+                for (const std::uint32_t c : grid_.faces[f])
+                    if (!fixed_[c] && improve(c)) moved = true;
+            }
+            if (!moved) break;
+            any = true;
+        }
+        return any;
+    }
+
+ private:
+    [[nodiscard]] std::span<const std::uint32_t> ring(std::uint32_t c) const {
+        return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
+    }
+
+    [[nodiscard]] double penalty(std::uint32_t c, double reach) const {
+        double sum = 0, farthest = 0;
+        std::array<double, 3> ignored;
+        for (const std::uint32_t f : ring(c)) {
+            const auto q = grid_.corners(f);
+            const Vec3d normal = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+            const SurfaceHit hit = walk_to_closest(source_, (q[0] + q[1] + q[2]) / 3, matches_.middles[f].hit.face);
+            sum += std::max(0.0, kWanted - dot(normal, source_.normals[hit.face]));
+            sum += kOff * std::min(1.0, hit.squared / (reach * reach));
+            const auto here = covered_.find(f);
+            if (here == covered_.end()) continue;
+            for (const Vec3d& p : here->second) {
+                double least = INFINITY;
+                for (const std::uint32_t g : ring(c))
+                    least = std::min(least, closest_on_triangle(p, grid_.corners(g), ignored));
+                farthest = std::max(farthest, least);
+            }
+        }
+        return sum + kCover * farthest / squared_spacing_;
+    }
+
+    bool improve(std::uint32_t c) {
+        const Vec3d old = grid_.positions[c];
+        Vec3d mean, up;
+        double reach = 0;
+        for (const std::uint32_t f : ring(c)) {
+            for (const std::uint32_t o : grid_.faces[f]) {
+                mean += grid_.positions[o];
+                reach = std::max(reach, length(grid_.positions[o] - old));
+            }
+            up += source_.normals[matches_.middles[f].hit.face];
+        }
+        if (!(reach > 0)) return false;
+        // A ring's corners are its middle and each rim vertex twice: half the way to the rim's mean and more.
+        const Vec3d inward = (mean / (3.0 * static_cast<double>(ring(c).size())) - old) * 1.5;
+        up = normalized(up, Vec3d{0, 0, 1});
+        const Vec3d x = normalized(cross(up, std::abs(up.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), y = cross(up, x);
+
+        Vec3d best = old;
+        double least = penalty(c, reach) - kLeastGain;
+        const auto attempt = [&](const Vec3d& to) {
+            grid_.positions[c] = point_at(source_, walk_to_closest(source_, to, matches_.classes[c].hit.face));
+            const double now = penalty(c, reach);
+            if (now < least) least = now, best = grid_.positions[c];
+        };
+        for (const double t : {0.25, 0.5, 1.0}) attempt(old + inward * t);
+        for (int k = 0; k < kDirections; ++k) {
+            const double angle = k * (2 * std::numbers::pi / kDirections);
+            for (const double t : {0.1, 0.3}) attempt(old + (x * std::cos(angle) + y * std::sin(angle)) * (t * reach));
+        }
+        grid_.positions[c] = best;
+        if (best == old) return false;
+        matches_.classes[c].hit = walk_to_closest(source_, best, matches_.classes[c].hit.face);
+        for (const std::uint32_t f : ring(c)) grid_.update_normal(f), matches_.update_middle(f);
+        return true;
+    }
+
+    const LinkedSurface& source_;
+    LinkedSurface& grid_;
+    Matches& matches_;
+    std::span<const char> fixed_;
+    WeldedGrid::Rings rings_;
+    std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
+    double squared_spacing_ = 1;
+};
+
+}  // namespace
+
+bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+              double upright) {
+    return Untangler(source, grid, matches, fixed).run(upright);
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/welded_grid.h
+// A chart's surface with its seams closed: one unknown per class of samples.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "geometry/chart/sampled_chart.h"
+#include "geometry/fit/linked_surface.h"
+
+namespace dgm::bake {
+
+struct WeldedGrid {
+    LinkedSurface surface;                 ///< positions per class; faces in the order of SampledChart::faces()
+    std::vector<std::uint32_t> class_of;   ///< per sample, kNone off the surface
+    std::vector<std::uint32_t> sample_of;  ///< per class: its representative
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;  ///< two classes, lower first, each edge once
+    std::vector<std::array<std::uint32_t, 3>> edge_of;           ///< per face
+    std::vector<char> on_border;                                 ///< per class: on the source's real border
+    std::vector<std::uint32_t> face_of_quad;  ///< first of the quad's two faces, kNone where no quad is drawn
+
+    explicit WeldedGrid(const SampledChart& chart);
+    /// Reads the chart's diagonals again.
+    void link(const SampledChart& chart);
+    /// Every sample takes the position of its class.
+    void write_positions(SampledChart& chart) const;
+    /// Faces around each class: faces[first[c]] .. faces[first[c + 1] - 1].
+    struct Rings {
+        std::vector<std::uint32_t> first, faces;
+    };
+    [[nodiscard]] Rings rings() const;
+};
+
+}  // namespace dgm::bake
