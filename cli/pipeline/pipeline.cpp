@@ -10,6 +10,7 @@
 #include "geometry/fit/fit.h"
 #include "geometry/layers/layers.h"
 #include "geometry/metrics/reconstruction.h"
+#include "geometry/metrics/turned_faces.h"
 #include "geometry/repair/repair.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
@@ -227,6 +228,7 @@ class AssetBake {
                 const double truth = six_volume(component);
                 if (truth != 0) report.volume_relative_error = six_volume(map) / truth - 1;
             }
+            report.turned_faces = count_turned_faces(component, map);
             report.candidates = mapped_[c].candidates;
             const double share = area > 0 ? total_area(component) / area : 1;
             const auto samples = static_cast<std::uint64_t>(std::max(2000.0, 400'000 * share));

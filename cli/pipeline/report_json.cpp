@@ -51,6 +51,7 @@ void fields(A& a, T& c) requires std::is_same_v<std::remove_const_t<T>, ChartRep
     a("error", c.error), a("map", c.map);
     a("utilisation", c.utilisation), a("seam_gap", c.seam_gap), a("cut_length", c.cut_length);
     a("volume_relative_error", c.volume_relative_error), a("seam_pairs", c.seam_pairs);
+    a("turned_faces", c.turned_faces);
     a("source_topology", c.source_topology), a("map_topology", c.map_topology);
     a("candidates", c.candidates);
 }

@@ -70,10 +70,11 @@ std::string printable(std::string_view text) {
 
 std::string result_line(const AssetResult& result) {
     const BakeReport& report = result.report;
-    std::uint64_t flips = 0, bytes = 0;
+    std::uint64_t flips = 0, turned = 0, bytes = 0;
     double seam_gap = 0;
     for (const ChartReport& chart : report.charts) {
         flips += chart.map.flips;
+        turned += chart.turned_faces;
         seam_gap = std::max(seam_gap, chart.seam_gap);
     }
     std::string names;
@@ -86,6 +87,7 @@ std::string result_line(const AssetResult& result) {
                     charts_text(report.charts), report.error.psnr(), percent(report.error.rms, report.error.diagonal),
                     percent(report.error.hausdorff, report.error.diagonal), plural(flips, "flip"), seam_gap,
                     bytes_text(bytes), result.seconds);
+    if (turned > 0) out += ", " + plural(turned, "turned face");
     if (!report.warnings.empty()) out += ", " + plural(report.warnings.size(), "warning");
     return out;
 }
