@@ -38,7 +38,8 @@ struct ChartReport {
 
 struct StageTime {
     std::string stage;
-    double seconds = 0;
+    double seconds = 0;      ///< by the clock on the wall
+    double cpu_seconds = 0;  ///< of all threads
 };
 
 struct BakeReport {

@@ -23,7 +23,8 @@ void fields(A& a, T& e) requires std::is_same_v<std::remove_const_t<T>, SurfaceE
     a("rms", e.rms), a("hausdorff", e.hausdorff);
     a("rms_forward", e.rms_forward), a("rms_backward", e.rms_backward);
     a("hausdorff_forward", e.hausdorff_forward), a("hausdorff_backward", e.hausdorff_backward);
-    a("normal_rms_degrees", e.normal_rms_degrees), a("diagonal", e.diagonal), a("samples", e.samples);
+    a("normal_rms_degrees", e.normal_rms_degrees), a("normal_rms_face_degrees", e.normal_rms_face_degrees);
+    a("normal_rms_bump_degrees", e.normal_rms_bump_degrees), a("diagonal", e.diagonal), a("samples", e.samples);
 }
 
 template <class A, class T>
@@ -58,7 +59,7 @@ void fields(A& a, T& c) requires std::is_same_v<std::remove_const_t<T>, ChartRep
 
 template <class A, class T>
 void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, StageTime> {
-    a("stage", t.stage), a("seconds", t.seconds);
+    a("stage", t.stage), a("seconds", t.seconds), a("cpu_seconds", t.cpu_seconds);
 }
 
 template <class A, class T>

@@ -122,7 +122,7 @@ class Fitter {
             progress_.update("fit", static_cast<double>(round) / total);
             match();
             step(false);
-            if (round % 2 == 0) split_quads();
+            if (options_.split_quads && round % 2 == 0) split_quads();
             const SurfaceError error = measure();
             if (error.rms < best_.rms) best_ = error, keep(), ++report.rounds;
         }

@@ -19,6 +19,7 @@ struct FitOptions {
     bool two_way = false;            ///< also grid points to the source; shapes with limbs need it
     double points_per_sample = 5;    ///< source points a grid sample; all vertices of the source beside them
     double max_slide = 0.2;          ///< largest tangential step a round, of the shortest edge at the sample
+    bool split_quads = true;         ///< choose diagonals by the error
     int worst_rounds = 0;            ///< further rounds that weigh points by their error, to lower the maximum
     double worst_price_db = 0.2;     ///< what those may cost in PSNR
 };
