@@ -129,8 +129,8 @@ std::string joined(const auto& names) {
 struct Raw {
     std::vector<std::string> inputs;
     std::string output, size = "257x257", method = "auto", domain = "auto", fit = "sample", precision = "f32", layers,
-                        texture, texture_size, format, exr_layout = "auto", report, report_format = "json",
-                        memory_limit = "8GiB", progress = "auto";
+                        texture, texture_size, bump_size, ablate, format, exr_layout = "auto", report,
+                        report_format = "json", memory_limit = "8GiB", progress = "auto";
     int jobs = 0;
     double time_limit = 600;
     bool keep_going = false, stop_on_error = false, dry_run = false, verbose = false, quiet = false;
@@ -164,9 +164,12 @@ void describe(CLI::App& app, Raw& raw) {
     group(bake, "--texture", "FILE", raw.texture, "image that replaces the materials' textures");
     group(bake, "--texture-size", "MxN", raw.texture_size,
           "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
+    group(bake, "--bump-size", "MxN", raw.bump_size, "heights of the bump layer, MxN or N [two a grid step]");
     group(bake, "--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
     group(bake, "--exr-layout", "X", raw.exr_layout,
           "auto: one part where sizes agree; multipart: one part a layer [auto]");
+    group("Experiments", "--ablate", "PART,...", raw.ablate,
+          "leave parts out, to see what they are worth: " + joined(kAblateNames) + "; the result is worse");
     const char* run = "How it runs";
     app.add_option("-j,--jobs", raw.jobs, "assets baked at a time [one a core]")->group(run)->type_name("N");
     app.add_option("--time-limit", raw.time_limit, "seconds one asset may take [600]")->group(run)->type_name("S");
@@ -251,6 +254,11 @@ CommandLine checked(const Raw& raw) {
     out.bake.texture = raw.texture;
     if (!raw.texture_size.empty())
         out.bake.texture_size = parse_size("--texture-size", raw.texture_size, 1, kMaxTextureSide);
+    if (!raw.bump_size.empty()) out.bake.bump_size = parse_size("--bump-size", raw.bump_size, 2, kMaxTextureSide);
+    if (!raw.ablate.empty()) out.bake.ablate = split_list("--ablate", raw.ablate);
+    for (const std::string& part : out.bake.ablate)
+        if (std::find(kAblateNames.begin(), kAblateNames.end(), part) == kAblateNames.end())
+            unknown_word("--ablate", "part", part, kAblateNames);
     if (raw.report_format == "html")
         throw model::Error(codes::kUnsupported, "--report-format: this version writes reports as json only");
     constexpr std::array<std::string_view, 1> kReportFormats{"json"};

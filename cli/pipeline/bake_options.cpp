@@ -10,18 +10,27 @@
 #include "pipeline/option_names.h"
 
 namespace dgm::bake {
+bool BakeOptions::ablates(std::string_view part) const {
+    return std::find(ablate.begin(), ablate.end(), part) != ablate.end();
+}
+
 std::string canonical_settings(const BakeOptions& options) {
     // In file order and once each, so that --layers a,b and --layers b,a are the same settings.
     std::string layers;
     for (const std::string_view name : kLayerNames)
         if (std::find(options.layers.begin(), options.layers.end(), name) != options.layers.end())
             layers.append(layers.empty() ? "" : ",").append(name);
-    return fmt::format(
+    std::string text = fmt::format(
         "size={}x{};method={};domain={};fit={};precision={};layers={};texture={};texture_size={}", options.size.rows,
         options.size.cols, options.method, name_of(kDomainNames, options.domain), name_of(kFitNames, options.fit),
         name_of(kPrecisionNames, options.precision), options.layers.empty() ? "all" : layers,
         options.texture.empty() ? "none" : formats::to_hex(formats::hash_file(options.texture)),
         options.texture_size ? fmt::format("{}x{}", options.texture_size->rows, options.texture_size->cols) : "grid");
+    // Named only where they are used, so that files without them keep their hash.
+    if (options.bump_size) text += fmt::format(";bump_size={}x{}", options.bump_size->rows, options.bump_size->cols);
+    for (const std::string_view name : kAblateNames)
+        if (options.ablates(name)) text.append(";without=").append(name);
+    return text;
 }
 
 }  // namespace dgm::bake

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,8 +31,12 @@ struct BakeOptions {
     std::vector<std::string> layers;       ///< empty: all that have data
     std::filesystem::path texture;         ///< fabric image that replaces the materials' textures
     std::optional<GridSize> texture_size;  ///< default: the grid's size
+    std::optional<GridSize> bump_size;     ///< default: (2m-1) x (2n-1)
+    std::vector<std::string> ablate;       ///< of kAblateNames: what is left out, to see what it is worth
     bool write_dgm = true, write_exr = false;
     ExrLayout exr_layout = ExrLayout::kAuto;
+
+    [[nodiscard]] bool ablates(std::string_view part) const;
 };
 
 /// The settings as one line of stable text, for MapSet::settings_hash: equal texts mean equal layers from equal meshes.

@@ -31,13 +31,15 @@ struct ChartReport {
     double utilisation = 1, seam_gap = 0, cut_length = 0;  ///< cut_length in source units
     double volume_relative_error = 0;  ///< closed charts: (V_map - V_source) / V_source
     std::uint64_t seam_pairs = 0;
+    std::uint64_t turned_faces = 0;    ///< triangles that look against the source (metrics/turned_faces.h)
     Topology source_topology, map_topology;
     std::vector<CandidateReport> candidates;
 };
 
 struct StageTime {
     std::string stage;
-    double seconds = 0;
+    double seconds = 0;      ///< by the clock on the wall
+    double cpu_seconds = 0;  ///< of all threads
 };
 
 struct BakeReport {

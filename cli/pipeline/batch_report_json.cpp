@@ -28,6 +28,8 @@ json settings_json(const BakeOptions& options, const BatchOptions& batch) {
              {"time_limit_seconds", batch.time_limit_seconds},
              {"memory_limit_bytes", batch.memory_bytes},
              {"jobs", batch.jobs}};
+    if (options.bump_size) out["bump_size"] = size_json(*options.bump_size);
+    if (!options.ablate.empty()) out["ablate"] = options.ablate;
     if (options.write_dgm) out["format"].push_back("dgm");
     if (options.write_exr) out["format"].push_back("exr");
     return out;

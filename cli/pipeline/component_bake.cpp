@@ -54,6 +54,8 @@ class ComponentBaker {
         // A trial costs a few solves over all vertices; from here on there are fewer of them.
         constexpr std::size_t kLargeMesh = 150'000;
         if (component_.faces.size() > kLargeMesh) search.patience = 2, search.rotations = 2, search.drops = 3;
+        if (options_.ablates("cut-search"))  // the first cut that can be mapped at all
+            search.patience = -1, search.rotations = 1, search.drops = 0;
         try {
             cut_ = search_cut(component_, search, progress_);
         } catch (const Error& e) {
@@ -112,7 +114,7 @@ class ComponentBaker {
             return make_free_chart(cut_.disk, size_.rows, size_.cols, *make_cgal_parameterizer(method), tools(),
                                    progress_);
         const std::unique_ptr<Parameterizer> parameterizer =
-            method == "stretch" ? make_stretch_parameterizer(kNewtonSteps) : make_cgal_parameterizer(method);
+            method == "stretch" ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps) : make_cgal_parameterizer(method);
         if (!parameterizer) throw Error(codes::kUsage, "unknown method: " + method);
         return make_square_chart(cut_.disk, size_.rows, size_.cols, rotation_, *parameterizer, progress_);
     }

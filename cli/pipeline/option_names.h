@@ -33,6 +33,9 @@ inline constexpr std::array<std::string_view, 9> kMethodNames{"auto",  "stretch"
 inline constexpr std::array<std::string_view, 7> kLayerNames{"geometry",  "normal",      "texture", "bump",
                                                              "collision", "deformation", "contact"};
 
+/// What --ablate may leave out, for experiments.
+inline constexpr std::array<std::string_view, 3> kAblateNames{"cut-search", "newton", "diagonals"};
+
 /// The word for `value`; empty for a value outside the table.
 template <class E, std::size_t N>
 [[nodiscard]] constexpr std::string_view name_of(const std::array<NamedValue<E>, N>& table, E value) {

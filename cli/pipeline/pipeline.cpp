@@ -3,13 +3,17 @@
 #include "pipeline/pipeline.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "dgm/hash.h"
 #include "geometry/fit/fit.h"
 #include "geometry/layers/layers.h"
+#include "geometry/metrics/bump_normals.h"
 #include "geometry/metrics/reconstruction.h"
+#include "geometry/metrics/turned_faces.h"
 #include "geometry/repair/repair.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
@@ -60,6 +64,7 @@ class AssetBake {
         stage("textures", [&] { load_images(); });
         describe();
         stage("map", [&] { map_components(); });
+        if (options_.ablates("diagonals")) straighten_diagonals();
         if (options_.fit != Fit::kSample) stage("fit", [&] { fit_charts(); });
         stage("layers", [&] { make_charts(); });
         stage("measure", [&] { measure(); });
@@ -72,6 +77,7 @@ class AssetBake {
     void stage(const char* name, Body body) {
         progress_.update(name, 0);
         const auto start = std::chrono::steady_clock::now();
+        const std::clock_t cpu_start = std::clock();
         try {
             body();
         } catch (Error& e) {
@@ -79,7 +85,8 @@ class AssetBake {
             throw;
         }
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        result_.report.times.push_back({name, seconds.count()});
+        result_.report.times.push_back(
+            {name, seconds.count(), static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC});
     }
 
     void import() {
@@ -160,8 +167,18 @@ class AssetBake {
         }
     }
 
+    /// All quads that may be split either way are split alike: those at the border keep what the topology needs.
+    void straighten_diagonals() {
+        for (ComponentResult& mapped : mapped_) {
+            SampledChart& chart = mapped.chart;
+            for (std::uint32_t i = 1; i + 2 < chart.m; ++i)
+                for (std::uint32_t j = 1; j + 2 < chart.n; ++j) chart.diagonals[std::size_t{i} * (chart.n - 1) + j] = 0;
+        }
+    }
+
     void fit_charts() {
-        const FitOptions fit = options_.fit == Fit::kBest ? best_fit() : l2_fit();
+        FitOptions fit = options_.fit == Fit::kBest ? best_fit() : l2_fit();
+        fit.split_quads = !options_.ablates("diagonals");
         for (std::size_t c = 0; c < mapped_.size(); ++c) {
             model::Progress inner;
             inner.cancelled = progress_.cancelled;
@@ -181,8 +198,9 @@ class AssetBake {
             const SampleGrid fine = fitted
                                         ? closest_samples(chart, 2 * chart.m - 1, 2 * chart.n - 1)
                                         : rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
-            LayerInput in{chart, repaired_.frame, stored, images_, fine, std::nullopt, fitted};
+            LayerInput in{chart, repaired_.frame, stored, images_, fine, std::nullopt, fitted, std::nullopt};
             if (options_.texture_size) in.texture_size = {options_.texture_size->rows, options_.texture_size->cols};
+            if (options_.bump_size) in.bump_size = {options_.bump_size->rows, options_.bump_size->cols};
             ChartLayers made = make_layers(in, options_.layers);
             worst_quantisation_ = std::max(worst_quantisation_, made.worst_quantisation);
             result_.maps.charts.push_back(std::move(made.chart));
@@ -206,6 +224,7 @@ class AssetBake {
             const SampledChart& chart = mapped_[c].chart;
             Reconstruction reconstruction = reconstruct(result_.maps.charts[c]);
             TriMesh& map = reconstruction.mesh;
+            const std::optional<BumpNormals> bump = BumpNormals::of(result_.maps.charts[c], reconstruction);
             for (Vec3d& p : map.positions) p = (p - frame.centre) / frame.diagonal;
             ChartReport report;
             report.method = chart.method;
@@ -227,18 +246,28 @@ class AssetBake {
                 const double truth = six_volume(component);
                 if (truth != 0) report.volume_relative_error = six_volume(map) / truth - 1;
             }
+            report.turned_faces = count_turned_faces(component, map);
             report.candidates = mapped_[c].candidates;
             const double share = area > 0 ? total_area(component) / area : 1;
             const auto samples = static_cast<std::uint64_t>(std::max(2000.0, 400'000 * share));
             model::Progress inner;
             inner.cancelled = progress_.cancelled;
-            report.error = measure_surface_error(component, map, {samples, 1}, inner);
+            SurfaceErrorOptions sampling{samples, 1, {}};
+            if (bump) sampling.shading = [&](std::uint32_t face, const double(&b)[3]) { return bump->at(face, b); };
+            report.error = measure_surface_error(component, map, sampling, inner);
+            add_normals(report.error, share);
             if (mapped_.size() > 1) append(whole_source, component), append(whole_map, map);
             result_.report.charts.push_back(std::move(report));
             progress_.update("measure", static_cast<double>(c + 1) / static_cast<double>(mapped_.size() + 1));
         }
-        result_.report.error = mapped_.size() > 1 ? measure_surface_error(whole_source, whole_map, {400'000, 1})
-                                                  : result_.report.charts.front().error;
+        result_.report.error = result_.report.charts.front().error;
+        if (mapped_.size() > 1) {
+            result_.report.error = measure_surface_error(whole_source, whole_map, {400'000, 1, {}});
+            // Charts are measured with their normals, each as much as its share of the area.
+            result_.report.error.normal_rms_degrees = std::sqrt(normals_squared_[0]);
+            result_.report.error.normal_rms_face_degrees = std::sqrt(normals_squared_[1]);
+            result_.report.error.normal_rms_bump_degrees = std::sqrt(normals_squared_[2]);
+        }
         const auto to_source_units = [&](SurfaceError& e) {
             for (double* x : {&e.rms, &e.hausdorff, &e.rms_forward, &e.rms_backward, &e.hausdorff_forward,
                               &e.hausdorff_backward, &e.diagonal})
@@ -254,9 +283,16 @@ class AssetBake {
                 });
     }
 
+    void add_normals(const SurfaceError& chart, double share) {
+        const double degrees[3] = {chart.normal_rms_degrees, chart.normal_rms_face_degrees,
+                                   chart.normal_rms_bump_degrees};
+        for (int k = 0; k < 3; ++k) normals_squared_[k] += share * degrees[k] * degrees[k];
+    }
+
     const std::filesystem::path& source_;
     const BakeOptions& options_;
     const model::Progress& progress_;
+    std::array<double, 3> normals_squared_{};  // stored, face, bump: mean over the area
     formats::ImportedMesh imported_;
     RepairedMesh repaired_;
     MaterialImages images_;

@@ -23,7 +23,8 @@ void fields(A& a, T& e) requires std::is_same_v<std::remove_const_t<T>, SurfaceE
     a("rms", e.rms), a("hausdorff", e.hausdorff);
     a("rms_forward", e.rms_forward), a("rms_backward", e.rms_backward);
     a("hausdorff_forward", e.hausdorff_forward), a("hausdorff_backward", e.hausdorff_backward);
-    a("normal_rms_degrees", e.normal_rms_degrees), a("diagonal", e.diagonal), a("samples", e.samples);
+    a("normal_rms_degrees", e.normal_rms_degrees), a("normal_rms_face_degrees", e.normal_rms_face_degrees);
+    a("normal_rms_bump_degrees", e.normal_rms_bump_degrees), a("diagonal", e.diagonal), a("samples", e.samples);
 }
 
 template <class A, class T>
@@ -51,13 +52,14 @@ void fields(A& a, T& c) requires std::is_same_v<std::remove_const_t<T>, ChartRep
     a("error", c.error), a("map", c.map);
     a("utilisation", c.utilisation), a("seam_gap", c.seam_gap), a("cut_length", c.cut_length);
     a("volume_relative_error", c.volume_relative_error), a("seam_pairs", c.seam_pairs);
+    a("turned_faces", c.turned_faces);
     a("source_topology", c.source_topology), a("map_topology", c.map_topology);
     a("candidates", c.candidates);
 }
 
 template <class A, class T>
 void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, StageTime> {
-    a("stage", t.stage), a("seconds", t.seconds);
+    a("stage", t.stage), a("seconds", t.seconds), a("cpu_seconds", t.cpu_seconds);
 }
 
 template <class A, class T>

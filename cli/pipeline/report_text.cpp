@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "model/codes.h"
 
@@ -55,6 +56,14 @@ std::string topology_text(const Topology& t) {
     return fmt::format("genus {}, {}", t.genus, plural(t.boundary_loops, "border loop"));
 }
 
+/// "normals 1.2 degrees off (faces 5.1, with bump 0.8)"
+std::string normals_text(const SurfaceError& e) {
+    std::string out =
+        fmt::format("normals {:.3g} degrees off (faces {:.3g}", e.normal_rms_degrees, e.normal_rms_face_degrees);
+    if (!std::isnan(e.normal_rms_bump_degrees)) out += fmt::format(", with bump {:.3g}", e.normal_rms_bump_degrees);
+    return out + ")";
+}
+
 }  // namespace
 
 std::string printable(std::string_view text) {
@@ -70,10 +79,11 @@ std::string printable(std::string_view text) {
 
 std::string result_line(const AssetResult& result) {
     const BakeReport& report = result.report;
-    std::uint64_t flips = 0, bytes = 0;
+    std::uint64_t flips = 0, turned = 0, bytes = 0;
     double seam_gap = 0;
     for (const ChartReport& chart : report.charts) {
         flips += chart.map.flips;
+        turned += chart.turned_faces;
         seam_gap = std::max(seam_gap, chart.seam_gap);
     }
     std::string names;
@@ -86,6 +96,7 @@ std::string result_line(const AssetResult& result) {
                     charts_text(report.charts), report.error.psnr(), percent(report.error.rms, report.error.diagonal),
                     percent(report.error.hausdorff, report.error.diagonal), plural(flips, "flip"), seam_gap,
                     bytes_text(bytes), result.seconds);
+    if (turned > 0) out += ", " + plural(turned, "turned face");
     if (!report.warnings.empty()) out += ", " + plural(report.warnings.size(), "warning");
     return out;
 }
@@ -101,6 +112,7 @@ std::vector<std::string> detail_lines(const BakeReport& report) {
                                   printable(chart.method), chart.rows, chart.cols, printable(chart.domain),
                                   plural(chart.source_faces, "face"), topology_text(chart.source_topology),
                                   chart.error.psnr(), chart.map.stretch_l2, 100 * chart.utilisation));
+        out.push_back("    " + normals_text(chart.error));
         if (!(chart.source_topology.genus == chart.map_topology.genus &&
               chart.source_topology.boundary_loops == chart.map_topology.boundary_loops))
             out.push_back("    reconstructed as " + topology_text(chart.map_topology));

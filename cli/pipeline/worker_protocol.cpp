@@ -66,6 +66,19 @@ json to_object(const BakeOptions& options) {
              {"texture", encode_path(options.texture)},
              {"exr_layout", name_of(kExrLayoutNames, options.exr_layout)}};
     if (options.texture_size) out["texture_size"] = to_object(*options.texture_size);
+    if (options.bump_size) out["bump_size"] = to_object(*options.bump_size);
+    out["ablate"] = options.ablate;
+    return out;
+}
+
+std::vector<std::string> texts_at(const json& object, const char* key) {
+    const auto list = object.find(key);
+    if (list == object.end() || !list->is_array()) malformed();
+    std::vector<std::string> out;
+    for (const json& text : *list) {
+        if (!text.is_string()) malformed();
+        out.push_back(text.get<std::string>());
+    }
     return out;
 }
 
@@ -79,12 +92,9 @@ BakeOptions options_from(const json& object) {
     out.exr_layout = choice_at(kExrLayoutNames, object, "exr_layout");
     out.texture = decode_path(text_at(object, "texture"));
     if (object.contains("texture_size")) out.texture_size = size_at(object, "texture_size");
-    const auto layers = object.find("layers");
-    if (layers == object.end() || !layers->is_array()) malformed();
-    for (const json& layer : *layers) {
-        if (!layer.is_string()) malformed();
-        out.layers.push_back(layer.get<std::string>());
-    }
+    if (object.contains("bump_size")) out.bump_size = size_at(object, "bump_size");
+    out.layers = texts_at(object, "layers");
+    out.ablate = texts_at(object, "ablate");
     return out;
 }
 

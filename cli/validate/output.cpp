@@ -74,6 +74,8 @@ std::string to_text(const FileValidation& file, Verbosity verbosity) {
         const bake::SurfaceError& e = *file.error;
         out += fmt::format("{}: rms {:.6g}, hausdorff {:.6g}, psnr {:.2f} dB, normals {:.3g} degrees, {} samples\n",
                            name, e.rms, e.hausdorff, e.psnr(), e.normal_rms_degrees, e.samples);
+        if (file.turned_faces)
+            out += fmt::format("{}: {} against the source\n", name, plural(*file.turned_faces, "triangle"));
     }
     std::string verdict = errors > 0 ? plural(errors, "error") : "ok";
     if (warnings > 0) verdict += ", " + plural(warnings, "warning");
@@ -91,6 +93,7 @@ std::string to_json(std::span<const FileValidation> files) {
                          {"exit_code", static_cast<int>(file.exit_code())},
                          {"charts", file.charts},
                          {"error", file.error ? error_json(*file.error) : ordered_json(nullptr)},
+                         {"turned_faces", file.turned_faces ? ordered_json(*file.turned_faces) : ordered_json(nullptr)},
                          {"findings", std::move(findings)}});
     }
     return array.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

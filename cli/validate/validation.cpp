@@ -8,6 +8,8 @@
 
 #include "dgm/hash.h"
 #include "geometry/metrics/reconstruction.h"
+#include "geometry/metrics/turned_faces.h"
+#include "geometry/repair/repair.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
 #include "validate/finding_list.h"
@@ -32,6 +34,18 @@ void append_mesh(TriMesh& whole, const TriMesh& part) {
         whole.corner_normals.insert(whole.corner_normals.end(), part.corner_normals.begin(), part.corner_normals.end());
     else
         whole.corner_normals.clear();
+}
+
+/// The source with the windings that a bake gives it: which side of a face is out is not to be had from the file where
+/// its faces disagree.
+TriMesh oriented(const TriMesh& mesh) {
+    TriMesh out;
+    try {
+        const bake::RepairedMesh repaired = bake::repair(mesh);
+        for (const TriMesh& component : repaired.components) append_mesh(out, component);
+        for (model::Vec3d& p : out.positions) p = repaired.frame.centre + p * repaired.frame.diagonal;
+    } catch (const model::Error&) { return {}; }
+    return out;
 }
 
 struct Limits {
@@ -80,6 +94,13 @@ void check_source(const MapSet& maps, const TriMesh& surface, const ClaimedError
                        fmt::format("largest distance {:.4g} ({:.4g} % of the diagonal) is above the limit of {}",
                                    error.hausdorff, percent(error.hausdorff), limits.origin_hausdorff),
                        {error.hausdorff, limits.hausdorff});
+    if (options.source->oriented.faces.empty()) return;
+    out.turned_faces = bake::count_turned_faces(options.source->oriented, surface);
+    if (*out.turned_faces > 0)
+        findings.warning(
+            codes::kTurnedFaces, "/charts",
+            fmt::format("{} of {} triangles look against the source", *out.turned_faces, surface.faces.size()),
+            {static_cast<double>(*out.turned_faces), 0});
 }
 
 void check_maps(const MapSet& maps, const Options& options, FileValidation& out, FindingList& findings) {
@@ -115,7 +136,8 @@ ExitCode FileValidation::exit_code() const {
 }
 
 Source load_source(const std::filesystem::path& path) {
-    Source source{path, formats::hash_file(path), formats::read_mesh(path).mesh};
+    Source source{path, formats::hash_file(path), formats::read_mesh(path).mesh, {}};
+    source.oriented = oriented(source.mesh);
     return source;
 }
 

@@ -20,6 +20,7 @@ struct Source {
     std::filesystem::path path;
     std::array<std::uint8_t, 16> hash{};  ///< XXH3-128 of the file
     model::TriMesh mesh;
+    model::TriMesh oriented;  ///< repaired, windings made to agree: what a bake sees; empty where repair refuses
 };
 /// @throws model::Error as formats::read_mesh
 [[nodiscard]] Source load_source(const std::filesystem::path& path);
@@ -36,6 +37,7 @@ struct FileValidation {
     std::vector<formats::Finding> findings;   ///< in the order of the checks; empty for a good file
     std::size_t charts = 0;                   ///< 0 if the container could not be read
     std::optional<bake::SurfaceError> error;  ///< measured, if there was a source
+    std::optional<std::size_t> turned_faces;  ///< the same, if its faces can be oriented
     /// kOk if no finding is an error; else that of the worst.
     [[nodiscard]] model::ExitCode exit_code() const;
 };

@@ -74,6 +74,9 @@ inline constexpr Code kHausdorffExceeded{4002, "HAUSDORFF_EXCEEDED", ExitCode::k
 inline constexpr Code kSourceDiffers{4003, "SOURCE_DIFFERS", ExitCode::kInvalid,
                                      "the source is not the file that was baked",
                                      "name the mesh that was baked, or bake this one"};
+inline constexpr Code kTurnedFaces{4004, "TURNED_FACES", ExitCode::kInvalid,
+                                   "triangles of the reconstruction look against the source",
+                                   "bake again with a larger --size, another --method, or --fit best"};
 
 // 5xxx files and system
 inline constexpr Code kFileMissing{5001, "FILE_MISSING", ExitCode::kIo, "the file or folder does not exist", "check the path"};
@@ -104,7 +107,7 @@ inline constexpr const Code* kAll[] = {
     &kMissingLayer, &kBadLayerShape, &kNotFinite, &kSeamGap, &kBadSeamTable, &kBadTopology,
     &kBadValue, &kBadCollision, &kBadContact, &kBadBounds, &kBadReport,
     &kNoFaces, &kNonOrientable, &kMapInvalid, &kMethodUnsuited, &kImportFailed, &kGridTooSmall, &kTooLarge, &kScaleOutOfRange,
-    &kRmsExceeded, &kHausdorffExceeded, &kSourceDiffers,
+    &kRmsExceeded, &kHausdorffExceeded, &kSourceDiffers, &kTurnedFaces,
     &kFileMissing, &kReadFailed, &kWriteFailed, &kNothingToDo, &kImageUnreadable,
     &kUsage, &kUnsupported,
     &kInternal, &kWorkerCrashed, &kWorkerTimeout, &kWorkerMemory, &kInterrupted,

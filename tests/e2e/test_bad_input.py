@@ -95,6 +95,7 @@ class BadInput(support.Folder):
                                      ("--precision", "f16", ["f32, u16"]),
                                      ("--format", "dgm,png", ['"png"']),
                                      ("--exr-layout", "scan", ["multipart"]),
+                                     ("--ablate", "newton,brakes", ['"brakes"', "cut-search, newton"]),
                                      ("--progress", "loud", ["plain"]),
                                      ("--report-format", "xml", ["json"])]:
             with self.subTest(option=option):
@@ -104,7 +105,7 @@ class BadInput(support.Folder):
         self.sheet()
         for option, value in [("--size", "0"), ("--size", "2"), ("--size", "99999"), ("--size", "33x"),
                               ("--size", "33x33x33"), ("--size", "-5"), ("--size", "1e2"), ("--size", "4294967299"),
-                              ("--texture-size", "0"), ("--time-limit", "0"), ("--time-limit", "-1"),
+                              ("--texture-size", "0"), ("--bump-size", "1"), ("--time-limit", "0"), ("--time-limit", "-1"),
                               ("--time-limit", "nan"), ("--memory-limit", "lots"), ("--memory-limit", "-1"),
                               ("--memory-limit", "1e999"), ("-j", "-1"), ("-j", "many")]:
             with self.subTest(option=option, value=value):

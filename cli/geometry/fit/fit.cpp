@@ -52,7 +52,7 @@ class Fitter {
         keep();
         for (int round = 0; round < options_.rounds; ++round) {
             tell(round);
-            if (round % 2 == 0 && round < kDiagonalRounds) split_quads();
+            if (options_.split_quads && round % 2 == 0 && round < kDiagonalRounds) split_quads();
             step(false);
             matches_.update(false);
             if (matches_.rms < rms_) keep(), ++report.rounds;

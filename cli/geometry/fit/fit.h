@@ -17,6 +17,7 @@ struct FitOptions {
     int rounds = 3;                ///< matches, one least-squares step, diagonals
     int worst_rounds = 0;          ///< further rounds that weigh points by their error, to lower the maximum
     double worst_price_db = 0.2;   ///< what those may cost in PSNR
+    bool split_quads = true;       ///< choose diagonals by the error
     double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes 200,000 at most
 };
 

@@ -4,51 +4,69 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/fit/fit.h"
+#include "geometry/layers/fit_layers.h"
 #include "geometry/layers/image_lookup.h"
 #include "geometry/layers/layers.h"
+#include "geometry/metrics/grid_point.h"
 #include "model/half.h"
 
 namespace dgm::bake {
 
-model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, const StoredNormals& normals) {
+model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, const StoredNormals& normals,
+                       std::span<const MatchedPoint> points) {
     const SampledChart& chart = in.chart;
     const TriMesh& mesh = chart.disk.mesh;
-    const std::uint32_t rows = in.fine.m, cols = in.fine.n, n = chart.n;
+    const std::uint32_t rows = in.bump_size ? in.bump_size->first : in.fine.m,
+                        cols = in.bump_size ? in.bump_size->second : in.fine.n;
+    const bool same = rows == in.fine.m && cols == in.fine.n;
+    const SampleGrid own = same        ? SampleGrid{}
+                           : in.fitted ? closest_samples(chart, rows, cols)
+                                       : rasterize(mesh.faces, chart.uv, rows, cols);
+    const SampleGrid& at = same ? in.fine : own;
+    std::vector<double> height(std::size_t{rows} * cols, 0.0);
+    for (std::uint32_t i = 0; i < rows; ++i)
+        for (std::uint32_t j = 0; j < cols; ++j) {
+            const std::size_t t = std::size_t{i} * cols + j;
+            if (at.samples[t].face == kNone) continue;
+            const double x = static_cast<double>(i) * (chart.m - 1) / std::max(1u, rows - 1),
+                         y = static_cast<double>(j) * (chart.n - 1) / std::max(1u, cols - 1);
+            const auto p = grid_point(
+                x, y, chart.m, chart.n, [&](std::uint32_t r, std::uint32_t c) { return chart.has_quad(r, c); },
+                [&](std::uint32_t r, std::uint32_t c) -> unsigned {
+                    return chart.diagonals[std::size_t{r} * (chart.n - 1) + c];
+                });
+            if (!p) continue;
+            if (!in.fitted && x == std::floor(x) && y == std::floor(y)) continue;  // a sample: on the surface
+            Vec3d grid, normal;
+            for (std::size_t k = 0; k < 3; ++k) {
+                grid += positions.local[p->sample[k]] * p->b[k];
+                normal += normals.decoded[p->sample[k]] * p->b[k];
+            }
+            normal = normalized(normal, normals.decoded[p->sample[0]]);
+            const Vec3d truth = local_position(in, at.samples[t]);
+            height[t] = in.fitted ? height_over(grid, normal, truth, normal_of_face(mesh, at.samples[t].face))
+                                  : dot(truth - grid, normal);
+        }
+    if (!points.empty()) fit_bump(in, points, positions, normals, rows, cols, height);
+
     // -bm is the height from black to white in source units; at 1, MTL's default, the file does not say: 1 % of the
     // diagonal.
     const auto full_range = [&](double bump_scale) { return bump_scale == 1 ? 0.01 * in.frame.diagonal : bump_scale; };
-    model::Layer layer = empty_layer("bump", model::ElementType::kF16, {rows, cols});
-    std::vector<double> height(std::size_t{rows} * cols, 0.0);
     double largest = 0;
-    for (std::uint32_t i = 0; i < rows; ++i)
-        for (std::uint32_t j = 0; j < cols; ++j) {
-            const SurfaceSample& at = in.fine.samples[std::size_t{i} * cols + j];
-            if (at.face == kNone) continue;
-            // The two grid samples that this texel lies between: itself, the ends of an edge, or of the quad's
-            // diagonal.
-            const std::uint32_t i0 = i / 2, j0 = j / 2;
-            std::size_t a = std::size_t{i0} * n + j0, b = std::size_t{i0 + i % 2} * n + j0 + j % 2;
-            if (i % 2 == 1 && j % 2 == 1) {
-                if (!chart.has_quad(i0, j0)) continue;
-                if (chart.diagonals[std::size_t{i0} * (n - 1) + j0])
-                    a = std::size_t{i0 + 1} * n + j0, b = std::size_t{i0} * n + j0 + 1;
-            }
-            if (!chart.on_surface(a) || !chart.on_surface(b)) continue;
-            const Vec3d grid = (positions.local[a] + positions.local[b]) * 0.5;
-            const Vec3d normal = normalized(normals.decoded[a] + normals.decoded[b], normals.decoded[a]);
-            Vec3d truth = position_at(mesh, at);
-            for (int k = 0; k < 3; ++k)
-                truth[k] = (in.frame.centre[k] - in.stored.offset[k]) + in.frame.diagonal * truth[k];
-            double h = i % 2 == 0 && j % 2 == 0 && !in.fitted ? 0.0 : dot(truth - grid, normal);
-            const std::uint32_t material = mesh.face_materials.empty() ? kNone : mesh.face_materials[at.face];
-            if (material < in.images.height.size() && in.images.height[material] && !mesh.corner_uvs.empty()) {
-                Vec2d uv;
-                for (int k = 0; k < 3; ++k) uv = uv + mesh.corner_uvs[3 * at.face + k] * at.b[k];
-                h += (lookup(*in.images.height[material], uv) - 0.5) * full_range(mesh.materials[material].bump_scale);
-            }
-            height[std::size_t{i} * cols + j] = h;
-            largest = std::max(largest, std::abs(h));
+    for (std::size_t t = 0; t < height.size(); ++t) {
+        const SurfaceSample& from = at.samples[t];
+        if (from.face == kNone) continue;
+        const std::uint32_t material = mesh.face_materials.empty() ? kNone : mesh.face_materials[from.face];
+        if (material < in.images.height.size() && in.images.height[material] && !mesh.corner_uvs.empty()) {
+            Vec2d uv;
+            for (int k = 0; k < 3; ++k) uv = uv + mesh.corner_uvs[3 * from.face + k] * from.b[k];
+            height[t] +=
+                (lookup(*in.images.height[material], uv) - 0.5) * full_range(mesh.materials[material].bump_scale);
         }
+        largest = std::max(largest, std::abs(height[t]));
+    }
+    model::Layer layer = empty_layer("bump", model::ElementType::kF16, {rows, cols});
     // In source units where half precision holds them; else in units of `scale`, so that a mesh of 1e-9 keeps its
     // relief.
     const double diagonal = in.frame.diagonal;

@@ -4,6 +4,10 @@
 #include "geometry/layers/layers.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "geometry/layers/fit_layers.h"
+#include "geometry/metrics/bump_normals.h"
 
 namespace dgm::bake {
 
@@ -33,17 +37,20 @@ std::vector<model::Layer> make_tables(const SampledChart& chart) {
         for (std::size_t k = 0; k < sorted.size(); ++k) to[2 * k] = sorted[k].first, to[2 * k + 1] = sorted[k].second;
         seams.required = true;
     }
-    model::Layer& diagonals = out.emplace_back(empty_layer("diagonals", model::ElementType::kU8, {chart.m - 1, chart.n - 1}));
+    model::Layer& diagonals =
+        out.emplace_back(empty_layer("diagonals", model::ElementType::kU8, {chart.m - 1, chart.n - 1}));
     std::copy(chart.diagonals.begin(), chart.diagonals.end(), values<std::uint8_t>(diagonals).begin());
     if (chart.domain == layout::Domain::kSquare) return out;
     model::Layer& mask = out.emplace_back(empty_layer("mask", model::ElementType::kU8, {chart.m, chart.n}));
     std::copy(chart.mask.begin(), chart.mask.end(), values<std::uint8_t>(mask).begin());
-    model::Layer& uv = out.emplace_back(empty_layer("border_uv", model::ElementType::kF32, {chart.border_uv.size(), 2}));
+    model::Layer& uv =
+        out.emplace_back(empty_layer("border_uv", model::ElementType::kF32, {chart.border_uv.size(), 2}));
     for (std::size_t b = 0; b < chart.border_uv.size(); ++b) {
         values<float>(uv)[2 * b] = static_cast<float>(chart.border_uv[b].x);
         values<float>(uv)[2 * b + 1] = static_cast<float>(chart.border_uv[b].y);
     }
-    model::Layer& faces = out.emplace_back(empty_layer("border_faces", model::ElementType::kU32, {chart.strip.size(), 3}));
+    model::Layer& faces =
+        out.emplace_back(empty_layer("border_faces", model::ElementType::kU32, {chart.strip.size(), 3}));
     for (std::size_t f = 0; f < chart.strip.size(); ++f)
         for (int k = 0; k < 3; ++k) values<std::uint32_t>(faces)[3 * f + k] = chart.strip[f][k];
     for (const char* name : {"mask", "border_uv", "border_faces"})
@@ -54,6 +61,44 @@ std::vector<model::Layer> make_tables(const SampledChart& chart) {
 bool wants(std::span<const std::string> asked, std::string_view name) {
     return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
 }
+
+namespace {
+/// How many source points the layers asked for are fitted to: five a sample, as the positions are; two a texel where
+/// there are more of those.
+std::size_t match_count(const LayerInput& in, std::span<const std::string> asked) {
+    constexpr std::size_t kMost = std::size_t{1} << 21;  // 200 MB
+    std::size_t count = 0;
+    if (wants(asked, "normal") || wants(asked, "bump")) count = 5 * in.chart.grid_count();
+    if (wants(asked, "bump") && in.bump_size)
+        count = std::max(count, 2 * std::size_t{in.bump_size->first} * in.bump_size->second);
+    if (wants(asked, "texture") && has_texture(in)) {
+        const auto [rows, cols] = texture_shape(in);
+        count = std::max(count, 2 * std::size_t{rows} * cols);
+    }
+    return std::min(count, kMost);
+}
+
+/// Attribute `shading` of the bump layer (bump_normals.h): with the source's normal N, stored s and fine f, the w that
+/// makes the sum of |(1 - w) s + w f - N|^2 least.
+void weigh_bump(const LayerInput& in, const StoredPositions& positions, std::vector<MatchedPoint> points,
+                model::Chart& chart) {
+    constexpr std::size_t kEnough = 20'000;
+    const Reconstruction surface = reconstruct(chart);
+    const std::optional<BumpNormals> bump = BumpNormals::of(chart, surface);
+    if (!bump) return;
+    if (points.empty()) points = match_source(in, positions, kEnough);
+    double along = 0, square = 0;
+    for (const MatchedPoint& p : points) {
+        const auto [stored, fine] = bump->both(p.face, {p.b[0], p.b[1], p.b[2]});
+        const Vec3d truth = source_normal(in.chart.disk.mesh, p.at);
+        if (fine == Vec3d{} || truth == Vec3d{}) continue;
+        along += dot(fine - stored, truth - stored);
+        square += dot(fine - stored, fine - stored);
+    }
+    const double weight = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.0;
+    chart.find("bump")->attributes["shading"] = std::vector<double>{weight};
+}
+}  // namespace
 
 ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked) {
     const SampledChart& sampled = in.chart;
@@ -66,6 +111,9 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
     chart.scale = in.stored.scale;
     StoredPositions positions = store_positions(in);
     StoredNormals normals = store_normals(in);
+    std::vector<MatchedPoint> points =
+        in.fitted ? match_source(in, positions, match_count(in, asked)) : std::vector<MatchedPoint>{};
+    if (!points.empty()) fit_normals(in, points, normals);
     out.worst_quantisation = positions.worst_quantisation;
     for (int k = 0; k < 3; ++k) chart.bbox[k] = INFINITY, chart.bbox[k + 3] = -INFINITY;
     for (std::size_t s = 0; s < positions.local.size(); ++s) {
@@ -80,8 +128,8 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
     layers.back().required = true;
     if (wants(asked, "normal")) layers.push_back(std::move(normals.normal));
     if (wants(asked, "texture"))
-        if (auto texture = make_texture(in)) layers.push_back(std::move(*texture));
-    if (wants(asked, "bump")) layers.push_back(make_bump(in, positions, normals));
+        if (auto texture = make_texture(in, points)) layers.push_back(std::move(*texture));
+    if (wants(asked, "bump")) layers.push_back(make_bump(in, positions, normals, points));
     if (wants(asked, "collision")) {
         layers.push_back(make_collision(sampled, positions.local));
         layers.push_back(make_cover(sampled, positions.local));
@@ -94,6 +142,7 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
         layers.back().required = true;
     }
     if (normals.border_normal && wants(asked, "normal")) layers.push_back(std::move(*normals.border_normal));
+    if (wants(asked, "bump") && wants(asked, "normal")) weigh_bump(in, positions, std::move(points), chart);
     return out;
 }
 

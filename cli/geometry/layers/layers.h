@@ -16,6 +16,8 @@
 
 namespace dgm::bake {
 
+struct MatchedPoint;  // source_match.h
+
 /// How positions are stored: source = offset + scale * stored. Local coordinates are scale * stored, in source units.
 struct StoredFrame {
     std::array<double, 3> offset{};
@@ -41,7 +43,9 @@ struct LayerInput {
     const MaterialImages& images;
     const SampleGrid& fine;  ///< where the surface at (2m-1) x (2n-1) lies on the source
     std::optional<std::pair<std::uint32_t, std::uint32_t>> texture_size;
-    bool fitted = false;     ///< samples have moved off the map (fit.h): look up by closest point, not by (u, v)
+    /// Samples have moved off the map (fit.h): look up by closest point, not by (u, v), and fit the other layers too.
+    bool fitted = false;
+    std::optional<std::pair<std::uint32_t, std::uint32_t>> bump_size = std::nullopt;  ///< default: that of `fine`
 };
 
 /// Stored positions of all samples, and what they decode to: local coordinates, source units, equal bits within a
@@ -67,11 +71,17 @@ struct StoredNormals {
 [[nodiscard]] StoredNormals store_normals(const LayerInput& in);
 
 /// u8 [mt][nt][4]; nothing if the asset has neither textures nor colours nor a material colour.
-[[nodiscard]] std::optional<model::Layer> make_texture(const LayerInput& in);
-/// f16 [2m-1][2n-1]: height of the mapped surface over the stored grid surface along the decoded normal, plus the
-/// material's height map (`-bm` source units from black to white; 1 % of the diagonal where the file does not say).
+/// Fitted to `points` if there are any.
+[[nodiscard]] std::optional<model::Layer> make_texture(const LayerInput& in, std::span<const MatchedPoint> points = {});
+/// True if there is something to colour the texels from that is read from the source.
+[[nodiscard]] bool has_texture(const LayerInput& in);
+/// Texels of the layer `texture`, rows and columns.
+[[nodiscard]] std::pair<std::uint32_t, std::uint32_t> texture_shape(const LayerInput& in);
+/// f16 [mb][nb]: height of the mapped surface over the stored grid surface along the decoded normal, least-squares
+/// fitted to `points` (source_match.h) if there are any, plus the material's height map (`-bm` source units from black
+/// to white; 1 % of the diagonal where the file does not say).
 [[nodiscard]] model::Layer make_bump(const LayerInput& in, const StoredPositions& positions,
-                                     const StoredNormals& normals);
+                                     const StoredNormals& normals, std::span<const MatchedPoint> points = {});
 /// f32 [nodes][6], attribute `levels`.
 [[nodiscard]] model::Layer make_collision(const SampledChart& chart, std::span<const Vec3d> local);
 /// f32 [m][n], rounded up.

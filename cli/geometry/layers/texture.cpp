@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/fit/fit.h"
+#include "geometry/layers/fit_layers.h"
 #include "geometry/layers/image_lookup.h"
 #include "geometry/layers/layers.h"
 
@@ -70,13 +71,21 @@ void dilate(std::span<std::uint8_t> rgba, std::vector<char>& covered, std::uint3
 
 }  // namespace
 
-std::optional<model::Layer> make_texture(const LayerInput& in) {
-    if (!has_colour(in)) return std::nullopt;
+bool has_texture(const LayerInput& in) {
+    return has_colour(in) && !in.images.fabric;
+}
+
+std::pair<std::uint32_t, std::uint32_t> texture_shape(const LayerInput& in) {
     const bool has_image = in.images.fabric || std::any_of(in.images.colour.begin(), in.images.colour.end(),
                                                            [](const auto& image) { return image.has_value(); });
     // Pictures get twice the grid's resolution, plain colours the grid's own.
-    const std::uint32_t rows = in.texture_size ? in.texture_size->first : has_image ? in.fine.m : in.chart.m;
-    const std::uint32_t cols = in.texture_size ? in.texture_size->second : has_image ? in.fine.n : in.chart.n;
+    if (in.texture_size) return *in.texture_size;
+    return has_image ? std::pair{in.fine.m, in.fine.n} : std::pair{in.chart.m, in.chart.n};
+}
+
+std::optional<model::Layer> make_texture(const LayerInput& in, std::span<const MatchedPoint> points) {
+    if (!has_colour(in)) return std::nullopt;
+    const auto [rows, cols] = texture_shape(in);
     model::Layer layer = empty_layer("texture", model::ElementType::kU8, {rows, cols, 4});
     const auto rgba = values<std::uint8_t>(layer);
     const auto put = [&](std::size_t t, Rgba8 c) {
@@ -100,6 +109,14 @@ std::optional<model::Layer> make_texture(const LayerInput& in) {
         put(t, colour_at(in, grid.samples[t]));
     }
     dilate(rgba, covered, rows, cols);
+    if (points.empty()) return layer;
+    std::vector<std::array<double, 4>> colours(points.size());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const Rgba8 c = colour_at(in, points[k].at);
+        colours[k] = {static_cast<double>(c.r), static_cast<double>(c.g), static_cast<double>(c.b),
+                      static_cast<double>(c.a)};
+    }
+    fit_texture(in, points, colours, rows, cols, rgba);
     return layer;
 }
 

@@ -13,6 +13,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -38,7 +39,8 @@ struct Sample {
 };
 
 struct OneSided {
-    double rms = 0, hausdorff = 0, normal_rms_degrees = 0;
+    double rms = 0, hausdorff = 0;
+    double normals = 0, face_normals = 0, bump_normals = std::numeric_limits<double>::quiet_NaN();  // degrees
     std::uint64_t samples = 0;
 };
 
@@ -153,7 +155,8 @@ class Direction {
         const std::vector<Sample> surface = area_samples(from_, areas, options.samples, options.seed);
         const std::vector<Sample> vertices = vertex_samples(from_);
         std::vector<double> squared(surface.size()), vertex_squared(vertices.size());
-        if (with_normals_) angles_squared_.assign(surface.size(), kNoAngle);
+        if (with_normals_) angles_squared_.assign(surface.size(), kNoAngles);
+        shading_ = &options.shading;
 
         const std::size_t total = surface.size() + vertices.size();
         std::size_t done = 0;
@@ -185,16 +188,23 @@ class Direction {
         if (!weighted.empty())
             result.rms = std::sqrt(pairwise_sum(weighted) / static_cast<double>(weighted.size())) * unit_;
         if (with_normals_) {
-            std::erase(angles_squared_, kNoAngle);
-            if (!angles_squared_.empty())
-                result.normal_rms_degrees =
-                    std::sqrt(pairwise_sum(angles_squared_) / static_cast<double>(angles_squared_.size()));
+            std::erase(angles_squared_, kNoAngles);
+            result.normals = rms_of(0), result.face_normals = rms_of(1);
+            if (*shading_) result.bump_normals = rms_of(2);
         }
         return result;
     }
 
  private:
-    static constexpr double kNoAngle = -1;
+    using Angles = std::array<double, 3>;  // to the stored, the face's and the bump's normal
+    static constexpr Angles kNoAngles{-1, -1, -1};
+
+    [[nodiscard]] double rms_of(std::size_t kind) const {
+        if (angles_squared_.empty()) return 0;
+        std::vector<double> squares(angles_squared_.size());
+        for (std::size_t k = 0; k < squares.size(); ++k) squares[k] = angles_squared_[k][kind];
+        return std::sqrt(pairwise_sum(squares) / static_cast<double>(squares.size()));
+    }
 
     void measure_block(std::span<const Sample> samples, std::span<double> out, std::size_t begin, std::size_t end,
                        bool angles) {
@@ -209,8 +219,12 @@ class Direction {
             const Vec3d here = normal_at(from_, s.face, {1 - s.r1, s.r1 * (1 - s.r2), s.r1 * s.r2}, use_corners_);
             const Vec3d there = normal_at(to_, found.face, found.barycentric, use_corners_);
             if (here == Vec3d{} || there == Vec3d{}) continue;
-            const double angle = angle_degrees(here, there);
-            angles_squared_[k] = angle * angle;
+            const Vec3d flat = use_corners_ ? normal_at(to_, found.face, found.barycentric, false) : there;
+            const Vec3d bumped = *shading_ ? (*shading_)(found.face, found.barycentric) : there;
+            const double stored = angle_degrees(here, there);
+            const double face = flat == Vec3d{} ? stored : angle_degrees(here, flat);
+            const double bump = bumped == Vec3d{} ? stored : angle_degrees(here, bumped);
+            angles_squared_[k] = {stored * stored, face * face, bump * bump};
         }
     }
 
@@ -219,7 +233,8 @@ class Direction {
     const ClosestPointIndex& index_;
     double unit_;
     bool with_normals_, use_corners_;
-    std::vector<double> angles_squared_;
+    const std::function<Vec3d(std::uint32_t, const double (&)[3])>* shading_ = nullptr;
+    std::vector<Angles> angles_squared_;
 };
 
 /// Bounding-box diagonal of the vertices that usable faces name. @throws model::Error kNoFaces if there are none
@@ -272,7 +287,9 @@ SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, co
     out.hausdorff_forward = forward.hausdorff;
     out.hausdorff_backward = backward.hausdorff;
     out.hausdorff = std::max(forward.hausdorff, backward.hausdorff);
-    out.normal_rms_degrees = forward.normal_rms_degrees;
+    out.normal_rms_degrees = forward.normals;
+    out.normal_rms_face_degrees = forward.face_normals;
+    out.normal_rms_bump_degrees = forward.bump_normals;
     out.samples = forward.samples + backward.samples;
     return out;
 }

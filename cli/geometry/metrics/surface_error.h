@@ -3,6 +3,8 @@
 // How far two surfaces are apart (design section 7): rms, hausdorff, normal_rms.
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <limits>
 
 #include "model/progress.h"
 #include "model/tri_mesh.h"
@@ -10,11 +12,15 @@
 namespace dgm::bake {
 
 struct SurfaceError {
-    double rms = 0, hausdorff = 0;      ///< symmetric: the larger of the two directions; units of the meshes
-    double rms_forward = 0, rms_backward = 0;            ///< source to map, map to source
+    double rms = 0, hausdorff = 0;             ///< symmetric: the larger of the two directions; units of the meshes
+    double rms_forward = 0, rms_backward = 0;  ///< source to map, map to source
     double hausdorff_forward = 0, hausdorff_backward = 0;
-    double normal_rms_degrees = 0;      ///< angle between matched face normals, source to map
-    double diagonal = 0;                ///< bounding-box diagonal of the source
+    /// Angles of the source's normals to those of the closest map points, source to map. The source's are its corner
+    /// normals, interpolated, if both meshes have some, else those of its faces.
+    double normal_rms_degrees = 0;       ///< to the map's normals of the same kind
+    double normal_rms_face_degrees = 0;  ///< to the map's face normals
+    double normal_rms_bump_degrees = std::numeric_limits<double>::quiet_NaN();  ///< to `shading`, NaN without
+    double diagonal = 0;                                                        ///< bounding-box diagonal of the source
     std::uint64_t samples = 0;          ///< points used, both directions together
     [[nodiscard]] double psnr() const;  ///< 20 log10(diagonal / rms), capped at 300 dB for identical surfaces
 };
@@ -22,6 +28,9 @@ struct SurfaceError {
 struct SurfaceErrorOptions {
     std::uint64_t samples = 400'000;  ///< area-weighted random points each way, beside every vertex
     std::uint64_t seed = 1;
+    /// Unit normal at a point of a face of the map (index, barycentric coordinates) as drawn with the layer `bump`;
+    /// empty: none. Called from several threads.
+    std::function<model::Vec3d(std::uint32_t, const double (&)[3])> shading = {};
 };
 
 /// Symmetric surface-to-surface error by dense area-weighted sampling (deterministic) plus all vertices of both meshes,

@@ -60,6 +60,14 @@ TEST(SurfaceError, TiltedSquare) {
     EXPECT_NEAR(measure_surface_error(flat, tilted).normal_rms_degrees, angle, 1e-10);
     tilted.corner_normals.assign(3 * tilted.faces.size(), Vec3d{0, 1, 0});
     EXPECT_NEAR(measure_surface_error(flat, tilted).normal_rms_degrees, 90, 1e-10);
+
+    // The faces stay where they are, and what is drawn with bump is asked for, here 30 degrees off.
+    EXPECT_NEAR(measure_surface_error(flat, tilted).normal_rms_face_degrees, angle, 1e-10);
+    EXPECT_TRUE(std::isnan(measure_surface_error(flat, tilted).normal_rms_bump_degrees));
+    SurfaceErrorOptions options;
+    options.samples = 1000;
+    options.shading = [](std::uint32_t, const double(&)[3]) { return Vec3d{0, 0.5, std::sqrt(0.75)}; };
+    EXPECT_NEAR(measure_surface_error(flat, tilted, options).normal_rms_bump_degrees, 30, 1e-10);
 }
 
 /// The faces of a polyhedral sphere of radius r lie within r (1 - cos h) of the sphere; against itself scaled by k,

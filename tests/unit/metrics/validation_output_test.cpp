@@ -60,7 +60,7 @@ TEST(ValidationOutput, JsonKeepsKeyOrderAndShortNumbers) {
         for (const auto& item : object.items()) list += item.key() + " ";
         return list;
     };
-    EXPECT_EQ(keys(json[0]), "file exit_code charts error findings ");
+    EXPECT_EQ(keys(json[0]), "file exit_code charts error turned_faces findings ");
     EXPECT_EQ(keys(json[0]["findings"][0]), "code name severity place message measured limit hint ");
     EXPECT_EQ(json[0]["file"], "a\nb.dgm");
     EXPECT_EQ(json[0]["exit_code"], 3);

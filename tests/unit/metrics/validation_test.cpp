@@ -307,6 +307,7 @@ TEST(Validation, ComparesWithTheSource) {
     EXPECT_EQ(summary(validation), std::vector<std::string>{});
     ASSERT_TRUE(validation.error.has_value());
     EXPECT_LT(validation.error->rms, 1e-9);
+    EXPECT_EQ(validation.turned_faces, 0u);
 
     // Another file: a warning. The flat chart is 0.1 away everywhere, the tube only at its rims.
     const Source moved = shifted_source(folder, maps, 0.1);
@@ -332,6 +333,31 @@ TEST(Validation, ComparesWithTheSource) {
     options.max_hausdorff_percent = 1;
     options.max_rms_percent = 0;
     EXPECT_EQ(summary(validate_maps(maps, options)), (std::vector{other, rms}));
+}
+
+TEST(Validation, WarnsOfFacesTurnedAgainstTheSource) {
+    const TemporaryFolder folder;
+    MapSet maps = test::good_maps();
+    maps.charts.resize(1);
+    const bake::Reconstruction tube = bake::reconstruct(maps.charts[0]);
+    model::TriMesh inside_out = tube.mesh;
+    inside_out.corner_normals.clear(), inside_out.corner_uvs.clear();
+    for (model::Face& f : inside_out.faces) std::swap(f[1], f[2]);
+    formats::write_obj(folder / "source.obj", inside_out);
+    const Source source = load_source(folder / "source.obj");
+    maps.source_hash = source.hash;
+    maps.report_json.clear();
+    Options options;
+    options.sampling.samples = 1000;
+    options.source = &source;
+    const FileValidation validation = validate_maps(maps, options);
+    EXPECT_EQ(validation.turned_faces, tube.mesh.faces.size());
+    ASSERT_FALSE(validation.findings.empty());
+    const formats::Finding& last = validation.findings.back();
+    EXPECT_EQ(last.code, &codes::kTurnedFaces);
+    EXPECT_EQ(last.severity, formats::Severity::kWarning);
+    EXPECT_EQ(last.measured, static_cast<double>(tube.mesh.faces.size()));
+    EXPECT_EQ(validation.exit_code(), model::ExitCode::kOk);
 }
 
 TEST(Validation, WorseFollowsTheBatchRule) {

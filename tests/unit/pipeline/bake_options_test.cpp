@@ -26,6 +26,11 @@ TEST(CanonicalSettings, NamesEveryFieldThatChangesTheLayers) {
     EXPECT_EQ(canonical_settings(options),
               "size=33x65;method=lscm;domain=free;fit=l2;precision=u16;layers=geometry,normal;texture=none;"
               "texture_size=512x256");
+    options.bump_size = GridSize{17, 9};
+    options.ablate = {"newton", "cut-search", "newton"};  // in one order, once each
+    EXPECT_EQ(canonical_settings(options),
+              "size=33x65;method=lscm;domain=free;fit=l2;precision=u16;layers=geometry,normal;texture=none;"
+              "texture_size=512x256;bump_size=17x9;without=cut-search;without=newton");
 }
 
 TEST(CanonicalSettings, LeavesOutWhichFilesAreWritten) {

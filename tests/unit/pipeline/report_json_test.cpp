@@ -28,6 +28,7 @@ BakeReport example() {
     chart.cols = 129;
     chart.map.stretch_l2 = std::nextafter(1.0, 2.0);
     chart.map.flips = 3;
+    chart.turned_faces = 17;
     chart.source_topology.genus = -1;
     chart.source_topology.manifold = true;
     chart.candidates = {{"tutte", 61.25, "higher error"}, {"stretch", 80.5, "chosen"}};
@@ -49,6 +50,7 @@ TEST(ReportJson, HoldsFieldsAndDerivedErrors) {
     EXPECT_EQ(json["repairs"][0]["count"], 16);
     EXPECT_EQ(json["charts"][0]["cols"], 129);
     EXPECT_EQ(json["charts"][0]["map"]["flips"], 3);
+    EXPECT_EQ(json["charts"][0]["turned_faces"], 17);
     EXPECT_EQ(json["charts"][0]["source_topology"]["genus"], -1);
     EXPECT_EQ(json["charts"][0]["candidates"][1]["outcome"], "chosen");
     EXPECT_EQ(json["times"][0]["stage"], "import");
@@ -69,6 +71,7 @@ TEST(ReportJson, ComesBackToTheBit) {
     EXPECT_EQ(back.source_faces, example().source_faces);
     EXPECT_EQ(back.error.hausdorff, 1.0 / 3.0);
     EXPECT_EQ(back.charts.at(0).map.stretch_l2, std::nextafter(1.0, 2.0));
+    EXPECT_EQ(back.charts[0].turned_faces, 17u);
     EXPECT_EQ(back.charts[0].source_topology, example().charts[0].source_topology);
     EXPECT_EQ(back.charts[0].candidates.at(0).psnr, 61.25);
     EXPECT_EQ(back.repairs, example().repairs);

@@ -37,11 +37,12 @@ TEST(ReportText, SeveralChartsAddUp) {
     result.report.charts[1].map.flips = 1;
     result.report.charts[1].seam_gap = 0.5;
     result.report.charts.push_back(result.report.charts[0]);
+    result.report.charts[2].turned_faces = 2;
     result.report.warnings = {"texture missing: skin.png"};
     EXPECT_EQ(
         result_line(result),
         "out/stomach.dgm, out/stomach.exr: 3 charts, stretch 257x129, uv 257x129, 80.0 dB, rms 0.01 %, max 0.05 %, "
-        "1 flip, seam gap 0.5, 2.2 MB, 3.4 s, 1 warning");
+        "1 flip, seam gap 0.5, 2.2 MB, 3.4 s, 2 turned faces, 1 warning");
 }
 
 TEST(ReportText, AFailureIsOneStory) {

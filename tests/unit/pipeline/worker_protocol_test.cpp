@@ -32,6 +32,8 @@ TEST(WorkerProtocol, JobComesBack) {
     job.options.layers = {"geometry", "bump"};
     job.options.texture = "denim.png";
     job.options.texture_size = GridSize{7, 9};
+    job.options.bump_size = GridSize{5, 6};
+    job.options.ablate = {"diagonals"};
     job.options.exr_layout = ExrLayout::kMultipart;
     const WorkerJob back = decode_job(encode(job));
     EXPECT_EQ(back.source, job.source);
@@ -49,6 +51,8 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_EQ(back.options.layers, job.options.layers);
     EXPECT_EQ(back.options.texture, job.options.texture);
     EXPECT_EQ(back.options.texture_size, job.options.texture_size);
+    EXPECT_EQ(back.options.bump_size, job.options.bump_size);
+    EXPECT_EQ(back.options.ablate, job.options.ablate);
     EXPECT_EQ(back.options.exr_layout, ExrLayout::kMultipart);
 }
 

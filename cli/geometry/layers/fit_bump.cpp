@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/layers/fit_bump.cpp
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/layers/fit_layers.h"
+#include "geometry/layers/grid_least_squares.h"
+#include "geometry/metrics/bump_normals.h"
+#include "geometry/metrics/grid_point.h"
+
+namespace dgm::bake {
+
+double height_over(const Vec3d& grid, const Vec3d& normal, const Vec3d& point, const Vec3d& plane) {
+    constexpr double kSteep = 0.5;
+    const Vec3d gap = point - grid;
+    const double cosine = dot(normal, plane), limit = 2 * length(gap);
+    return cosine > kSteep ? std::clamp(dot(gap, plane) / cosine, -limit, limit) : dot(gap, normal);
+}
+
+void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const StoredPositions& positions,
+              const StoredNormals& normals, std::uint32_t rows, std::uint32_t cols, std::span<double> heights) {
+    // As much as the points: with one or two of them a texel, less follows their scatter, and the normals suffer.
+    constexpr double kDamping = 1;
+    constexpr int kIterations = 15;
+    const SampledChart& chart = in.chart;
+    if (rows < 2 || cols < 2) return;
+    std::vector<std::uint32_t> sample_class(chart.representative.begin(),
+                                            chart.representative.begin() + chart.grid_count());
+    for (std::uint32_t s = 0; s < sample_class.size();
+         ++s)  // a class may stand for itself on the border of a free chart
+        if (sample_class[s] >= sample_class.size()) sample_class[s] = s;
+    const std::vector<std::uint32_t> classes = texel_classes(chart.m, chart.n, rows, cols, sample_class);
+    // Both sides of a seam start from their mean.
+    std::vector<double> sum(heights.size(), 0.0), members(heights.size(), 0.0);
+    for (std::size_t t = 0; t < heights.size(); ++t) sum[classes[t]] += heights[t], members[classes[t]] += 1;
+    for (std::size_t t = 0; t < heights.size(); ++t) heights[t] = sum[classes[t]] / members[classes[t]];
+
+    const double down = static_cast<double>(rows - 1) / (chart.m - 1),
+                 across = static_cast<double>(cols - 1) / (chart.n - 1);
+    std::vector<GridRow<1>> equations;
+    equations.reserve(points.size());
+    for (const MatchedPoint& p : points) {
+        Vec3d grid, normal;
+        bool strip = false;
+        for (std::size_t k = 0; k < 3; ++k) {
+            strip = strip || p.sample[k] >= chart.grid_count();
+            grid += positions.local[p.sample[k]] * p.b[k];
+            normal += normals.decoded[p.sample[k]] * p.b[k];
+        }
+        if (strip) continue;
+        const Vec2d at = grid_coordinates(chart, p);
+        const TexelTaps taps = texel_taps(at.x * down, at.y * across, rows, cols);
+        const double h =
+            height_over(grid, normalized(normal), local_position(in, p.at), normal_of_face(chart.disk.mesh, p.at.face));
+        GridRow<1>& row = equations.emplace_back();
+        row.value[0] = h;
+        for (std::size_t k = 0; k < 4; ++k) {
+            row.unknown[k] = classes[taps.texel[k]], row.w[k] = taps.weight[k];
+            row.value[0] -= taps.weight[k] * heights[taps.texel[k]];
+        }
+    }
+    const auto step = grid_least_squares<1>(equations, heights.size(), kDamping, kIterations);
+    for (std::size_t t = 0; t < heights.size(); ++t) heights[t] += step[classes[t]][0];
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/metrics/bump_normals.h
+// Shading with the layer `bump`: normals of the displaced surface, beside what the layer `normal` says already.
+//
+// The plain rule of [Blinn 1978], normal minus gradient of the height, counts the curvature between two samples twice:
+// it is in the interpolated stored normals and in the heights. So the normals of the displaced surface stand beside the
+// stored ones, and the file says how much each is worth:
+//
+//     n(u, v) = normalize( (1 - w) n_stored + w n_fine ),   w = attribute `shading` of the layer
+//
+// n_fine are the vertex normals of the displaced texel lattice, weighted as [Max 1999] (exact on spheres, whatever the
+// spacing) and summed over all copies of a seam point, interpolated bilinearly. The baker chooses the w in [0, 1] that
+// comes closest to the source's normals: near 1 where the grid is coarser than the source's detail, near 0 where the
+// source itself is a smoothly shaded polyhedron, whose facets the heights know and its normals hide.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/metrics/reconstruction.h"
+
+namespace dgm::bake {
+
+/// Texels that are one and the same surface point, as the lowest of them; `sample_class` likewise for the m x n grid
+/// samples. Known where texels fall on samples and at equal fractions between them, that is if rows-1 and cols-1 are
+/// multiples of m-1 and n-1; else, and inside the chart, each texel is its own.
+[[nodiscard]] std::vector<std::uint32_t> texel_classes(std::uint32_t m, std::uint32_t n, std::uint32_t rows,
+                                                       std::uint32_t cols, std::span<const std::uint32_t> sample_class);
+
+class BumpNormals {
+ public:
+    /// Nothing if the chart has no bump of at least 2 x 2 texels, or no normals. `surface` must be the chart's.
+    [[nodiscard]] static std::optional<BumpNormals> of(const model::Chart& chart, const Reconstruction& surface);
+
+    /// Unit normal at a point of a face of the reconstruction; the stored one on border strips. Zero if that has none.
+    [[nodiscard]] model::Vec3d at(std::uint32_t face, const double (&barycentric)[3]) const;
+    /// n_stored and n_fine there, unit vectors; n_fine is zero where there is none.
+    struct Both {
+        model::Vec3d stored, fine;
+    };
+    [[nodiscard]] Both both(std::uint32_t face, const double (&barycentric)[3]) const;
+
+ private:
+    BumpNormals(const model::Chart& chart, const Reconstruction& surface);
+
+    const Reconstruction& surface_;
+    std::uint32_t m_, n_, rows_ = 0, cols_ = 0;
+    double weight_ = 0;
+    std::vector<model::Vec3d> fine_;  // n_fine, per texel; zero where there is no lattice
+};
+
+}  // namespace dgm::bake

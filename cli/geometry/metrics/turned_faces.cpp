@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/metrics/turned_faces.cpp
+#include "geometry/metrics/turned_faces.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace dgm::bake {
+using model::Face;
+using model::TriMesh;
+using model::Vec3d;
+
+std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const TriMesh& map, double tie) {
+    std::vector<char> turned(map.faces.size(), 0);
+    constexpr std::size_t kChunk = 1024;  // neighbours share a hint
+    tbb::parallel_for(std::size_t{0}, (turned.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+        std::uint32_t hint = ClosestPointIndex::kNoFace;
+        for (std::size_t f = chunk * kChunk; f < std::min(turned.size(), (chunk + 1) * kChunk); ++f) {
+            const auto [a, b, c] = map.corners(f);
+            const Vec3d normal = normalized(cross(b - a, c - a), Vec3d{});
+            if (normal == Vec3d{}) continue;
+            const Vec3d centre = (a + b + c) / 3;
+            // Nearly every face agrees with its nearest; only the others need to know how near the nearest is.
+            const ClosestPoint any = index.query(centre, hint);
+            if (any.face == ClosestPointIndex::kNoFace) continue;
+            hint = any.face;
+            const ClosestPoint facing = index.query_facing(centre, normal, 0.0, any.face);
+            turned[f] = facing.face == ClosestPointIndex::kNoFace || facing.distance > any.distance + tie;
+        }
+    });
+    std::vector<std::uint32_t> out;
+    for (std::size_t f = 0; f < turned.size(); ++f)
+        if (turned[f]) out.push_back(static_cast<std::uint32_t>(f));
+    return out;
+}
+
+std::size_t count_turned_faces(const TriMesh& source, const TriMesh& map) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+    for (const Vec3d& p : source.positions) {
+        if (!is_finite(p)) continue;
+        for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+    }
+    if (!is_finite(low)) return 0;
+    const ClosestPointIndex index(source.positions, source.faces);
+    return find_turned_faces(index, map, kTurnedTie * length(high - low)).size();
+}
+
+}  // namespace dgm::bake

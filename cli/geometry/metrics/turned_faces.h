@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/metrics/turned_faces.h
+// Triangles that look against the surface they stand for (design section 7): folds that a distance does not see.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/spatial/closest_point.h"
+#include "model/tri_mesh.h"
+
+namespace dgm::bake {
+
+/// As near as the nearest: distances to two source faces within this much of each other, in diagonals of the source,
+/// are one (100 dB). On a crease, and between the sides of a sheet thinner than that, any of them may speak.
+inline constexpr double kTurnedTie = 1e-5;
+
+/// Faces of `map` that are turned against `source`, ascending.
+///
+/// A triangle with unit normal n and centre c is turned if no source face with unit normal N, n . N > 0, comes as near
+/// to c as the nearest source face of all (within `tie`, in the units of the meshes). Source faces without area do not
+/// count, nor do map triangles without area or with corners that are not finite: the former have no side, the latter
+/// are reported elsewhere. `index` must be built of the source. Deterministic whatever the number of threads.
+[[nodiscard]] std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const model::TriMesh& map,
+                                                           double tie);
+
+/// How many there are, with a tie of kTurnedTie diagonals of the source.
+/// @throws model::Error kInternal if the index cannot be built
+[[nodiscard]] std::size_t count_turned_faces(const model::TriMesh& source, const model::TriMesh& map);
+
+}  // namespace dgm::bake
