@@ -33,6 +33,9 @@ TEST(WorkerProtocol, JobComesBack) {
     job.options.texture = "denim.png";
     job.options.texture_size = GridSize{7, 9};
     job.options.exr_layout = ExrLayout::kMultipart;
+    job.options.auto_samples = 66049;
+    job.options.max_error = ErrorGoal{0.1 + 0.2, false, ErrorKind::kHausdorff};
+    job.options.budget_bytes = 262144;
     const WorkerJob back = decode_job(encode(job));
     EXPECT_EQ(back.source, job.source);
     EXPECT_EQ(back.dgm, job.dgm);
@@ -50,6 +53,11 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_EQ(back.options.texture, job.options.texture);
     EXPECT_EQ(back.options.texture_size, job.options.texture_size);
     EXPECT_EQ(back.options.exr_layout, ExrLayout::kMultipart);
+    EXPECT_EQ(back.options.auto_samples, job.options.auto_samples);
+    EXPECT_EQ(back.options.max_error, job.options.max_error);
+    EXPECT_EQ(back.options.budget_bytes, job.options.budget_bytes);
+    EXPECT_EQ(back.options.scratch, job.dgm);  // searched sizes are written where the file will be
+    EXPECT_FALSE(decode_job(encode(WorkerJob{})).options.max_error);
 }
 
 TEST(WorkerProtocol, MessagesComeBack) {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/pipeline/cut_memory.h
+// The cuts found for one component while several grids are tried.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "geometry/chart/cut_search.h"
+
+namespace dgm::bake {
+
+enum class CutUse {
+    kSearch,  ///< search for each grid anew, as for a grid that was named
+    kReuse,   ///< take the best cut known from a similar grid, search only if there is none: one map a cut, not dozens
+    kBest,    ///< search, and take a cut known from a similar grid if it is better here
+};
+
+/// A cut serves grids of similar size about equally well, and what one search misses another finds: so taking the best
+/// of those known is both cheaper and, over a series of grids, steadier than searching for each.
+class CutMemory {
+ public:
+    CutUse use = CutUse::kSearch;
+
+    /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers what it finds.
+    /// Cuts are compared by measured error on a grid of at most 257 a side.
+    /// @throws what search_cut throws
+    [[nodiscard]] CutSearchResult search(const TriMesh& component, const CutSearchOptions& options,
+                                         const model::Progress& progress);
+
+ private:
+    struct Found {
+        std::uint32_t m, n;
+        CutSearchResult cut;
+    };
+    [[nodiscard]] std::vector<const Found*> similar(std::uint32_t m, std::uint32_t n) const;
+    /// The best of `candidates` on the grid; nothing if none has a valid map there.
+    [[nodiscard]] static CutSearchResult best_of(const std::vector<const Found*>& candidates, const TriMesh& component,
+                                                 const CutSearchOptions& options, const model::Progress& progress);
+
+    std::vector<Found> found_;
+};
+
+}  // namespace dgm::bake
