@@ -19,7 +19,7 @@ namespace codes = model::codes;
 constexpr double kSimilar = 1.6;       // in samples along a side
 constexpr double kSameAspect = 1.1;    // the corners fall where they fell
 constexpr std::size_t kMostKnown = 4;  // cuts measured for a grid, the most similar first
-constexpr std::size_t kRotations = 4;
+constexpr std::size_t kRotations = 2;  // beside the cut's own, where the aspect is another
 constexpr std::uint32_t kLongest = 257;
 
 double ratio(double a, double b) {
@@ -41,19 +41,21 @@ std::uint32_t scaled_rotation(const Disk& disk, BorderGrid from, std::uint32_t r
 
 }  // namespace
 
-std::vector<const CutMemory::Found*> CutMemory::similar(std::uint32_t m, std::uint32_t n) const {
-    std::vector<const Found*> out;
-    for (const Found& f : found_)
-        if (ratio(side(f.m, f.n), side(m, n)) <= kSimilar) out.push_back(&f);
-    const auto distance = [&](const Found* f) {
-        return std::log(ratio(side(f->m, f->n), side(m, n))) + std::log(ratio(aspect(f->m, f->n), aspect(m, n)));
+CutMemory::Candidates CutMemory::similar(std::uint32_t m, std::uint32_t n, bool chosen) const {
+    Candidates out;
+    for (const Found& f : found_) {
+        if (ratio(side(f.m, f.n), side(m, n)) > kSimilar || f.chosen != chosen) continue;
+        if (!chosen || ratio(aspect(f.m, f.n), aspect(m, n)) <= kSameAspect) out.push_back(f);
+    }
+    const auto distance = [&](const Found& f) {
+        return std::log(ratio(side(f.m, f.n), side(m, n))) + std::log(ratio(aspect(f.m, f.n), aspect(m, n)));
     };
-    std::stable_sort(out.begin(), out.end(), [&](const Found* a, const Found* b) { return distance(a) < distance(b); });
-    if (out.size() > kMostKnown) out.resize(kMostKnown);
+    std::stable_sort(out.begin(), out.end(), [&](const Found& a, const Found& b) { return distance(a) < distance(b); });
+    out.resize(std::min(out.size(), chosen ? 1 : kMostKnown));
     return out;
 }
 
-CutSearchResult CutMemory::best_of(const std::vector<const Found*>& candidates, const TriMesh& component,
+CutSearchResult CutMemory::best_of(const Candidates& candidates, const TriMesh& component,
                                    const CutSearchOptions& options, const model::Progress& progress) {
     const double shrink = std::min(1.0, (kLongest - 1.0) / (std::max(options.m, options.n) - 1.0));
     const auto shrunk = [&](std::uint32_t full) {
@@ -67,15 +69,15 @@ CutSearchResult CutMemory::best_of(const std::vector<const Found*>& candidates, 
     std::uint32_t best_rotation = 0;
     std::optional<model::Error> failure;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
-        const Found& f = *candidates[k];
+        const Found& f = candidates[k];
         progress.update("cut", static_cast<double>(k) / static_cast<double>(candidates.size()));
-        std::vector<std::uint32_t> rotations{scaled_rotation(f.cut.disk, {f.m, f.n}, f.cut.rotation, grid)};
+        std::vector<std::uint32_t> rotations{scaled_rotation(f.cut->disk, {f.m, f.n}, f.rotation, grid)};
         if (ratio(aspect(f.m, f.n), aspect(wanted.m, wanted.n)) > kSameAspect)
-            for (const std::uint32_t r : candidate_rotations(f.cut.disk, grid.m, grid.n, kRotations))
+            for (const std::uint32_t r : candidate_rotations(f.cut->disk, grid.m, grid.n, kRotations))
                 if (std::find(rotations.begin(), rotations.end(), r) == rotations.end()) rotations.push_back(r);
         for (const std::uint32_t rotation : rotations) {
             try {
-                const SampledChart chart = make_square_chart(f.cut.disk, grid.m, grid.n, rotation, *stretch, {});
+                const SampledChart chart = make_square_chart(f.cut->disk, grid.m, grid.n, rotation, *stretch, {});
                 if (!holds_topology(welded_topology(chart), source))
                     throw model::Error(codes::kGridTooSmall, "the grid does not hold the topology of the cut");
                 const double rms = quick_error(component, chart, options.samples).rms;
@@ -87,34 +89,44 @@ CutSearchResult CutMemory::best_of(const std::vector<const Found*>& candidates, 
         }
     }
     if (best == nullptr) throw *failure;
-    CutSearchResult out = best->cut;
+    CutSearchResult out = *best->cut;
     out.rms = best_rms;
     out.rotation = grid.m == wanted.m && grid.n == wanted.n ? best_rotation
                                                             : scaled_rotation(out.disk, grid, best_rotation, wanted);
+    found_.push_back({wanted.m, wanted.n, out.rotation, true, best->cut});
     return out;
+}
+
+CutSearchResult CutMemory::fresh(const TriMesh& component, const CutSearchOptions& options,
+                                 const model::Progress& progress) {
+    for (const Found& f : found_)
+        if (!f.chosen && f.m == options.m && f.n == options.n) return *f.cut;
+    const auto cut = std::make_shared<const CutSearchResult>(search_cut(component, options, progress));
+    found_.push_back({options.m, options.n, cut->rotation, false, cut});
+    return *cut;
 }
 
 CutSearchResult CutMemory::search(const TriMesh& component, const CutSearchOptions& options,
                                   const model::Progress& progress) {
-    const auto known = std::find_if(found_.begin(), found_.end(),
-                                    [&](const Found& f) { return f.m == options.m && f.n == options.n; });
-    std::vector<const Found*> pool = similar(options.m, options.n);
-    if (use != CutUse::kReuse || pool.empty()) {
-        CutSearchResult fresh = known != found_.end() ? known->cut : search_cut(component, options, progress);
-        if (known == found_.end()) {
-            found_.push_back({options.m, options.n, fresh});
-            pool = similar(options.m, options.n);  // its entries may have moved
+    if (use == CutUse::kSearch) return fresh(component, options, progress);
+    // Those chosen before, then those found; where none of them fits this grid, it needs a cut of its own.
+    if (use == CutUse::kReuse)
+        for (const bool chosen : {true, false}) {
+            const Candidates known = similar(options.m, options.n, chosen);
+            try {
+                if (!known.empty()) return best_of(known, component, options, progress);
+            } catch (const model::Error& e) {
+                if (e.code().number == codes::kInterrupted.number) throw;
+            }
         }
-        if (use != CutUse::kBest || pool.size() < 2) return fresh;
-    }
-    try {
-        return best_of(pool, component, options, progress);
-    } catch (const model::Error& e) {
-        // None of them fits this grid: it needs a cut of its own.
-        if (e.code().number == codes::kInterrupted.number || known != found_.end()) throw;
-    }
-    found_.push_back({options.m, options.n, search_cut(component, options, progress)});
-    return found_.back().cut;
+    CutSearchResult own = fresh(component, options, progress);
+    Candidates known = similar(options.m, options.n, true);
+    if (use == CutUse::kBest && known.empty()) known = similar(options.m, options.n, false);
+    std::erase_if(known, [&](const Found& f) { return !f.chosen && f.m == options.m && f.n == options.n; });
+    if (use != CutUse::kBest || known.empty()) return own;
+    known.push_back(
+        {options.m, options.n, own.rotation, false, std::make_shared<const CutSearchResult>(std::move(own))});
+    return best_of(known, component, options, progress);
 }
 
 }  // namespace dgm::bake

@@ -3,6 +3,7 @@
 // The cuts found for one component while several grids are tried.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "geometry/chart/cut_search.h"
@@ -16,7 +17,8 @@ enum class CutUse {
 };
 
 /// A cut serves grids of similar size about equally well, and what one search misses another finds: so taking the best
-/// of those known is both cheaper and, over a series of grids, steadier than searching for each.
+/// of those known is both cheaper and, over a series of grids, steadier than searching for each. What was chosen for
+/// one grid stays chosen for similar ones of its aspect.
 class CutMemory {
  public:
     CutUse use = CutUse::kSearch;
@@ -30,12 +32,17 @@ class CutMemory {
  private:
     struct Found {
         std::uint32_t m, n;
-        CutSearchResult cut;
+        std::uint32_t rotation;  ///< on that grid
+        bool chosen;             ///< by comparison
+        std::shared_ptr<const CutSearchResult> cut;
     };
-    [[nodiscard]] std::vector<const Found*> similar(std::uint32_t m, std::uint32_t n) const;
-    /// The best of `candidates` on the grid; nothing if none has a valid map there.
-    [[nodiscard]] static CutSearchResult best_of(const std::vector<const Found*>& candidates, const TriMesh& component,
-                                                 const CutSearchOptions& options, const model::Progress& progress);
+    using Candidates = std::vector<Found>;
+    [[nodiscard]] Candidates similar(std::uint32_t m, std::uint32_t n, bool chosen) const;
+    /// The best of `candidates` on the grid. @throws the first one's error if none has a valid map there
+    [[nodiscard]] CutSearchResult best_of(const Candidates& candidates, const TriMesh& component,
+                                          const CutSearchOptions& options, const model::Progress& progress);
+    [[nodiscard]] CutSearchResult fresh(const TriMesh& component, const CutSearchOptions& options,
+                                        const model::Progress& progress);
 
     std::vector<Found> found_;
 };

@@ -142,8 +142,9 @@ GridSearch search_by_budget(std::uint64_t budget, const std::vector<GridSize>& l
     const GridTrial* smallest = nullptr;
     for (const GridTrial& trial : out.trials)
         if (trial.bytes > 0 && (smallest == nullptr || trial.bytes < smallest->bytes)) smallest = &trial;
-    throw Error(codes::kBudgetTooSmall, fmt::format("{} bytes were asked for; the smallest file, of {}, takes {}", budget,
-                                                    size_text({smallest->rows, smallest->cols}), smallest->bytes));
+    throw Error(codes::kBudgetTooSmall,
+                fmt::format("{} bytes were asked for; the smallest file, of {}, takes {}", budget,
+                            size_text({smallest->rows, smallest->cols}), smallest->bytes));
 }
 
 }  // namespace dgm::bake

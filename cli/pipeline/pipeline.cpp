@@ -51,6 +51,20 @@ void append(TriMesh& whole, const TriMesh& part) {
     for (const Face& f : part.faces) whole.faces.push_back({f[0] + base, f[1] + base, f[2] + base});
 }
 
+/// One rising share from steps whose number nobody knows beforehand (start, descent, other candidates), each of which
+/// counts from 0 to 1: each gets half of what is left.
+class OpenSteps {
+ public:
+    double operator()(double share) {
+        if (share < last_) left_ /= 2;
+        last_ = share;
+        return 1 - left_ + left_ / 2 * share;
+    }
+
+ private:
+    double last_ = 0, left_ = 1;
+};
+
 class AssetBake {
  public:
     AssetBake(const std::filesystem::path& source, const BakeOptions& options, const model::Progress& progress)
@@ -101,10 +115,12 @@ class AssetBake {
     [[nodiscard]] model::Progress part(std::string stage, std::size_t k, std::size_t count) const {
         model::Progress out;
         out.cancelled = progress_.cancelled;
-        out.on_update = [this, stage = std::move(stage), k, count](std::string_view inner, double share) {
+        out.on_update = [this, stage = std::move(stage), k, count, steps = OpenSteps()](std::string_view inner,
+                                                                                        double share) mutable {
             // The search for the cut is the long part of mapping, and goes by its own name.
-            progress_.update(trial_ + (inner == "cut" ? "cut" : stage),
-                             (static_cast<double>(k) + share) / static_cast<double>(count));
+            const bool cut = inner == "cut", counted = cut || stage != "map";
+            progress_.update(trial_ + (cut ? "cut" : stage),
+                             (static_cast<double>(k) + (counted ? share : steps(share))) / static_cast<double>(count));
         };
         return out;
     }
