@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -114,6 +115,8 @@ class Conversation {
             say(stderr, failure_story(plan_.assets[k].source.string(), *result.error, result.worker_output));
         if (result.outcome != Outcome::kBaked || line_.quiet) return;
         say(stdout, result_line(result) + '\n');
+        if (result.report.search && !line_.verbose)
+            say(stdout, "  " + search_story(*result.report.search, result.report.error.diagonal) + '\n');
         if (line_.verbose)
             for (const std::string& detail : detail_lines(result.report)) say(stdout, detail + '\n');
         std::fflush(stdout);
@@ -125,13 +128,30 @@ class Conversation {
     BatchObserver observer_;
 };
 
+/// While a batch runs it answers signals itself (batch_runner.h). Before, there is nothing to clean up; after it, what
+/// is left takes milliseconds and is better done.
+class SignalsAround {
+ public:
+    SignalsAround() {
+        set([](int) { _exit(static_cast<int>(model::ExitCode::kInterrupted)); });
+    }
+    void batch_done() { set(SIG_IGN); }
+
+ private:
+    static void set(void (*handler)(int)) {
+        for (const int number : {SIGINT, SIGTERM, SIGHUP}) signal(number, handler);
+    }
+};
+
 int run(const CommandLine& line) {
+    SignalsAround signals;
     const BatchPlan plan = plan_batch(line.plan);
     check_files(line, plan);
     if (line.dry_run) return print_plan(plan);
     if (!line.report.empty()) check_writable(line.report);
     Conversation conversation(line, plan);
     const std::vector<AssetResult> results = run_batch(plan, line.bake, line.batch, conversation.observer());
+    signals.batch_done();
     conversation.end(results);
     if (!line.report.empty())
         write_report(line.report, batch_report_json(plan, line.bake, line.batch, results, kGenerator));

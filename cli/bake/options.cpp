@@ -21,7 +21,7 @@ namespace {
 
 namespace codes = model::codes;
 
-constexpr std::uint32_t kMinSide = 3, kMaxSide = 8193, kMaxTextureSide = 16384;
+constexpr std::uint32_t kMaxTextureSide = 16384;
 constexpr double kMaxSeconds = 1e7;
 
 [[noreturn]] void wrong(const std::string& message) {
@@ -95,8 +95,36 @@ GridSize parse_size(std::string_view option, const std::string& text, std::uint3
     return {side(whole.substr(0, x)), side(whole.substr(x + 1))};
 }
 
+/// "auto:66049": the number.
+std::uint64_t parse_auto_size(const std::string& text) {
+    constexpr std::uint64_t kLeast = std::uint64_t{kMinSide} * kMinSide, kMost = std::uint64_t{kMaxSide} * kMaxSide;
+    const std::string_view digits = std::string_view(text).substr(text.find(':') + 1);
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size() || value < kLeast || value > kMost)
+        wrong(fmt::format("--size: \"{}\" is not a number of samples; write auto:N, N from {} to {}", text, kLeast,
+                          kMost));
+    return value;
+}
+
+/// "0.05%", or "0.5" in source units.
+ErrorGoal parse_max_error(std::string text) {
+    ErrorGoal goal;
+    const std::string whole = text;
+    goal.percent = text.ends_with('%');
+    if (goal.percent) text.pop_back();
+    while (text.ends_with(' ')) text.pop_back();
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), goal.value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(goal.value) || !(goal.value > 0))
+        wrong(
+            fmt::format("--max-error: \"{}\" is not an error; write for instance 0.05% (of the diagonal) or 0.2 (in "
+                        "the mesh's units)",
+                        whole));
+    return goal;
+}
+
 /// "512MiB", "2G", "800000000"; decimal units end in B alone, the others are powers of 1024.
-std::uint64_t parse_bytes(const std::string& text) {
+std::uint64_t parse_bytes(std::string_view option, const std::string& text, std::string_view example) {
     constexpr std::string_view kLetters = "KMGT";
     double value = 0;
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
@@ -114,8 +142,7 @@ std::uint64_t parse_bytes(const std::string& text) {
         good = good && (unit.empty() || unit == "B");
     }
     if (!good || value * factor > 1e18)
-        wrong(fmt::format("--memory-limit: \"{}\" is not a size; write for instance 512MiB or 4GiB, 0 for no limit",
-                          text));
+        wrong(fmt::format("{}: \"{}\" is not a size; write for instance {}", option, text, example));
     return static_cast<std::uint64_t>(value * factor);
 }
 
@@ -128,9 +155,9 @@ std::string joined(const auto& names) {
 /// What CLI11 fills in: plain text, checked afterwards with messages of ours.
 struct Raw {
     std::vector<std::string> inputs;
-    std::string output, size = "257x257", method = "auto", domain = "auto", fit = "sample", precision = "f32", layers,
-                        texture, texture_size, bump_size, ablate, format, exr_layout = "auto", report,
-                        report_format = "json", memory_limit = "8GiB", progress = "auto";
+    std::string output, size, max_error, max_error_kind, budget, method = "auto", domain = "auto", fit = "sample",
+                        precision = "f32", layers, texture, texture_size, bump_size, ablate, format,
+                        exr_layout = "auto", report, report_format = "json", memory_limit = "8GiB", progress = "auto";
     int jobs = 0;
     double time_limit = 600;
     bool keep_going = false, stop_on_error = false, dry_run = false, verbose = false, quiet = false;
@@ -150,7 +177,15 @@ void describe(CLI::App& app, Raw& raw) {
         app.add_option(option, target, help)->group(name)->type_name(type);
     };
     const char* bake = "What is baked";
-    group(bake, "--size", "MxN", raw.size, "samples of each chart, MxN or N [257x257]");
+    group(bake, "--size", "MxN", raw.size,
+          "samples of the largest chart, MxN or N; auto:N: the best m x n with at most N samples [257x257]");
+    group(bake, "--max-error", "X", raw.max_error,
+          "the smallest grid whose measured error is at most X% of the diagonal, or X in the mesh's units; --size is "
+          "the largest grid tried then [auto:4198401]");
+    group(bake, "--max-error-kind", "K", raw.max_error_kind, "the error meant: rms or hausdorff [rms]");
+    group(bake, "--budget", "SIZE", raw.budget,
+          "the grid with the least error whose .dgm is not larger than SIZE, such as 256KiB; --size is the largest "
+          "grid tried then [auto:4198401]");
     group(bake, "--method", "M", raw.method,
           "parameterization: " + joined(kMethodNames) + " [auto: the smallest error]");
     group(bake, "--domain", "D", raw.domain,
@@ -225,6 +260,25 @@ void set_layers(const std::string& text, BakeOptions& bake) {
             bake.layers.emplace_back(name);
 }
 
+void set_grid(const Raw& raw, BakeOptions& bake) {
+    if (!raw.max_error.empty()) bake.max_error = parse_max_error(raw.max_error);
+    if (!raw.max_error_kind.empty()) {
+        if (!bake.max_error) wrong("--max-error-kind says which error --max-error means; it needs one");
+        bake.max_error->kind = choice("--max-error-kind", kErrorKindNames, raw.max_error_kind);
+    }
+    if (!raw.budget.empty()) {
+        bake.budget_bytes = parse_bytes("--budget", raw.budget, "256KiB or 1MB");
+        if (*bake.budget_bytes == 0) wrong("--budget: nothing fits into 0 bytes");
+        if (!bake.write_dgm) wrong("--budget is the size of the .dgm; add dgm to --format");
+    }
+    if (raw.size.starts_with("auto:"))
+        bake.auto_samples = parse_auto_size(raw.size);
+    else if (!raw.size.empty())
+        bake.size = parse_size("--size", raw.size, kMinSide, kMaxSide);
+    else if (bake.max_error || bake.budget_bytes)
+        bake.auto_samples = kLargestSearched;
+}
+
 CommandLine checked(const Raw& raw) {
     CommandLine out;
     for (const std::string& input : raw.inputs) {
@@ -237,7 +291,7 @@ CommandLine checked(const Raw& raw) {
     out.plan.output = raw.output;
     out.plan.output_is_folder = !raw.output.empty() && raw.output.back() == '/';
     set_formats(raw, out);
-    out.bake.size = parse_size("--size", raw.size, kMinSide, kMaxSide);
+    set_grid(raw, out.bake);
     if (std::find(kMethodNames.begin(), kMethodNames.end(), raw.method) == kMethodNames.end())
         unknown_word("--method", "method", raw.method, kMethodNames);
     out.bake.method = raw.method;
@@ -274,7 +328,7 @@ CommandLine checked(const Raw& raw) {
     if (!(raw.time_limit > 0 && raw.time_limit <= kMaxSeconds))
         wrong(fmt::format("--time-limit: write seconds, more than 0 and at most {:.0f}", kMaxSeconds));
     out.batch.time_limit_seconds = raw.time_limit;
-    out.batch.memory_bytes = parse_bytes(raw.memory_limit);
+    out.batch.memory_bytes = parse_bytes("--memory-limit", raw.memory_limit, "512MiB or 4GiB, 0 for no limit");
     out.batch.stop_on_error = raw.stop_on_error;
     out.dry_run = raw.dry_run;
     out.verbose = raw.verbose;

@@ -20,9 +20,15 @@ std::string canonical_settings(const BakeOptions& options) {
     for (const std::string_view name : kLayerNames)
         if (std::find(options.layers.begin(), options.layers.end(), name) != options.layers.end())
             layers.append(layers.empty() ? "" : ",").append(name);
+    std::string size = options.auto_samples ? fmt::format("auto:{}", *options.auto_samples)
+                                            : fmt::format("{}x{}", options.size.rows, options.size.cols);
+    if (options.max_error)
+        size += fmt::format(";max_error={}{};max_error_kind={}", options.max_error->value,
+                            options.max_error->percent ? "%" : "", name_of(kErrorKindNames, options.max_error->kind));
+    if (options.budget_bytes) size += fmt::format(";budget={}", *options.budget_bytes);
     std::string text = fmt::format(
-        "size={}x{};method={};domain={};fit={};precision={};layers={};texture={};texture_size={}", options.size.rows,
-        options.size.cols, options.method, name_of(kDomainNames, options.domain), name_of(kFitNames, options.fit),
+        "size={};method={};domain={};fit={};precision={};layers={};texture={};texture_size={}", size, options.method,
+        name_of(kDomainNames, options.domain), name_of(kFitNames, options.fit),
         name_of(kPrecisionNames, options.precision), options.layers.empty() ? "all" : layers,
         options.texture.empty() ? "none" : formats::to_hex(formats::hash_file(options.texture)),
         options.texture_size ? fmt::format("{}x{}", options.texture_size->rows, options.texture_size->cols) : "grid");

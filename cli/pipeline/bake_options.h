@@ -21,10 +21,25 @@ enum class Fit { kSample, kL2, kBest };
 enum class Precision { kF32, kU16 };
 enum class DomainChoice { kAuto, kSquare, kFree };
 enum class ExrLayout { kAuto, kMultipart };
+enum class ErrorKind { kRms, kHausdorff };
+
+/// --max-error: the error that the grid must hold.
+struct ErrorGoal {
+    double value = 0;  ///< > 0; % of the source's diagonal, or source units
+    bool percent = true;
+    ErrorKind kind = ErrorKind::kRms;
+    friend bool operator==(const ErrorGoal&, const ErrorGoal&) = default;
+};
+
+/// Where a grid is asked for by error or file size alone: as many samples as a square of 2049 a side.
+inline constexpr std::uint64_t kLargestSearched = std::uint64_t{2049} * 2049;
 
 struct BakeOptions {
-    GridSize size;                ///< samples of each chart; 3..8193 a side
-    std::string method = "auto";  ///< auto stretch mvc authalic conformal tutte lscm arap uv
+    GridSize size;  ///< of the largest chart, 3..8193 a side; the largest grid tried if one is searched
+    std::optional<std::uint64_t> auto_samples;  ///< instead of `size`: the best m x n with at most so many samples
+    std::optional<ErrorGoal> max_error;         ///< the smallest grid that holds it
+    std::optional<std::uint64_t> budget_bytes;  ///< the largest grid whose .dgm is not larger; with max_error: a limit
+    std::string method = "auto";                ///< auto stretch mvc authalic conformal tutte lscm arap uv
     DomainChoice domain = DomainChoice::kAuto;
     Fit fit = Fit::kSample;
     Precision precision = Precision::kF32;
@@ -37,9 +52,15 @@ struct BakeOptions {
     ExrLayout exr_layout = ExrLayout::kAuto;
 
     [[nodiscard]] bool ablates(std::string_view part) const;
+    /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
+    std::filesystem::path scratch;
 };
 
+/// 3..8193 a side, of any chart.
+inline constexpr std::uint32_t kMinSide = 3, kMaxSide = 8193;
+
 /// The settings as one line of stable text, for MapSet::settings_hash: equal texts mean equal layers from equal meshes.
+/// What is asked by error, budget or number of samples stands in it as it was asked, not as it was answered.
 /// Left out: which files are written (a .dgm has the same bytes whether or not an EXR is written beside it) and the
 /// path of `texture`, whose content stands there instead (XXH3-128).
 /// @throws model::Error kFileMissing, kReadFailed if `texture` cannot be read

@@ -15,7 +15,8 @@ json size_json(const GridSize& size) {
 }
 
 json settings_json(const BakeOptions& options, const BatchOptions& batch) {
-    json out{{"size", size_json(options.size)},
+    json out{{"size",
+              options.auto_samples ? json("auto:" + std::to_string(*options.auto_samples)) : size_json(options.size)},
              {"method", options.method},
              {"domain", name_of(kDomainNames, options.domain)},
              {"fit", name_of(kFitNames, options.fit)},
@@ -30,6 +31,10 @@ json settings_json(const BakeOptions& options, const BatchOptions& batch) {
              {"jobs", batch.jobs}};
     if (options.bump_size) out["bump_size"] = size_json(*options.bump_size);
     if (!options.ablate.empty()) out["ablate"] = options.ablate;
+    if (options.max_error)
+        out["max_error"] = {{options.max_error->percent ? "percent" : "source_units", options.max_error->value},
+                            {"kind", name_of(kErrorKindNames, options.max_error->kind)}};
+    if (options.budget_bytes) out["budget_bytes"] = *options.budget_bytes;
     if (options.write_dgm) out["format"].push_back("dgm");
     if (options.write_exr) out["format"].push_back("exr");
     return out;

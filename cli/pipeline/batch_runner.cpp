@@ -30,6 +30,9 @@ constexpr auto kTick = std::chrono::milliseconds(200);
 /// A worker has said all it has to say: how often to look whether it has gone.
 constexpr auto kEndTick = std::chrono::milliseconds(2);
 
+/// Interrupted, the program ends within a second, workers with gigabytes to give back on a busy machine or not.
+constexpr auto kLastWait = std::chrono::milliseconds(500);
+
 volatile sig_atomic_t g_stop_requested = 0;
 
 /// Turns signals into a flag while a batch runs. They stay blocked but inside ppoll, so none is missed.
@@ -265,8 +268,10 @@ class Batch {
     }
 
     void interrupt() {
+        for (Running& r : running_) r.child.begin_kill();
+        const Clock::time_point deadline = Clock::now() + kLastWait;
         for (Running& r : running_) {
-            r.child.kill();
+            r.child.leave(deadline);
             remove_temporaries(r);
             results_[r.asset].outcome = Outcome::kInterrupted;
         }

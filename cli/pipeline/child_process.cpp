@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include "model/codes.h"
@@ -173,9 +174,19 @@ std::optional<ChildEnd> ChildProcess::poll_end() {
     return ChildEnd{WEXITSTATUS(status), 0};
 }
 
+void ChildProcess::begin_kill() {
+    if (pid_ >= 0) ::kill(pid_, SIGKILL);
+}
+
+void ChildProcess::leave(std::chrono::steady_clock::time_point deadline) {
+    while (pid_ >= 0 && !poll_end() && std::chrono::steady_clock::now() < deadline)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    pid_ = -1;
+}
+
 void ChildProcess::kill() {
     if (pid_ < 0) return;
-    ::kill(pid_, SIGKILL);
+    begin_kill();
     while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {}
     pid_ = -1;
 }

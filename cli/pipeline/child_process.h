@@ -4,6 +4,7 @@
 #pragma once
 #include <sys/types.h>
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -58,6 +59,10 @@ class ChildProcess {
     [[nodiscard]] std::optional<ChildEnd> poll_end();
     /// SIGKILL, and waits for the end.
     void kill();
+    /// SIGKILL without waiting: the end may take long where the system is busy and the worker's memory large.
+    void begin_kill();
+    /// Waits for the end until `deadline`; after that the child is left to the system, which ends it all the same.
+    void leave(std::chrono::steady_clock::time_point deadline);
 
  private:
     pid_t pid_ = -1;

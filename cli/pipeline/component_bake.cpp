@@ -9,11 +9,11 @@
 #include "geometry/cgal/border_simple.h"
 #include "geometry/cgal/cgal_parameterizers.h"
 #include "geometry/cgal/constrained_triangulation.h"
-#include "geometry/chart/cut_search.h"
 #include "geometry/chart/free_chart.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/metrics/map_metrics.h"
 #include "model/codes.h"
+#include "pipeline/cpu_clock.h"
 
 namespace dgm::bake {
 namespace {
@@ -33,8 +33,9 @@ bool is_free_method(const std::string& method) {
 /// What every candidate of one component shares.
 class ComponentBaker {
  public:
-    ComponentBaker(const TriMesh& component, GridSize size, const BakeOptions& options, const model::Progress& progress)
-        : component_(component), size_(size), options_(options), progress_(progress) {}
+    ComponentBaker(const TriMesh& component, GridSize size, const BakeOptions& options, CutMemory& cuts,
+                   const model::Progress& progress)
+        : component_(component), size_(size), options_(options), cuts_(cuts), progress_(progress) {}
 
     ComponentResult run() {
         if (options_.method == "uv") {
@@ -57,7 +58,7 @@ class ComponentBaker {
         if (options_.ablates("cut-search"))  // the first cut that can be mapped at all
             search.patience = -1, search.rotations = 1, search.drops = 0;
         try {
-            cut_ = search_cut(component_, search, progress_);
+            cut_ = cuts_.search(component_, search, progress_);
         } catch (const Error& e) {
             if (e.code().number == codes::kInterrupted.number || !may_be_free()) throw;
             CutGraph shortest(component_);  // no square map at all: a free chart may still do
@@ -123,7 +124,8 @@ class ComponentBaker {
 
     template <class Make>
     void add(const std::string& method, Make make_chart) {
-        CandidateReport report{method, 0, ""};
+        CandidateReport report{method, 0, "", 0};
+        const CpuClock clock;
         try {
             SampledChart chart = make_chart();
             if (method != "uv") chart.cut_length = cut_.cut_length;
@@ -139,6 +141,7 @@ class ComponentBaker {
             report.outcome = e.what();
             failure_ = e;
         }
+        report.cpu_seconds = clock.seconds();
         result_.candidates.push_back(std::move(report));
     }
 
@@ -166,6 +169,7 @@ class ComponentBaker {
     const TriMesh& component_;
     GridSize size_;
     const BakeOptions& options_;
+    CutMemory& cuts_;
     const model::Progress& progress_;
     CutSearchResult cut_;
     std::uint32_t rotation_ = 0;
@@ -188,16 +192,16 @@ GridSize component_size(GridSize full, double area, double largest_area) {
     return {side(full.rows), side(full.cols)};
 }
 
-ComponentResult bake_component(const TriMesh& component, GridSize size, const BakeOptions& options,
-                               const model::Progress& progress) {
+ComponentResult bake_component(const TriMesh& component, GridSize size, GridSize most, const BakeOptions& options,
+                               CutMemory& cuts, const model::Progress& progress) {
     while (true) {
         try {
-            return ComponentBaker(component, size, options, progress).run();
+            return ComponentBaker(component, size, options, cuts, progress).run();
         } catch (const Error& e) {
-            if (e.code().number != codes::kGridTooSmall.number || size == options.size) throw;
+            if (e.code().number != codes::kGridTooSmall.number || size == most) throw;
         }
-        size.rows = std::min(options.size.rows, 2 * size.rows - 1);
-        size.cols = std::min(options.size.cols, 2 * size.cols - 1);
+        size.rows = std::min(most.rows, 2 * size.rows - 1);
+        size.cols = std::min(most.cols, 2 * size.cols - 1);
     }
 }
 

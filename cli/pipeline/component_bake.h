@@ -2,12 +2,15 @@
 // cli/pipeline/component_bake.h
 // One component to one sampled chart: which candidates are tried, and which is kept.
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geometry/chart/sampled_chart.h"
 #include "pipeline/bake_options.h"
 #include "pipeline/bake_report.h"
+#include "pipeline/cut_memory.h"
 
 namespace dgm::bake {
 
@@ -17,9 +20,11 @@ struct ComponentResult {
 };
 
 /// `auto` tries the methods that fit the component and keeps the one with the least measured error; a named method is
-/// tried alone. The grid grows (doubling, up to `options.size`) from `size` where the cut does not fit it.
+/// tried alone. The grid grows (doubling, up to `most`) from `size` where the cut does not fit it. `cuts` remembers
+/// what was found for the same component, and says whether that may be used again.
 /// @throws model::Error kMapInvalid, kMethodUnsuited, kGridTooSmall, kInterrupted
-[[nodiscard]] ComponentResult bake_component(const model::TriMesh& component, GridSize size, const BakeOptions& options,
+[[nodiscard]] ComponentResult bake_component(const model::TriMesh& component, GridSize size, GridSize most,
+                                             const BakeOptions& options, CutMemory& cuts,
                                              const model::Progress& progress);
 
 /// Grid of a component: `full` for the largest one, for others the same spacing of samples, but not under 17 a side.

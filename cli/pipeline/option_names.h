@@ -23,6 +23,8 @@ inline constexpr std::array kPrecisionNames{NamedValue<Precision>{"f32", Precisi
 inline constexpr std::array kDomainNames{NamedValue<DomainChoice>{"auto", DomainChoice::kAuto},
                                          NamedValue<DomainChoice>{"square", DomainChoice::kSquare},
                                          NamedValue<DomainChoice>{"free", DomainChoice::kFree}};
+inline constexpr std::array kErrorKindNames{NamedValue<ErrorKind>{"rms", ErrorKind::kRms},
+                                            NamedValue<ErrorKind>{"hausdorff", ErrorKind::kHausdorff}};
 inline constexpr std::array kExrLayoutNames{NamedValue<ExrLayout>{"auto", ExrLayout::kAuto},
                                             NamedValue<ExrLayout>{"multipart", ExrLayout::kMultipart}};
 

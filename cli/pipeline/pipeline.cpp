@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "dgm/dgm_writer.h"
 #include "dgm/hash.h"
 #include "geometry/fit/fit.h"
 #include "geometry/layers/layers.h"
@@ -18,6 +19,10 @@
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
 #include "pipeline/component_bake.h"
+#include "pipeline/component_shapes.h"
+#include "pipeline/cpu_clock.h"
+#include "pipeline/grid_search.h"
+#include "pipeline/size_search.h"
 
 namespace dgm::bake {
 namespace {
@@ -50,6 +55,20 @@ void append(TriMesh& whole, const TriMesh& part) {
     for (const Face& f : part.faces) whole.faces.push_back({f[0] + base, f[1] + base, f[2] + base});
 }
 
+/// One rising share from steps whose number nobody knows beforehand (start, descent, other candidates), each of which
+/// counts from 0 to 1: each gets half of what is left.
+class OpenSteps {
+ public:
+    double operator()(double share) {
+        if (share < last_) left_ /= 2;
+        last_ = share;
+        return 1 - left_ + left_ / 2 * share;
+    }
+
+ private:
+    double last_ = 0, left_ = 1;
+};
+
 class AssetBake {
  public:
     AssetBake(const std::filesystem::path& source, const BakeOptions& options, const model::Progress& progress)
@@ -63,30 +82,207 @@ class AssetBake {
         });
         stage("textures", [&] { load_images(); });
         describe();
-        stage("map", [&] { map_components(); });
-        if (options_.ablates("diagonals")) straighten_diagonals();
-        if (options_.fit != Fit::kSample) stage("fit", [&] { fit_charts(); });
-        stage("layers", [&] { make_charts(); });
-        stage("measure", [&] { measure(); });
-        result_.maps.report_json = to_json(result_.report, false);
+        GridSize largest = options_.size;
+        if (options_.auto_samples) stage("shape", [&] { largest = choose_shapes(); });
+        if (options_.max_error || options_.budget_bytes) {
+            use_cuts(CutUse::kReuse);
+            search_grid(largest);
+        } else {
+            if (options_.auto_samples) use_cuts(CutUse::kBest);
+            map_and_fit(largest, true);
+            finish();
+        }
         return std::move(result_);
     }
 
  private:
     template <class Body>
     void stage(const char* name, Body body) {
-        progress_.update(name, 0);
+        const std::string shown = trial_ + name;
+        progress_.update(shown, 0);
         const auto start = std::chrono::steady_clock::now();
-        const std::clock_t cpu_start = std::clock();
+        const CpuClock clock;
         try {
             body();
         } catch (Error& e) {
-            e.with_stage(name);
+            e.with_stage(shown);
             throw;
         }
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        result_.report.times.push_back(
-            {name, seconds.count(), static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC});
+        std::vector<StageTime>& times = result_.report.times;
+        if (times.empty() || times.back().stage != shown) times.push_back({shown, 0, 0});
+        times.back().seconds += seconds.count();
+        times.back().cpu_seconds += clock.seconds();
+    }
+
+    /// Shares of `count` equal parts, as shares of the whole stage.
+    [[nodiscard]] model::Progress part(std::string stage, std::size_t k, std::size_t count) const {
+        model::Progress out;
+        out.cancelled = progress_.cancelled;
+        out.on_update = [this, stage = std::move(stage), k, count, steps = OpenSteps()](std::string_view inner,
+                                                                                        double share) mutable {
+            // The search for the cut is the long part of mapping, and goes by its own name.
+            const bool cut = inner == "cut", counted = cut || stage != "map";
+            progress_.update(trial_ + (cut ? "cut" : stage),
+                             (static_cast<double>(k) + (counted ? share : steps(share))) / static_cast<double>(count));
+        };
+        return out;
+    }
+
+    /// --size auto:N. @return the grid of the largest component
+    GridSize choose_shapes() {
+        const std::uint64_t samples = *options_.auto_samples;
+        GridSearch& search = result_.report.search.emplace();
+        search.goal = "samples";
+        search.asked_samples = samples;
+        shapes_ = choose_component_shapes(repaired_.components, areas_, samples, options_, cuts_, part("shape", 0, 1));
+        search.shapes = shapes_.trials;
+        for (GridTrial& trial : search.shapes) trial.rms *= repaired_.frame.diagonal;
+        const GridSize out = grid_of(samples, shapes_.aspects[largest_]);
+        search.rows = out.rows, search.cols = out.cols;
+        return out;
+    }
+
+    /// --max-error, --budget: bakes grids up to `most` until the asked one is found.
+    void search_grid(GridSize most) {
+        const std::vector<GridTrial> shapes =
+            result_.report.search ? result_.report.search->shapes : std::vector<GridTrial>{};
+        const double diagonal = repaired_.frame.diagonal;
+        std::vector<ComponentResult> kept;
+        GridTries tries;
+        tries.keep = [&](GridSize) {
+            if (options_.max_error) kept = mapped_;
+        };
+        const auto trial = [&](GridSize size, const auto& body) {
+            const CpuClock clock;
+            trial_ = std::to_string(size.rows) + "x" + std::to_string(size.cols) + ": ";
+            GridTrial out{size.rows, size.cols, std::nan(""), std::nan(""), 0, "", 0};
+            try {
+                body(out);
+            } catch (const Error&) {
+                trial_.clear();
+                throw;
+            }
+            trial_.clear();
+            out.cpu_seconds = clock.seconds();
+            return out;
+        };
+        const std::vector<GridSize> ladder = grid_ladder(most, options_.max_error.has_value());
+        if (options_.max_error) {
+            tries.measure = [&](GridSize size) {
+                return trial(size, [&](GridTrial& out) {
+                    map_and_fit(size, true);
+                    make_and_measure(kGeometryOnly, kErrorSamples);
+                    out.rms = result_.report.error.rms, out.hausdorff = result_.report.error.hausdorff;
+                });
+            };
+            result_.report.search = in_search(
+                [&] { return search_by_error(*options_.max_error, diagonal, ladder, first_side(shapes), tries); });
+        } else {
+            tries.measure = [&](GridSize size) {
+                return trial(size, [&](GridTrial& out) {
+                    map_and_fit(size, false);
+                    make_and_measure(options_.layers, kFewSamples);
+                    out.bytes = file_bytes();
+                });
+            };
+            result_.report.search = in_search([&] { return search_by_budget(*options_.budget_bytes, ladder, tries); });
+        }
+        GridSearch& search = *result_.report.search;
+        search.shapes = shapes;
+        if (options_.max_error) {
+            mapped_ = std::move(kept);
+        } else {
+            use_cuts(CutUse::kBest);
+            map_and_fit({search.rows, search.cols}, true);
+        }
+        finish();
+        if (options_.budget_bytes) hold_budget(ladder);
+    }
+
+    template <class Body>
+    static GridSearch in_search(Body body) {
+        try {
+            return body();
+        } catch (Error& e) {
+            e.with_stage("search");
+            throw;
+        }
+    }
+
+    /// What the shapes' cheap bakes say about the side that a search by rms should begin with.
+    [[nodiscard]] double first_side(const std::vector<GridTrial>& shapes) const {
+        constexpr double kDefault = 65, kFarthest = 4;
+        const ErrorGoal& goal = *options_.max_error;
+        if (shapes.empty() || areas_.size() > 1 || goal.kind != ErrorKind::kRms) return kDefault;
+        const double asked = goal.percent ? goal.value / 100 * repaired_.frame.diagonal : goal.value;
+        const auto best = std::min_element(shapes.begin(), shapes.end(),
+                                           [](const GridTrial& a, const GridTrial& b) { return a.rms < b.rms; });
+        const double side = std::sqrt(static_cast<double>(best->rows) * best->cols);
+        return side * std::clamp(std::sqrt(best->rms / asked), 1 / kFarthest, kFarthest);
+    }
+
+    /// The finished file may be a little larger than its trial was: the report tells of the trials.
+    void hold_budget(const std::vector<GridSize>& ladder) {
+        const std::uint64_t budget = *options_.budget_bytes;
+        GridSearch& search = *result_.report.search;
+        search.asked_bytes = budget;
+        for (std::uint64_t bytes = file_bytes(); bytes > budget; bytes = file_bytes()) {
+            const auto at = std::find(ladder.begin(), ladder.end(), GridSize{search.rows, search.cols});
+            const std::string size = std::to_string(search.rows) + "x" + std::to_string(search.cols);
+            if (options_.max_error)
+                throw Error(codes::kBudgetTooSmall, size +
+                                                        " is the smallest grid that holds the error; its file takes " +
+                                                        std::to_string(bytes) + " bytes of " + std::to_string(budget));
+            if (at == ladder.begin() || at == ladder.end())
+                throw Error(codes::kBudgetTooSmall, "the smallest grid, " + size + ", takes " + std::to_string(bytes) +
+                                                        " bytes of " + std::to_string(budget));
+            search.next = GridTrial{at->rows, at->cols, std::nan(""), std::nan(""), bytes, "too large", 0};
+            const GridSize smaller = *(at - 1);
+            search.rows = smaller.rows, search.cols = smaller.cols;
+            map_and_fit(smaller, true);
+            finish();
+        }
+    }
+
+    /// Size of the file as it stands, by writing it.
+    [[nodiscard]] std::uint64_t file_bytes() {
+        if (options_.scratch.empty()) throw Error(codes::kUsage, "a budget needs a .dgm to measure");
+        result_.maps.report_json = to_json(result_.report, false);
+        formats::write_dgm(result_.maps, options_.scratch);
+        std::error_code error;
+        const std::uintmax_t bytes = std::filesystem::file_size(options_.scratch, error);
+        std::filesystem::remove(options_.scratch, error);
+        if (error) throw Error(codes::kWriteFailed, error.message(), options_.scratch.string());
+        return bytes;
+    }
+
+    void use_cuts(CutUse use) {
+        for (CutMemory& memory : cuts_) memory.use = use;
+    }
+
+    void map_and_fit(GridSize largest, bool fit) {
+        stage("map", [&] { map_components(largest); });
+        if (options_.ablates("diagonals")) straighten_diagonals();
+        if (fit && options_.fit != Fit::kSample) stage("fit", [&] { fit_charts(); });
+    }
+
+    void make_and_measure(const std::vector<std::string>& layers, std::uint64_t samples) {
+        result_.maps.charts.clear();
+        result_.report.charts.clear();
+        worst_quantisation_ = 0;
+        stage("layers", [&] { make_charts(layers); });
+        stage("measure", [&] { measure(layers, samples); });
+    }
+
+    void finish() {
+        make_and_measure(options_.layers, kErrorSamples);
+        if (GridSearch* search = result_.report.search ? &*result_.report.search : nullptr) {
+            const SurfaceError& error = result_.report.error;
+            search->reached = search->kind == "hausdorff" ? error.hausdorff : error.rms;
+            search->reached_percent = 100 * search->reached / error.diagonal;
+        }
+        result_.maps.report_json = to_json(result_.report, false);
     }
 
     void import() {
@@ -129,39 +325,42 @@ class AssetBake {
                 .with_stage("repair");
         for (const auto& count : repaired_.counts) result_.report.repairs.push_back(count);
         const std::size_t components = repaired_.components.size();
+        for (const TriMesh& component : repaired_.components) areas_.push_back(total_area(component));
+        largest_ = static_cast<std::size_t>(std::max_element(areas_.begin(), areas_.end()) - areas_.begin());
+        shapes_.aspects.assign(components, 0.0);
+        cuts_.resize(components);
         if (components > 1)
             result_.report.warnings.push_back(std::to_string(components) + " components: one chart each");
     }
 
-    void map_components() {
-        std::vector<double> areas;
-        for (const TriMesh& component : repaired_.components) areas.push_back(total_area(component));
-        const double largest = *std::max_element(areas.begin(), areas.end());
+    /// The grid of component c where the largest one has `largest`, as if it were as large; see component_size.
+    [[nodiscard]] GridSize full_size(std::size_t c, GridSize largest) const {
+        if (c == largest_ || shapes_.aspects[c] == 0) return largest;
+        return grid_of(std::uint64_t{largest.rows} * largest.cols, shapes_.aspects[c]);
+    }
+
+    void map_components(GridSize largest) {
+        mapped_.clear();
+        std::vector<GridSize> sizes;
         std::uint64_t samples = 0;
-        for (std::size_t c = 0; c < areas.size(); ++c) {
-            const GridSize size = component_size(options_.size, areas[c], largest);
-            samples += std::uint64_t{size.rows} * size.cols;
+        for (std::size_t c = 0; c < areas_.size(); ++c) {
+            sizes.push_back(component_size(full_size(c, largest), areas_[c], areas_[largest_]));
+            samples += std::uint64_t{sizes[c].rows} * sizes[c].cols;
         }
         if (samples > kMaxSamples)
-            throw Error(codes::kTooLarge, std::to_string(areas.size()) + " components would need " +
+            throw Error(codes::kTooLarge, std::to_string(areas_.size()) + " components would need " +
                                               std::to_string(samples) + " samples, more than " +
                                               std::to_string(kMaxSamples) +
                                               "; join or drop components, or ask for a smaller --size");
-        for (std::size_t c = 0; c < areas.size(); ++c) {
-            const double done = static_cast<double>(c) / static_cast<double>(areas.size());
-            model::Progress inner;
-            inner.cancelled = progress_.cancelled;
-            inner.on_update = [&](std::string_view, double share) {
-                progress_.update("map", done + share / static_cast<double>(areas.size()));
-            };
+        for (std::size_t c = 0; c < sizes.size(); ++c) {
             try {
-                mapped_.push_back(bake_component(repaired_.components[c],
-                                                 component_size(options_.size, areas[c], largest), options_, inner));
+                mapped_.push_back(bake_component(repaired_.components[c], sizes[c], full_size(c, largest), options_,
+                                                 cuts_[c], part("map", c, sizes.size())));
             } catch (Error& e) {
-                if (areas.size() == 1) throw;
+                if (sizes.size() == 1) throw;
                 throw Error(
                     e.code(),
-                    "component " + std::to_string(c + 1) + " of " + std::to_string(areas.size()) + ": " + e.what(),
+                    "component " + std::to_string(c + 1) + " of " + std::to_string(sizes.size()) + ": " + e.what(),
                     e.place());
             }
         }
@@ -179,29 +378,24 @@ class AssetBake {
     void fit_charts() {
         FitOptions fit = options_.fit == Fit::kBest ? best_fit() : l2_fit();
         fit.split_quads = !options_.ablates("diagonals");
-        for (std::size_t c = 0; c < mapped_.size(); ++c) {
-            model::Progress inner;
-            inner.cancelled = progress_.cancelled;
-            inner.on_update = [&](std::string_view, double share) {
-                progress_.update("fit", (static_cast<double>(c) + share) / static_cast<double>(mapped_.size()));
-            };
-            fit_chart(mapped_[c].chart, fit, inner);
-        }
+        for (std::size_t c = 0; c < mapped_.size(); ++c)
+            fit_chart(mapped_[c].chart, fit, part("fit", c, mapped_.size()));
     }
 
-    void make_charts() {
+    void make_charts(const std::vector<std::string>& layers) {
         for (std::size_t c = 0; c < mapped_.size(); ++c) {
-            progress_.update("layers", static_cast<double>(c) / static_cast<double>(mapped_.size()));
+            part("layers", c, mapped_.size()).update("layers", 0);
             const SampledChart& chart = mapped_[c].chart;
             const StoredFrame stored = choose_frame(repaired_.frame, chart, options_.precision == Precision::kU16);
             const bool fitted = options_.fit != Fit::kSample;
-            const SampleGrid fine = fitted
-                                        ? closest_samples(chart, 2 * chart.m - 1, 2 * chart.n - 1)
-                                        : rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
+            SampleGrid fine;  // read by bump and texture alone
+            if (wants(layers, "bump") || wants(layers, "texture"))
+                fine = fitted ? closest_samples(chart, 2 * chart.m - 1, 2 * chart.n - 1)
+                              : rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
             LayerInput in{chart, repaired_.frame, stored, images_, fine, std::nullopt, fitted, std::nullopt};
             if (options_.texture_size) in.texture_size = {options_.texture_size->rows, options_.texture_size->cols};
             if (options_.bump_size) in.bump_size = {options_.bump_size->rows, options_.bump_size->cols};
-            ChartLayers made = make_layers(in, options_.layers);
+            ChartLayers made = make_layers(in, layers);
             worst_quantisation_ = std::max(worst_quantisation_, made.worst_quantisation);
             result_.maps.charts.push_back(std::move(made.chart));
         }
@@ -214,11 +408,12 @@ class AssetBake {
     }
 
     /// Errors of what was stored, in the normalised frame, then scaled to source units.
-    void measure() {
+    void measure(const std::vector<std::string>& layers, std::uint64_t error_samples) {
         const Frame& frame = repaired_.frame;
         double area = 0;
-        for (const TriMesh& component : repaired_.components) area += total_area(component);
+        for (const double a : areas_) area += a;
         TriMesh whole_source, whole_map;
+        std::fill(std::begin(normals_squared_), std::end(normals_squared_), 0.0);
         for (std::size_t c = 0; c < mapped_.size(); ++c) {
             const TriMesh& component = repaired_.components[c];
             const SampledChart& chart = mapped_[c].chart;
@@ -248,21 +443,21 @@ class AssetBake {
             }
             report.turned_faces = count_turned_faces(component, map);
             report.candidates = mapped_[c].candidates;
-            const double share = area > 0 ? total_area(component) / area : 1;
-            const auto samples = static_cast<std::uint64_t>(std::max(2000.0, 400'000 * share));
-            model::Progress inner;
-            inner.cancelled = progress_.cancelled;
+            const double share = area > 0 ? areas_[c] / area : 1;
+            const auto samples =
+                static_cast<std::uint64_t>(std::max(2000.0, static_cast<double>(error_samples) * share));
+            const std::size_t parts = mapped_.size() > 1 ? mapped_.size() + 1 : 1;
             SurfaceErrorOptions sampling{samples, 1, {}};
             if (bump) sampling.shading = [&](std::uint32_t face, const double(&b)[3]) { return bump->at(face, b); };
-            report.error = measure_surface_error(component, map, sampling, inner);
+            report.error = measure_surface_error(component, map, sampling, part("measure", c, parts));
             add_normals(report.error, share);
             if (mapped_.size() > 1) append(whole_source, component), append(whole_map, map);
             result_.report.charts.push_back(std::move(report));
-            progress_.update("measure", static_cast<double>(c + 1) / static_cast<double>(mapped_.size() + 1));
         }
         result_.report.error = result_.report.charts.front().error;
         if (mapped_.size() > 1) {
-            result_.report.error = measure_surface_error(whole_source, whole_map, {400'000, 1, {}});
+            result_.report.error = measure_surface_error(whole_source, whole_map, {error_samples, 1, {}},
+                                                         part("measure", mapped_.size(), mapped_.size() + 1));
             // Charts are measured with their normals, each as much as its share of the area.
             result_.report.error.normal_rms_degrees = std::sqrt(normals_squared_[0]);
             result_.report.error.normal_rms_face_degrees = std::sqrt(normals_squared_[1]);
@@ -276,7 +471,7 @@ class AssetBake {
         to_source_units(result_.report.error);
         for (ChartReport& report : result_.report.charts) to_source_units(report.error);
         // Geometry is always made, to measure it; it is stored only if it was asked for.
-        if (!wants(options_.layers, "geometry"))
+        if (!wants(layers, "geometry"))
             for (model::Chart& chart : result_.maps.charts)
                 std::erase_if(chart.layers, [](const model::Layer& l) {
                     return l.name == "geometry" || l.name == "border_geometry";
@@ -288,6 +483,8 @@ class AssetBake {
                                    chart.normal_rms_bump_degrees};
         for (int k = 0; k < 3; ++k) normals_squared_[k] += share * degrees[k] * degrees[k];
     }
+    static constexpr std::uint64_t kErrorSamples = 400'000, kFewSamples = 1000;
+    inline static const std::vector<std::string> kGeometryOnly{"geometry"};
 
     const std::filesystem::path& source_;
     const BakeOptions& options_;
@@ -296,6 +493,11 @@ class AssetBake {
     formats::ImportedMesh imported_;
     RepairedMesh repaired_;
     MaterialImages images_;
+    std::vector<double> areas_;  ///< per component
+    std::size_t largest_ = 0;    ///< component
+    ComponentShapes shapes_;     ///< aspect 0: that of the largest
+    std::vector<CutMemory> cuts_;
+    std::string trial_;  ///< "129x129: " while grids are tried
     std::vector<ComponentResult> mapped_;
     double worst_quantisation_ = 0;
     BakeResult result_;

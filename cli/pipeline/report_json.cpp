@@ -43,6 +43,7 @@ void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, Topology
 template <class A, class T>
 void fields(A& a, T& c) requires std::is_same_v<std::remove_const_t<T>, CandidateReport> {
     a("method", c.method), a("psnr", c.psnr), a("outcome", c.outcome);
+    a.of_run("cpu_seconds", c.cpu_seconds);
 }
 
 template <class A, class T>
@@ -63,6 +64,21 @@ void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, StageTim
 }
 
 template <class A, class T>
+void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, GridTrial> {
+    a("rows", t.rows), a("cols", t.cols), a("rms", t.rms), a("hausdorff", t.hausdorff);
+    a("bytes", t.bytes), a("outcome", t.outcome);
+    a.of_run("cpu_seconds", t.cpu_seconds);
+}
+
+template <class A, class T>
+void fields(A& a, T& s) requires std::is_same_v<std::remove_const_t<T>, GridSearch> {
+    a("goal", s.goal), a("kind", s.kind), a("asked", s.asked), a("asked_percent", s.asked_percent);
+    a("reached", s.reached), a("reached_percent", s.reached_percent), a("margin", s.margin);
+    a("asked_bytes", s.asked_bytes), a("asked_samples", s.asked_samples), a("rows", s.rows), a("cols", s.cols);
+    a("shapes", s.shapes), a("trials", s.trials), a("next", s.next);
+}
+
+template <class A, class T>
 void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, RepairCounts::value_type> {
     a("kind", r.first), a("count", r.second);
 }
@@ -70,12 +86,11 @@ void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, RepairCo
 template <class A, class T>
 void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, BakeReport> {
     a("source_name", r.source_name), a("source_vertices", r.source_vertices), a("source_faces", r.source_faces);
-    a("error", r.error), a("worst_quantisation", r.worst_quantisation), a("repairs", r.repairs), a("warnings", r.warnings), a("charts", r.charts);
-}
-
-template <class A, class T>
-void run_fields(A& a, T& r) {
-    a("times", r.times), a("cpu_seconds", r.cpu_seconds), a("peak_memory_bytes", r.peak_memory_bytes);
+    a("error", r.error), a("worst_quantisation", r.worst_quantisation), a("repairs", r.repairs),
+        a("warnings", r.warnings), a("charts", r.charts);
+    a("search", r.search);
+    a.of_run("times", r.times), a.of_run("cpu_seconds", r.cpu_seconds);
+    a.of_run("peak_memory_bytes", r.peak_memory_bytes);
 }
 
 json number(double value) {
@@ -83,16 +98,17 @@ json number(double value) {
 }
 
 struct Writer {
+    bool with_times;
     json object = json::object();
 
     template <class T>
-    static json value(const T& v) {
+    json value(const T& v) {
         if constexpr (std::is_same_v<T, double>) {
             return number(v);
         } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
             return v;
         } else {
-            Writer inner;
+            Writer inner{with_times};
             fields(inner, v);
             if constexpr (std::is_same_v<T, SurfaceError>) {
                 inner.object["psnr"] = number(v.psnr());
@@ -103,7 +119,7 @@ struct Writer {
         }
     }
     template <class T>
-    static json value(const std::vector<T>& list) {
+    json value(const std::vector<T>& list) {
         json out = json::array();
         for (const T& v : list) out.push_back(value(v));
         return out;
@@ -111,6 +127,15 @@ struct Writer {
     template <class T>
     void operator()(const char* key, const T& v) {
         object[key] = value(v);
+    }
+    template <class T>
+    void operator()(const char* key, const std::optional<T>& v) {
+        if (v) object[key] = value(*v);
+    }
+    /// What differs from run to run.
+    template <class T>
+    void of_run(const char* key, const T& v) {
+        if (with_times) object[key] = value(v);
     }
 };
 
@@ -147,6 +172,14 @@ struct Reader {
         for (const json& item : from) read(key, item, list.emplace_back());
     }
     template <class T>
+    static void read(const char* key, const json& from, std::optional<T>& v) {
+        read(key, from, v.emplace());
+    }
+    template <class T>
+    void of_run(const char* key, T& v) {
+        (*this)(key, v);
+    }
+    template <class T>
     void operator()(const char* key, T& v) {
         if (const auto found = object.find(key); found != object.end()) read(key, *found, v);
     }
@@ -155,9 +188,8 @@ struct Reader {
 }  // namespace
 
 std::string to_json(const BakeReport& report, bool with_times) {
-    Writer writer;
+    Writer writer{with_times};
     fields(writer, report);
-    if (with_times) run_fields(writer, report);
     // Names come from strangers' files: bytes that are not UTF-8 become U+FFFD instead of an exception.
     return writer.object.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -168,7 +200,6 @@ BakeReport report_from_json(std::string_view text) {
     BakeReport report;
     Reader reader{parsed};
     fields(reader, report);
-    run_fields(reader, report);
     return report;
 }
 

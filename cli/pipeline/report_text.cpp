@@ -38,8 +38,9 @@ std::string charts_text(const std::vector<ChartReport>& charts) {
     return out;
 }
 
-std::string percent(double value, double whole) {
-    return fmt::format("{:.2g} %", whole > 0 ? 100 * value / whole : 0.0);
+/// "0.02 (0.01 %)": source units, and % of the diagonal.
+std::string error_text(double value, double diagonal, int digits = 2) {
+    return fmt::format("{:.{}g} ({:.{}g} %)", value, digits, diagonal > 0 ? 100 * value / diagonal : 0.0, digits);
 }
 
 std::vector<std::string> lines_of(std::string_view text) {
@@ -49,6 +50,30 @@ std::vector<std::string> lines_of(std::string_view text) {
         if (const std::string_view line = text.substr(0, end); !line.empty()) out.push_back(printable(line));
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     }
+    return out;
+}
+
+std::string size_text(const GridTrial& t) {
+    return fmt::format("{}x{}", t.rows, t.cols);
+}
+
+/// "rms 0.02 (0.01 %)" and what else the trial measured.
+std::string trial_text(const GridTrial& t, double diagonal) {
+    std::string out;
+    if (std::isfinite(t.rms)) out = "rms " + error_text(t.rms, diagonal, 4);
+    if (std::isfinite(t.hausdorff)) out += ", max " + error_text(t.hausdorff, diagonal, 4);
+    if (t.bytes > 0) out += (out.empty() ? "" : ", ") + bytes_text(t.bytes);
+    return out.empty() ? "no map" : out;
+}
+
+std::vector<std::string> search_lines(const GridSearch& s, double diagonal) {
+    std::vector<std::string> out{"  " + search_story(s, diagonal)};
+    for (const GridTrial& t : s.shapes)
+        out.push_back(fmt::format("    shape {}: {}, {:.2f} s of CPU, {}", size_text(t), trial_text(t, diagonal),
+                                  t.cpu_seconds, printable(t.outcome)));
+    for (const GridTrial& t : s.trials)
+        out.push_back(fmt::format("    grid {}: {}, {:.2f} s of CPU, {}", size_text(t), trial_text(t, diagonal),
+                                  t.cpu_seconds, printable(t.outcome)));
     return out;
 }
 
@@ -77,6 +102,36 @@ std::string printable(std::string_view text) {
     return out;
 }
 
+std::string search_story(const GridSearch& s, double diagonal) {
+    const std::string answer = fmt::format("{}x{}", s.rows, s.cols);
+    constexpr int kDigits = 4;  // neighbours of the ladder differ in the second or third
+    std::string out;
+    if (s.goal == "max-error") {
+        out = fmt::format("asked for {} {}: {} reaches {}", printable(s.kind), error_text(s.asked, diagonal, kDigits),
+                          answer, error_text(s.reached, diagonal, kDigits));
+        if (s.next)
+            out += fmt::format(
+                "; the next smaller grid, {}, would have given {}", size_text(*s.next),
+                s.next->bytes == 0 && !std::isfinite(s.next->rms)
+                    ? "no map"
+                    : error_text(s.kind == "hausdorff" ? s.next->hausdorff : s.next->rms, diagonal, kDigits));
+        else
+            out += "; there is no smaller grid";
+        if (s.asked_bytes > 0) out += fmt::format("; the file may have {}", bytes_text(s.asked_bytes));
+    } else if (s.goal == "budget") {
+        out = fmt::format("asked for at most {}: {}, rms {}", bytes_text(s.asked_bytes), answer,
+                          error_text(s.reached, diagonal, kDigits));
+        if (s.next)
+            out += fmt::format("; the next larger grid, {}, would have taken {}", size_text(*s.next),
+                               bytes_text(s.next->bytes));
+        else
+            out += "; no larger grid is allowed";
+    } else {
+        out = fmt::format("asked for at most {} samples: {} is the best shape measured", s.asked_samples, answer);
+    }
+    return out;
+}
+
 std::string result_line(const AssetResult& result) {
     const BakeReport& report = result.report;
     std::uint64_t flips = 0, turned = 0, bytes = 0;
@@ -91,11 +146,11 @@ std::string result_line(const AssetResult& result) {
         names += (names.empty() ? "" : ", ") + printable(file.path.lexically_normal().string());
         bytes += file.bytes;
     }
-    std::string out =
-        fmt::format("{}: {}, {:.1f} dB, rms {}, max {}, {}, seam gap {:g}, {}, {:.1f} s", names,
-                    charts_text(report.charts), report.error.psnr(), percent(report.error.rms, report.error.diagonal),
-                    percent(report.error.hausdorff, report.error.diagonal), plural(flips, "flip"), seam_gap,
-                    bytes_text(bytes), result.seconds);
+    std::string out = fmt::format("{}: {}, {:.1f} dB, rms {}, max {}, {}, seam gap {:g}, {}, {:.1f} s", names,
+                                  charts_text(report.charts), report.error.psnr(),
+                                  error_text(report.error.rms, report.error.diagonal),
+                                  error_text(report.error.hausdorff, report.error.diagonal), plural(flips, "flip"),
+                                  seam_gap, bytes_text(bytes), result.seconds);
     if (turned > 0) out += ", " + plural(turned, "turned face");
     if (!report.warnings.empty()) out += ", " + plural(report.warnings.size(), "warning");
     return out;
@@ -117,12 +172,15 @@ std::vector<std::string> detail_lines(const BakeReport& report) {
               chart.source_topology.boundary_loops == chart.map_topology.boundary_loops))
             out.push_back("    reconstructed as " + topology_text(chart.map_topology));
         for (const CandidateReport& candidate : chart.candidates)
-            out.push_back(fmt::format("    tried {}: {}{}", printable(candidate.method),
+            out.push_back(fmt::format("    tried {}: {}{:.2f} s of CPU, {}", printable(candidate.method),
                                       candidate.psnr > 0 ? fmt::format("{:.1f} dB, ", candidate.psnr) : std::string(),
-                                      printable(candidate.outcome)));
+                                      candidate.cpu_seconds, printable(candidate.outcome)));
     }
+    if (report.search)
+        for (const std::string& line : search_lines(*report.search, report.error.diagonal)) out.push_back(line);
     for (const StageTime& time : report.times)
-        out.push_back(fmt::format("  {}: {:.2f} s", printable(time.stage), time.seconds));
+        out.push_back(
+            fmt::format("  {}: {:.2f} s, {:.2f} s of CPU", printable(time.stage), time.seconds, time.cpu_seconds));
     if (report.peak_memory_bytes > 0)
         out.push_back(fmt::format("  {:.1f} s of CPU, {} of memory at most", report.cpu_seconds,
                                   bytes_text(report.peak_memory_bytes)));

@@ -14,9 +14,12 @@ namespace dgm::bake {
 /// `text` with control characters as \xNN: file names and library messages must not steer the terminal.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// "stomach.dgm: stretch 257x257, 81.3 dB, rms 0.0086 %, max 0.05 %, 0 flips, seam gap 0, 1.2 MB, 3.4 s". Errors are in
-/// % of the source's diagonal. No newline.
+/// "stomach.dgm: stretch 257x257, 81.3 dB, rms 0.017 (0.0086 %), max 0.1 (0.05 %), 0 flips, seam gap 0, 1.2 MB, 3.4 s".
+/// Errors are in source units and % of the source's diagonal. No newline.
 [[nodiscard]] std::string result_line(const AssetResult& result);
+
+/// What was asked, what was reached on which grid, and what the next grid would have given, in one line.
+[[nodiscard]] std::string search_story(const GridSearch& search, double diagonal);
 
 /// Repairs, warnings, charts and the candidates of `auto`, one fact a line, indented; for -v.
 [[nodiscard]] std::vector<std::string> detail_lines(const BakeReport& report);

@@ -37,12 +37,25 @@ std::uint64_t number_at(const json& object, const char* key, std::uint64_t limit
 }
 
 constexpr std::uint64_t kMaxU32 = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t kMaxU64 = std::numeric_limits<std::uint64_t>::max();
 
 GridSize size_at(const json& object, const char* key) {
     const auto found = object.find(key);
     if (found == object.end() || !found->is_object()) malformed();
     return {static_cast<std::uint32_t>(number_at(*found, "rows", kMaxU32)),
             static_cast<std::uint32_t>(number_at(*found, "cols", kMaxU32))};
+}
+
+double real_at(const json& object, const char* key) {
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_number()) malformed();
+    return found->get<double>();
+}
+
+bool flag_at(const json& object, const char* key) {
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_boolean()) malformed();
+    return found->get<bool>();
 }
 
 template <class Table>
@@ -68,6 +81,12 @@ json to_object(const BakeOptions& options) {
     if (options.texture_size) out["texture_size"] = to_object(*options.texture_size);
     if (options.bump_size) out["bump_size"] = to_object(*options.bump_size);
     out["ablate"] = options.ablate;
+    if (options.auto_samples) out["auto_samples"] = *options.auto_samples;
+    if (options.budget_bytes) out["budget_bytes"] = *options.budget_bytes;
+    if (options.max_error)
+        out["max_error"] = {{"value", options.max_error->value},
+                            {"percent", options.max_error->percent},
+                            {"kind", name_of(kErrorKindNames, options.max_error->kind)}};
     return out;
 }
 
@@ -93,6 +112,12 @@ BakeOptions options_from(const json& object) {
     out.texture = decode_path(text_at(object, "texture"));
     if (object.contains("texture_size")) out.texture_size = size_at(object, "texture_size");
     if (object.contains("bump_size")) out.bump_size = size_at(object, "bump_size");
+    if (object.contains("auto_samples")) out.auto_samples = number_at(object, "auto_samples", kMaxU64);
+    if (object.contains("budget_bytes")) out.budget_bytes = number_at(object, "budget_bytes", kMaxU64);
+    if (const auto goal = object.find("max_error"); goal != object.end()) {
+        if (!goal->is_object()) malformed();
+        out.max_error = {real_at(*goal, "value"), flag_at(*goal, "percent"), choice_at(kErrorKindNames, *goal, "kind")};
+    }
     out.layers = texts_at(object, "layers");
     out.ablate = texts_at(object, "ablate");
     return out;
@@ -191,7 +216,8 @@ WorkerJob decode_job(std::string_view text) {
     job.exr = decode_path(text_at(object, "exr"));
     job.options.write_dgm = !job.dgm.empty();
     job.options.write_exr = !job.exr.empty();
-    job.memory_bytes = number_at(object, "memory_bytes", std::numeric_limits<std::uint64_t>::max());
+    job.options.scratch = job.dgm;
+    job.memory_bytes = number_at(object, "memory_bytes", kMaxU64);
     job.threads = static_cast<std::uint32_t>(number_at(object, "threads", 4096));
     return job;
 }

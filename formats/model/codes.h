@@ -63,6 +63,12 @@ inline constexpr Code kTooLarge{3007, "TOO_LARGE", ExitCode::kInvalid, "the inpu
 inline constexpr Code kScaleOutOfRange{3008, "SCALE_OUT_OF_RANGE", ExitCode::kInvalid,
                                        "the mesh is too large or too small for single precision",
                                        "scale the mesh in your modeller, or choose other units"};
+inline constexpr Code kErrorNotReached{3009, "ERROR_NOT_REACHED", ExitCode::kInvalid,
+                                       "no grid that is allowed holds the asked error",
+                                       "ask for a larger --max-error, allow a larger --size, or try --fit best"};
+inline constexpr Code kBudgetTooSmall{3010, "BUDGET_TOO_SMALL", ExitCode::kInvalid,
+                                      "what was asked for does not fit into the budget",
+                                      "raise --budget, ask for fewer --layers, or take --precision u16"};
 
 // 4xxx reconstruction against source
 inline constexpr Code kRmsExceeded{4001, "RMS_EXCEEDED", ExitCode::kInvalid,
@@ -107,6 +113,7 @@ inline constexpr const Code* kAll[] = {
     &kMissingLayer, &kBadLayerShape, &kNotFinite, &kSeamGap, &kBadSeamTable, &kBadTopology,
     &kBadValue, &kBadCollision, &kBadContact, &kBadBounds, &kBadReport,
     &kNoFaces, &kNonOrientable, &kMapInvalid, &kMethodUnsuited, &kImportFailed, &kGridTooSmall, &kTooLarge, &kScaleOutOfRange,
+    &kErrorNotReached, &kBudgetTooSmall,
     &kRmsExceeded, &kHausdorffExceeded, &kSourceDiffers, &kTurnedFaces,
     &kFileMissing, &kReadFailed, &kWriteFailed, &kNothingToDo, &kImageUnreadable,
     &kUsage, &kUnsupported,

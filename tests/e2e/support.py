@@ -10,6 +10,7 @@ from pathlib import Path
 
 BAKE = os.environ.get("DGM_BAKE", "")
 FAULTY_BAKE = os.environ.get("DGM_FAULTY_BAKE", "")
+VALIDATE = os.environ.get("DGM_VALIDATE", "")
 EXPORT = os.environ.get("DGM_EXPORT", "")
 DUMP_LAYERS = os.environ.get("DGM_DUMP_LAYERS", "")
 DEFORM_SAMPLE = os.environ.get("DGM_DEFORM_SAMPLE", "")

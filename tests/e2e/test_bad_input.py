@@ -207,7 +207,7 @@ class Batch(support.Folder):
         self.assertEqual((quiet.stdout, quiet.stderr), ("", ""))
         verbose = self.bake_well("x.obj", "--size", "9", "-v")
         self.assertRegex(verbose.stdout.splitlines()[0],
-                         r"^x\.dgm: \w+ 9x9, \d+\.\d dB, rms \S+ %, max \S+ %, 0 flips, seam gap 0, \S+ kB, \d+\.\d s")
+                         r"^x\.dgm: \w+ 9x9, \d+\.\d dB, rms \S+ \(\S+ %\), max \S+ \(\S+ %\), 0 flips, seam gap 0, \S+ kB, \d+\.\d s")
         self.assertIn("chart 0: ", verbose.stdout)
 
     def test_help_and_version(self):

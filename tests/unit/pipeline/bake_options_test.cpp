@@ -33,6 +33,17 @@ TEST(CanonicalSettings, NamesEveryFieldThatChangesTheLayers) {
               "texture_size=512x256;bump_size=17x9;without=cut-search;without=newton");
 }
 
+TEST(CanonicalSettings, NamesWhatWasAsked) {
+    BakeOptions options;
+    options.auto_samples = 66049;
+    options.max_error = ErrorGoal{0.05, true, ErrorKind::kHausdorff};
+    options.budget_bytes = 262144;
+    EXPECT_EQ(canonical_settings(options).substr(0, 83),
+              "size=auto:66049;max_error=0.05%;max_error_kind=hausdorff;budget=262144;method=auto;");
+    options.max_error->percent = false;
+    EXPECT_NE(canonical_settings(options).find(";max_error=0.05;"), std::string::npos);
+}
+
 TEST(CanonicalSettings, LeavesOutWhichFilesAreWritten) {
     BakeOptions options;
     options.write_dgm = false;

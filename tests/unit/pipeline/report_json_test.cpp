@@ -31,9 +31,16 @@ BakeReport example() {
     chart.turned_faces = 17;
     chart.source_topology.genus = -1;
     chart.source_topology.manifold = true;
-    chart.candidates = {{"tutte", 61.25, "higher error"}, {"stretch", 80.5, "chosen"}};
+    chart.candidates = {{"tutte", 61.25, "higher error", 0.125}, {"stretch", 80.5, "chosen", 0.5}};
     report.charts.push_back(chart);
-    report.times = {{"import", 0.25}};
+    GridSearch search;
+    search.goal = "max-error";
+    search.kind = "rms";
+    search.asked = 0.2;
+    search.trials = {{129, 129, 0.3, std::nan(""), 0, "does not hold", 1.5}};
+    search.next = search.trials[0];
+    report.search = search;
+    report.times = {{"import", 0.25, 0.5}};
     report.cpu_seconds = 5e-324;  // the smallest double
     report.peak_memory_bytes = 123456789;
     return report;
@@ -53,7 +60,13 @@ TEST(ReportJson, HoldsFieldsAndDerivedErrors) {
     EXPECT_EQ(json["charts"][0]["turned_faces"], 17);
     EXPECT_EQ(json["charts"][0]["source_topology"]["genus"], -1);
     EXPECT_EQ(json["charts"][0]["candidates"][1]["outcome"], "chosen");
+    EXPECT_EQ(json["charts"][0]["candidates"][1]["cpu_seconds"], 0.5);
     EXPECT_EQ(json["times"][0]["stage"], "import");
+    EXPECT_EQ(json["times"][0]["cpu_seconds"], 0.5);
+    EXPECT_EQ(json["search"]["next"]["rows"], 129);
+    EXPECT_TRUE(json["search"]["next"]["hausdorff"].is_null());
+    EXPECT_EQ(json["search"]["trials"][0]["cpu_seconds"], 1.5);
+    EXPECT_FALSE(nlohmann::json::parse(to_json(BakeReport{}, true)).contains("search"));
 }
 
 TEST(ReportJson, WithoutTimesHoldsNothingThatDiffersFromRunToRun) {
@@ -61,6 +74,9 @@ TEST(ReportJson, WithoutTimesHoldsNothingThatDiffersFromRunToRun) {
     other.times = {};
     other.cpu_seconds = 9;
     other.peak_memory_bytes = 1;
+    other.charts[0].candidates[0].cpu_seconds = 7;
+    other.search->trials[0].cpu_seconds = 7;
+    other.search->next->cpu_seconds = 7;
     EXPECT_EQ(to_json(one, false), to_json(other, false));
     EXPECT_NE(to_json(one, true), to_json(other, true));
 }
@@ -75,6 +91,9 @@ TEST(ReportJson, ComesBackToTheBit) {
     EXPECT_EQ(back.charts[0].source_topology, example().charts[0].source_topology);
     EXPECT_EQ(back.charts[0].candidates.at(0).psnr, 61.25);
     EXPECT_EQ(back.repairs, example().repairs);
+    ASSERT_TRUE(back.search && back.search->next);
+    EXPECT_EQ(back.search->asked, 0.2);
+    EXPECT_TRUE(std::isnan(back.search->next->hausdorff));
     EXPECT_EQ(back.cpu_seconds, 5e-324);
     EXPECT_EQ(to_json(back, true), text);
 }

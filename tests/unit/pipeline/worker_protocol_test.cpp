@@ -35,6 +35,9 @@ TEST(WorkerProtocol, JobComesBack) {
     job.options.bump_size = GridSize{5, 6};
     job.options.ablate = {"diagonals"};
     job.options.exr_layout = ExrLayout::kMultipart;
+    job.options.auto_samples = 66049;
+    job.options.max_error = ErrorGoal{0.1 + 0.2, false, ErrorKind::kHausdorff};
+    job.options.budget_bytes = 262144;
     const WorkerJob back = decode_job(encode(job));
     EXPECT_EQ(back.source, job.source);
     EXPECT_EQ(back.dgm, job.dgm);
@@ -54,6 +57,11 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_EQ(back.options.bump_size, job.options.bump_size);
     EXPECT_EQ(back.options.ablate, job.options.ablate);
     EXPECT_EQ(back.options.exr_layout, ExrLayout::kMultipart);
+    EXPECT_EQ(back.options.auto_samples, job.options.auto_samples);
+    EXPECT_EQ(back.options.max_error, job.options.max_error);
+    EXPECT_EQ(back.options.budget_bytes, job.options.budget_bytes);
+    EXPECT_EQ(back.options.scratch, job.dgm);  // searched sizes are written where the file will be
+    EXPECT_FALSE(decode_job(encode(WorkerJob{})).options.max_error);
 }
 
 TEST(WorkerProtocol, MessagesComeBack) {
