@@ -149,11 +149,12 @@ class Simplifier {
         // Common neighbours must be the far corners of the faces at the edge, no others.
         const std::uint32_t before = at > 0 ? link_[at - 1] : border ? kNone : link_[count - 1];
         const std::uint32_t after = at + 1 < count ? link_[at + 1] : border ? kNone : link_[0];
+        const bool bars = !options_.allow_chords && !border && on_border(v);
         ++stamp_;
         std::size_t valence = 0;
         each_neighbour(v, [&](std::uint32_t w) { seen_[w] = stamp_, ++valence; });
         for (std::uint32_t w : link_)
-            if (w != before && w != after && seen_[w] == stamp_) return false;
+            if (w != before && w != after && w != v && (seen_[w] == stamp_ || (bars && on_border(w)))) return false;
         if (valence + count > options_.max_valence + 4) return false;
         for (std::uint32_t w : {before, after})
             if (w != kNone && would_hang(u, v, w)) return false;
@@ -222,7 +223,17 @@ class Simplifier {
         queue(v, false);
         fan_.clear();
         each_neighbour(v, [&](std::uint32_t w) { fan_.push_back(w); });
-        for (std::uint32_t w : fan_) queue(w, false);
+        for (std::uint32_t w : fan_) refresh(w, u, v);
+    }
+
+    /// Of w's collapses only that into v has another cost, and that into u is gone.
+    void refresh(std::uint32_t w, std::uint32_t u, std::uint32_t v) {
+        if (target_[w] == kNone || target_[w] == u || target_[w] == v) return queue(w, false);
+        if (!options_.locked.empty() && options_.locked[w]) return;
+        if (const double c = cost(w, v); c < heap_.key(w)) {
+            target_[w] = v;
+            heap_.set(w, c);
+        }
     }
 
     std::span<const Vec3d> positions_;

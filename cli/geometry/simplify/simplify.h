@@ -17,6 +17,7 @@ struct SimplifyOptions {
     double regularity = 1e-4;      ///< cost of an edge's squared length against squared distances to the planes
     double least_cosine = 0.2;     ///< between the normals of a face before and after a collapse
     std::size_t max_valence = 24;  ///< of the vertex that stays
+    bool allow_chords = true;      ///< edges through the inside that join two border vertices may arise
     std::span<const char> locked;  ///< per vertex, nonzero: never removed; empty: none
 };
 

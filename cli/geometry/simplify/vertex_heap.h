@@ -17,7 +17,8 @@ class VertexHeap {
 
     [[nodiscard]] bool empty() const { return heap_.empty(); }
     [[nodiscard]] std::uint32_t top() const { return heap_.front().vertex; }
-    [[nodiscard]] double top_key() const { return heap_.front().key; }
+    /// Of a vertex in the heap.
+    [[nodiscard]] double key(std::uint32_t vertex) const { return heap_[place_[vertex]].key; }
 
     /// Inserts the vertex or changes its key.
     void set(std::uint32_t vertex, double key) {

@@ -51,9 +51,7 @@ TEST(Simplify, KeepsTopologyDownToTheLastAllowedCollapse) {
             EXPECT_EQ(after.genus, before.genus);
             EXPECT_EQ(after.boundary_loops, before.boundary_loops);
             EXPECT_LT(out.faces.size(), s.mesh.faces.size() / 2);
-            if (wanted * 4 > s.mesh.faces.size()) {
-                EXPECT_LE(out.faces.size(), wanted);
-            }
+            if (wanted * 4 > s.mesh.faces.size()) { EXPECT_LE(out.faces.size(), wanted); }
         }
 }
 
@@ -133,6 +131,29 @@ TEST(Simplify, LockedVerticesStay) {
     std::set<std::uint32_t> named;
     for (const Face& f : out.faces) named.insert(f.begin(), f.end());
     for (std::uint32_t v : {5u, 77u, 300u}) EXPECT_TRUE(named.count(v)) << v;
+}
+
+TEST(Simplify, ChordsCanBeForbidden) {
+    const TriMesh sheet = test::grid_sheet(20, 20);
+    std::vector<char> border(sheet.positions.size(), 0);
+    const std::vector<std::uint32_t> opposite = opposite_half_edges(sheet.faces);
+    for (std::uint32_t h = 0; h < opposite.size(); ++h)
+        if (opposite[h] == kNone) border[origin(sheet.faces, h)] = 1;
+    const auto chords = [&](const std::vector<Face>& faces) {
+        const std::vector<std::uint32_t> across = opposite_half_edges(faces);
+        std::size_t count = 0;
+        for (std::uint32_t h = 0; h < across.size(); ++h)
+            count += across[h] != kNone && border[origin(faces, h)] && border[target(faces, h)];
+        return count;
+    };
+    ASSERT_EQ(chords(sheet.faces), 4u);  // two corners, both half-edges
+    SimplifyOptions options;
+    EXPECT_GT(chords(simplify(sheet, 0, options, {}).faces), 4u);
+    options.locked = border;
+    options.allow_chords = false;
+    const Simplified out = simplify(sheet, 100, options, {});
+    EXPECT_LT(out.faces.size(), 300u);
+    EXPECT_EQ(chords(out.faces), 4u);
 }
 
 TEST(Simplify, SameInputSameResult) {
