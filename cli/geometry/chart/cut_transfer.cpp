@@ -17,6 +17,8 @@ namespace dgm::bake {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDetour = 4;     // a fine path may be so many times as long as its coarse edge
+constexpr int kReorderings = 20;  // of the edges, before a cut is given up
 
 /// Shortest paths that visit a small part of a large graph.
 class LocalSearch {
@@ -117,10 +119,7 @@ class Transfer {
         const std::span<const Face> faces = fine_.mesh().faces;
         for (std::uint32_t h = 0; h < fine_.opposite().size(); ++h)
             if (fine_.opposite()[h] == kNone) used_[origin(faces, h)] = used_[target(faces, h)] = 1;
-        for (std::size_t p = 0; p < paths.size(); ++p) {
-            if (paths[p].mate == kNone || paths[p].mate < p) continue;
-            if (!lay(paths[p])) return false;
-        }
+        if (!lay(paths)) return false;
         for (Laid& laid : laid_) {
             if (laid.is_loop) {
                 const std::size_t middle = laid.vertices.size() / 2;
@@ -146,22 +145,56 @@ class Transfer {
         std::uint32_t middle = 0;  ///< of a loop: where its halves meet
     };
 
-    /// One shortest path per coarse edge, none of them through a vertex that is used.
-    bool lay(const BorderPath& path) {
-        const std::vector<std::uint32_t> points = points_of(coarse_, path);
-        Laid laid{{original_[points.front()]}, path.is_loop, path.length / static_cast<double>(path.half_edges.size())};
-        for (std::size_t k = 0; k + 1 < points.size(); ++k) {
-            const std::uint32_t from = original_[points[k]], to = original_[points[k + 1]];
-            const std::vector<std::uint32_t> way =
-                search_.path(from, to,
-                             4 * length(coarse_.mesh.positions[origin(coarse_.mesh.faces, path.half_edges[k])] -
-                                        coarse_.mesh.positions[target(coarse_.mesh.faces, path.half_edges[k])]),
-                             [&](std::uint32_t v) { return !used_[v]; });
-            if (way.empty()) return false;
-            for (std::uint32_t v : way) used_[v] = 1;
-            laid.vertices.insert(laid.vertices.end(), way.begin() + 1, way.end());
+    /// One shortest path per coarse edge, none of them through a vertex that is used. Where paths meet there is little
+    /// room: edges at nodes go first, short ones before long ones; if one finds no way it goes before all others.
+    bool lay(const std::vector<BorderPath>& paths) {
+        struct Edge {
+            std::size_t path, at;
+            std::uint32_t from, to;
+            double length;
+            int rank;  // lower goes first
+            std::vector<std::uint32_t> way;
+        };
+        std::vector<Edge> edges;
+        for (std::size_t p = 0; p < paths.size(); ++p) {
+            if (paths[p].mate == kNone || paths[p].mate < p) continue;
+            const std::vector<std::uint32_t> points = points_of(coarse_, paths[p]);
+            for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+                const Vec3d along = coarse_.mesh.positions[origin(coarse_.mesh.faces, paths[p].half_edges[k])] -
+                                    coarse_.mesh.positions[target(coarse_.mesh.faces, paths[p].half_edges[k])];
+                const bool at_node = k == 0 || k + 2 == points.size();
+                edges.push_back(
+                    {p, k, original_[points[k]], original_[points[k + 1]], length(along), at_node ? 0 : 1, {}});
+            }
         }
-        laid_.push_back(std::move(laid));
+        const std::vector<char> before = used_;
+        for (int attempt = 0;; ++attempt) {
+            std::stable_sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
+                return x.rank != y.rank ? x.rank < y.rank : x.length < y.length;
+            });
+            Edge* stuck = nullptr;
+            for (Edge& e : edges) {
+                e.way = search_.path(e.from, e.to, kDetour * e.length, [&](std::uint32_t v) { return !used_[v]; });
+                if (e.way.empty()) {
+                    stuck = &e;
+                    break;
+                }
+                for (std::uint32_t v : e.way) used_[v] = 1;
+            }
+            if (stuck == nullptr) break;
+            if (attempt == kReorderings) return false;
+            stuck->rank = -1 - attempt;
+            used_ = before;
+        }
+        std::sort(edges.begin(), edges.end(),
+                  [](const Edge& x, const Edge& y) { return x.path != y.path ? x.path < y.path : x.at < y.at; });
+        for (const Edge& e : edges) {
+            if (e.at == 0) {
+                const BorderPath& path = paths[e.path];
+                laid_.push_back({{e.from}, path.is_loop, path.length / static_cast<double>(path.half_edges.size())});
+            }
+            laid_.back().vertices.insert(laid_.back().vertices.end(), e.way.begin() + 1, e.way.end());
+        }
         return true;
     }
 
