@@ -50,6 +50,11 @@ class ComponentBaker {
             search_.max_extremities = 8, search_.patience = 1, search_.rotations = 2, search_.drops = 2;
             search_.measured = true;
         }
+        // Trials of the search are stretch maps. Maps that crowd limbs more need limbs cut that those do without: there
+        // the plain, less converged trials of the measured search are the nearer ones.
+        if (options_.method == "mvc" || options_.method == "authalic" || options_.method == "conformal" ||
+            options_.method == "tutte")
+            search_.measured = true;
         try {
             cut_ = search_cut(component_, search_, progress_);
         } catch (const Error& e) {
