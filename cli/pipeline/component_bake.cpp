@@ -42,23 +42,24 @@ class ComponentBaker {
             add_uv();
             return finish();
         }
-        CutSearchOptions search;
-        // The cut is found on a grid of at most 257 a side: it hardly depends on the resolution, its cost does.
-        const std::uint32_t longest = std::max(size_.rows, size_.cols);
-        const double shrink = longest > 257 ? 256.0 / (longest - 1) : 1.0;
-        search.m = std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((size_.rows - 1) * shrink)));
-        search.n = std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((size_.cols - 1) * shrink)));
-        // A small grid is a small part of the asset (component_size): it gets a proportionate search.
-        const double effort = std::min(1.0, static_cast<double>(search.m) * search.n / (129.0 * 129.0));
-        search.samples = static_cast<std::uint64_t>(200 + 7800 * effort);
-        if (effort < 0.1) search.max_extremities = 8, search.patience = 1, search.rotations = 2, search.drops = 2;
-        // A trial costs a few solves over all vertices; from here on there are fewer of them.
-        constexpr std::size_t kLargeMesh = 150'000;
-        if (component_.faces.size() > kLargeMesh) search.patience = 2, search.rotations = 2, search.drops = 3;
+        search_.m = size_.rows, search_.n = size_.cols;
+        // A small grid is a small part of the asset (component_size): it gets a proportionate search, which measures,
+        // since cuts that its few samples cannot hold must be left out.
+        const double effort = std::min(1.0, static_cast<double>(size_.rows) * size_.cols / (129.0 * 129.0));
+        search_.samples = static_cast<std::uint64_t>(200 + 7800 * effort);
+        if (effort < 0.1) {
+            search_.max_extremities = 8, search_.patience = 1, search_.rotations = 2, search_.drops = 2;
+            search_.measured = true;
+        }
+        // Trials of the search are stretch maps. Maps that crowd limbs more need limbs cut that those do without: there
+        // the plain, less converged trials of the measured search are the nearer ones.
+        if (options_.method == "mvc" || options_.method == "authalic" || options_.method == "conformal" ||
+            options_.method == "tutte")
+            search_.measured = true;
         if (options_.ablates("cut-search"))  // the first cut that can be mapped at all
-            search.patience = -1, search.rotations = 1, search.drops = 0;
+            search_.patience = -1, search_.rotations = 1, search_.drops = 0, search_.measured = true;
         try {
-            cut_ = cuts_.search(component_, search, progress_);
+            cut_ = cuts_.search(component_, search_, progress_);
         } catch (const Error& e) {
             if (e.code().number == codes::kInterrupted.number || !may_be_free()) throw;
             CutGraph shortest(component_);  // no square map at all: a free chart may still do
@@ -67,12 +68,6 @@ class ComponentBaker {
             cut_.cut_length = shortest.length();
             failure_ = e;
         }
-        // The search's rotation counts samples of its own grid.
-        const double ratio =
-            static_cast<double>(BorderGrid{size_.rows, size_.cols}.count()) / BorderGrid{search.m, search.n}.count();
-        rotation_ = shrink == 1.0 ? cut_.rotation
-                                  : nearest_rotation(cut_.disk, size_.rows, size_.cols,
-                                                     static_cast<std::uint32_t>(std::lround(cut_.rotation * ratio)));
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
         if (options_.method == "auto" && may_be_free() && !tried("arap") &&
             (!best_ || result_.candidates.front().psnr < kPoor))
@@ -115,9 +110,10 @@ class ComponentBaker {
             return make_free_chart(cut_.disk, size_.rows, size_.cols, *make_cgal_parameterizer(method), tools(),
                                    progress_);
         const std::unique_ptr<Parameterizer> parameterizer =
-            method == "stretch" ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps) : make_cgal_parameterizer(method);
+            method == "stretch" ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps)
+                                : make_cgal_parameterizer(method);
         if (!parameterizer) throw Error(codes::kUsage, "unknown method: " + method);
-        return make_square_chart(cut_.disk, size_.rows, size_.cols, rotation_, *parameterizer, progress_);
+        return make_square_chart(cut_.disk, size_.rows, size_.cols, cut_.rotation, *parameterizer, progress_);
     }
 
     static FreeChartTools tools() { return {border_is_simple, constrained_triangulation}; }
@@ -172,7 +168,7 @@ class ComponentBaker {
     CutMemory& cuts_;
     const model::Progress& progress_;
     CutSearchResult cut_;
-    std::uint32_t rotation_ = 0;
+    CutSearchOptions search_;
     ComponentResult result_;
     std::optional<SampledChart> best_;
     std::optional<Error> failure_;

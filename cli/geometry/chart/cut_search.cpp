@@ -7,8 +7,10 @@
 #include <limits>
 #include <optional>
 
+#include "geometry/chart/cut_transfer.h"
 #include "geometry/chart/square_chart.h"
-#include "geometry/parameterize/convex_map.h"
+#include "geometry/chart/trial_map.h"
+#include "geometry/simplify/simplify.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -17,6 +19,18 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kExact = 1e-10;  // normalised units
 constexpr double kGain = 0.99;    // a trial must lower the error by 1 % to count
+/// A trial need not be as good as the bake, only as good as the other trials.
+MultilevelOptions trial_options() {
+    MultilevelOptions options;
+    options.newton_steps = 8;
+    options.coarsest_sweeps = 30;
+    options.sweeps = 6;
+    return options;
+}
+
+struct GridSides {
+    std::uint32_t m, n;
+};
 
 struct Trial {
     double rms = kInfinity;
@@ -36,7 +50,7 @@ class Search {
           source_(measure_topology(component.positions.size(), component.faces)) {}
 
     CutSearchResult run() {
-        cut_.cut_to_disk();
+        begin();
         augment();
         if (!best_) throw *failure_;
         drop_branches();
@@ -46,7 +60,36 @@ class Search {
         return std::move(out_);
     }
 
+    /// Of the last run.
+    [[nodiscard]] const CutGraph& best_cut() const { return *best_; }
+
  private:
+    /// Loops about handles depend on where they meet: of some places the best of the shortest cuts.
+    void begin() {
+        constexpr std::size_t kRoots = 24, kTried = 4;
+        if (cut_.genus() == 0 || options_.measured) return cut_.cut_to_disk();
+        const std::size_t n = component_.positions.size();
+        std::vector<std::pair<double, std::uint32_t>> by_length;
+        const auto length_from = [&](std::uint32_t root) {
+            CutGraph cut = cut_;
+            cut.cut_to_disk(root);
+            by_length.emplace_back(cut.length(), root);
+        };
+        length_from(kNone);
+        for (std::size_t k = 0; k < kRoots; ++k) length_from(static_cast<std::uint32_t>(k * n / kRoots));
+        std::sort(by_length.begin(), by_length.end());
+        by_length.erase(std::unique(by_length.begin(), by_length.end()), by_length.end());
+        CutGraph best = cut_;
+        best.cut_to_disk();
+        double least = kInfinity;
+        for (std::size_t k = 0; k < std::min(kTried, by_length.size()); ++k) {
+            CutGraph cut = cut_;
+            cut.cut_to_disk(by_length[k].second);
+            if (const double rms = attempt(cut, std::nullopt).rms; rms < least) least = rms, best = std::move(cut);
+        }
+        cut_ = std::move(best);
+    }
+
     /// One map and one measurement of a cut; keeps the first failure's reason.
     Trial attempt(const CutGraph& cut, std::optional<std::uint32_t> rotation) {
         progress_.update("cut", share());
@@ -55,6 +98,14 @@ class Search {
         try {
             Disk disk = cut.open();
             trial.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
+            if (!options_.measured) {
+                TrialMap map =
+                    make_trial_map(std::move(disk), options_.m, options_.n, trial.rotation, trial_options(), {});
+                trial.rms = map.rms;
+                trial.split = std::move(map.disk);
+                trial.uv = std::move(map.uv);
+                return trial;
+            }
             SampledChart chart =
                 make_square_chart(std::move(disk), options_.m, options_.n, trial.rotation, *stretch_, {});
             if (!holds_topology(welded_topology(chart), source_))
@@ -171,10 +222,92 @@ class Search {
     CutSearchResult out_;
 };
 
+/// An m x n grid shrunk to `longest` samples along its longer side.
+GridSides shrink(GridSides grid, double longest) {
+    const double share = std::min(1.0, (longest - 1) / (std::max(grid.m, grid.n) - 1));
+    const auto side = [&](std::uint32_t samples) {
+        return std::max(std::min(samples, 3u), 1 + static_cast<std::uint32_t>(std::lround((samples - 1) * share)));
+    };
+    return {side(grid.m), side(grid.n)};
+}
+
+std::uint32_t scaled_rotation(const Disk& disk, GridSides from, std::uint32_t rotation, GridSides to) {
+    if (from.m == to.m && from.n == to.n) return rotation;
+    const double share = static_cast<double>(rotation) / BorderGrid{from.m, from.n}.count();
+    return nearest_rotation(disk, to.m, to.n,
+                            static_cast<std::uint32_t>(std::lround(share * BorderGrid{to.m, to.n}.count())));
+}
+
+CutSearchResult search_measured(const TriMesh& component, const CutSearchOptions& options, GridSides wanted,
+                                const model::Progress& progress) {
+    CutSearchOptions on_itself = options;
+    on_itself.measured = true;
+    // The cut hardly depends on the resolution from here on, its cost does.
+    const GridSides grid = shrink(wanted, 257);
+    on_itself.m = grid.m, on_itself.n = grid.n;
+    CutSearchResult out = Search(component, on_itself, progress).run();
+    out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
+    return out;
+}
+
+/// Corners of the real border: a simplified border must keep them, they are nodes of it.
+std::vector<char> border_corners(const TriMesh& mesh) {
+    std::vector<char> corners(mesh.positions.size(), 0);
+    const std::vector<std::uint32_t> opposite = opposite_half_edges(mesh.faces);
+    const auto direction = [&](std::uint32_t h) {
+        return normalized(mesh.positions[target(mesh.faces, h)] - mesh.positions[origin(mesh.faces, h)], Vec3d{});
+    };
+    const double limit = std::cos(50 * M_PI / 180);  // as Disk::paths
+    for (std::uint32_t h = 0; h < opposite.size(); ++h)
+        if (opposite[h] == kNone)
+            if (dot(direction(h), direction(next_border_half_edge(opposite, h))) < limit)
+                corners[target(mesh.faces, h)] = 1;
+    return corners;
+}
+
 }  // namespace
 
 CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress) {
-    return Search(component, options, progress).run();
+    const GridSides wanted{options.m, options.n};
+    if (options.measured) return search_measured(component, options, wanted, progress);
+    CutSearchOptions trial = options;
+    const bool simplified = component.faces.size() > options.coarse_faces + options.coarse_faces / 2;
+    CompactMesh coarse;
+    if (simplified) {
+        const std::vector<char> corners = border_corners(component);
+        SimplifyOptions simplify_options;
+        simplify_options.locked = corners;
+        const Simplified small = simplify(component, options.coarse_faces, simplify_options, progress);
+        coarse = compact(component.positions, small.faces);
+    }
+    const TriMesh& mesh = simplified ? coarse.mesh : component;
+    // As many samples a vertex as the whole bake has, within limits.
+    const double share = std::sqrt(static_cast<double>(mesh.positions.size()) / component.positions.size());
+    const double longest = (std::max(wanted.m, wanted.n) - 1) * share + 1;
+    const double largest = options.largest_side;
+    const GridSides grid = shrink(wanted, std::clamp(longest, 0.5 * largest, largest));
+    trial.m = grid.m, trial.n = grid.n;
+    try {
+        Search search(mesh, trial, progress);
+        CutSearchResult out = search.run();
+        if (!simplified) {
+            out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
+            return out;
+        }
+        CutGraph fine(component);
+        if (!transfer_cut(search.best_cut(), coarse.original, fine))
+            throw model::Error(model::codes::kMapInvalid, "the cut of the simplified mesh could not be carried over");
+        const Disk coarse_disk = std::move(out.disk);
+        out.disk = fine.open();
+        out.cut_length = fine.length();
+        const auto rotation =
+            transfer_rotation(coarse_disk, grid.m, grid.n, out.rotation, coarse.original, out.disk, wanted.m, wanted.n);
+        out.rotation = rotation ? *rotation : candidate_rotations(out.disk, wanted.m, wanted.n, 1).front();
+        return out;
+    } catch (const model::Error& e) {
+        if (e.code().number == model::codes::kInterrupted.number) throw;
+    }
+    return search_measured(component, options, wanted, progress);
 }
 
 }  // namespace dgm::bake

@@ -9,24 +9,31 @@
 namespace dgm::bake {
 
 struct CutSearchOptions {
-    std::uint32_t m = 257, n = 257;
-    std::uint64_t samples = 8000;   ///< error samples per trial, beside the vertices
+    std::uint32_t m = 257, n = 257;    ///< the grid the cut is for
+    bool measured = false;             ///< try every cut on the component itself and measure it: slow, and sure
+    std::size_t coarse_faces = 5000;   ///< unless `measured`: a mesh half as large again is searched simplified to this
+    std::uint32_t largest_side = 129;  ///< of the grid that trials are made on
+    std::uint64_t samples = 8000;      ///< error samples per measured trial, beside the vertices
     int max_extremities = 40;
-    int patience = 4;               ///< extremities tried in a row without a gain of 1 %
+    int patience = 8;  ///< extremities tried in a row without a gain of 1 %
     std::size_t rotations = 4;
-    std::size_t drops = 12;         ///< branches tried without, at most
+    std::size_t drops = 12;  ///< branches tried without, at most
 };
 
 struct CutSearchResult {
-    Disk disk;                 ///< opened along the best cut, border not yet laid
-    std::uint32_t rotation = 0;
-    double rms = 0;            ///< of the best trial, normalised units
-    double cut_length = 0;     ///< normalised units
+    Disk disk;                   ///< opened along the best cut, border not yet laid
+    std::uint32_t rotation = 0;  ///< on the m x n grid
+    double rms = 0;              ///< of the best trial, as predicted or measured, normalised units
+    double cut_length = 0;       ///< normalised units
     int trials = 0, extremities = 0;
 };
 
-/// Augments the cut as [Gu, Gortler, Hoppe 2002]: map, join the most shrunk point to the cut, repeat while the measured
-/// error of the resampled surface falls; then branches are dropped where that lowers it, and rotations are tried.
+/// Augments the cut as [Gu, Gortler, Hoppe 2002]: map, join the most shrunk point to the cut, repeat while the error of
+/// the resampled surface falls; then branches are dropped where that lowers it, and rotations are tried.
+///
+/// The error is predicted (trial_map.h), and a large component is searched in simplified form and the cut carried back
+/// (cut_transfer.h); where that comes to nothing, and if `measured` asks for it, every trial is baked on the component
+/// itself.
 /// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map
 [[nodiscard]] CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options,
                                          const model::Progress& progress);

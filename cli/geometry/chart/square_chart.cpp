@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
+#include "geometry/parameterize/multilevel_map.h"
 #include "geometry/parameterize/slim.h"
 #include "model/codes.h"
 
@@ -19,6 +21,8 @@ class StretchParameterizer final : public Parameterizer {
     [[nodiscard]] std::string_view name() const override { return "stretch"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
+        if (newton_steps_ > 0)
+            if (std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress)) return std::move(*map);
         std::vector<Vec2d> uv = reweighted_stretch_map(disk, {}, progress);
         if (newton_steps_ == 0 || count_not_positive(disk.faces, uv) > 0) return uv;
         SlimOptions options;

@@ -93,9 +93,9 @@ std::vector<std::uint32_t> CutGraph::cut_vertices() const {
     return vertices;
 }
 
-void CutGraph::cut_to_disk() {
+void CutGraph::cut_to_disk(std::uint32_t root) {
     if (genus_ > 0) {
-        cut_handles();  // joins the borders as well
+        cut_handles(root);  // joins the borders as well
     } else if (!loops_.empty()) {
         join_boundary_loops();
     } else {
@@ -109,9 +109,9 @@ void CutGraph::cut_to_disk() {
     }
 }
 
-void CutGraph::cut_handles() {
+std::uint32_t CutGraph::middle() const {
     const std::size_t n = mesh_->positions.size();
-    // Root: the vertex nearest to the middle of the surface keeps the loops short on both sides.
+    // The vertex nearest to the middle of the surface keeps the loops short on both sides.
     Search tree;
     std::uint32_t root = mesh_->faces[0][0];
     for (int sweep = 0; sweep < 2; ++sweep) {
@@ -125,6 +125,13 @@ void CutGraph::cut_handles() {
         const double worse = std::max(tree.distance[v], other.distance[v]);
         if (worse < best) best = worse, root = v;
     }
+    return root;
+}
+
+void CutGraph::cut_handles(std::uint32_t root) {
+    const std::size_t n = mesh_->positions.size();
+    if (root == kNone) root = middle();
+    Search tree;
     search(std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
 
     std::vector<char> in_tree(opposite_.size(), 0);

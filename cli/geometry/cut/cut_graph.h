@@ -24,15 +24,17 @@ struct VertexGraph {
 };
 
 class CutGraph {
-  public:
+ public:
     /// The component must outlive the graph.
     explicit CutGraph(const TriMesh& component);
 
     /// Marks a short set of edges that opens the component into one disk: 2g loops for genus g, a path to every further
     /// boundary loop, and for a closed genus-0 component the path between two far points. Nothing for a disk.
-    void cut_to_disk();
+    /// @param root  where the loops about the handles meet; kNone: at the middle of the surface
+    void cut_to_disk(std::uint32_t root = kNone);
 
-    /// Adds the shortest path from `vertex` to the cut (or to the border). Returns its length; 0 if it is on it already.
+    /// Adds the shortest path from `vertex` to the cut (or to the border). Returns its length; 0 if it is on it
+    /// already.
     double join(std::uint32_t vertex);
 
     /// Distance of each vertex to the cut and the border along edges.
@@ -45,10 +47,13 @@ class CutGraph {
     void mark(std::uint32_t half_edge, bool cut);
     [[nodiscard]] const VertexGraph& graph() const { return graph_; }
 
+    [[nodiscard]] const TriMesh& mesh() const { return *mesh_; }
+    [[nodiscard]] std::span<const std::uint32_t> opposite() const { return opposite_; }
+
     [[nodiscard]] std::int64_t genus() const { return genus_; }
     [[nodiscard]] std::size_t boundary_loop_count() const { return loops_.size(); }
 
-  private:
+ private:
     struct Search {
         std::vector<double> distance;
         std::vector<std::uint32_t> arc;  ///< arc by which a vertex was reached (index into arcs, from the vertex back)
@@ -57,7 +62,8 @@ class CutGraph {
     template <class Stop>
     std::uint32_t search(std::span<const std::uint32_t> sources, Stop stop, Search& out) const;
     void mark_path(const Search& search, std::uint32_t from);
-    void cut_handles();
+    [[nodiscard]] std::uint32_t middle() const;
+    void cut_handles(std::uint32_t root);
     void join_boundary_loops();
     void prune();
     [[nodiscard]] std::vector<std::uint32_t> cut_vertices() const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/mesh/half_edges.cpp
-// Who lies across each edge: one sort of the directed edges, no hashing, so the order is the same everywhere.
+// Who lies across each edge: the directed edges sorted by their ends, no hashing, so the order is the same everywhere.
 #include "geometry/mesh/half_edges.h"
 
 #include <algorithm>
@@ -9,24 +9,33 @@ namespace dgm::bake {
 
 std::vector<std::uint32_t> opposite_half_edges(std::span<const Face> faces) {
     struct Entry {
-        std::uint64_t key;
-        std::uint32_t half_edge;
+        std::uint32_t high, half_edge;
     };
-    std::vector<Entry> entries;
-    entries.reserve(faces.size() * 3);
+    // Buckets by the lower end, in order of half-edges; each is a few entries long.
+    std::uint32_t vertices = 0;
+    for (const Face& f : faces)
+        for (std::uint32_t v : f) vertices = std::max(vertices, v + 1);
+    std::vector<std::uint32_t> first(std::size_t{vertices} + 1, 0);
+    for (std::uint32_t h = 0; h < faces.size() * 3; ++h) ++first[std::min(origin(faces, h), target(faces, h)) + 1];
+    for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
+    std::vector<Entry> entries(faces.size() * 3);
+    std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
     for (std::uint32_t h = 0; h < faces.size() * 3; ++h) {
         const std::uint32_t a = origin(faces, h), b = target(faces, h);
-        entries.push_back({std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), h});
+        entries[fill[std::min(a, b)]++] = {std::max(a, b), h};
     }
-    std::sort(entries.begin(), entries.end(), [](const Entry& x, const Entry& y) {
-        return x.key != y.key ? x.key < y.key : x.half_edge < y.half_edge;
-    });
     std::vector<std::uint32_t> opposite(faces.size() * 3, kNone);
-    for (std::size_t k = 0; k + 1 < entries.size(); ++k) {
-        if (entries[k].key != entries[k + 1].key) continue;
-        opposite[entries[k].half_edge] = entries[k + 1].half_edge;
-        opposite[entries[k + 1].half_edge] = entries[k].half_edge;
-        ++k;
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+        const auto begin = entries.begin() + first[v], end = entries.begin() + first[v + 1];
+        std::sort(begin, end, [](const Entry& x, const Entry& y) {
+            return x.high != y.high ? x.high < y.high : x.half_edge < y.half_edge;
+        });
+        for (auto k = begin; k != end && k + 1 != end; ++k) {
+            if (k->high != (k + 1)->high) continue;
+            opposite[k->half_edge] = (k + 1)->half_edge;
+            opposite[(k + 1)->half_edge] = k->half_edge;
+            ++k;
+        }
     }
     return opposite;
 }

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/cut_transfer.cpp
+#include "geometry/chart/cut_transfer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/mesh/union_find.h"
+#include "geometry/parameterize/square_border.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDetour = 4;     // a fine path may be so many times as long as its coarse edge
+constexpr int kReorderings = 20;  // of the edges, before a cut is given up
+
+/// Shortest paths that visit a small part of a large graph.
+class LocalSearch {
+ public:
+    explicit LocalSearch(const VertexGraph& graph) : graph_(graph) {}
+
+    /// Vertices from `from` to `to`, both included, through vertices for which `open` holds; empty if there is no way
+    /// shorter than `reach`.
+    template <class Open>
+    std::vector<std::uint32_t> path(std::uint32_t from, std::uint32_t to, double reach, Open open) {
+        std::vector<std::uint32_t> out;
+        if (!run(std::span(&from, 1), to, reach, open)) return out;
+        for (std::uint32_t v = to; v != kNone; v = reached_.at(v).before) out.push_back(v);
+        std::reverse(out.begin(), out.end());
+        return out;
+    }
+
+    /// Vertices nearer than `reach` to one of `from`.
+    [[nodiscard]] std::vector<std::uint32_t> ball(std::span<const std::uint32_t> from, double reach) {
+        run(from, kNone, reach, [](std::uint32_t) { return true; });
+        std::vector<std::uint32_t> out;
+        for (const auto& [v, state] : reached_) out.push_back(v);
+        return out;
+    }
+
+ private:
+    struct State {
+        double distance;
+        std::uint32_t before;
+    };
+
+    template <class Open>
+    bool run(std::span<const std::uint32_t> from, std::uint32_t to, double reach, Open open) {
+        reached_.clear();
+        using Entry = std::pair<double, std::uint32_t>;
+        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+        for (std::uint32_t v : from) reached_[v] = {0, kNone}, queue.emplace(0.0, v);
+        while (!queue.empty()) {
+            const auto [d, v] = queue.top();
+            queue.pop();
+            if (d > reached_[v].distance) continue;
+            if (v == to) return true;
+            for (std::uint32_t a = graph_.first[v]; a < graph_.first[v + 1]; ++a) {
+                const auto& arc = graph_.arcs[a];
+                const double next = d + arc.length;
+                if (next > reach || (arc.to != to && !open(arc.to))) continue;
+                const auto [it, fresh] = reached_.try_emplace(arc.to, State{kInfinity, kNone});
+                // Ties go to the lower vertex, so that the order of arcs does not matter.
+                if (next < it->second.distance) {
+                    it->second = {next, v};
+                    queue.emplace(next, arc.to);
+                } else if (next == it->second.distance && it->second.before != kNone && v < it->second.before) {
+                    it->second.before = v;
+                }
+            }
+        }
+        return false;
+    }
+
+    const VertexGraph& graph_;
+    std::unordered_map<std::uint32_t, State> reached_;
+};
+
+/// Vertices of a border path as surface points, both ends included.
+std::vector<std::uint32_t> points_of(const Disk& disk, const BorderPath& path) {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t h : path.half_edges) out.push_back(disk.weld[origin(disk.mesh.faces, h)]);
+    out.push_back(disk.weld[target(disk.mesh.faces, path.half_edges.back())]);
+    return out;
+}
+
+bool is_one_disk(const Disk& disk) {
+    UnionFind faces(disk.mesh.faces.size());
+    std::size_t border = 0, parts = disk.mesh.faces.size();
+    for (std::uint32_t h = 0; h < disk.opposite.size(); ++h) {
+        if (disk.opposite[h] == kNone)
+            ++border;
+        else if (h < disk.opposite[h] && faces.unite(h / 3, disk.opposite[h] / 3))
+            --parts;
+    }
+    const auto edges = static_cast<std::int64_t>((disk.opposite.size() + border) / 2);
+    return parts == 1 && boundary_loops(disk.opposite).size() == 1 &&
+           static_cast<std::int64_t>(disk.mesh.positions.size()) - edges +
+                   static_cast<std::int64_t>(disk.mesh.faces.size()) ==
+               1;
+}
+
+class Transfer {
+ public:
+    Transfer(CutGraph& fine, const Disk& coarse, std::span<const std::uint32_t> original)
+        : fine_(fine), coarse_(coarse), original_(original), search_(fine.graph()) {}
+
+    bool run() {
+        const std::vector<BorderPath> paths = coarse_.paths();
+        used_.assign(fine_.graph().first.size() - 1, 0);
+        for (const BorderPath& path : paths)
+            for (std::uint32_t v : points_of(coarse_, path)) used_[original_[v]] = 1;
+        const std::span<const Face> faces = fine_.mesh().faces;
+        for (std::uint32_t h = 0; h < fine_.opposite().size(); ++h)
+            if (fine_.opposite()[h] == kNone) used_[origin(faces, h)] = used_[target(faces, h)] = 1;
+        if (!lay(paths)) return false;
+        for (Laid& laid : laid_) {
+            if (laid.is_loop) {
+                const std::size_t middle = laid.vertices.size() / 2;
+                if (middle == 0 || !straighten(laid, 0, middle)) return false;
+                if (!straighten(
+                        laid,
+                        std::find(laid.vertices.begin() + 1, laid.vertices.end(), laid.middle) - laid.vertices.begin(),
+                        laid.vertices.size() - 1))
+                    return false;
+            } else if (!straighten(laid, 0, laid.vertices.size() - 1)) {
+                return false;
+            }
+        }
+        for (const Laid& laid : laid_) mark(laid.vertices);
+        return is_one_disk(fine_.open());
+    }
+
+ private:
+    struct Laid {
+        std::vector<std::uint32_t> vertices;
+        bool is_loop;
+        double step;               ///< mean length of the coarse edges
+        std::uint32_t middle = 0;  ///< of a loop: where its halves meet
+    };
+
+    /// One shortest path per coarse edge, none of them through a vertex that is used. Where paths meet there is little
+    /// room: edges at nodes go first, short ones before long ones; if one finds no way it goes before all others.
+    bool lay(const std::vector<BorderPath>& paths) {
+        struct Edge {
+            std::size_t path, at;
+            std::uint32_t from, to;
+            double length;
+            int rank;  // lower goes first
+            std::vector<std::uint32_t> way;
+        };
+        std::vector<Edge> edges;
+        for (std::size_t p = 0; p < paths.size(); ++p) {
+            if (paths[p].mate == kNone || paths[p].mate < p) continue;
+            const std::vector<std::uint32_t> points = points_of(coarse_, paths[p]);
+            for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+                const Vec3d along = coarse_.mesh.positions[origin(coarse_.mesh.faces, paths[p].half_edges[k])] -
+                                    coarse_.mesh.positions[target(coarse_.mesh.faces, paths[p].half_edges[k])];
+                const bool at_node = k == 0 || k + 2 == points.size();
+                edges.push_back(
+                    {p, k, original_[points[k]], original_[points[k + 1]], length(along), at_node ? 0 : 1, {}});
+            }
+        }
+        const std::vector<char> before = used_;
+        for (int attempt = 0;; ++attempt) {
+            std::stable_sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
+                return x.rank != y.rank ? x.rank < y.rank : x.length < y.length;
+            });
+            Edge* stuck = nullptr;
+            for (Edge& e : edges) {
+                e.way = search_.path(e.from, e.to, kDetour * e.length, [&](std::uint32_t v) { return !used_[v]; });
+                if (e.way.empty()) {
+                    stuck = &e;
+                    break;
+                }
+                for (std::uint32_t v : e.way) used_[v] = 1;
+            }
+            if (stuck == nullptr) break;
+            if (attempt == kReorderings) return false;
+            stuck->rank = -1 - attempt;
+            used_ = before;
+        }
+        std::sort(edges.begin(), edges.end(),
+                  [](const Edge& x, const Edge& y) { return x.path != y.path ? x.path < y.path : x.at < y.at; });
+        for (const Edge& e : edges) {
+            if (e.at == 0) {
+                const BorderPath& path = paths[e.path];
+                laid_.push_back({{e.from}, path.is_loop, path.length / static_cast<double>(path.half_edges.size())});
+            }
+            laid_.back().vertices.insert(laid_.back().vertices.end(), e.way.begin() + 1, e.way.end());
+        }
+        return true;
+    }
+
+    /// Replaces vertices [from, to] of a path by the shortest way near it.
+    bool straighten(Laid& laid, std::size_t from, std::size_t to) {
+        std::vector<std::uint32_t>& v = laid.vertices;
+        laid.middle = v[to];
+        const auto first = v.begin() + static_cast<std::ptrdiff_t>(from),
+                   last = v.begin() + static_cast<std::ptrdiff_t>(to);
+        const std::span<const std::uint32_t> part(&*first, to - from + 1);
+        for (std::size_t k = 1; k + 1 < part.size(); ++k) used_[part[k]] = 0;
+        std::vector<char>& near = near_;
+        near.resize(used_.size(), 0);
+        const std::vector<std::uint32_t> corridor = search_.ball(part, laid.step);
+        for (std::uint32_t x : corridor) near[x] = 1;
+        const std::vector<std::uint32_t> way =
+            search_.path(part.front(), part.back(), kInfinity, [&](std::uint32_t x) { return near[x] && !used_[x]; });
+        for (std::uint32_t x : corridor) near[x] = 0;
+        if (way.empty()) return false;
+        for (std::uint32_t x : way) used_[x] = 1;
+        std::vector<std::uint32_t> joined(v.begin(), first);
+        joined.insert(joined.end(), way.begin(), way.end());
+        joined.insert(joined.end(), last + 1, v.end());
+        v = std::move(joined);
+        return true;
+    }
+
+    void mark(std::span<const std::uint32_t> vertices) {
+        const VertexGraph& graph = fine_.graph();
+        for (std::size_t k = 0; k + 1 < vertices.size(); ++k)
+            for (std::uint32_t a = graph.first[vertices[k]]; a < graph.first[vertices[k] + 1]; ++a)
+                if (graph.arcs[a].to == vertices[k + 1]) fine_.mark(graph.arcs[a].half_edge, true);
+    }
+
+    CutGraph& fine_;
+    const Disk& coarse_;
+    std::span<const std::uint32_t> original_;
+    LocalSearch search_;
+    std::vector<char> used_;  // per fine vertex: on a path or on the border
+    std::vector<char> near_;
+    std::vector<Laid> laid_;
+};
+
+}  // namespace
+
+bool transfer_cut(const CutGraph& coarse, std::span<const std::uint32_t> original, CutGraph& fine) {
+    const Disk disk = coarse.open();
+    return Transfer(fine, disk, original).run();
+}
+
+std::optional<std::uint32_t> transfer_rotation(const Disk& coarse, std::uint32_t coarse_m, std::uint32_t coarse_n,
+                                               std::uint32_t rotation, std::span<const std::uint32_t> original,
+                                               const Disk& fine, std::uint32_t m, std::uint32_t n) {
+    const std::vector<BorderPath> coarse_paths = coarse.paths(), paths = fine.paths();
+    if (paths.size() != coarse_paths.size()) return std::nullopt;
+    const std::vector<std::uint32_t> points = points_of(coarse, coarse_paths.front());
+    const std::uint32_t from = original[points.front()], to = original[points.back()];
+    std::size_t best = paths.size();
+    double least = kInfinity;
+    for (std::size_t p = 0; p < paths.size(); ++p) {
+        const std::vector<std::uint32_t> there = points_of(fine, paths[p]);
+        if (there.front() != from || there.back() != to) continue;
+        const double off = std::abs(paths[p].length - coarse_paths.front().length);
+        if (off < least) least = off, best = p;
+    }
+    if (best == paths.size()) return std::nullopt;
+    const std::uint32_t total = BorderGrid{m, n}.count();
+    const std::vector<std::uint32_t> intervals = allocate_intervals(paths, total);
+    std::uint64_t before = 0;
+    for (std::size_t p = 0; p < best; ++p) before += intervals[p];
+    const double share = static_cast<double>(rotation) / BorderGrid{coarse_m, coarse_n}.count();
+    const auto wanted = static_cast<std::uint64_t>(std::lround(share * total)) + total - before % total;
+    return nearest_rotation(fine, m, n, static_cast<std::uint32_t>(wanted % total));
+}
+
+}  // namespace dgm::bake

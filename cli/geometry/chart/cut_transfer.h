@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/cut_transfer.h
+// A cut found on a simplified mesh, carried to the mesh it was simplified from.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "geometry/cut/cut_graph.h"
+
+namespace dgm::bake {
+
+/// Marks on `fine` the cut of `coarse`, whose vertex v is vertex original[v] of the fine mesh. Every coarse edge
+/// becomes a shortest path of its own; then each path between two nodes is pulled straight within a corridor about it,
+/// whose half width is the coarse path's mean edge length. Paths do not touch but at nodes.
+///
+/// @return  false, and marks unspecified, if a path finds no way or the opened mesh is not one disk
+[[nodiscard]] bool transfer_cut(const CutGraph& coarse, std::span<const std::uint32_t> original, CutGraph& fine);
+
+/// The rotation that puts the border of `fine` on an m x n grid where `rotation` puts that of `coarse` on its
+/// coarse_m x coarse_n grid; nothing if the first path of the coarse border has no counterpart.
+[[nodiscard]] std::optional<std::uint32_t> transfer_rotation(const Disk& coarse, std::uint32_t coarse_m,
+                                                             std::uint32_t coarse_n, std::uint32_t rotation,
+                                                             std::span<const std::uint32_t> original, const Disk& fine,
+                                                             std::uint32_t m, std::uint32_t n);
+
+}  // namespace dgm::bake

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/parameterize/multilevel_map.cpp
+// [Hormann, Labsik, Greiner 1999] Remeshing triangulated surfaces with optimal parameterizations.
+// [Sander 2001] Sander, Snyder, Gortler, Hoppe. Texture Mapping Progressive Meshes. SIGGRAPH 2001.
+#include "geometry/parameterize/multilevel_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "geometry/parameterize/convex_map.h"
+#include "geometry/parameterize/damped_reweight.h"
+#include "geometry/parameterize/slim.h"
+#include "geometry/simplify/simplify.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// One face about a vertex: the map of its far side, and its shape on the surface.
+struct Wedge {
+    Vec2d p1, p2;
+    double area;
+    double l0, l1, l2;  ///< squared lengths opposite the vertex, p1 and p2
+};
+
+/// Stretch of the faces about a vertex as a function of its place in the map.
+///
+/// For one face it is N(x) / T(x)^2, with T the doubled area in the map, linear in x, and N quadratic (edge form of
+/// (|S_s|^2 + |S_t|^2) / 2, convex_map.cpp).
+class Ring {
+ public:
+    explicit Ring(double power) : power_(power) {}
+
+    std::vector<Wedge> wedges;
+
+    [[nodiscard]] double energy(Vec2d x) const {
+        double sum = 0;
+        for (const Wedge& w : wedges) {
+            const double t = cross(w.p1 - x, w.p2 - x);
+            if (!(t > 0)) return kInfinity;
+            sum += w.area * raised(numerator(w, x) / (t * t), power_);
+        }
+        return std::isfinite(sum) ? sum : kInfinity;
+    }
+
+    /// Newton steps from x, where the energy is finite; each lowers it.
+    [[nodiscard]] Vec2d relax(Vec2d x, int steps) const {
+        double e = energy(x);
+        for (int k = 0; k < steps; ++k) {
+            Vec2d g;
+            double xx = 0, xy = 0, yy = 0;
+            for (const Wedge& w : wedges) {
+                const Vec2d d0 = w.p2 - w.p1, turn{-d0.y, d0.x};
+                const double t = cross(w.p1 - x, w.p2 - x), n = numerator(w, x), i2 = 1 / (t * t), i3 = i2 / t;
+                const Vec2d dn = (x * 2 - w.p1 - w.p2) * w.l0 + d0 * (w.l1 - w.l2);
+                // q, its gradient and Hessian; then of q^p.
+                const double q = n * i2;
+                const Vec2d dq = dn * i2 - turn * (2 * n * i3);
+                const double a = 2 * w.l0 * i2, b = 2 * i3, c = 6 * n * i3 / t;
+                const double first = w.area * power_ * raised(q, power_ - 1), second = first * (power_ - 1) / q;
+                g = g + dq * first;
+                xx += first * (a - 2 * b * dn.x * turn.x + c * turn.x * turn.x) + second * dq.x * dq.x;
+                xy += first * (-b * (dn.x * turn.y + dn.y * turn.x) + c * turn.x * turn.y) + second * dq.x * dq.y;
+                yy += first * (a - 2 * b * dn.y * turn.y + c * turn.y * turn.y) + second * dq.y * dq.y;
+            }
+            // Shift the smaller eigenvalue to at least a hundredth of the larger one: the energy need not be convex.
+            const double mean = 0.5 * (xx + yy), radius = std::hypot(0.5 * (xx - yy), xy);
+            const double shift = std::max(0.0, 0.01 * (mean + radius) - (mean - radius));
+            const double a = xx + shift, c = yy + shift, det = a * c - xy * xy;
+            if (!(det > 0)) return x;
+            const Vec2d step{-(c * g.x - xy * g.y) / det, -(a * g.y - xy * g.x) / det};
+            double s = 1;
+            for (int halving = 0; halving < 12; ++halving, s *= 0.5) {
+                const Vec2d y = x + step * s;
+                const double now = energy(y);
+                if (now < e) {
+                    const bool settled = now > 0.999 * e;
+                    x = y, e = now;
+                    if (settled) return x;
+                    break;
+                }
+                if (halving == 11) return x;
+            }
+        }
+        return x;
+    }
+
+    /// A point inside the kernel, near `wish` if that is not; nothing if rounding leaves no kernel.
+    [[nodiscard]] std::optional<Vec2d> inside(Vec2d wish) const {
+        if (energy(wish) < kInfinity) return wish;
+        // Half-planes left of the far sides, clipping their bounding box.
+        Vec2d lo = wedges[0].p1, hi = lo;
+        for (const Wedge& w : wedges) {
+            lo = {std::min(lo.x, w.p1.x), std::min(lo.y, w.p1.y)};
+            hi = {std::max(hi.x, w.p1.x), std::max(hi.y, w.p1.y)};
+        }
+        std::vector<Vec2d> polygon{lo, {hi.x, lo.y}, hi, {lo.x, hi.y}}, clipped;
+        for (const Wedge& w : wedges) {
+            clipped.clear();
+            for (std::size_t k = 0; k < polygon.size(); ++k) {
+                const Vec2d a = polygon[k], b = polygon[(k + 1) % polygon.size()];
+                const double sa = cross(w.p2 - w.p1, a - w.p1), sb = cross(w.p2 - w.p1, b - w.p1);
+                if (sa >= 0) clipped.push_back(a);
+                if ((sa > 0 && sb < 0) || (sa < 0 && sb > 0)) clipped.push_back(a + (b - a) * (sa / (sa - sb)));
+            }
+            polygon.swap(clipped);
+            if (polygon.size() < 3) return std::nullopt;
+        }
+        Vec2d centre;
+        for (const Vec2d& p : polygon) centre = centre + p * (1.0 / static_cast<double>(polygon.size()));
+        if (!(energy(centre) < kInfinity)) return std::nullopt;
+        for (double share : {0.75, 0.5, 0.25}) {
+            const Vec2d x = centre + (wish - centre) * share;
+            if (energy(x) < kInfinity) return x;
+        }
+        return centre;
+    }
+
+ private:
+    [[nodiscard]] static double raised(double q, double p) {
+        return p == 1 ? q : p == 0 ? 1.0 : p == 2 ? q * q : std::pow(q, p);
+    }
+    [[nodiscard]] static double numerator(const Wedge& w, Vec2d x) {
+        const Vec2d d0 = w.p2 - w.p1;
+        return w.l0 * dot(x - w.p2, x - w.p1) - w.l1 * dot(w.p1 - x, d0) - w.l2 * dot(d0, x - w.p2);
+    }
+
+    double power_;
+};
+
+/// Area of a face and squared lengths of its sides, opposite each corner.
+std::array<double, 4> shape(std::span<const Vec3d> positions, const Face& f) {
+    const Vec3d e0 = positions[f[2]] - positions[f[1]], e1 = positions[f[0]] - positions[f[2]],
+                e2 = positions[f[1]] - positions[f[0]];
+    return {0.5 * length(cross(e2, e0)), dot(e0, e0), dot(e1, e1), dot(e2, e2)};
+}
+
+/// Mean of the ring in the map by mean-value weights on the surface [Floater 2003].
+Vec2d mean_value(std::span<const Vec3d> positions, std::uint32_t v, std::span<const std::uint32_t> ring,
+                 const std::vector<Vec2d>& uv) {
+    const std::size_t n = ring.size();
+    std::vector<double> half_tangent(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        const Vec3d a = positions[ring[k]] - positions[v], b = positions[ring[(k + 1) % n]] - positions[v];
+        // tan(angle / 2) = |a x b| / (|a||b| + a.b)
+        const double below = length(a) * length(b) + dot(a, b);
+        half_tangent[k] = below > 0 ? std::min(100.0, length(cross(a, b)) / below) : 100.0;
+    }
+    Vec2d sum;
+    double total = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        const double r = std::max(length(positions[ring[k]] - positions[v]), 1e-300);
+        const double w = (half_tangent[(k + n - 1) % n] + half_tangent[k]) / r;
+        sum = sum + uv[ring[k]] * w;
+        total += w;
+    }
+    return total > 0 && std::isfinite(total) ? sum * (1 / total) : uv[ring[0]];
+}
+
+struct Level {
+    TriMesh mesh;
+    std::vector<std::uint32_t> original;  ///< vertices on the next finer level; none on the finest
+    Simplified coarser;                   ///< how the next coarser level was made of this one
+};
+
+class Multilevel {
+ public:
+    Multilevel(const DiskView& disk, const MultilevelOptions& options, const model::Progress& progress)
+        : disk_(disk), options_(options), progress_(progress), on_border_(disk.positions.size(), 0) {
+        for (std::uint32_t v : disk.border) on_border_[v] = 1;
+    }
+
+    std::optional<std::vector<Vec2d>> run() {
+        build_ladder();
+        Level& coarsest = ladder_.back();
+        std::vector<Vec2d> uv;
+        if (!map_coarsest(coarsest, uv)) return std::nullopt;
+        relax(coarsest, uv, ladder_.size() - 1, options_.coarsest_sweeps);
+        for (std::size_t l = ladder_.size() - 1; l-- > 0;) {
+            const Level &fine = ladder_[l], &coarse = ladder_[l + 1];
+            std::vector<Vec2d> finer(fine.mesh.positions.size());
+            for (std::size_t v = 0; v < uv.size(); ++v) finer[coarse.original[v]] = uv[v];
+            if (!put_back(fine, finer)) return std::nullopt;
+            uv = std::move(finer);
+            relax(fine, uv, l, options_.sweeps);
+        }
+        if (count_not_positive(disk_.faces, uv) > 0) return std::nullopt;
+        return uv;
+    }
+
+ private:
+    void build_ladder() {
+        Level first;
+        first.mesh.positions.assign(disk_.positions.begin(), disk_.positions.end());
+        first.mesh.faces.assign(disk_.faces.begin(), disk_.faces.end());
+        ladder_.push_back(std::move(first));
+        std::vector<char> locked = on_border_;
+        const std::size_t least = options_.coarsest_faces + 2 * disk_.border.size();
+        while (ladder_.back().mesh.faces.size() > least + least / 2) {
+            Level& fine = ladder_.back();
+            const std::size_t wanted = std::max(least, fine.mesh.faces.size() / 4);
+            SimplifyOptions simplify_options;
+            simplify_options.locked = locked;
+            simplify_options.allow_chords = false;  // one along a side of the square would have no area
+            simplify_options.regularity = 1e-3;     // the map wants round rings more than the last detail
+            fine.coarser = simplify(fine.mesh, wanted, simplify_options, progress_);
+            if (fine.coarser.faces.size() * 4 > fine.mesh.faces.size() * 3) break;
+            CompactMesh small = compact(fine.mesh.positions, fine.coarser.faces);
+            Level next;
+            next.mesh = std::move(small.mesh);
+            next.original = std::move(small.original);
+            std::vector<char> next_locked(next.original.size());
+            for (std::size_t v = 0; v < next_locked.size(); ++v) next_locked[v] = locked[next.original[v]];
+            locked = std::move(next_locked);
+            ladder_.push_back(std::move(next));
+        }
+    }
+
+    bool map_coarsest(const Level& level, std::vector<Vec2d>& uv) {
+        // Vertices of the border by their number on this level.
+        std::vector<std::uint32_t> finest(level.mesh.positions.size());
+        for (std::uint32_t v = 0; v < finest.size(); ++v) {
+            std::uint32_t at = v;
+            for (std::size_t l = ladder_.size(); l-- > 1;) at = ladder_[l].original[at];
+            finest[v] = at;
+        }
+        std::vector<std::uint32_t> here(disk_.positions.size(), kNone), border;
+        for (std::uint32_t v = 0; v < finest.size(); ++v) here[finest[v]] = v;
+        for (std::uint32_t v : disk_.border) border.push_back(here[v]);
+        const DiskView view{level.mesh.positions, level.mesh.faces, border, disk_.border_uv};
+        uv = damped_stretch_map(view, 12, progress_);
+        if (count_not_positive(view.faces, uv) > 0) uv = reweighted_stretch_map(view, {}, progress_);
+        if (count_not_positive(view.faces, uv) > 0) return false;
+        SlimOptions newton;
+        newton.energy = FlipFreeEnergy::kStretch;
+        newton.border_fixed = true;
+        newton.iterations = options_.newton_steps;
+        newton.tolerance = 1e-4;
+        uv = descend_flip_free(view, std::move(uv), newton, progress_);
+        return true;
+    }
+
+    /// Takes the collapses below `fine` back, last one first.
+    bool put_back(const Level& fine, std::vector<Vec2d>& uv) {
+        Ring ring(options_.power);
+        const std::span<const Vec3d> positions = fine.mesh.positions;
+        for (std::size_t k = fine.coarser.collapses.size(); k-- > 0;) {
+            const Collapse& c = fine.coarser.collapses[k];
+            const auto link = fine.coarser.link(c);
+            ring.wedges.clear();
+            for (std::size_t j = 0; j < link.size(); ++j) {
+                const std::uint32_t a = link[j], b = link[(j + 1) % link.size()];
+                const auto [area, l0, l1, l2] = shape(positions, {c.removed, a, b});
+                ring.wedges.push_back({uv[a], uv[b], area, l0, l1, l2});
+            }
+            const std::optional<Vec2d> x = ring.inside(mean_value(positions, c.removed, link, uv));
+            if (!x) return false;
+            uv[c.removed] = ring.relax(*x, 2);
+        }
+        return true;
+    }
+
+    void relax(const Level& level, std::vector<Vec2d>& uv, std::size_t number, int sweeps) {
+        const std::span<const Face> faces = level.mesh.faces;
+        const std::size_t n = uv.size();
+        std::vector<std::uint32_t> first(n + 1, 0), corner(3 * faces.size());
+        for (const Face& f : faces)
+            for (std::uint32_t v : f) ++first[v + 1];
+        for (std::size_t v = 0; v < n; ++v) first[v + 1] += first[v];
+        std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
+        for (std::uint32_t h = 0; h < 3 * faces.size(); ++h) corner[fill[origin(faces, h)]++] = h;
+        std::vector<char> fixed(n, 0);
+        for (std::uint32_t v = 0; v < n; ++v) {
+            std::uint32_t at = v;
+            for (std::size_t l = number; l >= 1; --l) at = ladder_[l].original[at];
+            fixed[v] = on_border_[at];
+        }
+        std::vector<std::array<double, 4>> shapes(faces.size());
+        for (std::size_t f = 0; f < faces.size(); ++f) shapes[f] = shape(level.mesh.positions, faces[f]);
+        Ring ring(options_.power);
+        for (int sweep = 0; sweep < sweeps; ++sweep) {
+            progress_.update("parameterize", 0.5 + 0.5 * sweep / sweeps);
+            for (std::uint32_t i = 0; i < n; ++i) {
+                const std::uint32_t v = sweep % 2 == 0 ? i : static_cast<std::uint32_t>(n - 1 - i);
+                if (fixed[v]) continue;
+                ring.wedges.clear();
+                for (std::uint32_t k = first[v]; k < first[v + 1]; ++k) {
+                    const Face& f = faces[corner[k] / 3];
+                    const std::array<double, 4>& l = shapes[corner[k] / 3];
+                    const std::uint32_t i0 = corner[k] % 3, i1 = (i0 + 1) % 3, i2 = (i0 + 2) % 3;
+                    ring.wedges.push_back({uv[f[i1]], uv[f[i2]], l[0], l[1 + i0], l[1 + i1], l[1 + i2]});
+                }
+                uv[v] = ring.relax(uv[v], 1);
+            }
+        }
+    }
+
+    const DiskView& disk_;
+    const MultilevelOptions& options_;
+    const model::Progress& progress_;
+    std::vector<char> on_border_;
+    std::vector<Level> ladder_;
+};
+
+}  // namespace
+
+std::optional<std::vector<Vec2d>> multilevel_stretch_map(const DiskView& disk, const MultilevelOptions& options,
+                                                         const model::Progress& progress) {
+    return Multilevel(disk, options, progress).run();
+}
+
+}  // namespace dgm::bake
