@@ -23,7 +23,7 @@ enum class ExrLayout { kAuto, kMultipart };
 
 struct BakeOptions {
     GridSize size;                ///< samples of each chart; 3..8193 a side
-    std::string method = "auto";  ///< auto stretch mvc authalic conformal tutte lscm arap uv
+    std::string method = "auto";  ///< auto stretch mvc authalic conformal tutte lscm arap slim uv
     DomainChoice domain = DomainChoice::kAuto;
     Fit fit = Fit::kSample;
     Precision precision = Precision::kF32;

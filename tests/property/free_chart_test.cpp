@@ -10,10 +10,10 @@
 #include <string>
 
 #include "geometry/cgal/border_simple.h"
-#include "geometry/cgal/cgal_parameterizers.h"
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/layers/layers.h"
+#include "geometry/parameterize/free_methods.h"
 #include "geometry/repair/repair.h"
 #include "model/codes.h"
 #include "support/chart_checks.h"
@@ -27,7 +27,7 @@ const FreeChartTools kTools{border_is_simple, constrained_triangulation};
 SampledChart chart_of(const TriMesh& mesh, std::uint32_t m, std::uint32_t n, const char* method) {
     CutGraph cut(mesh);
     cut.cut_to_disk();
-    return make_free_chart(cut.open(), m, n, *make_cgal_parameterizer(method), kTools, {});
+    return make_free_chart(cut.open(), m, n, *make_free_parameterizer(method), kTools, {});
 }
 
 /// A bowl: the ball's upper part, open at the rim.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "geometry/chart/lattice_strip.h"
@@ -103,13 +104,15 @@ std::vector<Vec2d> points_at(std::span<const Vec2d> uv, std::span<const std::uin
     return out;
 }
 
-/// For a chart that overlaps itself: its border, edge lengths kept, on a circle, and the inside by positive cotangent
-/// weights, which Tutte's theorem makes one to one. No border edge is shorter than a tenth of its equal share.
-std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t> border, std::span<const Vec2d> uv) {
+/// For a chart that overlaps itself whatever the cut: its border, edge lengths of the surface, on a circle, and the
+/// inside by positive cotangent weights, which Tutte's theorem makes one to one. No border edge is shorter than a tenth
+/// of its equal share.
+std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t> border) {
     const std::size_t n = border.size();
     std::vector<double> lengths(n);
     double total = 0;
-    for (std::size_t k = 0; k < n; ++k) total += lengths[k] = length(uv[border[(k + 1) % n]] - uv[border[k]]);
+    for (std::size_t k = 0; k < n; ++k)
+        total += lengths[k] = length(disk.mesh.positions[border[(k + 1) % n]] - disk.mesh.positions[border[k]]);
     double floored = 0;
     for (double& l : lengths) floored += l = std::max(l, 0.1 * total / static_cast<double>(n));
     std::vector<Vec2d> circle;
@@ -170,24 +173,109 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
     return chart;
 }
 
+constexpr double kGoodStretch = 1.25;  // L2 stretch from which a shorter cut is preferred to a better map
+constexpr double kBetter = 0.95;       // of the stretch so far: what a longer cut must reach to be taken
+constexpr int kCutRounds = 5;
+constexpr int kTipsPerRound = 4;
+constexpr double kNearTip = 0.5;  // of the first tip's distance to the cut: nearer ones are left for the next round
+
+/// Joins the vertices farthest from the cut to it: tips of limbs before anything else. False if there are none.
+bool lengthen(CutGraph& cut) {
+    double first = 0;
+    for (int k = 0; k < kTipsPerRound; ++k) {
+        const std::vector<double> distance = cut.distance_to_cut();
+        const auto tip = std::max_element(distance.begin(), distance.end());
+        if (k == 0) first = *tip;
+        if (!(*tip > 0) || *tip < kNearTip * first) return k > 0;
+        cut.join(static_cast<std::uint32_t>(tip - distance.begin()));
+    }
+    return true;
+}
+
+/// A cut, and the method's map of the disk it leaves.
+struct Layout {
+    Disk disk;
+    std::vector<Vec2d> uv = {};
+    double cut_length = 0;
+    double stretch = INFINITY;  // L2, of a valid map
+};
+
+Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& tools, const model::Progress& progress,
+               std::optional<Error>& failure) {
+    Layout out{.disk = std::move(disk)};
+    // A cut of one edge leaves two border edges between the same two vertices, which no map can tell apart.
+    if (const std::vector<std::uint32_t> edges = out.disk.border(); edges.size() == 2)
+        out.disk.split(edges.front(), 0.5);
+    const std::vector<std::uint32_t> border = border_vertices(out.disk);
+    const std::string name(method.name());
+    try {
+        out.uv = method.solve({out.disk.mesh.positions, out.disk.mesh.faces, border, {}}, progress);
+        check_map(out.disk, out.uv, name);
+        if (!tools.is_simple(points_at(out.uv, border)))
+            throw Error(codes::kMapInvalid, name + ": the chart overlaps itself");
+        out.stretch = measure_map(out.disk.mesh.positions, out.disk.mesh.faces, out.uv).stretch_l2;
+    } catch (const Error& e) {
+        if (e.code().number != codes::kMapInvalid.number) throw;
+        failure = e;
+    }
+    return out;
+}
+
+SampledChart chart_on_circle(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
+                             const FreeChartTools& tools, const Error& why) {
+    std::vector<Vec2d> uv = lay_on_circle(disk, border_vertices(disk));
+    SampledChart chart = sample_free_chart(std::move(disk), std::move(uv), m, n, std::string(method.name()), tools);
+    chart.note = std::string(why.what()) + "; laid out again with a convex border";
+    return chart;
+}
+
 }  // namespace
 
 SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                              const FreeChartTools& tools, const model::Progress& progress) {
-    // A cut of one edge leaves two border edges between the same two vertices, which no map can tell apart.
-    if (const std::vector<std::uint32_t> edges = disk.border(); edges.size() == 2) disk.split(edges.front(), 0.5);
-    const std::vector<std::uint32_t> border = border_vertices(disk);
-    std::vector<Vec2d> uv = method.solve({disk.mesh.positions, disk.mesh.faces, border, {}}, progress);
-    const std::string name(method.name());
-    try {
-        return sample_free_chart(disk, uv, m, n, name, tools);
-    } catch (const Error& e) {
-        if (e.code().number != codes::kMapInvalid.number) throw;
-        uv = lay_on_circle(disk, border, uv);
-        SampledChart chart = sample_free_chart(std::move(disk), std::move(uv), m, n, name, tools);
-        chart.note = std::string(e.what()) + "; laid out again with a convex border";
-        return chart;
+    std::optional<Error> failure;
+    Layout layout = lay_out(std::move(disk), method, tools, progress, failure);
+    if (!failure) {
+        try {
+            return sample_free_chart(layout.disk, std::move(layout.uv), m, n, std::string(method.name()), tools);
+        } catch (const Error& e) {
+            if (e.code().number != codes::kMapInvalid.number) throw;
+            failure = e;
+        }
     }
+    return chart_on_circle(std::move(layout.disk), m, n, method, tools, *failure);
+}
+
+SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
+                             const FreeChartTools& tools, const model::Progress& progress) {
+    CutGraph cut(component);
+    cut.cut_to_disk();
+    // A closed body always has more than two tips.
+    if (cut.boundary_loop_count() == 0) lengthen(cut);
+    std::optional<Error> failure;
+    std::optional<Layout> best, last;
+    for (int round = 0; round < kCutRounds; ++round) {
+        last = lay_out(cut.open(), method, tools, progress, failure);
+        last->cut_length = cut.length();
+        if (last->stretch < (best ? kBetter * best->stretch : INFINITY)) best = last;
+        if (best && (best->stretch < kGoodStretch || last->stretch > kBetter * best->stretch) && round > 0) break;
+        if (best && best->stretch < kGoodStretch) break;
+        if (!lengthen(cut)) break;
+    }
+    if (best) {
+        try {
+            SampledChart chart =
+                sample_free_chart(std::move(best->disk), std::move(best->uv), m, n, std::string(method.name()), tools);
+            chart.cut_length = best->cut_length;
+            return chart;
+        } catch (const Error& e) {
+            if (e.code().number != codes::kMapInvalid.number) throw;
+            failure = e;
+        }
+    }
+    SampledChart chart = chart_on_circle(std::move(last->disk), m, n, method, tools, *failure);
+    chart.cut_length = last->cut_length;
+    return chart;
 }
 
 SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const FreeChartTools& tools,

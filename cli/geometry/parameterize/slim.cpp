@@ -7,20 +7,16 @@
 // [Sander 2001] Sander, Snyder, Gortler, Hoppe. Texture Mapping Progressive Meshes. SIGGRAPH 2001.
 #include "geometry/parameterize/slim.h"
 
-#include <iostream>  // MetisSupport writes to std::cerr and does not include it
-
-#include <Eigen/MetisSupport>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <string>
 #include <utility>
 
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/solve/sparse_cholesky.h"
 
 namespace dgm::bake {
 namespace {
@@ -227,12 +223,7 @@ class NewtonSystem {
         slots_.reserve(faces.size() * 21);
         for (const Face& f : faces)
             for_entries(f, [&](std::size_t, std::size_t, int row, int col) { slots_.push_back(slot(row, col)); });
-        if (unknowns > 0) {
-            // METIS draws from a generator with global state, which it seeds itself: one call at a time, always alike.
-            static std::mutex one_at_a_time;
-            const std::scoped_lock lock(one_at_a_time);
-            solver_.analyzePattern(matrix_);
-        }
+        if (unknowns > 0) solver_.analyze(matrix_, Ordering::kNestedDissection, 2);
     }
 
     [[nodiscard]] bool empty() const { return matrix_.rows() == 0; }
@@ -268,9 +259,9 @@ class NewtonSystem {
                 diagonal = diagonal > 0 ? diagonal * (1 + shift) : std::numeric_limits<double>::min();
             }
             ++factorizations_;
-            solver_.factorize(shifted);
-            if (solver_.info() != Eigen::Success) continue;
-            d = solver_.solve(-gradient_);
+            if (!solver_.factorize(shifted)) continue;
+            d = -gradient_;
+            solver_.solve({d.data(), static_cast<std::size_t>(d.size())});
             if (d.allFinite() && d.dot(gradient_) < 0) return true;
         }
         return false;
@@ -301,8 +292,7 @@ class NewtonSystem {
     std::vector<int> unknown_of_;  // of x; y is the next one; -1 where fixed
     SparseMatrix matrix_;
     std::vector<std::int64_t> slots_;
-    // Nested dissection: half the time of minimum degree on the camel head with 91k faces.
-    Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::MetisOrdering<int>> solver_;
+    SparseCholesky solver_;
     Eigen::VectorXd gradient_;
     std::size_t factorizations_ = 0;
 };
