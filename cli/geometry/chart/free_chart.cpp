@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "geometry/chart/bijective_layout.h"
 #include "geometry/chart/lattice_strip.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
@@ -176,8 +177,17 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
 constexpr double kGoodStretch = 1.25;  // L2 stretch from which a shorter cut is preferred to a better map
 constexpr double kBetter = 0.95;       // of the stretch so far: what a longer cut must reach to be taken
 constexpr int kCutRounds = 5;
-constexpr int kTipsPerRound = 4;
-constexpr double kNearTip = 0.5;  // of the first tip's distance to the cut: nearer ones are left for the next round
+constexpr int kTipsPerRound = 6;
+constexpr double kFarTip =
+    0.65;  // of the root of the area: no point of a flat disk is farther than 0.56 from its border
+constexpr double kNearTip = 0.4;  // of the first tip's distance to the cut: nearer ones are left for the next round
+
+double surface_area(const TriMesh& mesh) {
+    double sum = 0;
+    for (const Face& f : mesh.faces)
+        sum += face_area({mesh.positions[f[0]], mesh.positions[f[1]], mesh.positions[f[2]]});
+    return sum;
+}
 
 /// Joins the vertices farthest from the cut to it: tips of limbs before anything else. False if there are none.
 bool lengthen(CutGraph& cut) {
@@ -197,7 +207,8 @@ struct Layout {
     Disk disk;
     std::vector<Vec2d> uv = {};
     double cut_length = 0;
-    double stretch = INFINITY;  // L2, of a valid map
+    double stretch = INFINITY;  // L2, of a map without flips
+    bool overlaps = false;
 };
 
 Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& tools, const model::Progress& progress,
@@ -211,9 +222,9 @@ Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& too
     try {
         out.uv = method.solve({out.disk.mesh.positions, out.disk.mesh.faces, border, {}}, progress);
         check_map(out.disk, out.uv, name);
-        if (!tools.is_simple(points_at(out.uv, border)))
-            throw Error(codes::kMapInvalid, name + ": the chart overlaps itself");
         out.stretch = measure_map(out.disk.mesh.positions, out.disk.mesh.faces, out.uv).stretch_l2;
+        out.overlaps = !tools.is_simple(points_at(out.uv, border));
+        if (out.overlaps) throw Error(codes::kMapInvalid, name + ": the chart overlaps itself");
     } catch (const Error& e) {
         if (e.code().number != codes::kMapInvalid.number) throw;
         failure = e;
@@ -221,11 +232,25 @@ Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& too
     return out;
 }
 
-SampledChart chart_on_circle(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
-                             const FreeChartTools& tools, const Error& why) {
-    std::vector<Vec2d> uv = lay_on_circle(disk, border_vertices(disk));
-    SampledChart chart = sample_free_chart(std::move(disk), std::move(uv), m, n, std::string(method.name()), tools);
-    chart.note = std::string(why.what()) + "; laid out again with a convex border";
+/// For a cut whose map is no chart: from the circle down as far as the energy of the method goes without an overlap.
+SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
+                                   const FreeChartTools& tools, const model::Progress& progress, const Error& why) {
+    const std::vector<std::uint32_t> border = border_vertices(disk);
+    const std::string name(method.name());
+    const std::vector<Vec2d> circle = lay_on_circle(disk, border);
+    const FlipFreeEnergy energy = name == "arap" ? FlipFreeEnergy::kArap : FlipFreeEnergy::kSymmetricDirichlet;
+    std::string how = "; laid out again without overlap";
+    SampledChart chart;
+    try {
+        std::vector<Vec2d> uv = descend_bijective({disk.mesh.positions, disk.mesh.faces, border, {}}, circle, energy,
+                                                  tools.triangulate, progress);
+        chart = sample_free_chart(disk, std::move(uv), m, n, name, tools);
+    } catch (const Error& e) {
+        if (e.code().number != codes::kMapInvalid.number) throw;
+        how = "; laid out again with a convex border";
+        chart = sample_free_chart(std::move(disk), circle, m, n, name, tools);
+    }
+    chart.note = why.what() + how;
     return chart;
 }
 
@@ -243,39 +268,50 @@ SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const 
             failure = e;
         }
     }
-    return chart_on_circle(std::move(layout.disk), m, n, method, tools, *failure);
+    return chart_without_overlap(std::move(layout.disk), m, n, method, tools, progress, *failure);
 }
 
 SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                              const FreeChartTools& tools, const model::Progress& progress) {
     CutGraph cut(component);
     cut.cut_to_disk();
-    // A closed body always has more than two tips.
-    if (cut.boundary_loop_count() == 0) lengthen(cut);
+    // A closed body has more than two tips, and one that bulges far out of its border cannot be laid flat as it is.
+    const std::vector<double> distance = cut.distance_to_cut();
+    if (cut.boundary_loop_count() == 0 ||
+        *std::max_element(distance.begin(), distance.end()) > kFarTip * std::sqrt(surface_area(component)))
+        lengthen(cut);
     std::optional<Error> failure;
     std::optional<Layout> best, last;
     for (int round = 0; round < kCutRounds; ++round) {
         last = lay_out(cut.open(), method, tools, progress, failure);
         last->cut_length = cut.length();
-        if (last->stretch < (best ? kBetter * best->stretch : INFINITY)) best = last;
-        if (best && (best->stretch < kGoodStretch || last->stretch > kBetter * best->stretch) && round > 0) break;
-        if (best && best->stretch < kGoodStretch) break;
-        if (!lengthen(cut)) break;
+        // Arms that lie over each other are moved apart; cutting more would give more arms.
+        if (last->overlaps && last->stretch < kGoodStretch) break;
+        const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : INFINITY);
+        if (best && !gains) break;
+        if (gains) best = last;
+        if ((best && best->stretch < kGoodStretch) || !lengthen(cut)) break;
     }
+    // The last cut may be the better one, were it not for the overlap.
+    const bool may_gain = last->overlaps && best && last->stretch < kBetter * best->stretch;
+    std::optional<SampledChart> chart;
     if (best) {
         try {
-            SampledChart chart =
+            chart =
                 sample_free_chart(std::move(best->disk), std::move(best->uv), m, n, std::string(method.name()), tools);
-            chart.cut_length = best->cut_length;
-            return chart;
+            chart->cut_length = best->cut_length;
         } catch (const Error& e) {
             if (e.code().number != codes::kMapInvalid.number) throw;
             failure = e;
         }
     }
-    SampledChart chart = chart_on_circle(std::move(last->disk), m, n, method, tools, *failure);
-    chart.cut_length = last->cut_length;
-    return chart;
+    if (chart && !may_gain) return std::move(*chart);
+    SampledChart moved = chart_without_overlap(std::move(last->disk), m, n, method, tools, progress, *failure);
+    moved.cut_length = last->cut_length;
+    const auto stretch = [](const SampledChart& c) {
+        return measure_map(c.disk.mesh.positions, c.disk.mesh.faces, c.uv).stretch_l2;
+    };
+    return chart && stretch(*chart) <= stretch(moved) ? std::move(*chart) : moved;
 }
 
 SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const FreeChartTools& tools,

@@ -63,16 +63,22 @@ class FreeParameterizer final : public Parameterizer {
     }
 
  private:
-    [[nodiscard]] SlimOptions descent() const {
+    /// The symmetric Dirichlet energy unfolds the crowded start quickly; the ARAP energy, which hardly minds what is
+    /// small, would stay near it.
+    [[nodiscard]] std::vector<Vec2d> descend(const DiskView& disk, std::vector<Vec2d> start,
+                                             const model::Progress& progress) const {
         SlimOptions options;
         options.iterations = kDescentSteps;
-        if (method_ == Method::kArap) options.energy = FlipFreeEnergy::kArap;
-        return options;
+        if (method_ != Method::kArap) return descend_flip_free(disk, std::move(start), options, progress);
+        options.tolerance = 1e-3;
+        start = descend_flip_free(disk, std::move(start), options, progress);
+        options.energy = FlipFreeEnergy::kArap;
+        return descend_flip_free(disk, std::move(start), options, progress);
     }
 
     [[nodiscard]] std::vector<Vec2d> solve_disk(const DiskView& disk, const model::Progress& progress) const {
         std::optional<std::vector<Vec2d>> uv = direct(disk, progress);
-                if (uv && count_not_positive(disk.faces, *uv) > 0) {
+        if (uv && count_not_positive(disk.faces, *uv) > 0) {
             const RepairShape shape = method_ == Method::kArap ? RepairShape::kIsometric : RepairShape::kConformal;
             if (auto repaired = repair_flips(disk, *uv, shape, progress)) uv = std::move(repaired);
         }
@@ -82,7 +88,7 @@ class FreeParameterizer final : public Parameterizer {
             if (!uv) fail(std::string(name_) + ": no map without flips was found");
             return std::move(*uv);
         }
-        std::vector<Vec2d> descended = descend_flip_free(disk, std::move(*start), descent(), progress);
+        std::vector<Vec2d> descended = descend(disk, std::move(*start), progress);
         std::vector<Vec2d> centred = descended;
         if (normalise(disk, centred, rescales()) && count_not_positive(disk.faces, centred) == 0) return centred;
         return descended;
