@@ -127,6 +127,25 @@ TEST(FreeChartSlit, ASlitStaysASlit) {
     }
 }
 
+/// A spiral ramp of one turn and a half: unrolled without distortion it lies over itself.
+TEST(FreeChart, IsLaidOutBesideItselfWhereItWouldOverlap) {
+    TriMesh ramp = test::grid_sheet(90, 10);
+    for (Vec3d& p : ramp.positions) {
+        const double angle = 3 * M_PI * p.x, radius = 0.4 + 0.6 * p.y;
+        p = {radius * std::cos(angle), radius * std::sin(angle), 0.5 * p.x};
+    }
+    const TriMesh mesh = repair(ramp).components.at(0);
+    for (const char* method : {"arap", "slim"}) {
+        const SampledChart chart = make_free_chart(mesh, 65, 65, *make_free_parameterizer(method), kTools, {});
+        // ARAP's local steps find a way around the overlap here.
+        EXPECT_EQ(chart.note.find("without overlap") != std::string::npos, method == std::string("slim")) << chart.note;
+        ASSERT_NO_FATAL_FAILURE(test::expect_bijective(chart));
+        ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, mesh));
+        // On the circle, where it starts from, the stretch is above 2.
+        EXPECT_LT(measure_map(chart.disk.mesh.positions, chart.disk.mesh.faces, chart.uv).stretch_l2, 1.5) << method;
+    }
+}
+
 TEST(FreeChartError, FallsWhenTheGridIsDoubled) {
     TriMesh bent = test::grid_sheet(96, 96);
     for (Vec3d& p : bent.positions) p.z = 0.2 * std::sin(3 * p.x) * std::cos(2 * p.y);

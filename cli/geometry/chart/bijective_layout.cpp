@@ -15,6 +15,7 @@ constexpr double kOutsideWeight = 0.01;  // of all triangles outside, against th
 constexpr double kMargin = 0.5;          // of the chart's extent, between it and the box
 constexpr std::uint32_t kBoxPoints = 8;  // per side
 constexpr double kTolerance = 2e-3;      // of the energy, gained by a round
+constexpr double kRoughly = 2e-2;        // the same where another energy follows
 
 double twice_area(Vec2d a, Vec2d b, Vec2d c) {
     return cross(b - a, c - a);
@@ -67,14 +68,24 @@ class Augmented {
                 points.push_back(x.back());
             }
         close(k);
+        fill_outside(lo, hi, k, points);
 
         faces_.resize(disk_.faces.size());
         rest_.resize(disk_.faces.size());
         const std::vector<Face> outside = triangulate_(points, constraints);
         const double weight = kOutsideWeight * area_ / static_cast<double>(outside.size());
+        // Border vertices are the disk's own, the box and what fills the outside come after them; what fell inside the
+        // chart belongs to no face and gets no number.
+        std::vector<std::uint32_t> number(points.size(), kNone);
+        for (std::size_t p = 0; p < points.size(); ++p)
+            number[p] = p < k ? disk_.border[p] : p < k + box.size() ? box[p - k] : kNone;
         for (const Face& f : outside) {
             Face face;
-            for (std::size_t c = 0; c < 3; ++c) face[c] = f[c] < k ? disk_.border[f[c]] : box[f[c] - k];
+            for (std::size_t c = 0; c < 3; ++c) {
+                std::uint32_t& v = number[f[c]];
+                if (v == kNone) v = static_cast<std::uint32_t>(x.size()), x.push_back(points[f[c]]);
+                face[c] = v;
+            }
             faces_.push_back(face);
             rest_.push_back(at_rest(x[face[0]], x[face[1]], x[face[2]], weight));
         }
@@ -90,6 +101,30 @@ class Augmented {
     }
 
  private:
+    /// Adds points between the border (the first `border` points) and the box, as far apart as they are from the
+    /// border: without them the triangles outside are needles that hold the border where it is.
+    static void fill_outside(Vec2d lo, Vec2d hi, std::size_t border, std::vector<Vec2d>& points) {
+        double around = 0;
+        for (std::size_t p = 0; p < border; ++p) around += length(points[(p + 1) % border] - points[p]);
+        const double extent = std::max(hi.x - lo.x, hi.y - lo.y);
+        // Not finer than the border is on average, nor than a 200th of the box.
+        double spacing = std::max(1.5 * around / static_cast<double>(border), extent / 200);
+        constexpr std::size_t kMostMeasured = 2000;  // border points that distances are measured to
+        std::vector<Vec2d> fixed;
+        for (std::size_t p = 0; p < points.size(); p += 1 + border / kMostMeasured) fixed.push_back(points[p]);
+        for (; spacing < 0.25 * extent; spacing *= 2)
+            for (double y = lo.y + spacing; y < hi.y - 0.5 * spacing; y += spacing)
+                for (double x = lo.x + spacing; x < hi.x - 0.5 * spacing; x += spacing) {
+                    double nearest = INFINITY;
+                    for (const Vec2d& p : fixed) {
+                        const Vec2d d = p - Vec2d{x, y};
+                        nearest = std::min(nearest, dot(d, d));
+                    }
+                    if (nearest > 0.8 * 0.8 * spacing * spacing && nearest <= 1.6 * 1.6 * spacing * spacing)
+                        points.push_back({x, y});
+                }
+    }
+
     const DiskView& disk_;
     const Triangulate& triangulate_;
     std::vector<RestShape> rest_;
@@ -120,7 +155,7 @@ std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> st
             const double lowered = flip_free_energy(disk, next, options);
             if (!(lowered < last)) break;
             uv = std::move(next);
-            const bool done = last - lowered < kTolerance * lowered;
+            const bool done = last - lowered < (current == energy ? kTolerance : kRoughly) * lowered;
             last = lowered;
             if (done) break;
         }
