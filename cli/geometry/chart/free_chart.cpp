@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -176,7 +177,9 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
 
 constexpr double kGoodStretch = 1.25;  // L2 stretch from which a shorter cut is preferred to a better map
 constexpr double kBetter = 0.95;       // of the stretch so far: what a longer cut must reach to be taken
-constexpr int kCutRounds = 5;
+constexpr int kCutRounds = 8;
+constexpr int kShrunkPerRound = 2;
+constexpr double kLeastBranch = 0.1;  // of the distance of the farthest vertex: shorter branches are not worth a trial
 constexpr int kTipsPerRound = 6;
 constexpr double kFarTip =
     0.65;  // of the root of the area: no point of a flat disk is farther than 0.56 from its border
@@ -254,6 +257,33 @@ SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, 
     return chart;
 }
 
+/// Joins the points that shrank most in a map to the cut [Gu, Gortler, Hoppe 2002]. False if there are none.
+bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::size_t points) {
+    std::vector<double> surface(points, 0.0), map(points, 0.0);
+    for (const Face& f : layout.disk.mesh.faces) {
+        const auto& q = layout.disk.mesh.positions;
+        const double area = face_area({q[f[0]], q[f[1]], q[f[2]]});
+        const double mapped = 0.5 * cross(layout.uv[f[1]] - layout.uv[f[0]], layout.uv[f[2]] - layout.uv[f[0]]);
+        for (const std::uint32_t v : f)
+            if (const std::uint32_t point = layout.disk.weld[v]; point < points)
+                surface[point] += area, map[point] += mapped;
+    }
+    for (int k = 0; k < kShrunkPerRound; ++k) {
+        const std::vector<double> distance = cut.distance_to_cut();
+        const double far = *std::max_element(distance.begin(), distance.end());
+        std::uint32_t worst = kNone;
+        double most = 0;
+        for (std::uint32_t v = 0; v < points; ++v) {
+            if (!(distance[v] > kLeastBranch * far)) continue;
+            const double shrunk = surface[v] / std::max(map[v], std::numeric_limits<double>::min());
+            if (shrunk > most) most = shrunk, worst = v;
+        }
+        if (worst == kNone) return k > 0;
+        cut.join(worst);
+    }
+    return true;
+}
+
 }  // namespace
 
 SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
@@ -282,15 +312,18 @@ SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uin
         lengthen(cut);
     std::optional<Error> failure;
     std::optional<Layout> best, last;
+    int idle = 0;
     for (int round = 0; round < kCutRounds; ++round) {
         last = lay_out(cut.open(), method, tools, progress, failure);
         last->cut_length = cut.length();
         // Arms that lie over each other are moved apart; cutting more would give more arms.
         if (last->overlaps && last->stretch < kGoodStretch) break;
         const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : INFINITY);
-        if (best && !gains) break;
-        if (gains) best = last;
-        if ((best && best->stretch < kGoodStretch) || !lengthen(cut)) break;
+        if (best && !gains && ++idle > 1) break;
+        if (gains) best = last, idle = 0;
+        if (best && best->stretch < kGoodStretch) break;
+        const bool mapped = std::isfinite(last->stretch);
+        if (!(mapped ? lengthen_where_shrunk(cut, *last, component.positions.size()) : lengthen(cut))) break;
     }
     // The last cut may be the better one, were it not for the overlap.
     const bool may_gain = last->overlaps && best && last->stretch < kBetter * best->stretch;
