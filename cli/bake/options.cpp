@@ -296,7 +296,8 @@ CommandLine checked(const Raw& raw) {
         unknown_word("--method", "method", raw.method, kMethodNames);
     out.bake.method = raw.method;
     out.bake.domain = choice("--domain", kDomainNames, raw.domain);
-    const bool lays_free = raw.method == "lscm" || raw.method == "arap" || raw.method == "uv";
+    const bool lays_free =
+        raw.method == "lscm" || raw.method == "arap" || raw.method == "slim" || raw.method == "uv";
     if (raw.method != "auto" && out.bake.domain != DomainChoice::kAuto &&
         lays_free != (out.bake.domain == DomainChoice::kFree))
         wrong(fmt::format("--method {} lays charts out in the {} domain only; leave out --domain {}", raw.method,

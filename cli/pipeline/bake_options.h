@@ -39,7 +39,7 @@ struct BakeOptions {
     std::optional<std::uint64_t> auto_samples;  ///< instead of `size`: the best m x n with at most so many samples
     std::optional<ErrorGoal> max_error;         ///< the smallest grid that holds it
     std::optional<std::uint64_t> budget_bytes;  ///< the largest grid whose .dgm is not larger; with max_error: a limit
-    std::string method = "auto";                ///< auto stretch mvc authalic conformal tutte lscm arap uv
+    std::string method = "auto";                ///< auto stretch mvc authalic conformal tutte lscm arap slim uv
     DomainChoice domain = DomainChoice::kAuto;
     Fit fit = Fit::kSample;
     Precision precision = Precision::kF32;

@@ -12,6 +12,7 @@
 #include "geometry/chart/free_chart.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/free_methods.h"
 #include "model/codes.h"
 #include "pipeline/cpu_clock.h"
 
@@ -27,7 +28,7 @@ constexpr double kExact = 1e-10;  // normalised units
 constexpr double kPoor = 75;  // dB: below this a square chart has something folded away; a free one is tried as well
 
 bool is_free_method(const std::string& method) {
-    return method == "lscm" || method == "arap" || method == "uv";
+    return method == "lscm" || method == "arap" || method == "slim" || method == "uv";
 }
 
 /// What every candidate of one component shares.
@@ -40,6 +41,11 @@ class ComponentBaker {
     ComponentResult run() {
         if (options_.method == "uv") {
             add_uv();
+            return finish();
+        }
+        if (is_free_method(options_.method) || (options_.method == "auto" && options_.domain == DomainChoice::kFree)) {
+            for (const std::string& method : methods()) add(method, [&] { return make(method); });
+            if (options_.method == "auto" && !component_.corner_uvs.empty()) add_uv();
             return finish();
         }
         search_.m = size_.rows, search_.n = size_.cols;
@@ -62,11 +68,7 @@ class ComponentBaker {
             cut_ = cuts_.search(component_, search_, progress_);
         } catch (const Error& e) {
             if (e.code().number == codes::kInterrupted.number || !may_be_free()) throw;
-            CutGraph shortest(component_);  // no square map at all: a free chart may still do
-            shortest.cut_to_disk();
-            cut_.disk = shortest.open();
-            cut_.cut_length = shortest.length();
-            failure_ = e;
+            failure_ = e;  // no square map at all: a free chart may still do
         }
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
         if (options_.method == "auto" && may_be_free() && !tried("arap") &&
@@ -84,7 +86,7 @@ class ComponentBaker {
         if (square && !failure_) out.push_back("stretch");
         // A free chart earns its unused samples only where the surface is a panel: flat pieces of cloth above all.
         if (free && (!square || is_panel())) out.push_back("arap");
-        if (free && !square) out.push_back("lscm");
+        if (free && !square) out.insert(out.end(), {"slim", "lscm"});
         return out;
     }
 
@@ -107,7 +109,7 @@ class ComponentBaker {
 
     SampledChart make(const std::string& method) {
         if (is_free_method(method))
-            return make_free_chart(cut_.disk, size_.rows, size_.cols, *make_cgal_parameterizer(method), tools(),
+            return make_free_chart(component_, size_.rows, size_.cols, *make_free_parameterizer(method), tools(),
                                    progress_);
         const std::unique_ptr<Parameterizer> parameterizer =
             method == "stretch" ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps)
@@ -124,7 +126,7 @@ class ComponentBaker {
         const CpuClock clock;
         try {
             SampledChart chart = make_chart();
-            if (method != "uv") chart.cut_length = cut_.cut_length;
+            if (!is_free_method(method)) chart.cut_length = cut_.cut_length;
             check_topology(chart);
             const SurfaceError error = quick_error(component_, chart, 20'000);
             report.psnr = error.psnr();

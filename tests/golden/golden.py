@@ -17,6 +17,7 @@ CASES = {
     "tutte": ["stomach/stomach.obj", "cushion/cover.obj"],
     "lscm": ["stomach/stomach.obj", "cushion/cover.obj"],
     "arap": ["stomach/stomach.obj", "cushion/cover.obj"],
+    "slim": ["stomach/stomach.obj", "cushion/cover.obj"],
     "uv": ["cushion/cushion.obj", "cushion/cover.obj"],
 }
 TOPOLOGY = ("components", "boundary_loops", "genus", "manifold", "oriented")

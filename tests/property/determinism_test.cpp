@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "geometry/cgal/border_simple.h"
-#include "geometry/cgal/cgal_parameterizers.h"
+#include "geometry/parameterize/free_methods.h"
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/chart/cut_search.h"
 #include "geometry/chart/free_chart.h"
@@ -44,7 +44,7 @@ Outcome bake_with(std::size_t threads, const TriMesh& mesh) {
     out.search_rms = cut.rms;
     out.rms = quick_error(component, square, 30'000).rms;
     out.square = layers(square);
-    out.free = layers(make_free_chart(cut.disk, 33, 29, *make_cgal_parameterizer("arap"),
+    out.free = layers(make_free_chart(cut.disk, 33, 29, *make_free_parameterizer("arap"),
                                       {border_is_simple, constrained_triangulation}, {}));
     return out;
 }

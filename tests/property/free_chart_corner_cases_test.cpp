@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "geometry/cgal/border_simple.h"
-#include "geometry/cgal/cgal_parameterizers.h"
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/chart/free_chart.h"
 #include "geometry/cut/cut_graph.h"
+#include "geometry/parameterize/free_methods.h"
 #include "geometry/repair/repair.h"
 #include "support/chart_checks.h"
 #include "support/meshes.h"
@@ -20,7 +20,7 @@ SampledChart chart_of(const TriMesh& mesh, const std::vector<std::uint32_t>& joi
     CutGraph cut(mesh);
     cut.cut_to_disk();
     for (std::uint32_t v : joined) cut.join(v);
-    return make_free_chart(cut.open(), m, n, *make_cgal_parameterizer(method),
+    return make_free_chart(cut.open(), m, n, *make_free_parameterizer(method),
                            {border_is_simple, constrained_triangulation}, {});
 }
 

@@ -10,10 +10,10 @@
 #include <string>
 
 #include "geometry/cgal/border_simple.h"
-#include "geometry/cgal/cgal_parameterizers.h"
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/layers/layers.h"
+#include "geometry/parameterize/free_methods.h"
 #include "geometry/repair/repair.h"
 #include "model/codes.h"
 #include "support/chart_checks.h"
@@ -27,7 +27,7 @@ const FreeChartTools kTools{border_is_simple, constrained_triangulation};
 SampledChart chart_of(const TriMesh& mesh, std::uint32_t m, std::uint32_t n, const char* method) {
     CutGraph cut(mesh);
     cut.cut_to_disk();
-    return make_free_chart(cut.open(), m, n, *make_cgal_parameterizer(method), kTools, {});
+    return make_free_chart(cut.open(), m, n, *make_free_parameterizer(method), kTools, {});
 }
 
 /// A bowl: the ball's upper part, open at the rim.
@@ -124,6 +124,25 @@ TEST(FreeChartSlit, ASlitStaysASlit) {
             }
             if (right < 0.45) { EXPECT_FALSE(lo < -1e-9 && hi > 1e-9); }
         }
+    }
+}
+
+/// A spiral ramp of one turn and a half: unrolled without distortion it lies over itself.
+TEST(FreeChart, IsLaidOutBesideItselfWhereItWouldOverlap) {
+    TriMesh ramp = test::grid_sheet(90, 10);
+    for (Vec3d& p : ramp.positions) {
+        const double angle = 3 * M_PI * p.x, radius = 0.4 + 0.6 * p.y;
+        p = {radius * std::cos(angle), radius * std::sin(angle), 0.5 * p.x};
+    }
+    const TriMesh mesh = repair(ramp).components.at(0);
+    for (const char* method : {"arap", "slim"}) {
+        const SampledChart chart = make_free_chart(mesh, 65, 65, *make_free_parameterizer(method), kTools, {});
+        // ARAP's local steps find a way around the overlap here.
+        EXPECT_EQ(chart.note.find("without overlap") != std::string::npos, method == std::string("slim")) << chart.note;
+        ASSERT_NO_FATAL_FAILURE(test::expect_bijective(chart));
+        ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, mesh));
+        // On the circle, where it starts from, the stretch is above 2.
+        EXPECT_LT(measure_map(chart.disk.mesh.positions, chart.disk.mesh.faces, chart.uv).stretch_l2, 1.5) << method;
     }
 }
 

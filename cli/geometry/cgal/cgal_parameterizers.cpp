@@ -7,11 +7,9 @@
 #include <CGAL/Eigen_solver_traits.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
-#include <CGAL/Surface_mesh_parameterization/ARAP_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/Barycentric_mapping_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/Discrete_authalic_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/Discrete_conformal_map_parameterizer_3.h>
-#include <CGAL/Surface_mesh_parameterization/LSCM_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/Mean_value_coordinates_parameterizer_3.h>
 #include <CGAL/Weights/tangent_weights.h>
 
@@ -22,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/check_disk.h"
 #include "geometry/parameterize/slim.h"
 
 namespace dgm::bake {
@@ -34,46 +32,6 @@ struct DiskKernel : CGAL::Type_equality_wrapper<CGAL::Cartesian_base_no_ref_coun
 using DiskMesh = CGAL::Surface_mesh<DiskKernel::Point_3>;
 using Vertex = DiskMesh::Vertex_index;
 using UvMap = DiskMesh::Property_map<Vertex, DiskKernel::Point_2>;
-constexpr const char* kStartMap = "v:dgm_start";
-}  // namespace
-}  // namespace dgm::bake
-
-namespace CGAL::Surface_mesh_parameterization {
-/// What ARAP_parameterizer_3 starts from: it names this class and leaves no choice. It gets the map we computed with
-/// the same weights and our solver (kept in a property of the mesh).
-template <>
-class Mean_value_coordinates_parameterizer_3<dgm::bake::DiskMesh, Default, Default> {
- public:
-    template <typename VertexUvMap, typename IndexMap, typename ParameterizedMap>
-    Error_code parameterize(dgm::bake::DiskMesh& mesh, dgm::bake::DiskMesh::Halfedge_index, VertexUvMap uvmap, IndexMap,
-                            ParameterizedMap) {
-        const auto found = mesh.property_map<dgm::bake::Vertex, dgm::bake::DiskKernel::Point_2>(dgm::bake::kStartMap);
-        if (!found.second) return ERROR_WRONG_PARAMETER;
-        for (const dgm::bake::Vertex v : mesh.vertices()) put(uvmap, v, found.first[v]);
-        return OK;
-    }
-};
-
-/// ARAP_parameterizer_3 would answer a flip by making the border convex, which undoes what it computed. We count flips
-/// exactly afterwards and repair them in our own way, so it is told that there are none.
-namespace internal {
-template <>
-inline bool is_one_to_one_mapping<dgm::bake::DiskMesh, std::vector<dgm::bake::DiskMesh::Face_index>, dgm::bake::UvMap>(
-    const dgm::bake::DiskMesh&, const std::vector<dgm::bake::DiskMesh::Face_index>&, const dgm::bake::UvMap, void*) {
-    return true;
-}
-}  // namespace internal
-}  // namespace CGAL::Surface_mesh_parameterization
-
-namespace dgm::bake {
-namespace {
-// lambda so large that CGAL always takes its closed form for the best rotation (|C1|, |C2| < 1e-10 lambda; in the
-// normalised frame both stay below 10): pure ARAP, and no division by a C2 that may be 0.
-constexpr double kArapLambda = 1e12;
-constexpr unsigned kArapIterations = 50;  // CGAL's defaults
-constexpr double kArapTolerance = 1e-6;
-constexpr std::size_t kMaxVertices = std::size_t{1} << 29;
-
 [[noreturn]] void fail(const std::string& what) {
     throw model::Error(model::codes::kMapInvalid, what);
 }
@@ -201,35 +159,6 @@ using Tutte = smp::Barycentric_mapping_parameterizer_3<DiskMesh, GivenBorder, So
 using MeanValue = smp::Mean_value_coordinates_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
 using Authalic = smp::Discrete_authalic_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
 using Conformal = smp::Discrete_conformal_map_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
-using Arap = smp::ARAP_parameterizer_3<DiskMesh, CGAL::Default, SolverTraits>;
-using Lscm = smp::LSCM_parameterizer_3<DiskMesh, CGAL::Default, SolverTraits>;
-
-void check_disk(const DiskView& disk, bool needs_border_uv) {
-    const std::size_t n = disk.positions.size();
-    if (n > kMaxVertices || disk.faces.size() > 2 * kMaxVertices)
-        throw model::Error(model::codes::kTooLarge, "the disk has " + std::to_string(n) + " vertices");
-    if (disk.faces.empty()) fail("the disk has no faces");
-    for (const Vec3d& p : disk.positions)
-        if (!model::is_finite(p)) fail("the disk has a position that is not finite");
-    std::vector<std::uint8_t> used(n, 0);
-    for (const Face& f : disk.faces)
-        for (const std::uint32_t v : f) {
-            if (v >= n) fail("a face names a vertex that does not exist");
-            used[v] = 1;
-        }
-    if (std::find(used.begin(), used.end(), 0) != used.end()) fail("a vertex belongs to no face");
-    const Topology t = measure_topology(n, disk.faces);
-    if (!t.manifold || !t.oriented || t.components != 1 || t.boundary_loops != 1 || t.genus != 0 ||
-        t.degenerate_faces != 0)
-        fail("the surface is not a disk: " + std::to_string(t.components) + " components, " +
-             std::to_string(t.boundary_loops) + " border loops, genus " + std::to_string(t.genus) +
-             (t.manifold ? "" : ", not manifold") + (t.oriented ? "" : ", not oriented"));
-    if (needs_border_uv) {
-        if (disk.border_uv.size() != disk.border.size()) fail("the border needs one map point per vertex");
-        for (const Vec2d& p : disk.border_uv)
-            if (!(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1)) fail("a border point lies outside the unit square");
-    }
-}
 
 struct Mesh {
     DiskMesh mesh;
@@ -291,12 +220,8 @@ void add(SolveStatistics* total, const SolveStatistics& part) {
 
 /// One run of a CGAL parameterizer; nothing if it reports an error or its result is not finite.
 template <typename Method>
-std::optional<std::vector<Vec2d>> run(Method& method, const DiskView& disk, const std::vector<Vec2d>* start = nullptr) {
+std::optional<std::vector<Vec2d>> run(Method& method, const DiskView& disk) {
     Mesh m = make_mesh(disk);
-    if (start != nullptr) {
-        auto map = m.mesh.add_property_map<Vertex, DiskKernel::Point_2>(kStartMap, DiskKernel::Point_2(0, 0)).first;
-        for (const Vertex v : m.mesh.vertices()) map[v] = DiskKernel::Point_2((*start)[v.idx()].x, (*start)[v.idx()].y);
-    }
     if (method.parameterize(m.mesh, m.border, m.uv, m.index, m.parameterized) != smp::OK) return std::nullopt;
     std::vector<Vec2d> uv = points_of(m);
     if (!all_finite(uv)) return std::nullopt;
@@ -324,69 +249,7 @@ std::optional<std::vector<Vec2d>> solve_fixed(const DiskView& disk, std::span<co
     return uv;
 }
 
-double surface_area(const DiskView& disk, const Face& f) {
-    return 0.5 *
-           length(cross(disk.positions[f[1]] - disk.positions[f[0]], disk.positions[f[2]] - disk.positions[f[0]]));
-}
-
-double map_area(const std::vector<Vec2d>& uv, const Face& f) {
-    return 0.5 * cross(uv[f[1]] - uv[f[0]], uv[f[2]] - uv[f[0]]);
-}
-
-/// Centroid at the origin, and the surface's area if `rescale`. False if the map has no area.
-bool normalise(const DiskView& disk, std::vector<Vec2d>& uv, bool rescale) {
-    double surface = 0, map = 0;
-    Vec2d centre;
-    for (const Face& f : disk.faces) {
-        const double a = map_area(uv, f);
-        surface += surface_area(disk, f);
-        map += a;
-        centre = centre + (uv[f[0]] + uv[f[1]] + uv[f[2]]) * (a / 3);
-    }
-    if (!(map > 0)) return false;
-    centre = centre * (1 / map);
-    const double scale = rescale ? std::sqrt(surface / map) : 1;
-    for (Vec2d& p : uv) p = (p - centre) * scale;
-    return all_finite(uv);
-}
-
-std::optional<std::vector<Vec2d>> solve_lscm(const DiskView& disk, const model::Progress& progress) {
-    progress.update("lscm", 0);
-    Lscm lscm;  // makes its solver itself: one matrix, one right-hand side
-    return run(lscm, disk);
-}
-
-std::optional<std::vector<Vec2d>> solve_arap(const DiskView& disk, SolveStatistics* statistics,
-                                             const model::Progress& progress) {
-    const std::size_t n = disk.border.size();
-    std::vector<Vec2d> circle(n);
-    double total = 0, walked = 0;
-    const auto edge = [&](std::size_t k) {
-        return length(disk.positions[disk.border[(k + 1) % n]] - disk.positions[disk.border[k]]);
-    };
-    for (std::size_t k = 0; k < n; ++k) total += edge(k);
-    for (std::size_t k = 0; k < n; ++k) {
-        const double angle = 2 * CGAL_PI * walked / total;
-        circle[k] = {std::cos(angle), std::sin(angle)};
-        walked += edge(k);
-    }
-    SolveStatistics of_start;
-    std::optional<std::vector<Vec2d>> start = solve_fixed<MeanValue>(disk, circle, "arap start", &of_start, progress);
-    if (!start || count_not_positive(disk.faces, *start) > 0) {
-        // Faces without extent have no best rotation: local/global would stop with an error at once.
-        std::optional<std::vector<Vec2d>> other = flip_free_start(disk, progress);
-        if (other) start = std::move(other);
-    }
-    if (!start || !normalise(disk, *start, true)) return std::nullopt;
-
-    const SolverTraits solver("arap", 2.0 * kArapIterations, progress);
-    Arap arap({}, solver, kArapLambda, kArapIterations, kArapTolerance);
-    std::optional<std::vector<Vec2d>> uv = run(arap, disk, &*start);
-    add(statistics, solver.statistics());
-    return uv;
-}
-
-enum class Method { kLscm, kArap, kTutte, kMvc, kAuthalic, kConformal };
+enum class Method { kTutte, kMvc, kAuthalic, kConformal };
 
 class CgalParameterizer final : public Parameterizer {
  public:
@@ -394,13 +257,13 @@ class CgalParameterizer final : public Parameterizer {
         : method_(method), name_(name), statistics_(statistics) {}
 
     [[nodiscard]] std::string_view name() const override { return name_; }
-    [[nodiscard]] bool fixed_border() const override { return method_ != Method::kLscm && method_ != Method::kArap; }
+    [[nodiscard]] bool fixed_border() const override { return true; }
 
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
         progress.update(name_, 0);
         try {
-            check_disk(disk, fixed_border());
-            std::vector<Vec2d> uv = fixed_border() ? solve_in_square(disk, progress) : solve_free(disk, progress);
+            check_disk(disk, true);
+            std::vector<Vec2d> uv = solve_in_square(disk, progress);
             progress.update(name_, 1);
             return uv;
         } catch (const model::Error&) { throw; } catch (const std::bad_alloc&) {
@@ -432,29 +295,6 @@ class CgalParameterizer final : public Parameterizer {
         return std::move(*uv);
     }
 
-    [[nodiscard]] std::vector<Vec2d> solve_free(const DiskView& disk, const model::Progress& progress) const {
-        std::optional<std::vector<Vec2d>> uv =
-            method_ == Method::kArap ? solve_arap(disk, statistics_, progress) : solve_lscm(disk, progress);
-        const bool rescale = method_ == Method::kLscm;  // the size of an ARAP map is part of its answer
-        if (uv && !normalise(disk, *uv, rescale)) uv.reset();
-        if (uv && count_not_positive(disk.faces, *uv) == 0) return std::move(*uv);
-
-        DiskView no_border_uv = disk;
-        no_border_uv.border_uv = {};
-        std::optional<std::vector<Vec2d>> start = flip_free_start(no_border_uv, progress);
-        if (!start) {
-            if (!uv) fail(std::string(name_) + ": the linear system could not be solved");
-            return std::move(*uv);
-        }
-        SlimOptions options;
-        options.iterations = 100;
-        if (method_ == Method::kArap) options.energy = FlipFreeEnergy::kArap;
-        std::vector<Vec2d> repaired = descend_flip_free(no_border_uv, std::move(*start), options, progress);
-        std::vector<Vec2d> scaled = repaired;
-        if (normalise(disk, scaled, rescale) && count_not_positive(disk.faces, scaled) == 0) return scaled;
-        return repaired;
-    }
-
     Method method_;
     std::string_view name_;
     SolveStatistics* statistics_;
@@ -465,8 +305,10 @@ std::unique_ptr<Parameterizer> make_cgal_parameterizer(std::string_view method, 
     constexpr struct {
         std::string_view name;
         Method method;
-    } kMethods[] = {{"lscm", Method::kLscm}, {"arap", Method::kArap},         {"tutte", Method::kTutte},
-                    {"mvc", Method::kMvc},   {"authalic", Method::kAuthalic}, {"conformal", Method::kConformal}};
+    } kMethods[] = {{"tutte", Method::kTutte},
+                    {"mvc", Method::kMvc},
+                    {"authalic", Method::kAuthalic},
+                    {"conformal", Method::kConformal}};
     for (const auto& [name, id] : kMethods)
         if (name == method) return std::make_unique<CgalParameterizer>(id, name, statistics);
     return nullptr;

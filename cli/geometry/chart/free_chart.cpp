@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <string>
 
+#include "geometry/chart/bijective_layout.h"
 #include "geometry/chart/lattice_strip.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
@@ -103,13 +106,15 @@ std::vector<Vec2d> points_at(std::span<const Vec2d> uv, std::span<const std::uin
     return out;
 }
 
-/// For a chart that overlaps itself: its border, edge lengths kept, on a circle, and the inside by positive cotangent
-/// weights, which Tutte's theorem makes one to one. No border edge is shorter than a tenth of its equal share.
-std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t> border, std::span<const Vec2d> uv) {
+/// For a chart that overlaps itself whatever the cut: its border, edge lengths of the surface, on a circle, and the
+/// inside by positive cotangent weights, which Tutte's theorem makes one to one. No border edge is shorter than a tenth
+/// of its equal share.
+std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t> border) {
     const std::size_t n = border.size();
     std::vector<double> lengths(n);
     double total = 0;
-    for (std::size_t k = 0; k < n; ++k) total += lengths[k] = length(uv[border[(k + 1) % n]] - uv[border[k]]);
+    for (std::size_t k = 0; k < n; ++k)
+        total += lengths[k] = length(disk.mesh.positions[border[(k + 1) % n]] - disk.mesh.positions[border[k]]);
     double floored = 0;
     for (double& l : lengths) floored += l = std::max(l, 0.1 * total / static_cast<double>(n));
     std::vector<Vec2d> circle;
@@ -170,24 +175,176 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
     return chart;
 }
 
+constexpr double kGoodStretch = 1.25;  // L2 stretch from which a shorter cut is preferred to a better map
+constexpr double kBetter = 0.95;       // of the stretch so far: what a longer cut must reach to be taken
+constexpr int kCutRounds = 8;
+constexpr int kShrunkPerRound = 2;
+constexpr double kLeastBranch = 0.1;  // of the distance of the farthest vertex: shorter branches are not worth a trial
+constexpr int kTipsPerRound = 6;
+constexpr double kFarTip =
+    0.65;  // of the root of the area: no point of a flat disk is farther than 0.56 from its border
+constexpr double kNearTip = 0.4;  // of the first tip's distance to the cut: nearer ones are left for the next round
+
+double surface_area(const TriMesh& mesh) {
+    double sum = 0;
+    for (const Face& f : mesh.faces)
+        sum += face_area({mesh.positions[f[0]], mesh.positions[f[1]], mesh.positions[f[2]]});
+    return sum;
+}
+
+/// Joins the vertices farthest from the cut to it: tips of limbs before anything else. False if there are none.
+bool lengthen(CutGraph& cut) {
+    double first = 0;
+    for (int k = 0; k < kTipsPerRound; ++k) {
+        const std::vector<double> distance = cut.distance_to_cut();
+        const auto tip = std::max_element(distance.begin(), distance.end());
+        if (k == 0) first = *tip;
+        if (!(*tip > 0) || *tip < kNearTip * first) return k > 0;
+        cut.join(static_cast<std::uint32_t>(tip - distance.begin()));
+    }
+    return true;
+}
+
+/// A cut, and the method's map of the disk it leaves.
+struct Layout {
+    Disk disk;
+    std::vector<Vec2d> uv = {};
+    double cut_length = 0;
+    double stretch = INFINITY;  // L2, of a map without flips
+    bool overlaps = false;
+};
+
+Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& tools, const model::Progress& progress,
+               std::optional<Error>& failure) {
+    Layout out{.disk = std::move(disk)};
+    // A cut of one edge leaves two border edges between the same two vertices, which no map can tell apart.
+    if (const std::vector<std::uint32_t> edges = out.disk.border(); edges.size() == 2)
+        out.disk.split(edges.front(), 0.5);
+    const std::vector<std::uint32_t> border = border_vertices(out.disk);
+    const std::string name(method.name());
+    try {
+        out.uv = method.solve({out.disk.mesh.positions, out.disk.mesh.faces, border, {}}, progress);
+        check_map(out.disk, out.uv, name);
+        out.stretch = measure_map(out.disk.mesh.positions, out.disk.mesh.faces, out.uv).stretch_l2;
+        out.overlaps = !tools.is_simple(points_at(out.uv, border));
+        if (out.overlaps) throw Error(codes::kMapInvalid, name + ": the chart overlaps itself");
+    } catch (const Error& e) {
+        if (e.code().number != codes::kMapInvalid.number) throw;
+        failure = e;
+    }
+    return out;
+}
+
+/// For a cut whose map is no chart: from the circle down as far as the energy of the method goes without an overlap.
+SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
+                                   const FreeChartTools& tools, const model::Progress& progress, const Error& why) {
+    const std::vector<std::uint32_t> border = border_vertices(disk);
+    const std::string name(method.name());
+    const std::vector<Vec2d> circle = lay_on_circle(disk, border);
+    const FlipFreeEnergy energy = name == "arap" ? FlipFreeEnergy::kArap : FlipFreeEnergy::kSymmetricDirichlet;
+    std::string how = "; laid out again without overlap";
+    SampledChart chart;
+    try {
+        std::vector<Vec2d> uv = descend_bijective({disk.mesh.positions, disk.mesh.faces, border, {}}, circle, energy,
+                                                  tools.triangulate, progress);
+        chart = sample_free_chart(disk, std::move(uv), m, n, name, tools);
+    } catch (const Error& e) {
+        if (e.code().number != codes::kMapInvalid.number) throw;
+        how = "; laid out again with a convex border";
+        chart = sample_free_chart(std::move(disk), circle, m, n, name, tools);
+    }
+    chart.note = why.what() + how;
+    return chart;
+}
+
+/// Joins the points that shrank most in a map to the cut [Gu, Gortler, Hoppe 2002]. False if there are none.
+bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::size_t points) {
+    std::vector<double> surface(points, 0.0), map(points, 0.0);
+    for (const Face& f : layout.disk.mesh.faces) {
+        const auto& q = layout.disk.mesh.positions;
+        const double area = face_area({q[f[0]], q[f[1]], q[f[2]]});
+        const double mapped = 0.5 * cross(layout.uv[f[1]] - layout.uv[f[0]], layout.uv[f[2]] - layout.uv[f[0]]);
+        for (const std::uint32_t v : f)
+            if (const std::uint32_t point = layout.disk.weld[v]; point < points)
+                surface[point] += area, map[point] += mapped;
+    }
+    for (int k = 0; k < kShrunkPerRound; ++k) {
+        const std::vector<double> distance = cut.distance_to_cut();
+        const double far = *std::max_element(distance.begin(), distance.end());
+        std::uint32_t worst = kNone;
+        double most = 0;
+        for (std::uint32_t v = 0; v < points; ++v) {
+            if (!(distance[v] > kLeastBranch * far)) continue;
+            const double shrunk = surface[v] / std::max(map[v], std::numeric_limits<double>::min());
+            if (shrunk > most) most = shrunk, worst = v;
+        }
+        if (worst == kNone) return k > 0;
+        cut.join(worst);
+    }
+    return true;
+}
+
 }  // namespace
 
 SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                              const FreeChartTools& tools, const model::Progress& progress) {
-    // A cut of one edge leaves two border edges between the same two vertices, which no map can tell apart.
-    if (const std::vector<std::uint32_t> edges = disk.border(); edges.size() == 2) disk.split(edges.front(), 0.5);
-    const std::vector<std::uint32_t> border = border_vertices(disk);
-    std::vector<Vec2d> uv = method.solve({disk.mesh.positions, disk.mesh.faces, border, {}}, progress);
-    const std::string name(method.name());
-    try {
-        return sample_free_chart(disk, uv, m, n, name, tools);
-    } catch (const Error& e) {
-        if (e.code().number != codes::kMapInvalid.number) throw;
-        uv = lay_on_circle(disk, border, uv);
-        SampledChart chart = sample_free_chart(std::move(disk), std::move(uv), m, n, name, tools);
-        chart.note = std::string(e.what()) + "; laid out again with a convex border";
-        return chart;
+    std::optional<Error> failure;
+    Layout layout = lay_out(std::move(disk), method, tools, progress, failure);
+    if (!failure) {
+        try {
+            return sample_free_chart(layout.disk, std::move(layout.uv), m, n, std::string(method.name()), tools);
+        } catch (const Error& e) {
+            if (e.code().number != codes::kMapInvalid.number) throw;
+            failure = e;
+        }
     }
+    return chart_without_overlap(std::move(layout.disk), m, n, method, tools, progress, *failure);
+}
+
+SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
+                             const FreeChartTools& tools, const model::Progress& progress) {
+    CutGraph cut(component);
+    cut.cut_to_disk();
+    // A closed body has more than two tips, and one that bulges far out of its border cannot be laid flat as it is.
+    const std::vector<double> distance = cut.distance_to_cut();
+    if (cut.boundary_loop_count() == 0 ||
+        *std::max_element(distance.begin(), distance.end()) > kFarTip * std::sqrt(surface_area(component)))
+        lengthen(cut);
+    std::optional<Error> failure;
+    std::optional<Layout> best, last;
+    int idle = 0;
+    for (int round = 0; round < kCutRounds; ++round) {
+        last = lay_out(cut.open(), method, tools, progress, failure);
+        last->cut_length = cut.length();
+        // Arms that lie over each other are moved apart; cutting more would give more arms.
+        if (last->overlaps && last->stretch < kGoodStretch) break;
+        const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : INFINITY);
+        if (best && !gains && ++idle > 1) break;
+        if (gains) best = last, idle = 0;
+        if (best && best->stretch < kGoodStretch) break;
+        const bool mapped = std::isfinite(last->stretch);
+        if (!(mapped ? lengthen_where_shrunk(cut, *last, component.positions.size()) : lengthen(cut))) break;
+    }
+    // The last cut may be the better one, were it not for the overlap.
+    const bool may_gain = last->overlaps && best && last->stretch < kBetter * best->stretch;
+    std::optional<SampledChart> chart;
+    if (best) {
+        try {
+            chart =
+                sample_free_chart(std::move(best->disk), std::move(best->uv), m, n, std::string(method.name()), tools);
+            chart->cut_length = best->cut_length;
+        } catch (const Error& e) {
+            if (e.code().number != codes::kMapInvalid.number) throw;
+            failure = e;
+        }
+    }
+    if (chart && !may_gain) return std::move(*chart);
+    SampledChart moved = chart_without_overlap(std::move(last->disk), m, n, method, tools, progress, *failure);
+    moved.cut_length = last->cut_length;
+    const auto stretch = [](const SampledChart& c) {
+        return measure_map(c.disk.mesh.positions, c.disk.mesh.faces, c.uv).stretch_l2;
+    };
+    return chart && stretch(*chart) <= stretch(moved) ? std::move(*chart) : moved;
 }
 
 SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const FreeChartTools& tools,

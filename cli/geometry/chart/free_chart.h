@@ -14,20 +14,29 @@ namespace dgm::bake {
 /// Triangles of the region between the outer border and the holes: an edge is a pair of point indices; faces that an
 /// odd number of constraints separates from the outside, counter-clockwise.
 /// @throws model::Error kMapInvalid if constraints cross
-using Triangulate = std::function<std::vector<Face>(std::span<const Vec2d> points,
-                                                    std::span<const std::pair<std::uint32_t, std::uint32_t>> constraints)>;
+using Triangulate = std::function<std::vector<Face>(
+    std::span<const Vec2d> points, std::span<const std::pair<std::uint32_t, std::uint32_t>> constraints)>;
 
 struct FreeChartTools {
     std::function<bool(std::span<const Vec2d> border)> is_simple;
     Triangulate triangulate;
 };
 
-/// Solves, checks (finite, flips, degenerate faces, simple border; a chart that overlaps itself is laid out again with a
-/// convex border of the same edge lengths, and says so in `note`), turns the chart to its smallest rectangle, stretches
-/// that over the square, and samples it. Every vertex of the chart's border is a border sample; border edges longer
-/// than a grid cell on either side of a cut are divided on both sides at the same places. A quad is kept only where no
-/// border edge enters it, so a slit thinner than a cell stays a slit.
+/// Cuts, solves, checks (finite, flips, degenerate faces, simple border), turns the chart to its smallest rectangle,
+/// stretches that over the square, and samples it. The cut is the shortest that opens the component, and for closed
+/// bodies its tips; while the map overlaps itself or is stretched much, the vertices farthest from the cut are joined
+/// to it. A chart that no cut makes valid is laid out with a convex border of the same edge lengths, and says so in
+/// `note`.
+///
+/// Every vertex of the chart's border is a border sample; border edges longer than a grid cell on either side of a cut
+/// are divided on both sides at the same places. A quad is kept only where no border edge enters it, so a slit thinner
+/// than a cell stays a slit.
 /// @throws model::Error kMapInvalid, kInterrupted
+[[nodiscard]] SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n,
+                                           const Parameterizer& method, const FreeChartTools& tools,
+                                           const model::Progress& progress);
+
+/// The same for a component that was cut already: the cut is kept as it is.
 [[nodiscard]] SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                                            const FreeChartTools& tools, const model::Progress& progress);
 

@@ -7,27 +7,22 @@
 // [Sander 2001] Sander, Snyder, Gortler, Hoppe. Texture Mapping Progressive Meshes. SIGGRAPH 2001.
 #include "geometry/parameterize/slim.h"
 
-#include <iostream>  // MetisSupport writes to std::cerr and does not include it
-
-#include <Eigen/MetisSupport>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <string>
 #include <utility>
 
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/solve/sparse_cholesky.h"
 
 namespace dgm::bake {
 namespace {
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kThinnest = 1e-6;      // height over longest edge of a rest shape
 constexpr double kCollapseShare = 0.9;  // of the step to the first collapse
 constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 40;
@@ -86,29 +81,16 @@ double twice_area(const std::vector<Vec2d>& x, const Face& f) {
 class Problem {
  public:
     Problem(const DiskView& disk, const SlimOptions& options) : disk_(disk), density_(density_of(options)) {
+        std::vector<RestShape> own;
+        if (options.rest.empty()) own = rest_shapes(disk);
+        const std::span<const RestShape> shapes = options.rest.empty() ? own : options.rest;
         rest_.resize(disk.faces.size());
-        double total = 0;
+        for (const RestShape& s : shapes) area_ += s.area;
         for (std::size_t f = 0; f < rest_.size(); ++f) {
-            const Face& face = disk.faces[f];
-            const Vec3d e1 = disk.positions[face[1]] - disk.positions[face[0]];
-            const Vec3d e2 = disk.positions[face[2]] - disk.positions[face[0]];
-            const double l1 = length(e1), longest = std::max({l1, length(e2), length(e2 - e1)});
-            if (!(longest > 0) || !std::isfinite(longest))
-                throw model::Error(model::codes::kMapInvalid, "face " + std::to_string(f) + " has no extent");
-            // First edge along x, the third corner above it; the floors keep slivers invertible.
-            const double x1 = std::max(l1, kThinnest * longest);
-            const double x2 = l1 > 0 ? dot(e1, e2) / l1 : 0;
-            const double y2 = std::max(length(cross(e1, e2)) / x1, kThinnest * longest);
-            Rest& r = rest_[f];
-            r.b[1] = {1 / x1, -x2 / (x1 * y2)};
-            r.b[2] = {0, 1 / y2};
-            r.b[0] = {-r.b[1].x, -r.b[1].y - r.b[2].y};
-            r.weight = 0.5 * x1 * y2;
-            r.inverse_det = 1 / (x1 * y2);
-            total += r.weight;
+            // 1 / (2 area) of the shape itself, which the weight need not be.
+            const std::array<Vec2d, 3>& b = shapes[f].hat;
+            rest_[f] = {b, shapes[f].area / area_, cross(b[1], b[2])};
         }
-        for (Rest& r : rest_) r.weight /= total;
-        area_ = total;
     }
 
     [[nodiscard]] double area() const { return area_; }
@@ -227,12 +209,7 @@ class NewtonSystem {
         slots_.reserve(faces.size() * 21);
         for (const Face& f : faces)
             for_entries(f, [&](std::size_t, std::size_t, int row, int col) { slots_.push_back(slot(row, col)); });
-        if (unknowns > 0) {
-            // METIS draws from a generator with global state, which it seeds itself: one call at a time, always alike.
-            static std::mutex one_at_a_time;
-            const std::scoped_lock lock(one_at_a_time);
-            solver_.analyzePattern(matrix_);
-        }
+        if (unknowns > 0) solver_.analyze(matrix_, Ordering::kNestedDissection, 2);
     }
 
     [[nodiscard]] bool empty() const { return matrix_.rows() == 0; }
@@ -268,9 +245,9 @@ class NewtonSystem {
                 diagonal = diagonal > 0 ? diagonal * (1 + shift) : std::numeric_limits<double>::min();
             }
             ++factorizations_;
-            solver_.factorize(shifted);
-            if (solver_.info() != Eigen::Success) continue;
-            d = solver_.solve(-gradient_);
+            if (!solver_.factorize(shifted)) continue;
+            d = -gradient_;
+            solver_.solve({d.data(), static_cast<std::size_t>(d.size())});
             if (d.allFinite() && d.dot(gradient_) < 0) return true;
         }
         return false;
@@ -301,8 +278,7 @@ class NewtonSystem {
     std::vector<int> unknown_of_;  // of x; y is the next one; -1 where fixed
     SparseMatrix matrix_;
     std::vector<std::int64_t> slots_;
-    // Nested dissection: half the time of minimum degree on the camel head with 91k faces.
-    Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::MetisOrdering<int>> solver_;
+    SparseCholesky solver_;
     Eigen::VectorXd gradient_;
     std::size_t factorizations_ = 0;
 };
@@ -336,8 +312,9 @@ double first_collapse(std::span<const Face> faces, const std::vector<Vec2d>& x, 
     throw model::Error(model::codes::kMapInvalid, what);
 }
 
-void check_sizes(const DiskView& disk, std::size_t points) {
+void check_sizes(const DiskView& disk, std::size_t points, const SlimOptions& options) {
     if (points != disk.positions.size()) fail("the start map has another number of vertices than the mesh");
+    if (!options.rest.empty() && options.rest.size() != disk.faces.size()) fail("not one rest shape per face");
     for (const Face& f : disk.faces)
         for (const std::uint32_t v : f)
             if (v >= points) fail("a face names a vertex that does not exist");
@@ -362,10 +339,10 @@ std::size_t count_not_positive(std::span<const Face> faces, std::span<const Vec2
 
 double flip_free_energy(const DiskView& disk, std::span<const Vec2d> uv, const SlimOptions& options,
                         std::vector<Vec2d>* gradient) {
-    check_sizes(disk, uv.size());
+    check_sizes(disk, uv.size(), options);
     const std::vector<Vec2d> x(uv.begin(), uv.end());
     Problem problem(disk, options);
-    if (options.border_fixed) problem.scale_rest(std::sqrt(map_area(disk, x) / problem.area()));
+    if (options.border_fixed && options.rest.empty()) problem.scale_rest(std::sqrt(map_area(disk, x) / problem.area()));
     const double energy = problem.energy(x);
     if (gradient != nullptr) {
         gradient->assign(x.size(), Vec2d{});
@@ -382,7 +359,7 @@ std::vector<Vec2d> descend_flip_free(const DiskView& disk, std::vector<Vec2d> st
                                      const model::Progress& progress, SlimReport* report) {
     constexpr const char* kStage = "flip-free descent";
     progress.update(kStage, 0);
-    check_sizes(disk, start.size());
+    check_sizes(disk, start.size(), options);
     if (const std::size_t bad = count_not_positive(disk.faces, start); bad > 0)
         fail("the start of the descent has " + std::to_string(bad) + " faces that are not positively oriented");
     for (const Vec2d& p : start)
@@ -390,9 +367,9 @@ std::vector<Vec2d> descend_flip_free(const DiskView& disk, std::vector<Vec2d> st
 
     Problem problem(disk, options);
     std::vector<Vec2d> x = std::move(start);
-    if (options.border_fixed) problem.scale_rest(std::sqrt(map_area(disk, x) / problem.area()));
+    if (options.border_fixed && options.rest.empty()) problem.scale_rest(std::sqrt(map_area(disk, x) / problem.area()));
     double energy = problem.energy(x);
-    if (!options.border_fixed) {
+    if (!options.border_fixed && options.rest.empty()) {
         const double scale = problem.best_scale(x);
         std::vector<Vec2d> scaled = x;
         for (Vec2d& p : scaled) p = p * scale;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/parameterize/parameterizer.h"
+#include "geometry/parameterize/rest_shapes.h"
 
 namespace dgm::bake {
 
@@ -27,6 +28,8 @@ struct SlimOptions {
     double tolerance = 1e-5;        ///< stop when a step lowers the energy by less than this share of it
     double barrier = 0.01;          ///< kArap only, 0 < barrier <= 16 (g stays convex)
     double stretch_epsilon = 0.3;   ///< kStretch only, >= 0
+    /// One per face, in place of the shapes of the surface; not scaled. Their areas are the weights of the faces.
+    std::span<const RestShape> rest = {};
 };
 
 struct SlimReport {

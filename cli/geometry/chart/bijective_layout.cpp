@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/bijective_layout.cpp
+// [Jiang, Schaefer, Panozzo 2017] Simplicial Complex Augmentation Framework for Bijective Maps. ACM TOG 36(6).
+#include "geometry/chart/bijective_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace dgm::bake {
+namespace {
+constexpr int kRounds = 40;
+constexpr std::size_t kStepsPerRound = 3;
+constexpr double kOutsideWeight = 0.01;  // of all triangles outside, against the surface
+constexpr double kMargin = 0.5;          // of the chart's extent, between it and the box
+constexpr std::uint32_t kBoxPoints = 8;  // per side
+constexpr double kTolerance = 2e-3;      // of the energy, gained by a round
+constexpr double kRoughly = 2e-2;        // the same where another energy follows
+
+double twice_area(Vec2d a, Vec2d b, Vec2d c) {
+    return cross(b - a, c - a);
+}
+
+/// The rest shape of a triangle that is at rest as it lies.
+RestShape at_rest(Vec2d a, Vec2d b, Vec2d c, double weight) {
+    const double inverse = 1 / twice_area(a, b, c);
+    const auto hat = [&](Vec2d p, Vec2d q) { return Vec2d{p.y - q.y, q.x - p.x} * inverse; };
+    return {{hat(b, c), hat(c, a), hat(a, b)}, weight};
+}
+
+class Augmented {
+ public:
+    Augmented(const DiskView& disk, const Triangulate& triangulate)
+        : disk_(disk),
+          triangulate_(triangulate),
+          rest_(rest_shapes(disk)),
+          faces_(disk.faces.begin(), disk.faces.end()) {
+        for (const RestShape& r : rest_) area_ += r.area;
+    }
+
+    [[nodiscard]] double area() const { return area_; }
+
+    /// Triangulates the outside of `uv` and moves the vertices by a few Newton steps.
+    void improve(std::vector<Vec2d>& uv, FlipFreeEnergy energy, const model::Progress& progress) {
+        const std::size_t n = disk_.positions.size(), k = disk_.border.size();
+        std::vector<Vec2d> points, x = uv;
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> constraints;
+        const auto close = [&](std::size_t from) {
+            for (std::size_t p = from; p < points.size(); ++p)
+                constraints.emplace_back(static_cast<std::uint32_t>(p),
+                                         static_cast<std::uint32_t>(p + 1 < points.size() ? p + 1 : from));
+        };
+        for (const std::uint32_t v : disk_.border) points.push_back(uv[v]);
+        close(0);
+        Vec2d lo = points[0], hi = lo;
+        for (const Vec2d& p : points) {
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+        const Vec2d margin = Vec2d{1, 1} * (kMargin * std::max(hi.x - lo.x, hi.y - lo.y));
+        lo = lo - margin, hi = hi + margin;
+        const Vec2d corners[] = {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}, lo};
+        std::vector<std::uint32_t> box;
+        for (int side = 0; side < 4; ++side)
+            for (std::uint32_t p = 0; p < kBoxPoints; ++p) {
+                box.push_back(static_cast<std::uint32_t>(x.size()));
+                x.push_back(corners[side] + (corners[side + 1] - corners[side]) * (double(p) / kBoxPoints));
+                points.push_back(x.back());
+            }
+        close(k);
+        fill_outside(lo, hi, k, points);
+
+        faces_.resize(disk_.faces.size());
+        rest_.resize(disk_.faces.size());
+        const std::vector<Face> outside = triangulate_(points, constraints);
+        const double weight = kOutsideWeight * area_ / static_cast<double>(outside.size());
+        // Border vertices are the disk's own, the box and what fills the outside come after them; what fell inside the
+        // chart belongs to no face and gets no number.
+        std::vector<std::uint32_t> number(points.size(), kNone);
+        for (std::size_t p = 0; p < points.size(); ++p)
+            number[p] = p < k ? disk_.border[p] : p < k + box.size() ? box[p - k] : kNone;
+        for (const Face& f : outside) {
+            Face face;
+            for (std::size_t c = 0; c < 3; ++c) {
+                std::uint32_t& v = number[f[c]];
+                if (v == kNone) v = static_cast<std::uint32_t>(x.size()), x.push_back(points[f[c]]);
+                face[c] = v;
+            }
+            faces_.push_back(face);
+            rest_.push_back(at_rest(x[face[0]], x[face[1]], x[face[2]], weight));
+        }
+        const std::vector<Vec3d> nowhere(x.size());  // rest shapes stand for positions
+        SlimOptions options;
+        options.energy = energy;
+        options.border_fixed = true;
+        options.iterations = kStepsPerRound;
+        options.rest = rest_;
+        const model::Progress silent{.on_update = {}, .cancelled = progress.cancelled};
+        x = descend_flip_free({nowhere, faces_, box, {}}, std::move(x), options, silent);
+        std::copy_n(x.begin(), n, uv.begin());
+    }
+
+ private:
+    /// Adds points between the border (the first `border` points) and the box, as far apart as they are from the
+    /// border: without them the triangles outside are needles that hold the border where it is.
+    static void fill_outside(Vec2d lo, Vec2d hi, std::size_t border, std::vector<Vec2d>& points) {
+        double around = 0;
+        for (std::size_t p = 0; p < border; ++p) around += length(points[(p + 1) % border] - points[p]);
+        const double extent = std::max(hi.x - lo.x, hi.y - lo.y);
+        // Not finer than the border is on average, nor than a 200th of the box.
+        double spacing = std::max(1.5 * around / static_cast<double>(border), extent / 200);
+        constexpr std::size_t kMostMeasured = 2000;  // border points that distances are measured to
+        std::vector<Vec2d> fixed;
+        for (std::size_t p = 0; p < points.size(); p += 1 + border / kMostMeasured) fixed.push_back(points[p]);
+        for (; spacing < 0.25 * extent; spacing *= 2)
+            for (double y = lo.y + spacing; y < hi.y - 0.5 * spacing; y += spacing)
+                for (double x = lo.x + spacing; x < hi.x - 0.5 * spacing; x += spacing) {
+                    double nearest = INFINITY;
+                    for (const Vec2d& p : fixed) {
+                        const Vec2d d = p - Vec2d{x, y};
+                        nearest = std::min(nearest, dot(d, d));
+                    }
+                    if (nearest > 0.8 * 0.8 * spacing * spacing && nearest <= 1.6 * 1.6 * spacing * spacing)
+                        points.push_back({x, y});
+                }
+    }
+
+    const DiskView& disk_;
+    const Triangulate& triangulate_;
+    std::vector<RestShape> rest_;
+    std::vector<Face> faces_;
+    double area_ = 0;
+};
+}  // namespace
+
+std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> start, FlipFreeEnergy energy,
+                                     const Triangulate& triangulate, const model::Progress& progress) {
+    Augmented augmented(disk, triangulate);
+    double map = 0;
+    for (const Face& f : disk.faces) map += 0.5 * twice_area(start[f[0]], start[f[1]], start[f[2]]);
+    if (!(map > 0)) throw model::Error(model::codes::kMapInvalid, "the start of the descent has no area");
+    std::vector<Vec2d> uv = std::move(start);
+    for (Vec2d& p : uv) p = p * std::sqrt(augmented.area() / map);
+    // The symmetric Dirichlet energy unfolds a crowded start; the others would stay near it.
+    std::vector<FlipFreeEnergy> energies{FlipFreeEnergy::kSymmetricDirichlet};
+    if (energy != energies.front()) energies.push_back(energy);
+    for (const FlipFreeEnergy current : energies) {
+        SlimOptions options;
+        options.energy = current;
+        double last = flip_free_energy(disk, uv, options);
+        for (int round = 0; round < kRounds; ++round) {
+            progress.update("parameterize", static_cast<double>(round) / kRounds);
+            std::vector<Vec2d> next = uv;
+            augmented.improve(next, current, progress);
+            const double lowered = flip_free_energy(disk, next, options);
+            if (!(lowered < last)) break;
+            uv = std::move(next);
+            const bool done = last - lowered < (current == energy ? kTolerance : kRoughly) * lowered;
+            last = lowered;
+            if (done) break;
+        }
+    }
+    return uv;
+}
+
+}  // namespace dgm::bake
