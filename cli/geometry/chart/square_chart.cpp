@@ -6,8 +6,7 @@
 #include <memory>
 
 #include "geometry/metrics/map_metrics.h"
-#include "geometry/parameterize/convex_map.h"
-#include "geometry/parameterize/slim.h"
+#include "geometry/parameterize/stretch_map.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -19,13 +18,7 @@ class StretchParameterizer final : public Parameterizer {
     [[nodiscard]] std::string_view name() const override { return "stretch"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
-        std::vector<Vec2d> uv = reweighted_stretch_map(disk, {}, progress);
-        if (newton_steps_ == 0 || count_not_positive(disk.faces, uv) > 0) return uv;
-        SlimOptions options;
-        options.energy = FlipFreeEnergy::kStretch;
-        options.border_fixed = true;
-        options.iterations = newton_steps_;
-        return descend_flip_free(disk, std::move(uv), options, progress);
+        return stretch_map(disk, newton_steps_, progress);
     }
 
   private:

@@ -15,8 +15,7 @@ namespace dgm::bake {
 [[nodiscard]] SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                              const Parameterizer& method, const model::Progress& progress);
 
-/// `stretch`: reweighted convex map [Yoshizawa 2004], see convex_map.h, then at most `newton_steps` steps of the exact
-/// descent of slim.h. Most of the descent's gain comes in the first steps.
+/// `stretch`: stretch_map.h with so many Newton steps for an ordinary map.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps);
 
 /// @throws model::Error kMapInvalid unless every vertex is finite and every face positively oriented, by exact predicate.

@@ -24,7 +24,7 @@ struct VertexGraph {
 };
 
 class CutGraph {
-  public:
+ public:
     /// The component must outlive the graph.
     explicit CutGraph(const TriMesh& component);
 
@@ -32,7 +32,8 @@ class CutGraph {
     /// boundary loop, and for a closed genus-0 component the path between two far points. Nothing for a disk.
     void cut_to_disk();
 
-    /// Adds the shortest path from `vertex` to the cut (or to the border). Returns its length; 0 if it is on it already.
+    /// Adds the shortest path from `vertex` to the cut (or to the border). Returns its length; 0 if it is on it
+    /// already.
     double join(std::uint32_t vertex);
 
     /// Distance of each vertex to the cut and the border along edges.
@@ -48,7 +49,7 @@ class CutGraph {
     [[nodiscard]] std::int64_t genus() const { return genus_; }
     [[nodiscard]] std::size_t boundary_loop_count() const { return loops_.size(); }
 
-  private:
+ private:
     struct Search {
         std::vector<double> distance;
         std::vector<std::uint32_t> arc;  ///< arc by which a vertex was reached (index into arcs, from the vertex back)
@@ -59,6 +60,9 @@ class CutGraph {
     void mark_path(const Search& search, std::uint32_t from);
     void cut_handles();
     void join_boundary_loops();
+    void shorten();
+    /// Replaces the cut path `half_edges` by the shortest one that opens the same surface; false if that is no shorter.
+    bool reroute(std::span<const std::uint32_t> half_edges, double length);
     void prune();
     [[nodiscard]] std::vector<std::uint32_t> cut_vertices() const;
 
