@@ -63,7 +63,8 @@ std::vector<Vec2d> stretch_map(const DiskView& disk, std::size_t newton_steps, c
 
     constexpr double kSmallPower = 0.5;
     if (newton_steps == 0) {
-        if (!crowded) return uv;
+        // A few steps for all: trials are compared with each other.
+        if (!crowded) return descend(disk, std::move(uv), 2, 3, 3e-2, progress);
         uv = descend(disk, std::move(uv), kSmallPower, 15, 3e-2, progress);
         return descend(disk, std::move(uv), 2, 10, 3e-2, progress);
     }

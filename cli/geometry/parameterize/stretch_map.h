@@ -16,8 +16,8 @@ namespace dgm::bake {
 /// crowded face grows at once, not the worst alone.
 ///
 /// @param newton_steps  at most so many steps of the descent for an ordinary map (most of the gain comes in the first);
-///     a crowded one gets as many as it needs. 0 asks for a trial: no descent, or where the map is crowded so much of
-///     it that the cut can be judged.
+///     a crowded one gets as many as it needs. 0 asks for a trial: a few steps,
+///     to judge a cut by.
 /// @return one point per vertex, border as in disk.border_uv to the bit; flips are for the caller to count
 /// @throws model::Error kMapInvalid if no start could be solved, kInterrupted
 [[nodiscard]] std::vector<Vec2d> stretch_map(const DiskView& disk, std::size_t newton_steps,
