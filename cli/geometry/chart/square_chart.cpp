@@ -3,36 +3,42 @@
 #include "geometry/chart/square_chart.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/multilevel_map.h"
-#include "geometry/parameterize/slim.h"
+#include "geometry/parameterize/stretch_map.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
 namespace {
 
+constexpr double kCrowded = 2;  // L2 stretch, of 1 at least
+
 class StretchParameterizer final : public Parameterizer {
-  public:
+ public:
     explicit StretchParameterizer(std::size_t newton_steps) : newton_steps_(newton_steps) {}
     [[nodiscard]] std::string_view name() const override { return "stretch"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
-        if (newton_steps_ > 0)
-            if (std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress)) return std::move(*map);
-        std::vector<Vec2d> uv = reweighted_stretch_map(disk, {}, progress);
-        if (newton_steps_ == 0 || count_not_positive(disk.faces, uv) > 0) return uv;
-        SlimOptions options;
-        options.energy = FlipFreeEnergy::kStretch;
-        options.border_fixed = true;
-        options.iterations = newton_steps_;
-        return descend_flip_free(disk, std::move(uv), options, progress);
+        if (newton_steps_ == 0) return stretch_map(disk, 0, progress);
+        std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress);
+        const auto energy = [&](const std::vector<Vec2d>& uv) {
+            return stretch_energy(disk.positions, disk.faces, uv);
+        };
+        double area = 0;
+        for (const Face& f : disk.faces)
+            area += face_area({disk.positions[f[0]], disk.positions[f[1]], disk.positions[f[2]]});
+        // Normalised stretch: the square has area 1.
+        if (map && std::sqrt(energy(*map)) <= kCrowded * area) return std::move(*map);
+        std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
+        return map && energy(*map) <= energy(other) ? std::move(*map) : other;
     }
 
-  private:
+ private:
     std::size_t newton_steps_;
 };
 

@@ -15,8 +15,8 @@ namespace dgm::bake {
 [[nodiscard]] SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                              const Parameterizer& method, const model::Progress& progress);
 
-/// `stretch`: multilevel_map.h; where that has no start, and with no `newton_steps`, the reweighted convex map
-/// [Yoshizawa 2004] of convex_map.h and at most `newton_steps` steps of the exact descent of slim.h.
+/// `stretch`: multilevel_map.h, and where that crowds or has no start, stretch_map.h with so many Newton steps for an
+/// ordinary map. The one with the lower stretch is taken.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps);
 
 /// @throws model::Error kMapInvalid unless every vertex is finite and every face positively oriented, by exact predicate.

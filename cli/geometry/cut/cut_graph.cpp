@@ -96,14 +96,18 @@ std::vector<std::uint32_t> CutGraph::cut_vertices() const {
 void CutGraph::cut_to_disk(std::uint32_t root) {
     if (genus_ > 0) {
         cut_handles(root);  // joins the borders as well
+        shorten();
     } else if (!loops_.empty()) {
         join_boundary_loops();
+        shorten();
     } else {
         Search s;
         const std::uint32_t any = mesh_->faces[0][0];
         const auto farthest = [&](std::uint32_t from) {
-            search(std::span(&from, 1), [](std::uint32_t) { return false; }, s);
-            return static_cast<std::uint32_t>(std::max_element(s.distance.begin(), s.distance.end()) - s.distance.begin());
+            search(
+                std::span(&from, 1), [](std::uint32_t) { return false; }, s);
+            return static_cast<std::uint32_t>(std::max_element(s.distance.begin(), s.distance.end()) -
+                                              s.distance.begin());
         };
         mark_path(s, farthest(farthest(any)));
     }
@@ -115,11 +119,14 @@ std::uint32_t CutGraph::middle() const {
     Search tree;
     std::uint32_t root = mesh_->faces[0][0];
     for (int sweep = 0; sweep < 2; ++sweep) {
-        search(std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
-        root = static_cast<std::uint32_t>(std::max_element(tree.distance.begin(), tree.distance.end()) - tree.distance.begin());
+        search(
+            std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
+        root = static_cast<std::uint32_t>(std::max_element(tree.distance.begin(), tree.distance.end()) -
+                                          tree.distance.begin());
     }
     Search other = tree;  // distances from one end; now from the far end, then take a vertex between
-    search(std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
+    search(
+        std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
     double best = kInfinity;
     for (std::uint32_t v = 0; v < n; ++v) {
         const double worse = std::max(tree.distance[v], other.distance[v]);
@@ -132,7 +139,8 @@ void CutGraph::cut_handles(std::uint32_t root) {
     const std::size_t n = mesh_->positions.size();
     if (root == kNone) root = middle();
     Search tree;
-    search(std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
+    search(
+        std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
 
     std::vector<char> in_tree(opposite_.size(), 0);
     for (std::uint32_t v = 0; v < n; ++v)
@@ -141,9 +149,9 @@ void CutGraph::cut_handles(std::uint32_t root) {
             in_tree[h] = 1;
             if (opposite_[h] != kNone) in_tree[opposite_[h]] = 1;
         }
-    // A spanning tree of the faces opens the surface into a tree of triangles, which is a disk whatever the genus and the
-    // borders. Edges whose loop over the root is longest are crossed first, edges of the tree of shortest paths only
-    // where nothing else joins the faces (a path from border to border parts them).
+    // A spanning tree of the faces opens the surface into a tree of triangles, which is a disk whatever the genus and
+    // the borders. Edges whose loop over the root is longest are crossed first, edges of the tree of shortest paths
+    // only where nothing else joins the faces (a path from border to border parts them).
     struct Edge {
         bool on_path;
         double loop;
@@ -153,8 +161,9 @@ void CutGraph::cut_handles(std::uint32_t root) {
     for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
         if (opposite_[h] == kNone || opposite_[h] < h) continue;
         const std::uint32_t a = origin(mesh_->faces, h), b = target(mesh_->faces, h);
-        edges.push_back({in_tree[h] != 0,
-                         tree.distance[a] + tree.distance[b] + dgm::model::length(mesh_->positions[a] - mesh_->positions[b]), h});
+        edges.push_back(
+            {in_tree[h] != 0,
+             tree.distance[a] + tree.distance[b] + dgm::model::length(mesh_->positions[a] - mesh_->positions[b]), h});
     }
     std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
         if (x.on_path != y.on_path) return y.on_path;
@@ -164,6 +173,79 @@ void CutGraph::cut_handles(std::uint32_t root) {
     for (const Edge& e : edges)
         if (!faces.unite(e.half_edge / 3, opposite_[e.half_edge] / 3)) mark(e.half_edge, true);
     prune();
+}
+
+/// Without one of its paths a cut leaves an annulus (or, without a dead end, a disk still), and every path between the
+/// annulus' two borders opens it again. The shortest one may end anywhere on them, so that nodes wander to where the
+/// network is short: each exchange lowers the length, none can break the topology.
+void CutGraph::shorten() {
+    constexpr std::size_t kWork =
+        30'000'000;  // faces visited: some seconds; only huge bodies with many handles feel it
+    const std::size_t most = std::max<std::size_t>(kWork / mesh_->faces.size(), 8);
+    std::size_t tried = 0;
+    for (bool shorter = true; shorter;) {
+        shorter = false;
+        std::vector<BorderPath> paths = open().paths();
+        std::stable_sort(paths.begin(), paths.end(),
+                         [](const BorderPath& a, const BorderPath& b) { return a.length > b.length; });
+        for (const BorderPath& path : paths) {
+            const bool stands =
+                std::all_of(path.half_edges.begin(), path.half_edges.end(), [&](std::uint32_t h) { return cut_[h]; });
+            // One of each pair of mates. A path that an exchange of this round has met at its middle leaves no annulus;
+            // its parts have their turn in the next round.
+            if (path.mate == kNone || !stands || path.half_edges.front() > opposite_[path.half_edges.back()]) continue;
+            if (++tried > most) return;
+            shorter = reroute(path.half_edges, path.length) || shorter;
+        }
+    }
+}
+
+bool CutGraph::reroute(std::span<const std::uint32_t> half_edges, double old_length) {
+    for (const std::uint32_t h : half_edges) mark(h, false);
+    const auto keep = [&] {
+        for (const std::uint32_t h : half_edges) mark(h, true);
+        return false;
+    };
+    const Disk annulus = open();
+    const std::vector<std::uint32_t> loops = bake::boundary_loops(annulus.opposite);
+    if (loops.size() != 2) return keep();
+    const VertexGraph graph = build_graph(annulus.mesh, annulus.opposite);
+    if (annulus.mesh.positions.size() + annulus.mesh.faces.size() != graph.arcs.size() / 2) return keep();
+    std::vector<char> side(annulus.mesh.positions.size(), 0);
+    std::vector<std::uint32_t> sources;
+    for (std::size_t k = 0; k < 2; ++k)
+        for (std::uint32_t h = loops[k];;) {
+            side[origin(annulus.mesh.faces, h)] = k == 0 ? 1 : 2;
+            if (k == 0) sources.push_back(origin(annulus.mesh.faces, h));
+            h = next_border_half_edge(annulus.opposite, h);
+            if (h == loops[k]) break;
+        }
+    std::vector<double> distance(side.size(), kInfinity);
+    std::vector<std::uint32_t> arc_to(side.size(), kNone), from(side.size(), kNone);
+    using Entry = std::pair<double, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (const std::uint32_t v : sources) distance[v] = 0, queue.emplace(0.0, v);
+    while (!queue.empty()) {
+        const auto [d, v] = queue.top();
+        queue.pop();
+        if (d > distance[v]) continue;
+        constexpr double kShorter = 1 - 1e-6;
+        if (!(d < kShorter * old_length)) break;
+        if (side[v] == 2) {
+            for (std::uint32_t w = v; arc_to[w] != kNone; w = from[w]) mark(arc_to[w], true);
+            prune();
+            return true;
+        }
+        for (std::uint32_t a = graph.first[v]; a < graph.first[v + 1]; ++a) {
+            const VertexGraph::Arc& arc = graph.arcs[a];
+            if (annulus.opposite[arc.half_edge] == kNone || !(d + arc.length < distance[arc.to])) continue;
+            distance[arc.to] = d + arc.length;
+            arc_to[arc.to] = arc.half_edge;
+            from[arc.to] = v;
+            queue.emplace(d + arc.length, arc.to);
+        }
+    }
+    return keep();
 }
 
 void CutGraph::join_boundary_loops() {
@@ -239,7 +321,8 @@ double CutGraph::join(std::uint32_t vertex) {
     std::vector<char> on(mesh_->positions.size(), 0);
     for (std::uint32_t v : cut_vertices()) on[v] = 1;
     Search s;
-    const std::uint32_t end = search(std::span(&vertex, 1), [&](std::uint32_t v) { return on[v] != 0; }, s);
+    const std::uint32_t end = search(
+        std::span(&vertex, 1), [&](std::uint32_t v) { return on[v] != 0; }, s);
     if (end == kNone || end == vertex) return 0;
     mark_path(s, end);
     return s.distance[end];
@@ -247,7 +330,8 @@ double CutGraph::join(std::uint32_t vertex) {
 
 std::vector<double> CutGraph::distance_to_cut() const {
     Search s;
-    search(cut_vertices(), [](std::uint32_t) { return false; }, s);
+    search(
+        cut_vertices(), [](std::uint32_t) { return false; }, s);
     return std::move(s.distance);
 }
 
@@ -255,7 +339,8 @@ double CutGraph::length() const {
     double total = 0;
     for (std::uint32_t h = 0; h < cut_.size(); ++h)
         if (cut_[h] && h < opposite_[h])
-            total += dgm::model::length(mesh_->positions[origin(mesh_->faces, h)] - mesh_->positions[target(mesh_->faces, h)]);
+            total += dgm::model::length(mesh_->positions[origin(mesh_->faces, h)] -
+                                        mesh_->positions[target(mesh_->faces, h)]);
     return total;
 }
 

@@ -65,6 +65,9 @@ class CutGraph {
     [[nodiscard]] std::uint32_t middle() const;
     void cut_handles(std::uint32_t root);
     void join_boundary_loops();
+    void shorten();
+    /// Replaces the cut path `half_edges` by the shortest one that opens the same surface; false if that is no shorter.
+    bool reroute(std::span<const std::uint32_t> half_edges, double length);
     void prune();
     [[nodiscard]] std::vector<std::uint32_t> cut_vertices() const;
 

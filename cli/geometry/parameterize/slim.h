@@ -17,17 +17,19 @@ namespace dgm::bake {
 enum class FlipFreeEnergy {
     kSymmetricDirichlet,  ///< g(s) = (s^2 + s^-2) / 2; least (2 in all) where isometric
     kArap,                ///< g(s) = (s - 1)^2 + barrier (1/s - 1)^2; least (0) where isometric
-    kStretch,  ///< g(s) = s^-2 + stretch_epsilon s^2: twice the squared L2 stretch of [Sander 2001], and a term
-               ///  against needles of oversampling
+    kStretch,  ///< g(s) = s^-stretch_power + stretch_epsilon s^2: twice the squared L2 stretch of [Sander 2001] for
+               ///  power 2, and a term against needles of oversampling
 };
 
 struct SlimOptions {
     FlipFreeEnergy energy = FlipFreeEnergy::kSymmetricDirichlet;
     bool border_fixed = false;      ///< border vertices keep their start to the bit
     std::size_t iterations = 30;    ///< at most so many Newton steps
-    double tolerance = 1e-5;        ///< stop when a step lowers the energy by less than this share of it
+    double tolerance = 1e-5;        ///< stop when a step lowers the energy by less than this share of it ...
+    std::size_t patience = 1;       ///< ... so many times in a row
     double barrier = 0.01;          ///< kArap only, 0 < barrier <= 16 (g stays convex)
     double stretch_epsilon = 0.3;   ///< kStretch only, >= 0
+    double stretch_power = 2;       ///< kStretch only, > 0; small powers let crowded faces grow side by side
     /// One per face, in place of the shapes of the surface; not scaled. Their areas are the weights of the faces.
     std::span<const RestShape> rest = {};
 };
@@ -41,9 +43,10 @@ struct SlimReport {
 /// Moves the vertices of a flip-free map to lower `options.energy`; never turns a face over, never raises the energy.
 ///
 /// Projected Newton: the 4x4 Hessian of each face by its analytic eigensystem [Smith, De Goes, Kim 2019], negative
-/// eigenvalues cut to 0; steps end before 0.9 of the first collapse of a face [Smith, Schaefer 2015], then Armijo
-/// backtracking. Rest shapes are scaled so that both areas agree (fixed border), or the start is scaled once to its
-/// best size (free border). Slivers count as at least 1e-6 as high as long, so that one of them cannot stall the rest.
+/// eigenvalues cut to 0; steps end before 0.9 of the first collapse of a face [Smith, Schaefer 2015], go beyond the
+/// Newton step while that pays, then Armijo backtracking. Faces that would end a step early are held back. Rest shapes
+/// are scaled so that both areas agree (fixed border), or the start is scaled once to its best size (free border).
+/// Slivers count as at least 1e-6 as high as long, so that one of them cannot stall the rest.
 ///
 /// @param start  one point per vertex, every face counter-clockwise by the exact predicate
 /// @return  one point per vertex; flip-free; `start` itself if nothing lower was found
@@ -58,14 +61,20 @@ struct SlimReport {
 [[nodiscard]] double flip_free_energy(const DiskView& disk, std::span<const Vec2d> uv, const SlimOptions& options,
                                       std::vector<Vec2d>* gradient = nullptr);
 
+enum class FlipFreeStart {
+    kFirstValid,  ///< uniform weights if doubles hold the result, else as below
+    kSpread,  ///< weights along a tree from the innermost vertex outwards that turn the exponential crowding of long
+              ///  fingers and ribbons into a power law; uglier where nothing is crowded
+};
+
 /// A map without flips to start from: border on `disk.border_uv` if there is one, else on the unit circle by arc length
 /// (no edge shorter than a tenth of its equal share). Tutte's theorem holds for all weights tried, in exact arithmetic;
-/// what doubles make of it is checked exactly. Uniform weights first; then weights that grow with the square of the
-/// distance to the deepest vertex behind an edge, which turn the exponential crowding of long fingers into a power law.
+/// what doubles make of it is checked exactly.
 ///
 /// @return nothing if no try is flip-free
 /// @throws model::Error kInterrupted
-[[nodiscard]] std::optional<std::vector<Vec2d>> flip_free_start(const DiskView& disk, const model::Progress& progress);
+[[nodiscard]] std::optional<std::vector<Vec2d>> flip_free_start(const DiskView& disk, const model::Progress& progress,
+                                                                FlipFreeStart kind = FlipFreeStart::kFirstValid);
 
 /// Number of faces that are not counter-clockwise by the exact predicate, faces with a non-finite corner among them.
 [[nodiscard]] std::size_t count_not_positive(std::span<const Face> faces, std::span<const Vec2d> uv);

@@ -141,15 +141,8 @@ class BorderLayout {
         return t;
     }
 
-    [[nodiscard]] unsigned sides(double t) const {
-        unsigned mask = 0;
-        for (int k = 0; k < 4; ++k) {
-            const double lo = grid_.corner(k), hi = k == 3 ? grid_.count() : grid_.corner(k + 1);
-            if ((t >= lo && t <= hi) || (k == 3 && t == 0)) mask |= 1u << k;
-        }
-        return mask;
-    }
-
+    /// A chord on one side of the square would collapse the faces behind it; across a corner it would lock up what lies
+    /// behind it in a triangle, however much that is.
     void split_chords() {
         const std::vector<double> t = border_positions();
         const std::size_t old_vertices = t.size();
@@ -157,7 +150,7 @@ class BorderLayout {
             if (disk_.opposite[h] == kNone) continue;
             const std::uint32_t a = origin(disk_.mesh.faces, h), b = target(disk_.mesh.faces, h);
             if (a >= old_vertices || b >= old_vertices || t[a] < 0 || t[b] < 0) continue;
-            if ((sides(t[a]) & sides(t[b])) != 0) disk_.split(h, 0.5);
+            disk_.split(h, 0.5);
         }
     }
 

@@ -47,7 +47,8 @@ struct BorderGrid {
 /// Lays the disk's border on the square (methods.md section 2): path p gets a whole number of sample intervals, the
 /// same for both mates, nearest its share of the length; inside a path vertices follow arc length; the square's corners
 /// fall on samples, and an edge (with its mate) is split where one falls inside it. Then every interior edge that joins
-/// two points of one side of the square is split, so that no triangle can collapse onto the side.
+/// two points of the border is split, so that no triangle can collapse onto a side and no part of the surface is locked
+/// up behind a straight edge.
 ///
 /// Changes `disk` by those splits. `rotation` moves the first path's start to border sample `rotation`.
 /// @throws model::Error kGridTooSmall if the paths need more intervals than the grid has

@@ -94,6 +94,37 @@ TEST(Slim, EnergyOfAKnownStretchedSquare) {
     EXPECT_TRUE(std::isinf(flip_free_energy(d.view(), flipped, {})));
 }
 
+TEST(Slim, SmallPowersOfTheStretch) {
+    // As above: s1 = 2, s2 = 1/2; 2^-1/2 + 2^1/2 + 0.1 * 4.25.
+    const Disk square = testing::grid(1, 1, [](double s, double t) { return Vec3d{s, t, 0}; });
+    const std::vector<Vec2d> uv{{0, 0}, {2, 0}, {0, 0.5}, {2, 0.5}};
+    const SlimOptions options{
+        .energy = FlipFreeEnergy::kStretch, .tolerance = 0, .stretch_epsilon = 0.1, .stretch_power = 0.5};
+    EXPECT_NEAR(flip_free_energy(square.view(), uv, options), 1.5 * std::numbers::sqrt2 + 0.425, 1e-14);
+    // Where the two stretches are equal the divided difference of the slopes is a 0/0: steps must still be Newton's.
+    const Disk d = hill(12);
+    SlimOptions fixed = options;
+    fixed.border_fixed = true;
+    fixed.iterations = 300;
+    SlimReport report;
+    const auto lowered = descend_flip_free(d.view(), skewed(12), fixed, kSilent, &report);
+    EXPECT_LT(report.energy, report.start_energy);
+    std::vector<Vec2d> gradient;
+    static_cast<void>(flip_free_energy(d.view(), lowered, fixed, &gradient));
+    for (std::size_t v = 0; v < gradient.size(); ++v)
+        if (std::find(d.border.begin(), d.border.end(), v) == d.border.end()) {
+            EXPECT_LT(length(gradient[v]), 1e-7) << v;
+        }
+}
+
+TEST(Slim, ASpreadStartIsFreeOfFlips) {
+    for (const Disk& d : {testing::sphere_with_hole(24, 30, 0.02), testing::long_finger(8, 150), hill(12)}) {
+        const auto start = flip_free_start(d.view(), kSilent, FlipFreeStart::kSpread);
+        ASSERT_TRUE(start.has_value());
+        EXPECT_EQ(count_not_positive(d.faces, *start), 0U);
+    }
+}
+
 TEST(Slim, FlattensADevelopablePatchExactly) {
     // A quarter of a cylinder of radius 1/2: isometric to a rectangle, energy 2.
     const Disk d = testing::grid(6, 8, [](double s, double t) {

@@ -13,6 +13,7 @@
 #include "geometry/cut/cut_graph.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/square_border.h"
+#include "geometry/parameterize/stretch_map.h"
 #include "support/meshes.h"
 
 namespace dgm::bake {
@@ -134,6 +135,40 @@ TEST(ConvexMap, ReweightingLowersStretchAndNeverFlips) {
         none.iterations = 0;
         EXPECT_EQ(reweighted_stretch_map(laid.view(), none, {}), first);
     }
+}
+
+/// A square with a ribbon one cell wide and 120 long: every inner edge of the ribbon joins two points of the border,
+/// and convex weights crowd it exponentially wherever both its sides lie on one side of the square.
+TEST(StretchMap, UncrowdsARibbon) {
+    TriMesh mesh;
+    constexpr std::uint32_t kBody = 8, kLong = 120;
+    const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        mesh.faces.push_back({a, b, c}), mesh.faces.push_back({a, c, d});
+    };
+    for (std::uint32_t i = 0; i <= kBody; ++i)
+        for (std::uint32_t j = 0; j <= kBody; ++j) mesh.positions.push_back({1.0 * i, 1.0 * j, 0});
+    const auto id = [&](std::uint32_t i, std::uint32_t j) { return i * (kBody + 1) + j; };
+    for (std::uint32_t i = 0; i < kBody; ++i)
+        for (std::uint32_t j = 0; j < kBody; ++j) quad(id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1));
+    std::uint32_t low = id(kBody, 3), high = id(kBody, 4);
+    for (std::uint32_t k = 1; k <= kLong; ++k) {
+        const auto next = static_cast<std::uint32_t>(mesh.positions.size());
+        mesh.positions.push_back({1.0 * kBody + k, 3, 0}), mesh.positions.push_back({1.0 * kBody + k, 4, 0});
+        quad(low, next, next + 1, high);
+        low = next, high = next + 1;
+    }
+    double worst_convex = 0;
+    for (const std::uint32_t rotation : {0u, 20u, 40u, 60u}) {
+        Disk disk = CutGraph(mesh).open();
+        const SquareBorder border = lay_square_border(disk, 65, 65, rotation);
+        const DiskView view{disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv};
+        const MapMetrics convex = measure_map(view.positions, view.faces, reweighted_stretch_map(view, {}, {}));
+        worst_convex = std::max(worst_convex, convex.flips > 0 ? 1e9 : convex.stretch_l2);
+        const MapMetrics final = measure_map(view.positions, view.faces, stretch_map(view, 8, {}));
+        EXPECT_EQ(final.flips, 0u) << rotation;
+        EXPECT_LT(final.stretch_l2, 8) << rotation;  // the body has a third of the area, a ninth of the border
+    }
+    EXPECT_GT(worst_convex, 100) << "not the hard case it is meant to be";
 }
 
 /// A flat square that lies on the square already: every map with equal weights for equal edges is the identity.

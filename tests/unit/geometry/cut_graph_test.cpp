@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <algorithm>
 #include <numbers>
 #include <random>
@@ -293,6 +295,18 @@ TEST(BorderPaths, BranchesAndLeaves) {
         EXPECT_TRUE(end == at(4, 2) || end == at(4, 6)) << end;
     }
     EXPECT_EQ(leaves, 2);
+}
+
+/// Around a torus of 40 x 12 the shortest cut is one meridian and one longitude on the inside: no two loops that open
+/// it can be shorter, and sliding exchanges must find it from whatever the tree gave.
+TEST(CutGraph, HandlesAreCutAlongShortLoops) {
+    const TriMesh mesh = test::torus(1, 0.4, 40, 12);
+    CutGraph cut(mesh);
+    cut.cut_to_disk();
+    const double meridian = 12 * 2 * 0.4 * std::sin(M_PI / 12), inside = 40 * 2 * 0.6 * std::sin(M_PI / 40);
+    EXPECT_LT(cut.length(), 1.02 * (meridian + inside));
+    const Disk disk = cut.open();
+    EXPECT_EQ(boundary_loops(disk.opposite).size(), 1u);
 }
 
 }  // namespace
