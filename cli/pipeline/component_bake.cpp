@@ -25,7 +25,8 @@ namespace codes = model::codes;
 constexpr std::size_t kNewtonSteps = 8;
 constexpr double kGain = 0.99;    // a later candidate must be 1 % better, and the earlier not exact but for rounding
 constexpr double kExact = 1e-10;  // normalised units
-constexpr double kPoor = 75;  // dB: below this a square chart has something folded away; a free one is tried as well
+// dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
+constexpr double kPoor = 75, kPerDoubling = 8.5;
 
 bool is_free_method(const std::string& method) {
     return method == "lscm" || method == "arap" || method == "slim" || method == "uv";
@@ -72,7 +73,7 @@ class ComponentBaker {
         }
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
         if (options_.method == "auto" && may_be_free() && !tried("arap") &&
-            (!best_ || result_.candidates.front().psnr < kPoor))
+            (!best_ || result_.candidates.front().psnr < poor()))
             add("arap", [&] { return make("arap"); });
         if (options_.method == "auto" && may_be_free() && !component_.corner_uvs.empty()) add_uv();
         return finish();
@@ -88,6 +89,11 @@ class ComponentBaker {
         if (free && (!square || is_panel())) out.push_back("arap");
         if (free && !square) out.insert(out.end(), {"slim", "lscm"});
         return out;
+    }
+
+    [[nodiscard]] double poor() const {
+        const double samples = static_cast<double>(size_.rows) * size_.cols;
+        return kPoor + kPerDoubling * std::min(0.0, 0.5 * std::log2(samples / (257.0 * 257.0)));
     }
 
     /// A disk as it stands, not cut by us.

@@ -120,21 +120,11 @@ class Transfer {
         for (std::uint32_t h = 0; h < fine_.opposite().size(); ++h)
             if (fine_.opposite()[h] == kNone) used_[origin(faces, h)] = used_[target(faces, h)] = 1;
         if (!lay(paths)) return false;
-        for (Laid& laid : laid_) {
-            if (laid.is_loop) {
-                const std::size_t middle = laid.vertices.size() / 2;
-                if (middle == 0 || !straighten(laid, 0, middle)) return false;
-                if (!straighten(
-                        laid,
-                        std::find(laid.vertices.begin() + 1, laid.vertices.end(), laid.middle) - laid.vertices.begin(),
-                        laid.vertices.size() - 1))
-                    return false;
-            } else if (!straighten(laid, 0, laid.vertices.size() - 1)) {
-                return false;
-            }
-        }
-        for (const Laid& laid : laid_) mark(laid.vertices);
-        return is_one_disk(fine_.open());
+        const std::vector<Laid> crooked = laid_;
+        for (Laid& laid : laid_) straighten(laid);
+        if (opens(laid_)) return true;
+        // Straight paths may pass a handle on its other side.
+        return opens(crooked);
     }
 
  private:
@@ -198,6 +188,26 @@ class Transfer {
         return true;
     }
 
+    /// Marks the paths; takes the marks back if they do not open the mesh into one disk.
+    bool opens(const std::vector<Laid>& paths) {
+        for (const Laid& laid : paths) mark(laid.vertices, true);
+        if (is_one_disk(fine_.open())) return true;
+        for (const Laid& laid : paths) mark(laid.vertices, false);
+        return false;
+    }
+
+    /// Shortens a path within its surroundings, a loop in two halves; it stays as it is where there is no way.
+    void straighten(Laid& laid) {
+        if (!laid.is_loop) {
+            straighten(laid, 0, laid.vertices.size() - 1);
+            return;
+        }
+        const std::size_t middle = laid.vertices.size() / 2;
+        if (middle == 0 || !straighten(laid, 0, middle)) return;
+        const auto at = std::find(laid.vertices.begin() + 1, laid.vertices.end(), laid.middle);
+        straighten(laid, static_cast<std::size_t>(at - laid.vertices.begin()), laid.vertices.size() - 1);
+    }
+
     /// Replaces vertices [from, to] of a path by the shortest way near it.
     bool straighten(Laid& laid, std::size_t from, std::size_t to) {
         std::vector<std::uint32_t>& v = laid.vertices;
@@ -213,7 +223,10 @@ class Transfer {
         const std::vector<std::uint32_t> way =
             search_.path(part.front(), part.back(), kInfinity, [&](std::uint32_t x) { return near[x] && !used_[x]; });
         for (std::uint32_t x : corridor) near[x] = 0;
-        if (way.empty()) return false;
+        if (way.empty()) {
+            for (std::uint32_t x : part) used_[x] = 1;
+            return false;
+        }
         for (std::uint32_t x : way) used_[x] = 1;
         std::vector<std::uint32_t> joined(v.begin(), first);
         joined.insert(joined.end(), way.begin(), way.end());
@@ -222,11 +235,11 @@ class Transfer {
         return true;
     }
 
-    void mark(std::span<const std::uint32_t> vertices) {
+    void mark(std::span<const std::uint32_t> vertices, bool cut) {
         const VertexGraph& graph = fine_.graph();
         for (std::size_t k = 0; k + 1 < vertices.size(); ++k)
             for (std::uint32_t a = graph.first[vertices[k]]; a < graph.first[vertices[k] + 1]; ++a)
-                if (graph.arcs[a].to == vertices[k + 1]) fine_.mark(graph.arcs[a].half_edge, true);
+                if (graph.arcs[a].to == vertices[k + 1]) fine_.mark(graph.arcs[a].half_edge, cut);
     }
 
     CutGraph& fine_;

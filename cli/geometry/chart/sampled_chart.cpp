@@ -40,12 +40,12 @@ namespace {
 /// Edges of the welded surface near the chart's border. Beside the end of a cut the samples before and after it are one
 /// point, so a diagonal from each to the same inner sample would be one edge of four faces.
 class WeldedEdges {
-  public:
+ public:
     explicit WeldedEdges(const SampledChart& chart) : chart_(chart) {}
     [[nodiscard]] bool has(std::size_t a, std::size_t b) const { return edges_.count(key(a, b)) != 0; }
     void add(std::size_t a, std::size_t b) { edges_.insert(key(a, b)); }
 
-  private:
+ private:
     [[nodiscard]] std::uint64_t key(std::size_t a, std::size_t b) const {
         const std::uint64_t x = chart_.representative[a], y = chart_.representative[b];
         return std::min(x, y) << 32 | std::max(x, y);
@@ -56,11 +56,21 @@ class WeldedEdges {
 
 }  // namespace
 
+bool folds(const SampledChart& chart, std::uint32_t i, std::uint32_t j, unsigned diagonal) {
+    const auto area = [&](const Face& f) {
+        return cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
+    };
+    const auto t = quad_triangles(i, j, chart.n, diagonal);
+    return dot(area(t[0]), area(t[1])) < 0;
+}
+
 void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
     const std::uint32_t m = chart.m, n = chart.n;
     const bool square = chart.domain == layout::Domain::kSquare;  // a free chart's quads do not touch its border
     chart.diagonals.assign(std::size_t{m - 1} * (n - 1), 0);
-    const auto on_border = [&](std::uint32_t i, std::uint32_t j) { return i == 0 || j == 0 || i + 2 == m || j + 2 == n; };
+    const auto on_border = [&](std::uint32_t i, std::uint32_t j) {
+        return i == 0 || j == 0 || i + 2 == m || j + 2 == n;
+    };
     WeldedEdges edges(chart);
     if (square)
         for (std::uint32_t i = 0; i + 1 < m; ++i)
@@ -76,19 +86,24 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
             std::uint8_t& diagonal = chart.diagonals[std::size_t{i} * (n - 1) + j];
             const SurfaceSample& centre = centres.samples[std::size_t{2 * i + 1} * centres.n + 2 * j + 1];
             if (centre.face == kNone) {
-                diagonal = squared(chart.positions[b] - chart.positions[d]) < squared(chart.positions[a] - chart.positions[c]);
+                diagonal =
+                    squared(chart.positions[b] - chart.positions[d]) < squared(chart.positions[a] - chart.positions[c]);
             } else {
                 const Vec3d truth = position_at(chart.disk.mesh, centre);
                 diagonal = squared((chart.positions[b] + chart.positions[d]) * 0.5 - truth) <
                            squared((chart.positions[a] + chart.positions[c]) * 0.5 - truth);
             }
+            if (const bool first = folds(chart, i, j, 0); first != folds(chart, i, j, 1)) diagonal = first;
             if (!square || !on_border(i, j)) continue;
             const auto taken = [&](std::uint8_t which) {
                 const std::size_t from = which == 0 ? a : b, to = which == 0 ? c : d;
                 return chart.representative[from] == chart.representative[to] || edges.has(from, to);
             };
             if (taken(diagonal) && !taken(!diagonal)) diagonal = !diagonal;
-            if (diagonal == 0) edges.add(a, c); else edges.add(b, d);
+            if (diagonal == 0)
+                edges.add(a, c);
+            else
+                edges.add(b, d);
         }
 }
 
@@ -106,7 +121,8 @@ void place_samples(SampledChart& chart) {
 std::vector<SurfaceSample> coarsen(const SampleGrid& fine, std::uint32_t m, std::uint32_t n) {
     std::vector<SurfaceSample> out(std::size_t{m} * n);
     for (std::uint32_t i = 0; i < m; ++i)
-        for (std::uint32_t j = 0; j < n; ++j) out[std::size_t{i} * n + j] = fine.samples[std::size_t{2 * i} * fine.n + 2 * j];
+        for (std::uint32_t j = 0; j < n; ++j)
+            out[std::size_t{i} * n + j] = fine.samples[std::size_t{2 * i} * fine.n + 2 * j];
     return out;
 }
 

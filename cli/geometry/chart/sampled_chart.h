@@ -20,17 +20,17 @@ struct SampledChart {
     std::uint32_t m = 0, n = 0;
     layout::Domain domain = layout::Domain::kSquare;
     std::string method;
-    Disk disk;                                 ///< split as the border needed it
-    std::vector<Vec2d> uv;                     ///< the map, per vertex of `disk`
-    std::vector<SurfaceSample> samples;        ///< where each sample lies; face kNone off the surface
-    std::vector<Vec3d> positions;              ///< normalised frame; copies of a class are equal to the bit
-    std::vector<std::uint32_t> representative; ///< lowest sample of the class, itself if alone
-    std::vector<std::uint8_t> diagonals;       ///< (m-1)*(n-1)
-    std::vector<std::uint8_t> mask;            ///< m*n; free domain only
-    std::vector<Vec2d> border_uv;              ///< free domain only, per border sample
-    std::vector<Face> strip;                   ///< free domain only: triangles between lattice and border
+    Disk disk;                                  ///< split as the border needed it
+    std::vector<Vec2d> uv;                      ///< the map, per vertex of `disk`
+    std::vector<SurfaceSample> samples;         ///< where each sample lies; face kNone off the surface
+    std::vector<Vec3d> positions;               ///< normalised frame; copies of a class are equal to the bit
+    std::vector<std::uint32_t> representative;  ///< lowest sample of the class, itself if alone
+    std::vector<std::uint8_t> diagonals;        ///< (m-1)*(n-1)
+    std::vector<std::uint8_t> mask;             ///< m*n; free domain only
+    std::vector<Vec2d> border_uv;               ///< free domain only, per border sample
+    std::vector<Face> strip;                    ///< free domain only: triangles between lattice and border
     double cut_length = 0;
-    std::string note;                          ///< what the method had to give up, in plain words; usually empty
+    std::string note;  ///< what the method had to give up, in plain words; usually empty
 
     [[nodiscard]] std::size_t grid_count() const { return std::size_t{m} * n; }
     [[nodiscard]] bool on_surface(std::size_t sample) const {
@@ -44,10 +44,15 @@ struct SampledChart {
     [[nodiscard]] TriMesh surface() const;
 };
 
-/// Chooses each quad's diagonal by the smaller distance of its middle to the surface point that the map has there;
+/// Chooses each quad's diagonal: the one that does not fold, or the one with the smaller distance of its middle to the
+/// surface point that the map has there;
 /// `centres` is the rasterization at (2m-1) x (2n-1). A diagonal that the welded surface has already, or between two
 /// copies of one class, is not taken where the other one is free.
 void choose_diagonals(SampledChart& chart, const SampleGrid& centres);
+
+/// True if the two triangles that `diagonal` makes of quad (i, j) look away from each other: the quad is an arrowhead
+/// (or bends by more than a right angle), and this diagonal lies outside of it.
+[[nodiscard]] bool folds(const SampledChart& chart, std::uint32_t i, std::uint32_t j, unsigned diagonal);
 
 /// Positions of all samples from their surface points, classes from their representative.
 void place_samples(SampledChart& chart);

@@ -11,6 +11,7 @@
 #include "geometry/fit/matches.h"
 #include "geometry/fit/normal_equations.h"
 #include "geometry/fit/untangle.h"
+#include "geometry/metrics/turned_faces.h"
 
 namespace dgm::bake {
 namespace {
@@ -48,6 +49,7 @@ class Fitter {
         FitReport report;
         matches_.update(false);
         report.start_rms = matches_.rms, report.start_hausdorff = matches_.largest;
+        if (options_.split_quads) split_quads();
         if (untangle(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
         keep();
         for (int round = 0; round < options_.rounds; ++round) {
@@ -69,7 +71,7 @@ class Fitter {
         }
         restore();
         matches_.update(false);
-        if (untangle(source_, grid_, matches_, fixed_, kEndUpright)) matches_.update(true), keep();
+        if (mend_turned()) matches_.update(true), keep();
         finish();
         report.rms = rms_, report.hausdorff = largest_;
         return report;
@@ -92,6 +94,25 @@ class Fitter {
     void restore() {
         grid_.surface.positions = kept_positions_, chart_.diagonals = kept_diagonals_;
         grid_.link(chart_);
+    }
+
+    /// Walks end in local minima; the last faces to mend are those that the measure finds (metrics/turned_faces.h).
+    bool mend_turned() {
+        constexpr int kPasses = 10;
+        const ClosestPointIndex index(source_.positions, source_.faces);
+        bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
+        for (int pass = 0; pass < kPasses; ++pass) {
+            TriMesh surface;
+            surface.positions = grid_.surface.positions, surface.faces = grid_.surface.faces;
+            const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
+            for (const std::uint32_t f : turned)
+                if (const ClosestPoint hit = index.query(matches_.middles[f].position); hit.face != kNone)
+                    matches_.middles[f].hit.face = hit.face;
+            if (turned.empty()) break;
+            if (!flip_quads(turned) && !untangle(source_, grid_, matches_, fixed_, turned)) break;
+            moved = true;
+        }
+        return moved;
     }
 
     /// The chart takes the fitted positions, and for its samples the closest points of the source.
@@ -225,9 +246,7 @@ class Fitter {
     void split_quads() {
         const std::uint32_t m = chart_.m, n = chart_.n;
         grid_.write_positions(chart_);
-        std::vector<std::uint32_t> quad_of_face;  // per grid triangle; strip faces have none
-        for (std::uint32_t q = 0; q < grid_.face_of_quad.size(); ++q)
-            if (grid_.face_of_quad[q] != kNone) quad_of_face.insert(quad_of_face.end(), 2, q);
+        const std::vector<std::uint32_t> quad_of_face = quads_of_faces();
         const auto corners = [&](const Face& t) {
             return std::array{chart_.positions[t[0]], chart_.positions[t[1]], chart_.positions[t[2]]};
         };
@@ -252,23 +271,47 @@ class Fitter {
                     return kMiddleWeight * walk_to_closest(source_, middle, start).squared;
                 };
                 sums[quad][0] += off(a, a + n + 1), sums[quad][1] += off(a + n, a + 1);
-                const unsigned wanted = sums[quad][1] < sums[quad][0], old = chart_.diagonals[quad];
-                if (wanted == old || sums[quad][0] == sums[quad][1]) continue;
-                if (keeps_orientation(quad_triangles(i, j, n, old), quad_triangles(i, j, n, wanted)))
-                    chart_.diagonals[quad] = static_cast<std::uint8_t>(wanted);
+                const std::uint8_t old = chart_.diagonals[quad];
+                const bool old_folds = folds(chart_, i, j, old), other_folds = folds(chart_, i, j, !old);
+                if (old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old])
+                    chart_.diagonals[quad] = !old;
             }
         });
         grid_.link(chart_);
         matches_.update(false);
     }
 
-    [[nodiscard]] bool keeps_orientation(const std::array<Face, 2>& old, const std::array<Face, 2>& fresh) const {
-        const auto area = [&](const Face& f) {
-            return cross(chart_.positions[f[1]] - chart_.positions[f[0]],
-                         chart_.positions[f[2]] - chart_.positions[f[0]]);
-        };
-        const Vec3d mean = area(old[0]) + area(old[1]);
-        return dot(area(fresh[0]), mean) > 0 && dot(area(fresh[1]), mean) > 0;
+    /// Other diagonals for the quads of turned faces, where those do not fold and are no edge yet.
+    bool flip_quads(std::span<const std::uint32_t> faces) {
+        grid_.write_positions(chart_);
+        const std::vector<std::uint32_t> quad_of_face = quads_of_faces();
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh;
+        for (const std::uint32_t f : faces) {
+            if (f >= quad_of_face.size()) continue;
+            const std::uint32_t quad = quad_of_face[f], i = quad / (chart_.n - 1), j = quad % (chart_.n - 1);
+            const std::uint8_t old = chart_.diagonals[quad];
+            if (!folds(chart_, i, j, old) || folds(chart_, i, j, !old)) continue;
+            const std::uint32_t a = i * chart_.n + j, b = a + chart_.n;
+            const std::uint32_t from = grid_.class_of[old == 0 ? b : a], to = grid_.class_of[old == 0 ? a + 1 : b + 1];
+            const std::pair edge(std::min(from, to), std::max(from, to));
+            if (from == to || std::binary_search(grid_.edges.begin(), grid_.edges.end(), edge) ||
+                std::find(fresh.begin(), fresh.end(), edge) != fresh.end())
+                continue;
+            fresh.push_back(edge);
+            chart_.diagonals[quad] = !old;
+        }
+        if (fresh.empty()) return false;
+        grid_.link(chart_);
+        matches_.update(false);
+        return true;
+    }
+
+    /// Per face of a quad, the quad; strip faces come after them.
+    [[nodiscard]] std::vector<std::uint32_t> quads_of_faces() const {
+        std::vector<std::uint32_t> out;
+        for (std::uint32_t q = 0; q < grid_.face_of_quad.size(); ++q)
+            if (grid_.face_of_quad[q] != kNone) out.insert(out.end(), 2, q);
+        return out;
     }
 
     SampledChart& chart_;
@@ -303,7 +346,11 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
 
 SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
     SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
-    const LinkedSurface source = link_source(chart.disk);
+    const TriMesh& mesh = chart.disk.mesh;
+    const ClosestPointIndex index(mesh.positions, mesh.faces);
+    double area = 0;
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) area += face_area(mesh.corners(f));
+    const double slack = 0.25 * std::sqrt(area / static_cast<double>(chart.grid_count()));
     tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
         for (std::uint32_t c = 0; c < cols; ++c) {
             // Position on the chart's own grid, and the quad's triangle under it.
@@ -322,10 +369,13 @@ SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::u
                                                 ? second ? std::array{1 - t, s, t - s} : std::array{1 - s, s - t, t}
                                             : second ? std::array{1 - t, s + t - 1, 1 - s}
                                                      : std::array{1 - s - t, s, t};
-            const Vec3d p = chart.positions[f[0]] * b[0] + chart.positions[f[1]] * b[1] + chart.positions[f[2]] * b[2];
+            const Vec3d &p = chart.positions[f[0]], &q = chart.positions[f[1]], &w = chart.positions[f[2]];
             const std::size_t nearest = b[0] >= b[1] && b[0] >= b[2] ? 0 : b[1] >= b[2] ? 1 : 2;
-            const SurfaceHit hit = walk_to_closest(source, p, chart.samples[f[nearest]].face);
-            grid.samples[std::size_t{r} * cols + c] = {hit.face, {hit.b[0], hit.b[1], hit.b[2]}};
+            const ClosestPoint hit =
+                index.query_preferring(p * b[0] + q * b[1] + w * b[2], normalized(cross(q - p, w - p), Vec3d{}), slack,
+                                       chart.samples[f[nearest]].face);
+            grid.samples[std::size_t{r} * cols + c] = {hit.face,
+                                                       {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
         }
     });
     for (const SurfaceSample& s : grid.samples) grid.missing += s.face == kNone;

@@ -6,9 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-
-#include "geometry/spatial/closest_point.h"
 
 namespace dgm::bake {
 namespace {
@@ -27,6 +24,12 @@ void in_chunks(std::size_t count, const Body& body) {
 
 Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid, std::size_t count)
     : source_(source), grid_(grid) {
+    if (source.faces.size() > grid.surface.faces.size()) {
+        source_index_ = std::make_unique<ClosestPointIndex>(source.positions, source.faces);
+        double area = 0;
+        for (std::size_t f = 0; f < source.faces.size(); ++f) area += face_area(source.corners(f));
+        slack_ = 0.25 * std::sqrt(area / static_cast<double>(chart.grid_count()));
+    }
     spread(chart, count);
     start(chart);
 }
@@ -86,13 +89,28 @@ void Matches::start(const SampledChart& chart) {
     for (std::size_t f = 0; f < middles.size(); ++f) middles[f].hit.face = classes[grid_.surface.faces[f][0]].hit.face;
 }
 
+SurfaceHit Matches::on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start) const {
+    if (!source_index_) return walk_to_closest(source_, p, start);
+    const ClosestPoint hit = source_index_->query_preferring(p, normal, slack_, start);
+    if (hit.face == kNone) return walk_to_closest(source_, p, start);
+    return {hit.face, hit.distance * hit.distance, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
+}
+
 void Matches::update(bool with_edges) {
     const LinkedSurface& grid = grid_.surface;
+    std::vector<Vec3d> normal(source_index_ ? classes.size() : 0);
+    if (source_index_) {
+        for (std::size_t f = 0; f < grid.faces.size(); ++f) {
+            const auto q = grid.corners(f);
+            for (const std::uint32_t c : grid.faces[f]) normal[c] += cross(q[1] - q[0], q[2] - q[0]);
+        }
+        for (Vec3d& n : normal) n = normalized(n, Vec3d{});
+    }
     in_chunks(points.size(),
               [&](std::size_t k) { points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face); });
     in_chunks(classes.size(), [&](std::size_t c) {
         classes[c].position = grid.positions[c];
-        classes[c].hit = walk_to_closest(source_, classes[c].position, classes[c].hit.face);
+        classes[c].hit = on_source(classes[c].position, normal.empty() ? Vec3d{} : normal[c], classes[c].hit.face);
     });
     in_chunks(middles.size(), [&](std::size_t f) { update_middle(f); });
     edges.clear();
@@ -106,7 +124,7 @@ void Matches::update_middle(std::size_t face) {
     const auto q = grid_.surface.corners(face);
     Match& m = middles[face];
     m.position = (q[0] + q[1] + q[2]) / 3;
-    m.hit = walk_to_closest(source_, m.position, m.hit.face);
+    m.hit = on_source(m.position, normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{}), m.hit.face);
 }
 
 void Matches::update_edges() {
@@ -117,7 +135,8 @@ void Matches::update_edges() {
         for (int k = 0; k < 3; ++k) edge_place[grid_.edge_of[f][k]] = {f, k};
     in_chunks(edges.size(), [&](std::size_t e) {
         edges[e].position = (grid.positions[grid_.edges[e].first] + grid.positions[grid_.edges[e].second]) / 2;
-        edges[e].hit = walk_to_closest(source_, edges[e].position, middles[edge_place[e].first].hit.face);
+        const std::uint32_t face = edge_place[e].first;
+        edges[e].hit = on_source(edges[e].position, grid.normals[face], middles[face].hit.face);
         edges[e].weight = 0;
     });
 }
@@ -132,7 +151,7 @@ void Matches::look_again_far_off() {
     std::size_t count = 0;
     for (auto* list : {&points, &classes, &middles, &edges})
         for (Match& m : *list)
-            if (m.hit.squared > kFar * kFar * squared && ++count <= kMost)
+            if (m.hit.squared > kFar * kFar * squared && ++count <= kMost && (list == &points || !source_index_))
                 m.hit = search_nearby(list == &points ? grid_.surface : source_, m.position, m.hit.face);
 }
 

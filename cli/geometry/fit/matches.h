@@ -3,10 +3,12 @@
 // Points of the source and of the grid, each with its closest point on the other surface.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "geometry/fit/welded_grid.h"
+#include "geometry/spatial/closest_point.h"
 
 namespace dgm::bake {
 
@@ -17,7 +19,8 @@ struct Match {
 };
 
 /// The matches of a chart being fitted. A match starts where the map puts it and walks on from its last answer, so
-/// looking up all of them again after a small move costs a few triangles each.
+/// looking up all of them again after a small move costs a few triangles each. Where the source has more faces than the
+/// grid, walks over it would stop at the first bump: there the grid's points are looked up by index.
 /// `update` runs in parallel and gives the same bits for any number of threads.
 class Matches {
  public:
@@ -45,8 +48,12 @@ class Matches {
     void weigh();
     void measure();
 
+    [[nodiscard]] SurfaceHit on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start) const;
+
     const LinkedSurface& source_;
     const WeldedGrid& grid_;
+    std::unique_ptr<ClosestPointIndex> source_index_;  // only for a source denser than the grid
+    double slack_ = 0;
 };
 
 }  // namespace dgm::bake

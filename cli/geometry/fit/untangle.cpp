@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kPasses = 20;
 constexpr int kDirections = 12;
+constexpr double kTurned = 0.3;  // price of a turned face without area
 constexpr double kWanted = 0.3;  // cosine from which a face counts as upright
 constexpr double kCover = 3;     // price of a source vertex one spacing away from the ring that covered it
 constexpr double kOff = 0.1;     // price of a face whose middle is a ring's reach away from the source
@@ -32,15 +33,20 @@ class Untangler {
         bool any = false;
         for (int pass = 0; pass < kPasses; ++pass) {
             bool moved = false;
-            for (std::uint32_t f = 0; f < grid_.faces.size(); ++f) {
-                if (!(dot(grid_.normals[f], source_.normals[matches_.middles[f].hit.face]) < upright)) continue;
-                for (const std::uint32_t c : grid_.faces[f])
-                    if (!fixed_[c] && improve(c)) moved = true;
-            }
+            for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
+                if (dot(grid_.normals[f], source_.normals[matches_.middles[f].hit.face]) < upright)
+                    moved = mend(f) || moved;
             if (!moved) break;
             any = true;
         }
         return any;
+    }
+
+    bool mend(std::uint32_t face) {
+        bool moved = false;
+        for (const std::uint32_t c : grid_.faces[face])
+            if (!fixed_[c] && improve(c)) moved = true;
+        return moved;
     }
 
  private:
@@ -53,9 +59,11 @@ class Untangler {
         std::array<double, 3> ignored;
         for (const std::uint32_t f : ring(c)) {
             const auto q = grid_.corners(f);
-            const Vec3d normal = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+            const Vec3d area = cross(q[1] - q[0], q[2] - q[0]), normal = normalized(area, Vec3d{});
             const SurfaceHit hit = walk_to_closest(source_, (q[0] + q[1] + q[2]) / 3, matches_.middles[f].hit.face);
-            sum += std::max(0.0, kWanted - dot(normal, source_.normals[hit.face]));
+            // Also by area: a face that lies flat on its back turns no less while it shrinks.
+            sum += std::max(0.0, kWanted - dot(normal, source_.normals[hit.face])) *
+                   (kTurned + length(area) / (reach * reach));
             sum += kOff * std::min(1.0, hit.squared / (reach * reach));
             const auto here = covered_.find(f);
             if (here == covered_.end()) continue;
@@ -119,6 +127,14 @@ class Untangler {
 bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
               double upright) {
     return Untangler(source, grid, matches, fixed).run(upright);
+}
+
+bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+              std::span<const std::uint32_t> faces) {
+    Untangler untangler(source, grid, matches, fixed);
+    bool moved = false;
+    for (const std::uint32_t f : faces) moved = untangler.mend(f) || moved;
+    return moved;
 }
 
 }  // namespace dgm::bake

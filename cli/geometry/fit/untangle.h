@@ -16,4 +16,8 @@ namespace dgm::bake {
 bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
               double upright);
 
+/// The same, once, for the faces given.
+bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+              std::span<const std::uint32_t> faces);
+
 }  // namespace dgm::bake

@@ -21,7 +21,7 @@ void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const 
               const StoredNormals& normals, std::uint32_t rows, std::uint32_t cols, std::span<double> heights) {
     // As much as the points: with one or two of them a texel, less follows their scatter, and the normals suffer.
     constexpr double kDamping = 1;
-    constexpr int kIterations = 15;
+    constexpr int kIterations = 15, kJudgements = 3;
     const SampledChart& chart = in.chart;
     if (rows < 2 || cols < 2) return;
     std::vector<std::uint32_t> sample_class(chart.representative.begin(),
@@ -39,6 +39,11 @@ void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const 
                  across = static_cast<double>(cols - 1) / (chart.n - 1);
     std::vector<GridRow<1>> equations;
     equations.reserve(points.size());
+    struct Gap {
+        Vec3d to_source, normal;
+    };
+    std::vector<Gap> gaps;
+    gaps.reserve(points.size());
     for (const MatchedPoint& p : points) {
         Vec3d grid, normal;
         bool strip = false;
@@ -58,9 +63,25 @@ void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const 
             row.unknown[k] = classes[taps.texel[k]], row.w[k] = taps.weight[k];
             row.value[0] -= taps.weight[k] * heights[taps.texel[k]];
         }
+        gaps.push_back({local_position(in, p.at) - grid, normalized(normal)});
     }
     const auto step = grid_least_squares<1>(equations, heights.size(), kDamping, kIterations);
     for (std::size_t t = 0; t < heights.size(); ++t) heights[t] += step[classes[t]][0];
+    // Where the grid is sheared or its normals lean, heights along them may lead away from the source, and
+    // texels that no point touches may hold anything: none is better.
+    for (int pass = 0; pass < kJudgements; ++pass) {
+        std::vector<double> gain(heights.size(), 0.0);
+        for (std::size_t k = 0; k < equations.size(); ++k) {
+            const GridRow<1>& row = equations[k];
+            double h = 0;
+            for (std::size_t c = 0; c < 4; ++c) h += row.w[c] * heights[row.unknown[c]];
+            const Vec3d rest = gaps[k].to_source - gaps[k].normal * h;
+            const double better = dot(gaps[k].to_source, gaps[k].to_source) - dot(rest, rest);
+            for (std::size_t c = 0; c < 4; ++c) gain[row.unknown[c]] += row.w[c] * better;
+        }
+        for (std::size_t t = 0; t < heights.size(); ++t)
+            if (!(gain[classes[t]] > 0)) heights[t] = 0;
+    }
 }
 
 }  // namespace dgm::bake

@@ -344,4 +344,14 @@ ClosestPoint ClosestPointIndex::query_facing(const Vec3d& point, const Vec3d& no
     return impl_->run(search, point, hint);
 }
 
+ClosestPoint ClosestPointIndex::query_preferring(const Vec3d& point, const Vec3d& normal, double slack,
+                                                 std::uint32_t hint) const {
+    constexpr double kMinCosine = 0.3;
+    const ClosestPoint any = query(point, hint);
+    if (any.face == kNoFace || dot(impl_->unit_normals[impl_->triangle_of_face[any.face]], normal) > kMinCosine)
+        return any;
+    const ClosestPoint same = query_facing(point, normal, kMinCosine);
+    return same.face != kNoFace && same.distance <= 2 * any.distance + slack ? same : any;
+}
+
 }  // namespace dgm::bake

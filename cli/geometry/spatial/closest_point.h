@@ -41,6 +41,12 @@ class ClosestPointIndex {
     [[nodiscard]] ClosestPoint query_facing(const model::Vec3d& point, const model::Vec3d& normal, double min_cosine,
                                             std::uint32_t hint = kNoFace) const;
 
+    /// The closest point whose face looks the same way, n . normal > 0.3, if it is at most twice as far as the closest
+    /// of all, plus `slack`; else the closest of all: a sliver's normal says little, and may agree with the far side
+    /// only.
+    [[nodiscard]] ClosestPoint query_preferring(const model::Vec3d& point, const model::Vec3d& normal, double slack,
+                                                std::uint32_t hint = kNoFace) const;
+
  private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
