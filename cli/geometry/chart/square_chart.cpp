@@ -10,6 +10,7 @@
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/multilevel_map.h"
+#include "geometry/parameterize/slim.h"
 #include "geometry/parameterize/stretch_map.h"
 #include "model/codes.h"
 
@@ -17,6 +18,8 @@ namespace dgm::bake {
 namespace {
 
 constexpr double kCrowded = 2;  // L2 stretch, of 1 at least
+constexpr std::size_t kLevelSteps = 5;
+constexpr double kLevelEpsilon = 0.6;
 
 class StretchParameterizer final : public Parameterizer {
  public:
@@ -33,7 +36,16 @@ class StretchParameterizer final : public Parameterizer {
         for (const Face& f : disk.faces)
             area += face_area({disk.positions[f[0]], disk.positions[f[1]], disk.positions[f[2]]});
         // Normalised stretch: the square has area 1.
-        if (map && std::sqrt(energy(*map)) <= kCrowded * area) return std::move(*map);
+        if (map && std::sqrt(energy(*map)) <= kCrowded * area) {
+            // Faces sheared into slivers cost no stretch, but their samples fold; the other half of the energy levels
+            // them.
+            SlimOptions options;
+            options.energy = FlipFreeEnergy::kStretch;
+            options.border_fixed = true;
+            options.iterations = kLevelSteps;
+            options.stretch_epsilon = kLevelEpsilon;
+            return descend_flip_free(disk, std::move(*map), options, progress);
+        }
         std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
         return map && energy(*map) <= energy(other) ? std::move(*map) : other;
     }
