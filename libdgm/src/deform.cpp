@@ -129,18 +129,22 @@ Result<void> check_contact(const StateImpl& s, const TableImpl& t, Footprint foo
     return {};
 }
 
+MoveJob window_job(const StateImpl& s, const TableImpl& t, const Rect& r, std::uint32_t sample, Vec3 d) noexcept {
+    const std::uint32_t i = sample / s.tables.cols, j = sample % s.tables.cols;
+    MoveJob job = job_of(s, r, s.now, d);
+    job.weights = t.row(t.mirrored ? 0 : static_cast<std::int32_t>(r.i0) - static_cast<std::int32_t>(i)) - (j - r.j0);
+    job.weight_step = t.width();
+    job.mirrored = t.mirrored;
+    job.centre = i;
+    return job;
+}
+
 Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Contact& c) noexcept {
     DeformReport report;
     report.displacement = c.d;
     if (c.footprint == Footprint::Grid && s.stiffness.empty() && is_plain_window(s, c.sample, t.options.reach)) {
         const Rect r = s.window(c.sample, t.options.reach);
-        const std::uint32_t i = c.sample / s.tables.cols, j = c.sample % s.tables.cols;
-        MoveJob job = job_of(s, r, s.now, c.d);
-        job.weights =
-            t.row(t.mirrored ? 0 : static_cast<std::int32_t>(r.i0) - static_cast<std::int32_t>(i)) - (j - r.j0);
-        job.weight_step = t.width();
-        job.mirrored = t.mirrored;
-        job.centre = i;
+        MoveJob job = window_job(s, t, r, c.sample, c.d);
         s.rows_of->move(job);
         if (c.plastic) {
             job.from = StateImpl::fixed(s.base);

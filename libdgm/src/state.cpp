@@ -235,6 +235,8 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     if (auto r = build_pyramid(s); !r) return r;
     update_normals(s);
     s.elastic.clear();
+    for (std::uint32_t k = 0; k < s.total() && s.any_sample == kNone; ++k)
+        if (s.usable(k)) s.any_sample = k;
     return make_scratch(s, options.max_tools) ? Result<void>{} : Result<void>{kNoMemory};
 }
 }  // namespace

@@ -137,6 +137,7 @@ struct StateImpl {
     FootprintScratch footprint;
     GeodesicScratch geodesic;
     Array<ToolSlot> tools;
+    std::uint32_t any_sample = kNone;  ///< the first on the surface
 
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
     /// Some window can reach a seam or a free border, so unfolding is needed.
@@ -262,6 +263,9 @@ void search_pyramid(const StateImpl& state, const Pyramid& pyramid, Vec3 tool, B
                                                  const Contact& contact) noexcept;
 [[nodiscard]] Result<void> check_contact(const StateImpl& state, const TableImpl& table, Footprint footprint,
                                          DeformMode mode, float d_max, float step) noexcept;
+/// A plain window (rectangle r) around a grid sample, in place on `now`.
+[[nodiscard]] MoveJob window_job(const StateImpl& state, const TableImpl& table, const Rect& r, std::uint32_t sample,
+                                 Vec3 d) noexcept;
 [[nodiscard]] Vec3 clamped(Vec3 d, float d_max) noexcept;
 
 /// Distances on the rest surface up to `radius` from a sample: geodesic.touched lists the representatives met,
