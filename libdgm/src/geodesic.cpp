@@ -50,6 +50,9 @@ class Front {
         const auto to = static_cast<std::uint16_t>(bucket_of(d));
         if (g_.distance[v] == __builtin_inff()) {
             g_.touched[g_.touched_count++] = v;
+        } else if (g_.accepted[v] != 0) {
+            if (!(d < g_.distance[v] - worthwhile_) || reopened_++ > 4 * g_.touched_count) return;
+            g_.accepted[v] = 0;  // its neighbours have to hear of it
         } else {
             if (g_.bucket[v] == to) {
                 g_.distance[v] = d;
@@ -91,11 +94,19 @@ class Front {
 
     void triangle(std::uint32_t v, std::uint32_t p, std::uint32_t q) noexcept {
         const bool has_p = g_.accepted[p] != 0, has_q = g_.accepted[q] != 0;
-        if (has_p == has_q) return;
-        if (has_p)
+        if (has_p && has_q) {
+            // Over an obtuse corner the front can come from behind: a known distance may still be too long.
+            if (is_obtuse(q, v, p)) through(v, p, q);
+            if (is_obtuse(p, v, q)) through(v, q, p);
+        } else if (has_p) {
             through(v, p, q);
-        else
+        } else if (has_q) {
             through(v, q, p);
+        }
+    }
+    [[nodiscard]] bool is_obtuse(std::uint32_t corner, std::uint32_t a, std::uint32_t b) const noexcept {
+        const Vec3 at = StateImpl::at(p_, corner);
+        return dot(StateImpl::at(p_, a) - at, StateImpl::at(p_, b) - at) < 0;
     }
 
     void spread(std::uint32_t v) noexcept {
@@ -149,7 +160,9 @@ class Front {
     const ConstPlanes p_;
     const Vec3 source_;
     const float radius_, per_bucket_;
+    const float worthwhile_ = radius_ * 1e-4f;  ///< shorter improvements are not worth another turn
     std::uint32_t bucket_ = 0;
+    std::uint32_t reopened_ = 0;  ///< bounded: crumpled surfaces could go on correcting for long
 };
 }  // namespace
 

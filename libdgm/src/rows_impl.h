@@ -4,9 +4,9 @@
 // after all other headers: nothing from a header may be compiled for the wider instruction set, or the linker could
 // hand that copy to everybody. Hence no std:: below.
 //
-// Needs DGM_LANES, Floats (vector of DGM_LANES floats), Ints (of as many ints), Floats4, root and any; for F in Floats,
-// float: multiply_add (a b + c), multiply_subtract (a b - c), subtract_product (c - a b), fused or not; widen (bytes to
-// ints) and choose_bit<k>(ring, a, b): a where bit k is set, else b.
+// Needs DGM_LANES, Floats (vector of DGM_LANES floats), Ints (of as many ints), Floats4, inverse_root and any; for F in
+// Floats, float: multiply_add (a b + c), multiply_subtract (a b - c), subtract_product (c - a b), fused or not; widen
+// (bytes to ints) and choose_bit<k>(ring, a, b): a where bit k is set, else b.
 
 template <class T>
 struct __attribute__((packed, may_alias)) Unaligned {
@@ -142,7 +142,7 @@ static inline __attribute__((always_inline)) I normal_block(const NormalJob& job
     if constexpr (kScaled) sum = {sum.x * job.scale, sum.y * job.scale, sum.z * job.scale};
     const F square = multiply_add(sum.z, sum.z, multiply_add(sum.y, sum.y, sum.x * sum.x));
     const I good = static_cast<I>(square > 1e-24f) & static_cast<I>(square < 1e24f);  // false for NaN
-    const F inverse = 1.0f / root(square);
+    const F inverse = inverse_root(square);
     store<F>(job.out.x + k, good ? sum.x * inverse : F{});
     store<F>(job.out.y + k, good ? sum.y * inverse : F{});
     store<F>(job.out.z + k, good ? sum.z * inverse : F{});

@@ -16,19 +16,19 @@ typedef float Floats __attribute__((vector_size(16)));
 typedef Floats Floats4;
 typedef int Ints __attribute__((vector_size(16)));
 
-inline Floats root(Floats v) {
+inline Floats inverse_root(Floats v) {
 #if defined(__SSE__)
-    return static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
+    return 1.0f / static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
 #else
-    for (int k = 0; k < DGM_LANES; ++k) v[k] = __builtin_sqrtf(v[k]);
+    for (int k = 0; k < DGM_LANES; ++k) v[k] = 1.0f / __builtin_sqrtf(v[k]);
     return v;
 #endif
 }
 inline bool any(Ints v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;
 }
-static inline __attribute__((always_inline)) float root(float v) {
-    return __builtin_sqrtf(v);
+static inline __attribute__((always_inline)) float inverse_root(float v) {
+    return 1.0f / __builtin_sqrtf(v);
 }
 static inline __attribute__((always_inline)) bool any(int v) {
     return v != 0;

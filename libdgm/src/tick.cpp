@@ -199,11 +199,10 @@ Press move_tool(StateImpl& s, const TickOptions& o, const ToolInput& in, ToolOut
     slot.sample = out.sample;
     slot.placed = true;
     const bool active = slot.contact != kNone && !(applied == Vec3{});
-    if (d == Vec3{} && !slot.holding) slot.contact = kNone;
-    out.contact = slot.contact;
     const Contact contact{active ? slot.contact : 0, applied, o.footprint, o.mode == DeformMode::Plastic,
                           o.step > 0 ? o.step : s.mean_step};
     if (!slot.holding && d == Vec3{}) slot.contact = kNone;
+    out.contact = slot.contact;
     return {contact, active};
 }
 
