@@ -90,8 +90,14 @@ void touch_footprint(StateImpl& s, bool plastic) noexcept {
 
 std::uint32_t count_samples(const StateImpl& s) noexcept {
     const FootprintScratch& f = s.footprint;
-    if (f.frame_count == 1) return f.sample_count + static_cast<std::uint32_t>(RectList::area(f.frames[0].rect));
     std::uint32_t count = f.sample_count;
+    bool apart = true;
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) {
+        count += static_cast<std::uint32_t>(RectList::area(f.frames[k].rect));
+        for (std::uint32_t e = 0; e < k && apart; ++e) apart = !f.frames[e].rect.meets(f.frames[k].rect);
+    }
+    if (apart) return count;
+    count = f.sample_count;
     for (std::uint32_t k = 0; k < f.frame_count; ++k) {
         const Rect& r = f.frames[k].rect;
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)

@@ -68,45 +68,56 @@ class Front {
         g_.head[to] = v;
     }
 
-    void along_edge(std::uint32_t v, std::uint32_t to) noexcept {
-        const Vec3 e = StateImpl::at(p_, to) - StateImpl::at(p_, v);
-        offer(to, g_.distance[v] + std::sqrt(dot(e, e)));
+    /// A corner of the triangles around a sample, by its representative.
+    struct Corner {
+        std::uint32_t sample;
+        bool known;
+        Vec3 at;
+    };
+    [[nodiscard]] Corner corner(std::uint32_t sample) const noexcept {
+        const std::uint32_t r = s_.representative(sample);
+        return {r, g_.accepted[r] != 0, StateImpl::at(p_, r)};
+    }
+
+    void along_edge(const Corner& v, const Corner& to) noexcept {
+        const Vec3 e = to.at - v.at;
+        const float gain = g_.distance[to.sample] - g_.distance[v.sample], e2 = dot(e, e);
+        if (gain > 0 && e2 < gain * gain) offer(to.sample, g_.distance[v.sample] + std::sqrt(e2));
     }
 
     /// Distance of c from those of a and b. In units of the edge ab: the source lies at x along it and height h beyond,
     /// c at cx and height ch on this side.
-    void through(std::uint32_t a, std::uint32_t b, std::uint32_t c) noexcept {
-        const Vec3 A = StateImpl::at(p_, a), C = StateImpl::at(p_, c);
-        const Vec3 e = StateImpl::at(p_, b) - A, f = C - A, straight = C - source_;
-        const float length2 = dot(e, e), da = g_.distance[a], db = g_.distance[b];
+    void through(const Corner& a, const Corner& b, const Corner& c) noexcept {
+        const Vec3 e = b.at - a.at, f = c.at - a.at, straight = c.at - source_;
+        const float length2 = dot(e, e), da = g_.distance[a.sample], db = g_.distance[b.sample];
         if (!(length2 > 0)) return;
         const float inverse = 1 / length2;
         const float x = 0.5f * ((da - db) * (da + db) * inverse + 1), cx = dot(e, f) * inverse;
         const float h2 = std::max(da * da - x * x * length2, 0.0f), ch2 = std::max(dot(f, f) - cx * cx * length2, 0.0f);
-        const float both = std::sqrt(h2 * ch2);
-        // Where the line crosses ab. Somewhat beside it the plane still goes on much the same, farther it does not.
-        const float share = h2 + both > 0 ? h2 / (h2 + both) : 0;
-        const float crossing = x + (cx - x) * share;
-        if (!(crossing > -0.5f && crossing < 1.5f)) return;
+        const float both = std::sqrt(h2 * ch2), low = std::min(da, db), old = g_.distance[c.sample];
         const float across = (cx - x) * (cx - x) * length2 + h2 + ch2 + 2 * both;
-        offer(c, std::max(std::sqrt(std::max(across, dot(straight, straight))), std::min(da, db)));
+        const float d2 = std::max(std::max(across, dot(straight, straight)), low * low);
+        if (!(d2 < old * old)) return;
+        // Where the line crosses ab. Somewhat beside it the plane still goes on much the same, farther it does not.
+        const float sum = h2 + both;
+        if (sum > 0 ? !(x * both + cx * h2 > -0.5f * sum && x * both + cx * h2 < 1.5f * sum) : !(x > -0.5f && x < 1.5f))
+            return;
+        offer(c.sample, std::sqrt(d2));
     }
 
-    void triangle(std::uint32_t v, std::uint32_t p, std::uint32_t q) noexcept {
-        const bool has_p = g_.accepted[p] != 0, has_q = g_.accepted[q] != 0;
-        if (has_p && has_q) {
+    void triangle(const Corner& v, const Corner& p, const Corner& q) noexcept {
+        if (p.known && q.known) {
             // Over an obtuse corner the front can come from behind: a known distance may still be too long.
-            if (is_obtuse(q, v, p)) through(v, p, q);
-            if (is_obtuse(p, v, q)) through(v, q, p);
-        } else if (has_p) {
+            if (g_.distance[p.sample] < g_.distance[q.sample]) {
+                if (dot(v.at - q.at, p.at - q.at) < 0) through(v, p, q);
+            } else if (dot(v.at - p.at, q.at - p.at) < 0) {
+                through(v, q, p);
+            }
+        } else if (p.known) {
             through(v, p, q);
-        } else if (has_q) {
+        } else if (q.known) {
             through(v, q, p);
         }
-    }
-    [[nodiscard]] bool is_obtuse(std::uint32_t corner, std::uint32_t a, std::uint32_t b) const noexcept {
-        const Vec3 at = StateImpl::at(p_, corner);
-        return dot(StateImpl::at(p_, a) - at, StateImpl::at(p_, b) - at) < 0;
     }
 
     void spread(std::uint32_t v) noexcept {
@@ -116,27 +127,32 @@ class Front {
         for (const std::uint32_t copy : s_.members(id)) spread_irregular(v, copy);
     }
 
-    /// The ring of rows.h. It may hold seam samples, so all are taken by their representatives.
-    void spread_inside(std::uint32_t v) noexcept {
-        const std::uint32_t n = s_.tables.cols;
-        const std::uint32_t around[8] = {v + n, v + n + 1, v + 1, v - n + 1, v - n, v - n - 1, v - 1, v + n - 1};
-        std::uint32_t ring[9], count = 0;
-        for (std::uint32_t k = 0; k < 8; ++k)
-            if (k % 2 == 0 || (s_.ring[v] >> (k / 2) & 1) != 0) ring[count++] = s_.representative(around[k]);
+    /// The ring of rows.h.
+    void spread_inside(std::uint32_t sample) noexcept {
+        const std::uint32_t n = s_.tables.cols, bits = s_.ring[sample];
+        const std::uint32_t around[8] = {sample + n, sample + n + 1, sample + 1, sample - n + 1,
+                                         sample - n, sample - n - 1, sample - 1, sample + n - 1};
+        const Corner v{sample, true, StateImpl::at(p_, sample)};
+        Corner ring[9];
+        std::uint32_t count = 0;
+        for (std::uint32_t k = 0; k < 8; ++k) {
+            if (k % 2 != 0 && (bits >> (k / 2) & 1) == 0) continue;
+            ring[count] = corner(around[k]);
+            if (!ring[count].known) along_edge(v, ring[count]);
+            ++count;
+        }
         ring[count] = ring[0];
-        for (std::uint32_t k = 0; k < count; ++k)
-            if (g_.accepted[ring[k]] == 0) along_edge(v, ring[k]);
         for (std::uint32_t k = 0; k < count; ++k) triangle(v, ring[k], ring[k + 1]);
     }
 
     void spread_face(std::uint32_t v, std::uint32_t copy, const std::uint32_t* f) noexcept {
         const int k = f[0] == copy ? 0 : f[1] == copy ? 1 : f[2] == copy ? 2 : 3;
         if (k == 3) return;
-        const std::uint32_t p = s_.representative(f[(k + 1) % 3]), q = s_.representative(f[(k + 2) % 3]);
-        if (p == v || q == v || p == q) return;
-        if (g_.accepted[p] == 0) along_edge(v, p);
-        if (g_.accepted[q] == 0) along_edge(v, q);
-        triangle(v, p, q);
+        const Corner at{v, true, StateImpl::at(p_, v)}, p = corner(f[(k + 1) % 3]), q = corner(f[(k + 2) % 3]);
+        if (p.sample == v || q.sample == v || p.sample == q.sample) return;
+        if (!p.known) along_edge(at, p);
+        if (!q.known) along_edge(at, q);
+        triangle(at, p, q);
     }
 
     void spread_irregular(std::uint32_t v, std::uint32_t copy) noexcept {

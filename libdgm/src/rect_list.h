@@ -26,34 +26,8 @@ struct RectList {
         border_low = std::min(border_low, sample);
         border_high = std::max(border_high, sample);
     }
-    void add(const Rect& r) noexcept {
-        if (r.empty()) return;
-        std::uint32_t best = 0;
-        std::uint64_t growth = ~std::uint64_t{0};
-        for (std::uint32_t k = 0; k < count; ++k) {
-            if (rects[k].holds(r)) return;
-            // Joined where one rectangle costs no more than two.
-            const Rect u = unite(rects[k], r);
-            if (area(u) <= area(rects[k]) + area(r)) {
-                rects[k] = u;
-                return;
-            }
-            if (area(u) - area(rects[k]) < growth) {
-                growth = area(u) - area(rects[k]);
-                best = k;
-            }
-        }
-        if (count < kCapacity)
-            rects[count++] = r;
-        else
-            rects[best] = unite(rects[best], r);
-    }
-    void add(const RectList& other) noexcept {
-        for (std::uint32_t k = 0; k < other.count; ++k) add(other.rects[k]);
-        if (other.border_low > other.border_high) return;
-        add_border(other.border_low);
-        add_border(other.border_high);
-    }
+    void add(const Rect& r) noexcept;
+    void add(const RectList& other) noexcept;
     [[nodiscard]] static Rect unite(const Rect& a, const Rect& b) noexcept {
         return {std::min(a.i0, b.i0), std::max(a.i1, b.i1), std::min(a.j0, b.j0), std::max(a.j1, b.j1)};
     }

@@ -23,6 +23,9 @@ struct Rect {
     [[nodiscard]] bool holds(const Rect& r) const noexcept {
         return i0 <= r.i0 && r.i1 <= i1 && j0 <= r.j0 && r.j1 <= j1;
     }
+    [[nodiscard]] bool meets(const Rect& r) const noexcept {
+        return i0 <= r.i1 && r.i0 <= i1 && j0 <= r.j1 && r.j0 <= j1;
+    }
     [[nodiscard]] bool has(std::uint32_t i, std::uint32_t j) const noexcept {
         return i0 <= i && i <= i1 && j0 <= j && j <= j1;
     }
