@@ -81,7 +81,7 @@ class Builder {
         const float per_step = 1 / contact_.step;
         for (std::uint32_t k = 0; k < g.touched_count; ++k) {
             const std::uint32_t first = g.touched[k], id = s_.class_id(first);
-            const float d = g.distance[first] * per_step;
+            const float d = g.nodes[first].distance * per_step;
             float x = 0, y = 0;
             if (!t_.mirrored) {
                 const Vec3 e = StateImpl::at(p, first) - centre;

@@ -19,6 +19,7 @@ class Front {
     Front(StateImpl& s, std::uint32_t source, float radius) noexcept
         : s_(s),
           g_(s.geodesic),
+          nodes_(s.geodesic.nodes.data()),
           p_(StateImpl::fixed(s.rest)),
           source_(StateImpl::at(p_, source)),
           radius_(radius),
@@ -30,94 +31,70 @@ class Front {
         for (; bucket_ < GeodesicScratch::kBuckets; ++bucket_)
             while (g_.head[bucket_] != kNone) {
                 const std::uint32_t v = g_.head[bucket_];
-                unlink(v);
-                g_.accepted[v] = 1;
+                unlink(nodes_[v]);
+                nodes_[v].known = 1;
                 spread(v);
             }
     }
 
  private:
-    [[nodiscard]] std::uint32_t bucket_of(float d) const noexcept {
-        return std::max(bucket_, static_cast<std::uint32_t>(d * per_bucket_));
-    }
-    void unlink(std::uint32_t v) noexcept {
-        const std::uint32_t next = g_.next[v], previous = g_.previous[v];
-        (previous == kNone ? g_.head[g_.bucket[v]] : g_.next[previous]) = next;
-        if (next != kNone) g_.previous[next] = previous;
+    void unlink(const FrontNode& node) noexcept {
+        (node.previous == kNone ? g_.head[node.bucket] : nodes_[node.previous].next) = node.next;
+        if (node.next != kNone) nodes_[node.next].previous = node.previous;
     }
     void offer(std::uint32_t v, float d) noexcept {
-        if (!(d < g_.distance[v]) || !(d <= radius_)) return;
-        const auto to = static_cast<std::uint16_t>(bucket_of(d));
-        if (g_.distance[v] == __builtin_inff()) {
+        FrontNode& node = nodes_[v];
+        if (!(d < node.distance) || !(d <= radius_)) return;
+        const auto to = static_cast<std::uint16_t>(std::max(bucket_, static_cast<std::uint32_t>(d * per_bucket_)));
+        if (node.distance == __builtin_inff()) {
             g_.touched[g_.touched_count++] = v;
-        } else if (g_.accepted[v] != 0) {
-            if (!(d < g_.distance[v] - worthwhile_) || reopened_++ > 4 * g_.touched_count) return;
-            g_.accepted[v] = 0;  // its neighbours have to hear of it
+        } else if (node.known != 0) {
+            if (!(d < node.distance - worthwhile_) || reopened_++ > 4 * g_.touched_count) return;
+            node.known = 0;  // its neighbours have to hear of it
         } else {
-            if (g_.bucket[v] == to) {
-                g_.distance[v] = d;
+            if (node.bucket == to) {
+                node.distance = d;
                 return;
             }
-            unlink(v);
+            unlink(node);
         }
-        g_.distance[v] = d;
-        g_.bucket[v] = to;
-        g_.previous[v] = kNone;
-        g_.next[v] = g_.head[to];
-        if (g_.head[to] != kNone) g_.previous[g_.head[to]] = v;
+        node = {d, g_.head[to], kNone, to, 0, 0};
+        if (node.next != kNone) nodes_[node.next].previous = v;
         g_.head[to] = v;
     }
 
     /// A corner of the triangles around a sample, by its representative.
     struct Corner {
         std::uint32_t sample;
-        bool known;
+        float distance;
         Vec3 at;
     };
     [[nodiscard]] Corner corner(std::uint32_t sample) const noexcept {
         const std::uint32_t r = s_.representative(sample);
-        return {r, g_.accepted[r] != 0, StateImpl::at(p_, r)};
+        return {r, nodes_[r].distance, StateImpl::at(p_, r)};
     }
 
     void along_edge(const Corner& v, const Corner& to) noexcept {
         const Vec3 e = to.at - v.at;
-        const float gain = g_.distance[to.sample] - g_.distance[v.sample], e2 = dot(e, e);
-        if (gain > 0 && e2 < gain * gain) offer(to.sample, g_.distance[v.sample] + std::sqrt(e2));
+        offer(to.sample, v.distance + std::sqrt(dot(e, e)));
     }
 
     /// Distance of c from those of a and b. In units of the edge ab: the source lies at x along it and height h beyond,
-    /// c at cx and height ch on this side.
-    void through(const Corner& a, const Corner& b, const Corner& c) noexcept {
+    /// c at cx and height ch on this side. @return false if the edge says nothing about c.
+    bool through(const Corner& a, const Corner& b, const Corner& c) noexcept {
         const Vec3 e = b.at - a.at, f = c.at - a.at, straight = c.at - source_;
-        const float length2 = dot(e, e), da = g_.distance[a.sample], db = g_.distance[b.sample];
-        if (!(length2 > 0)) return;
+        const float length2 = dot(e, e), da = a.distance, db = b.distance;
+        if (!(length2 > 0)) return false;
         const float inverse = 1 / length2;
         const float x = 0.5f * ((da - db) * (da + db) * inverse + 1), cx = dot(e, f) * inverse;
         const float h2 = std::max(da * da - x * x * length2, 0.0f), ch2 = std::max(dot(f, f) - cx * cx * length2, 0.0f);
-        const float both = std::sqrt(h2 * ch2), low = std::min(da, db), old = g_.distance[c.sample];
-        const float across = (cx - x) * (cx - x) * length2 + h2 + ch2 + 2 * both;
-        const float d2 = std::max(std::max(across, dot(straight, straight)), low * low);
-        if (!(d2 < old * old)) return;
+        const float both = std::sqrt(h2 * ch2), low = std::min(da, db);
         // Where the line crosses ab. Somewhat beside it the plane still goes on much the same, farther it does not.
-        const float sum = h2 + both;
-        if (sum > 0 ? !(x * both + cx * h2 > -0.5f * sum && x * both + cx * h2 < 1.5f * sum) : !(x > -0.5f && x < 1.5f))
-            return;
-        offer(c.sample, std::sqrt(d2));
-    }
-
-    void triangle(const Corner& v, const Corner& p, const Corner& q) noexcept {
-        if (p.known && q.known) {
-            // Over an obtuse corner the front can come from behind: a known distance may still be too long.
-            if (g_.distance[p.sample] < g_.distance[q.sample]) {
-                if (dot(v.at - q.at, p.at - q.at) < 0) through(v, p, q);
-            } else if (dot(v.at - p.at, q.at - p.at) < 0) {
-                through(v, q, p);
-            }
-        } else if (p.known) {
-            through(v, p, q);
-        } else if (q.known) {
-            through(v, q, p);
-        }
+        const float sum = h2 + both, crossing = x * both + cx * h2;
+        if (sum > 0 ? !(std::fabs(crossing - 0.5f * sum) < sum) : !(std::fabs(x - 0.5f) < 1)) return false;
+        const float across = (cx - x) * (cx - x) * length2 + h2 + ch2 + 2 * both;
+        offer(c.sample, std::sqrt(std::max(std::max(across, dot(straight, straight)), low * low)));
+        return true;
     }
 
     void spread(std::uint32_t v) noexcept {
@@ -127,32 +104,51 @@ class Front {
         for (const std::uint32_t copy : s_.members(id)) spread_irregular(v, copy);
     }
 
-    /// The ring of rows.h.
+    /// The ring of rows.h. Only samples on the far side of the front get work.
     void spread_inside(std::uint32_t sample) noexcept {
         const std::uint32_t n = s_.tables.cols, bits = s_.ring[sample];
         const std::uint32_t around[8] = {sample + n, sample + n + 1, sample + 1, sample - n + 1,
                                          sample - n, sample - n - 1, sample - 1, sample + n - 1};
-        const Corner v{sample, true, StateImpl::at(p_, sample)};
-        Corner ring[9];
-        std::uint32_t count = 0;
+        std::uint32_t ring[8], count = 0, known = 0, obtuse = 0;
         for (std::uint32_t k = 0; k < 8; ++k) {
-            if (k % 2 != 0 && (bits >> (k / 2) & 1) == 0) continue;
-            ring[count] = corner(around[k]);
-            if (!ring[count].known) along_edge(v, ring[count]);
-            ++count;
+            const std::uint32_t in = k % 2 == 0 ? 1 : bits >> (k / 2) & 1, r = s_.representative(around[k]);
+            const std::uint32_t wide = r < s_.tables.grid ? s_.ring[r] / kRingObtuse : 1u;
+            ring[count] = r;
+            known |= (nodes_[r].known & in) << count;
+            obtuse |= (wide & in) << count;
+            count += in;
         }
-        ring[count] = ring[0];
-        for (std::uint32_t k = 0; k < count; ++k) triangle(v, ring[k], ring[k + 1]);
+        const std::uint32_t all = (1u << count) - 1;
+        const Corner v{sample, nodes_[sample].distance, StateImpl::at(p_, sample)};
+        for (std::uint32_t open = (~known | (known & obtuse)) & all; open != 0; open &= open - 1) {
+            const auto k = static_cast<std::uint32_t>(__builtin_ctz(open));
+            const Corner q = corner(ring[k]);
+            const std::uint32_t before = k == 0 ? count - 1 : k - 1, after = k + 1 == count ? 0 : k + 1;
+            const bool fresh = (known >> k & 1) == 0;
+            bool told = false;
+            for (const std::uint32_t side : {before, after})
+                if ((known >> side & 1) != 0) told = visit(v, corner(ring[side]), q, fresh) || told;
+            if (!told && fresh) along_edge(v, q);
+        }
+    }
+
+    /// Triangle v, p, q, of which v and p are known. Over an obtuse corner q the front can come from behind, and a
+    /// known distance may still be too long.
+    bool visit(const Corner& v, const Corner& p, const Corner& q, bool fresh) noexcept {
+        if (!fresh && (p.distance >= q.distance || dot(v.at - q.at, p.at - q.at) >= 0)) return true;
+        return through(v, p, q);
     }
 
     void spread_face(std::uint32_t v, std::uint32_t copy, const std::uint32_t* f) noexcept {
         const int k = f[0] == copy ? 0 : f[1] == copy ? 1 : f[2] == copy ? 2 : 3;
         if (k == 3) return;
-        const Corner at{v, true, StateImpl::at(p_, v)}, p = corner(f[(k + 1) % 3]), q = corner(f[(k + 2) % 3]);
+        const Corner at = corner(v), p = corner(f[(k + 1) % 3]), q = corner(f[(k + 2) % 3]);
         if (p.sample == v || q.sample == v || p.sample == q.sample) return;
-        if (!p.known) along_edge(at, p);
-        if (!q.known) along_edge(at, q);
-        triangle(at, p, q);
+        const bool has_p = nodes_[p.sample].known != 0, has_q = nodes_[q.sample].known != 0;
+        if (!has_p) along_edge(at, p);
+        if (!has_q) along_edge(at, q);
+        if (has_p) visit(at, p, q, !has_q);
+        if (has_q) visit(at, q, p, !has_p);
     }
 
     void spread_irregular(std::uint32_t v, std::uint32_t copy) noexcept {
@@ -173,6 +169,7 @@ class Front {
 
     StateImpl& s_;
     GeodesicScratch& g_;
+    FrontNode* const nodes_;
     const ConstPlanes p_;
     const Vec3 source_;
     const float radius_, per_bucket_;
@@ -188,10 +185,7 @@ void begin_geodesic(StateImpl& s, std::uint32_t start, float radius) noexcept {
 
 void end_geodesic(StateImpl& s) noexcept {
     GeodesicScratch& g = s.geodesic;
-    for (std::uint32_t k = 0; k < g.touched_count; ++k) {
-        g.distance[g.touched[k]] = __builtin_inff();
-        g.accepted[g.touched[k]] = 0;
-    }
+    for (std::uint32_t k = 0; k < g.touched_count; ++k) g.nodes[g.touched[k]] = {};
     g.touched_count = 0;
 }
 

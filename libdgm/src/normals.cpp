@@ -88,6 +88,19 @@ Result<void> build_rings(StateImpl& s) noexcept {
                                              (t.diagonal(i - 1, j - 1) == 0 ? 4 : 0) |
                                              (t.diagonal(i, j - 1) == 1 ? 8 : 0));
         }
+    // Where fronts of geodesic distance may come from behind.
+    const auto mark_obtuse = [&](const std::uint32_t* f) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3 at = StateImpl::at(s.rest, f[k]);
+            const Vec3 e = StateImpl::at(s.rest, f[(k + 1) % 3]) - at, g = StateImpl::at(s.rest, f[(k + 2) % 3]) - at;
+            if (f[k] < t.grid && dot(e, g) < -0.2f * std::sqrt(dot(e, e)) * std::sqrt(dot(g, g)))
+                s.ring[f[k]] |= kRingObtuse;
+        }
+    };
+    for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
+        for (std::uint32_t j = 0; j + 1 < t.cols; ++j)
+            if (t.has_quad(i, j))
+                for (const auto& f : quad_triangles(i, j, t.cols, t.diagonal(i, j))) mark_obtuse(f.data());
     const auto irregular = [&](std::uint32_t sample) {
         if (sample < t.grid) s.ring[sample] |= kRingIrregular;
     };

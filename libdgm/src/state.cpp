@@ -107,10 +107,7 @@ bool make_scratch(StateImpl& s, std::uint32_t max_tools) noexcept {
         !f.class_seen.allocate(a, s.class_count))
         return false;
     GeodesicScratch& g = s.geodesic;
-    if (!g.accepted.allocate(a, s.total()) || !g.next.allocate(a, s.total()) || !g.previous.allocate(a, s.total()) ||
-        !g.bucket.allocate(a, s.total()) || !g.touched.allocate(a, s.total()) ||
-        !g.distance.allocate(a, s.total(), std::numeric_limits<float>::infinity()))
-        return false;
+    if (!g.nodes.allocate(a, s.total()) || !g.touched.allocate(a, s.total())) return false;
     for (std::uint32_t& head : g.head) head = kNone;
     return s.tools.allocate(a, max_tools);
 }
@@ -120,9 +117,9 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
     const std::uint64_t walk = t.free_domain ? walk_capacity(t.total, o.max_reach) * (sizeof(WalkNode) + 8) : 0;
     const std::uint64_t tiles = (std::uint64_t{tile_count(t.rows - 1)} * tile_count(t.cols - 1));
     const std::uint64_t shape = 12 * plane_floats(t.total) * sizeof(float);
-    // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (4 + 1 + 4 + 4 + 4 + 2), classes,
+    // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (20), classes,
     // slots.
-    return shape + std::uint64_t{t.total} * (3 + 12 + 19 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
+    return shape + std::uint64_t{t.total} * (3 + 12 + 20 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
            tiles * (4 * sizeof(Box) + 24) + t.faces.size() * 40 + t.seams.size() * 80 +
            (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) + 4096;
 }

@@ -44,6 +44,8 @@ inline constexpr std::uint8_t kTileListed = 2;   ///< in StateImpl::tile_list; o
 inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows.h is in the ring
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
 
+inline constexpr std::uint8_t kRingObtuse = 32;  ///< a triangle has a corner of more than 101 degrees here, at rest
+
 inline constexpr std::uint32_t kMaxLevels = 16;  // 8192 leaf tiles a side halve to 1 in 13 steps
 
 /// Boxes over 8 x 8 quads up to one root, over one of the state's shapes.
@@ -85,12 +87,16 @@ struct FootprintScratch {
 };
 
 /// A geodesic walk's memory, by sample (used at representatives); emptied after each.
+struct FrontNode {
+    float distance = __builtin_inff();
+    std::uint32_t next = kNone, previous = kNone;  ///< in the bucket's list
+    std::uint16_t bucket = 0;
+    std::uint8_t known = 0;
+    std::uint8_t unused = 0;
+};
 struct GeodesicScratch {
     static constexpr std::uint32_t kBuckets = 256;
-    Array<float> distance;
-    Array<std::uint8_t> accepted;
-    Array<std::uint32_t> next, previous;  ///< in the bucket's list
-    Array<std::uint16_t> bucket;
+    Array<FrontNode> nodes;
     Array<std::uint32_t> touched;
     std::uint32_t touched_count = 0;
     std::uint32_t head[kBuckets];
@@ -269,7 +275,7 @@ void search_pyramid(const StateImpl& state, const Pyramid& pyramid, Vec3 tool, B
 [[nodiscard]] Vec3 clamped(Vec3 d, float d_max) noexcept;
 
 /// Distances on the rest surface up to `radius` from a sample: geodesic.touched lists the representatives met,
-/// geodesic.distance holds theirs until end_geodesic().
+/// geodesic.nodes hold their distances until end_geodesic().
 void begin_geodesic(StateImpl& state, std::uint32_t start, float radius) noexcept;
 void end_geodesic(StateImpl& state) noexcept;
 
