@@ -71,10 +71,16 @@ class Brush {
     Brush(Mesh& mesh, bool use_tree, float sigma, float radius)
         : mesh_(mesh), tree_(3, mesh), use_tree_(use_tree), sigma_(sigma), radius_(radius) {
         tree_.buildIndex();
+        stamps_.assign(mesh.rest.size(), 0);
     }
     /// @return force along z, so that nothing is optimised away
     float tick(const Vec& tool) {
-        for (const auto& [v, d2] : touched_) mesh_.now[v] = mesh_.rest[v];
+        stale_.clear();
+        ++stamp_;
+        for (const auto& [v, d2] : touched_) {
+            mesh_.now[v] = mesh_.rest[v];
+            stale_around(v);
+        }
         std::uint32_t nearest = 0;
         float best = 1e30f;
         if (use_tree_) {
@@ -103,16 +109,29 @@ class Brush {
                 for (int a = 0; a < 3; ++a) mesh_.now[v][a] += w * d[a];
             }
         }
-        for (const auto& [v, d2] : touched_) mesh_.update_normal(v);
+        for (const auto& [v, d2] : touched_) stale_around(v);
+        for (const std::uint32_t v : stale_) mesh_.update_normal(v);
         return hit ? -share * share * share : 0;
     }
 
  private:
+    /// A vertex that moved and its neighbours need new normals, each once.
+    void stale_around(std::uint32_t v) {
+        for (std::uint32_t k = mesh_.face_start[v]; k < mesh_.face_start[v + 1]; ++k)
+            for (const std::uint32_t c : mesh_.faces[mesh_.face_of[k]])
+                if (stamps_[c] != stamp_) {
+                    stamps_[c] = stamp_;
+                    stale_.push_back(c);
+                }
+    }
+
     Mesh& mesh_;
     Tree tree_;
     bool use_tree_;
     float sigma_, radius_;
     std::vector<std::pair<std::uint32_t, float>> touched_;
+    std::vector<std::uint32_t> stale_, stamps_;
+    std::uint32_t stamp_ = 0;
 };
 
 }  // namespace dgm::bench
