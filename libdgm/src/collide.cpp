@@ -51,17 +51,23 @@ void search_leaf(const StateImpl& s, const ConstPlanes& p, std::uint32_t tile, V
                  Best& best) noexcept {
     const ChartTables& t = s.tables;
     const Rect r = s.tile_rect(tile);
-    const bool apart =
-        except == nullptr || except->i1 < r.i0 || r.i1 < except->i0 || except->j1 < r.j0 || r.j1 < except->j0;
-    if (t.mask == nullptr && apart) {
-        s.rows_of->nearest({r, t.cols, p, {tool.x, tool.y, tool.z}}, best.d2, best.sample);
+    const auto search = [&](const Rect& part) {
+        if (part.empty()) return;
+        if (t.mask == nullptr)
+            return s.rows_of->nearest({part, t.cols, p, {tool.x, tool.y, tool.z}}, best.d2, best.sample);
+        for (std::uint32_t i = part.i0; i <= part.i1; ++i)
+            for (std::uint32_t k = i * t.cols + part.j0; k <= i * t.cols + part.j1; ++k)
+                if (t.on_surface(k)) best.offer(sample_d2(StateImpl::at(p, k), tool), k);
+    };
+    if (except == nullptr || !except->meets(r)) {
+        search(r);
     } else {
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-            for (std::uint32_t j = r.j0; j <= r.j1; ++j) {
-                const std::uint32_t k = i * t.cols + j;
-                if (t.on_surface(k) && (apart || !except->has(i, j)))
-                    best.offer(sample_d2(StateImpl::at(p, k), tool), k);
-            }
+        const Rect& e = *except;
+        const std::uint32_t i0 = std::max(r.i0, e.i0), i1 = std::min(r.i1, e.i1);
+        if (r.i0 < e.i0) search({r.i0, e.i0 - 1, r.j0, r.j1});
+        if (e.i1 < r.i1) search({e.i1 + 1, r.i1, r.j0, r.j1});
+        if (r.j0 < e.j0) search({i0, i1, r.j0, e.j0 - 1});
+        if (e.j1 < r.j1) search({i0, i1, e.j1 + 1, r.j1});
     }
     for (std::uint32_t b = s.tile_border_start[tile]; b < s.tile_border_start[tile + 1]; ++b)
         best.offer(sample_d2(StateImpl::at(p, s.tile_border[b]), tool), s.tile_border[b]);

@@ -101,17 +101,18 @@ static inline __attribute__((always_inline)) void add_cross(Vector<F>& sum, cons
     sum.z = subtract_product(multiply_add(a.x, b.y, sum.z), a.y, b.x);
 }
 
-/// The points around a sample. Neighbours by edge: n0 (+i), n1 (+j), n2 (-i), n3 (-j); corners: c0 (+i +j),
-/// c1 (-i +j), c2 (-i -j), c3 (+i -j).
-template <class F>
-struct Ring {
+/// Three rows of samples: edge neighbours n0 (+i), n1 (+j), n2 (-i), n3 (-j); corners c0 (+i +j), c1 (-i +j),
+/// c2 (-i -j), c3 (+i -j).
+struct Row {
     const float *x, *y, *z;
-    std::ptrdiff_t n;
-    [[nodiscard]] static inline __attribute__((always_inline)) Vector<F> at(const Ring& r, std::ptrdiff_t k) {
-        return {load<F>(r.x + k), load<F>(r.y + k), load<F>(r.z + k)};
-    }
 };
-#define DGM_RING(k) Ring<F>::at(r, k)
+static inline __attribute__((always_inline)) Row row_at(const ConstPlanes& p, std::ptrdiff_t k) {
+    return {p.x + k, p.y + k, p.z + k};
+}
+template <class F>
+static inline __attribute__((always_inline)) Vector<F> point(const Row& row, std::ptrdiff_t k) {
+    return {load<F>(row.x + k), load<F>(row.y + k), load<F>(row.z + k)};
+}
 
 template <class F, class I, int kBit>
 static inline __attribute__((always_inline)) Vector<F> corner(const I& ring, const Vector<F>& in,
@@ -120,52 +121,63 @@ static inline __attribute__((always_inline)) Vector<F> corner(const I& ring, con
             choose_bit<kBit>(ring, in.z, edge.z)};
 }
 
+struct NormalRow {
+    Row after, here, before;  ///< rows i + 1, i, i - 1
+    float *x, *y, *z;
+    const std::uint8_t* ring;
+    float scale;
+};
+
 /// A corner that is not in the ring is replaced by a neighbour of its own in the ring: the polygon gets an edge without
 /// length. The octagon is cut into n0 c0 n1 c1, c1 n2 c2 n3 and n0 c1 n3 c3.
 template <class F, class I, bool kUniform, bool kScaled>
-static inline __attribute__((always_inline)) I normal_block(const NormalJob& job, std::size_t k) {
-    const Ring<F> r{job.at.x + k, job.at.y + k, job.at.z + k, static_cast<std::ptrdiff_t>(job.cols)};
-    const Vector<F> n0 = DGM_RING(r.n), n1 = DGM_RING(1);
+static inline __attribute__((always_inline)) I normal_block(const NormalRow& r, std::ptrdiff_t k) {
+    const Vector<F> n0 = point<F>(r.after, k), n1 = point<F>(r.here, k + 1);
     Vector<F> sum;
     if constexpr (kUniform) {
-        const Vector<F> n2 = DGM_RING(-r.n);
-        sum = cross(n1 - n0, n2 - DGM_RING(r.n + 1));
-        add_cross(sum, DGM_RING(-r.n - 1) - n0, DGM_RING(-1) - n2);
+        const Vector<F> n2 = point<F>(r.before, k);
+        sum = cross(n1 - n0, n2 - point<F>(r.after, k + 1));
+        add_cross(sum, point<F>(r.before, k - 1) - n0, point<F>(r.here, k - 1) - n2);
     } else {
-        const I ring = widen(job.ring + k, I{});
-        const Vector<F> c1 = corner<F, I, 1>(ring, DGM_RING(1 - r.n), n1);
-        sum = cross(n1 - n0, c1 - corner<F, I, 0>(ring, DGM_RING(r.n + 1), n0));
-        const Vector<F> n2 = DGM_RING(-r.n), n3 = DGM_RING(-1);
-        add_cross(sum, corner<F, I, 2>(ring, DGM_RING(-r.n - 1), n2) - c1, n3 - n2);
-        add_cross(sum, n3 - n0, corner<F, I, 3>(ring, DGM_RING(r.n - 1), n3) - c1);
+        const I ring = widen(r.ring + k, I{});
+        const Vector<F> c1 = corner<F, I, 1>(ring, point<F>(r.before, k + 1), n1);
+        sum = cross(n1 - n0, c1 - corner<F, I, 0>(ring, point<F>(r.after, k + 1), n0));
+        const Vector<F> n2 = point<F>(r.before, k), n3 = point<F>(r.here, k - 1);
+        add_cross(sum, corner<F, I, 2>(ring, point<F>(r.before, k - 1), n2) - c1, n3 - n2);
+        add_cross(sum, n3 - n0, corner<F, I, 3>(ring, point<F>(r.after, k - 1), n3) - c1);
     }
-    if constexpr (kScaled) sum = {sum.x * job.scale, sum.y * job.scale, sum.z * job.scale};
+    if constexpr (kScaled) sum = {sum.x * r.scale, sum.y * r.scale, sum.z * r.scale};
     const F square = multiply_add(sum.z, sum.z, multiply_add(sum.y, sum.y, sum.x * sum.x));
     const I good = static_cast<I>(square > 1e-24f) & static_cast<I>(square < 1e24f);  // false for NaN
     const F inverse = inverse_root(square);
-    store<F>(job.out.x + k, good ? sum.x * inverse : F{});
-    store<F>(job.out.y + k, good ? sum.y * inverse : F{});
-    store<F>(job.out.z + k, good ? sum.z * inverse : F{});
+    store<F>(r.x + k, good ? sum.x * inverse : F{});
+    store<F>(r.y + k, good ? sum.y * inverse : F{});
+    store<F>(r.z + k, good ? sum.z * inverse : F{});
     return good == 0;
 }
-#undef DGM_RING
 
 template <bool kUniform, bool kScaled>
-static inline __attribute__((always_inline)) bool normal_rows(const NormalJob& shared) {
-    const NormalJob job = shared;
-    const std::size_t count = job.rect.j1 - job.rect.j0 + 1;
+static inline __attribute__((always_inline)) bool normal_rows(const NormalJob& job) {
+    const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(job.rect.j1 - job.rect.j0) + 1, n = job.cols;
     Ints bad = {};
     int bad_one = 0;
     for (std::uint32_t i = job.rect.i0; i <= job.rect.i1; ++i) {
-        const std::size_t first = static_cast<std::size_t>(i) * job.cols + job.rect.j0;
-        std::size_t k = 0;
-        for (; k + DGM_LANES <= count; k += DGM_LANES)
-            bad |= normal_block<Floats, Ints, kUniform, kScaled>(job, first + k);
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(i) * n + job.rect.j0;
+        const NormalRow r{row_at(job.at, first + n),
+                          row_at(job.at, first),
+                          row_at(job.at, first - n),
+                          job.out.x + first,
+                          job.out.y + first,
+                          job.out.z + first,
+                          kUniform ? nullptr : job.ring + first,
+                          job.scale};
+        std::ptrdiff_t k = 0;
+        for (; k + DGM_LANES <= count; k += DGM_LANES) bad |= normal_block<Floats, Ints, kUniform, kScaled>(r, k);
         if (k < count && k != 0) {
-            bad |= normal_block<Floats, Ints, kUniform, kScaled>(job, first + count - DGM_LANES);
+            bad |= normal_block<Floats, Ints, kUniform, kScaled>(r, count - DGM_LANES);
             continue;
         }
-        for (; k < count; ++k) bad_one |= normal_block<float, int, kUniform, kScaled>(job, first + k);
+        for (; k < count; ++k) bad_one |= normal_block<float, int, kUniform, kScaled>(r, k);
     }
     return bad_one == 0 && !any(bad);
 }

@@ -74,21 +74,28 @@ bool all_on_surface(const StateImpl& s, const Rect& r) noexcept {
     return true;
 }
 
-/// Looks once for the nearest sample outside a patch around the present one. As long as the tool has moved less than
-/// the difference of the two, the nearest sample is in the patch.
-void certify(const StateImpl& s, ToolSlot& slot, Vec3 tool, const Best& best) noexcept {
+/// Looks for the nearest sample outside a patch around the best one known. If there is none nearer, that one is the
+/// answer, and stays in the patch as long as the tool has moved less than the difference of the two distances.
+/// @return false if a nearer one was found; it is the nearest of all then, and in `best`.
+bool certify(const StateImpl& s, ToolSlot& slot, Vec3 tool, Best& best) noexcept {
     slot.certified = false;
-    if (best.sample >= s.tables.grid) return;
+    if (best.sample >= s.tables.grid) return false;
     slot.patch = patch_around(s, best.sample);
-    if (!all_on_surface(s, slot.patch)) return;
-    // Beyond this a larger bound would not be used up before the tool has left the patch.
-    const float enough = std::sqrt(best.d2) + static_cast<float>(kPatch) * s.mean_step;
+    if (!all_on_surface(s, slot.patch)) return false;
+    s.rows_of->nearest({slot.patch, s.tables.cols, s.base_boxes.at, {tool.x, tool.y, tool.z}}, best.d2, best.sample);
+    // A larger bound would not be used up before the tool has left the patch.
+    const float enough = std::sqrt(best.d2) + static_cast<float>(kPatch / 2) * s.mean_step;
     Best other{enough * enough, kNone};
     search_pyramid(s, s.base_boxes, tool, other, &slot.patch);
+    if (other.sample != kNone && (other.d2 < best.d2 || (other.d2 == best.d2 && other.sample < best.sample))) {
+        best = other;
+        return false;
+    }
     slot.clear = std::sqrt(other.d2) * (1 - kSlack);
     slot.origin = tool;
     slot.base_version = s.base_version;
     slot.certified = std::isfinite(slot.clear);
+    return slot.certified;
 }
 
 /// Exact nearest sample of the base shape. @return whether the pyramid had to be searched.
@@ -103,6 +110,7 @@ bool find_nearest(StateImpl& s, ToolSlot& slot, Vec3 tool, Best& best) noexcept 
         best.offer(dot(d, d), slot.sample);
     }
     refit(s, s.base_boxes);
+    if (best.sample != kNone && certify(s, slot, tool, best)) return true;
     search_pyramid(s, s.base_boxes, tool, best);
     certify(s, slot, tool, best);
     return true;
