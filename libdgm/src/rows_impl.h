@@ -128,6 +128,8 @@ struct NormalRow {
     float scale;
 };
 
+/// @return which normals are good.
+///
 /// A corner that is not in the ring is replaced by a neighbour of its own in the ring: the polygon gets an edge without
 /// length. The octagon is cut into n0 c0 n1 c1, c1 n2 c2 n3 and n0 c1 n3 c3.
 template <class F, class I, bool kUniform, bool kScaled>
@@ -153,14 +155,14 @@ static inline __attribute__((always_inline)) I normal_block(const NormalRow& r, 
     store<F>(r.x + k, good ? sum.x * inverse : F{});
     store<F>(r.y + k, good ? sum.y * inverse : F{});
     store<F>(r.z + k, good ? sum.z * inverse : F{});
-    return good == 0;
+    return good;
 }
 
 template <bool kUniform, bool kScaled>
 static inline __attribute__((always_inline)) bool normal_rows(const NormalJob& job) {
     const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(job.rect.j1 - job.rect.j0) + 1, n = job.cols;
-    Ints bad = {};
-    int bad_one = 0;
+    Ints good = ~Ints{};
+    int good_one = 1;
     for (std::uint32_t i = job.rect.i0; i <= job.rect.i1; ++i) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(i) * n + job.rect.j0;
         const NormalRow r{row_at(job.at, first + n),
@@ -172,14 +174,14 @@ static inline __attribute__((always_inline)) bool normal_rows(const NormalJob& j
                           kUniform ? nullptr : job.ring + first,
                           job.scale};
         std::ptrdiff_t k = 0;
-        for (; k + DGM_LANES <= count; k += DGM_LANES) bad |= normal_block<Floats, Ints, kUniform, kScaled>(r, k);
+        for (; k + DGM_LANES <= count; k += DGM_LANES) good &= normal_block<Floats, Ints, kUniform, kScaled>(r, k);
         if (k < count && k != 0) {
-            bad |= normal_block<Floats, Ints, kUniform, kScaled>(r, count - DGM_LANES);
+            good &= normal_block<Floats, Ints, kUniform, kScaled>(r, count - DGM_LANES);
             continue;
         }
-        for (; k < count; ++k) bad_one |= normal_block<float, int, kUniform, kScaled>(r, k);
+        for (; k < count; ++k) good_one &= normal_block<float, int, kUniform, kScaled>(r, k);
     }
-    return bad_one == 0 && !any(bad);
+    return good_one != 0 && !any(~good);
 }
 
 bool normals(const NormalJob& job) noexcept {

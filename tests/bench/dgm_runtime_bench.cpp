@@ -70,6 +70,23 @@ void nearest_part(benchmark::State& b) {
     for (auto _ : b) benchmark::DoNotOptimize(nearest_sample(state, tool_at(s, ++k)).value().sample);
 }
 
+void whole_tick(benchmark::State& b) {
+    const Scene& s = scene_of(b);
+    State state = make_state(s, Diagonals::Uniform, false);
+    const DeformTable table = make_table(s);
+    TickOptions options;
+    options.d_max = 4;
+    std::vector<Vec3> path;
+    for (long k = 0; k < 4096; ++k) path.push_back(tool_at(s, k));
+    ToolInput in;
+    ToolOutput out;
+    std::size_t k = 0;
+    for (auto _ : b) {
+        in.position = path[++k % path.size()];
+        if (!tick(state, table, options, {&in, 1}, {&out, 1})) std::abort();
+    }
+}
+
 void geodesic_961(benchmark::State& b) {
     Scene s = kScenes[1];
     s.window = 31;
@@ -96,6 +113,7 @@ BENCHMARK_CAPTURE(deform_part, geodesic, Footprint::Geodesic, false, KernelEnd::
 BENCHMARK_CAPTURE(normals_part, uniform, Diagonals::Uniform, false)->DenseRange(0, 2);
 BENCHMARK_CAPTURE(normals_part, mixed, Diagonals::Mixed, false)->DenseRange(0, 2);
 BENCHMARK_CAPTURE(normals_part, plain, Diagonals::Mixed, true)->DenseRange(0, 2);
+BENCHMARK(whole_tick)->DenseRange(0, 2);
 BENCHMARK(nearest_part)->DenseRange(0, 2);
 BENCHMARK(geodesic_961);
 
