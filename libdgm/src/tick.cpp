@@ -193,7 +193,7 @@ Press move_tool(StateImpl& s, const TickOptions& o, const ToolInput& in, ToolOut
     out.sample = best.sample;
     out.distance = std::sqrt(best.d2);
     const Vec3 wish = clamped(wished(s, slot, in, o, out), o.d_max);
-    const Vec3 d = clamped(settled(slot, wish, in.position, o), o.d_max);
+    const Vec3 asked = settled(slot, wish, in.position, o), d = asked == wish ? wish : clamped(asked, o.d_max);
     out.holding = slot.holding;
     out.displacement = d;
     out.force = contact_force(d, o.d_max, o.f_max).value();
