@@ -14,6 +14,9 @@
 namespace dgm::detail {
 namespace {
 
+/// How far beside an edge, in lengths of it from its middle, a line through its plane is still believed.
+constexpr float kBeside = 1;
+
 class Front {
  public:
     Front(StateImpl& s, std::uint32_t source, float radius) noexcept
@@ -91,7 +94,8 @@ class Front {
         const float both = std::sqrt(h2 * ch2), low = std::min(da, db);
         // Where the line crosses ab. Somewhat beside it the plane still goes on much the same, farther it does not.
         const float sum = h2 + both, crossing = x * both + cx * h2;
-        if (sum > 0 ? !(std::fabs(crossing - 0.5f * sum) < sum) : !(std::fabs(x - 0.5f) < 1)) return false;
+        if (sum > 0 ? !(std::fabs(crossing - 0.5f * sum) < kBeside * sum) : !(std::fabs(x - 0.5f) < kBeside))
+            return false;
         const float across = (cx - x) * (cx - x) * length2 + h2 + ch2 + 2 * both;
         offer(c.sample, std::sqrt(std::max(std::max(across, dot(straight, straight)), low * low)));
         return true;
@@ -135,7 +139,7 @@ class Front {
     /// Triangle v, p, q, of which v and p are known. Over an obtuse corner q the front can come from behind, and a
     /// known distance may still be too long.
     bool visit(const Corner& v, const Corner& p, const Corner& q, bool fresh) noexcept {
-        if (!fresh && (p.distance >= q.distance || dot(v.at - q.at, p.at - q.at) >= 0)) return true;
+        if (!fresh && p.distance >= q.distance) return true;
         return through(v, p, q);
     }
 
