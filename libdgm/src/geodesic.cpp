@@ -15,7 +15,7 @@ namespace dgm::detail {
 namespace {
 
 /// How far beside an edge, in lengths of it from its middle, a line through its plane is still believed.
-constexpr float kBeside = 1;
+constexpr float kBeside = 2;
 
 class Front {
  public:

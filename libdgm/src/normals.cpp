@@ -90,12 +90,15 @@ Result<void> build_rings(StateImpl& s) noexcept {
         }
     // Where fronts of geodesic distance may come from behind.
     const auto mark_obtuse = [&](const std::uint32_t* f) {
+        bool bad = false;
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3 at = StateImpl::at(s.rest, f[k]);
             const Vec3 e = StateImpl::at(s.rest, f[(k + 1) % 3]) - at, g = StateImpl::at(s.rest, f[(k + 2) % 3]) - at;
-            if (f[k] < t.grid && dot(e, g) < -0.2f * std::sqrt(dot(e, e)) * std::sqrt(dot(g, g)))
-                s.ring[f[k]] |= kRingObtuse;
+            const float product = std::sqrt(dot(e, e)) * std::sqrt(dot(g, g)), cosine = dot(e, g);
+            bad = bad || cosine < -0.2f * product || cosine > 0.97f * product;
         }
+        for (std::size_t k = 0; k < 3; ++k)
+            if (bad && f[k] < t.grid) s.ring[f[k]] |= kRingObtuse;
     };
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < t.cols; ++j)

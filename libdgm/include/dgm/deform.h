@@ -83,7 +83,7 @@ enum class Footprint : std::uint32_t {
                    ///< surface; needs StateOptions::metric. Cut at distance b.
     Geodesic = 2,  ///< distance on the rest surface, across seams and never to a near sheet; cut at distance b. On
                    ///< organs with a thousand samples in reach weights are within 2 % of the peak of those of exact
-                   ///< geodesics, mostly within 0.5 %; around the tip of a limb, seen from beside it, up to 10 %
+                   ///< geodesics, mostly within 0.5 %; around the tip of a limb, seen from beside it, up to 12 %
 };
 
 enum class DeformMode : std::uint32_t {
