@@ -8,7 +8,7 @@ void RectList::add(const Rect& r) noexcept {
     if (r.empty()) return;
     std::uint32_t best = 0;
     std::uint64_t growth = ~std::uint64_t{0};
-    for (std::uint32_t k = 0; k < count; ++k) {
+    for (std::uint32_t k = count; k-- > 0;) {  // neighbours come one after the other
         if (rects[k].holds(r)) return;
         // Joined where one rectangle costs no more than two.
         const Rect u = unite(rects[k], r);

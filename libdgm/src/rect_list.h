@@ -11,7 +11,7 @@
 namespace dgm::detail {
 
 struct RectList {
-    static constexpr std::uint32_t kCapacity = 64;
+    static constexpr std::uint32_t kCapacity = 192;
     Rect rects[kCapacity];
     std::uint32_t count = 0;
     std::uint32_t border_low = 0xFFFFFFFFu, border_high = 0;  ///< sample indices, ends included; empty if low > high
