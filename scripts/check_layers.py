@@ -19,6 +19,7 @@ SYSTEM, XXHASH, PNG, STB = "the operating system", "xxHash", "libpng", "stb"
 EIGEN, CGAL, EMBREE, TBB, BOOST = "Eigen", "CGAL", "Embree", "TBB", "Boost"
 HDF5, OPENEXR, ASSIMP = "HDF5", "OpenEXR", "assimp"
 FMT, JSON, CLI11, GTEST = "fmt", "nlohmann-json", "CLI11", "GoogleTest"
+INTRINSICS, BENCHMARK, NANOFLANN = "processor intrinsics", "Google Benchmark", "nanoflann"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,7 +39,8 @@ BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cl
 
 PARTS = (
     Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
-    Part("libdgm/src", 0, RUNTIME, (SYSTEM, XXHASH), "maps files; xxHash is inlined, nothing is linked"),
+    Part("libdgm/src", 0, RUNTIME, (SYSTEM, XXHASH, INTRINSICS),
+         "maps files; xxHash is inlined, nothing is linked; vector loops chosen at run time"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
     Part("formats/image", 1, ("formats/model",), (PNG, STB), "pixels in and out; no other part decodes pictures"),
     Part("cli/geometry", 2, DATA, (EIGEN, EMBREE, TBB), "pure functions on meshes; builds without CGAL"),
@@ -58,7 +60,7 @@ PARTS = (
     Part("samples/generate", 5, ("formats/model",), (PNG,), "a program that makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
     Part("tests", 6, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
-                             JSON, CLI11, GTEST), "tests may look at everything"),
+                             JSON, CLI11, GTEST, BENCHMARK, NANOFLANN), "tests may look at everything"),
     Part("tests/e2e/consumer", 6, RUNTIME, (), "a user's project: knows the installed runtime only"),
 )
 
@@ -66,7 +68,8 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"CGAL/", CGAL), (r"Eigen/|unsupported/Eigen/", EIGEN), (r"embree3/", EMBREE), (r"(oneapi/)?tbb/", TBB),
     (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
-    (r"CLI/", CLI11), (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
+    (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"[a-z]*mmintrin\.h", INTRINSICS),
+    (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
     (r"(sys|linux|net|netinet|arpa)/|(fcntl|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),
 )

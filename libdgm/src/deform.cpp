@@ -1,138 +1,115 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/deform.cpp
-// Paper eq. 7 with a table, and its continuation across seams.
+// Paper eq. 7: a footprint's weights times the displacement of the contact.
 #include <dgm/deform.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "state_impl.h"
+#include "table_impl.h"
 
 namespace dgm {
 namespace detail {
-
-/// Weights of whole offsets: row |di| holds dj = -(b-1) .. b-1, so that a row of the footprint reads one row in order.
-struct TableImpl {
-    explicit TableImpl(const Allocator& a) noexcept : allocator(a) {}
-    Allocator allocator;
-    KernelOptions options;
-    Array<float> weights;
-    [[nodiscard]] std::uint32_t width() const noexcept { return 2 * options.reach - 1; }
-    [[nodiscard]] const float* row(std::uint32_t di) const noexcept {
-        return weights.data() + std::size_t{di} * width() + options.reach - 1;  // at dj = 0
-    }
-};
-
 namespace {
-/// e^t - 1 - t without cancellation, t >= 0.
-double phi(double t) noexcept {
-    if (t > 0.1) return std::expm1(t) - t;
-    double sum = 1;  // t^2/2 (1 + t/3 (1 + t/4 (...))): 9 terms leave 0.1^9 * 2/11!
-    for (int k = 10; k >= 3; --k) sum = 1 + t / k * sum;
-    return t * t / 2 * sum;
+
+MoveJob job_of(const StateImpl& s, const Rect& rect, const Planes& shape, Vec3 d) noexcept {
+    MoveJob job{};
+    job.rect = rect;
+    job.cols = s.tables.cols;
+    job.from = StateImpl::fixed(shape);
+    job.to = shape;
+    job.mobility = s.mobility.empty() ? nullptr : s.mobility.data();
+    job.d[0] = d.x;
+    job.d[1] = d.y;
+    job.d[2] = d.z;
+    return job;
 }
 
-/// Eq. 7 without d_c, or its compact form f_c (methods section 5), which is phi(R^2 - r^2) / phi(R^2).
-double kernel(const KernelOptions& o, double di, double dj) noexcept {
-    const double sigma = o.sigma, b = o.reach, r2 = (di * di + dj * dj) / sigma;
-    if (o.end == KernelEnd::Printed) return std::exp(-r2);
-    const double R2 = b * b / sigma;
-    if (!(r2 < R2)) return 0;
-    if (R2 <= 1) return phi(R2 - r2) / phi(R2);
-    const double rim = std::exp(-R2);
-    return std::max(0.0, (std::exp(-r2) - rim * (1 + R2 - r2)) / (1 - rim * (1 + R2)));
+/// The rounding of rows.h, one sample at a time.
+void move_sample(const StateImpl& s, const Planes& shape, std::uint32_t k, Vec3 d) noexcept {
+    float w = s.footprint.weight[k];
+    if (!s.mobility.empty() && k < s.tables.grid) w = w * s.mobility[k];
+    shape.x[k] = shape.x[k] + w * d.x;
+    shape.y[k] = shape.y[k] + w * d.y;
+    shape.z[k] = shape.z[k] + w * d.z;
 }
 
-float weight_at(const TableImpl& t, float di, float dj) noexcept {
-    const float x = std::fabs(di), y = std::fabs(dj), b = static_cast<float>(t.options.reach);
-    if (!(x < b && y < b)) return 0;
-    if (x == std::floor(x) && y == std::floor(y))
-        return t.row(static_cast<std::uint32_t>(x))[static_cast<std::uint32_t>(y)];
-    return static_cast<float>(kernel(t.options, x, y));
-}
-
-/// Adds weight * d to samples.
-class Writer {
- public:
-    Writer(StateImpl& s, Vec3 d, bool plastic) noexcept : s_(s), d_{d.x, d.y, d.z}, plastic_(plastic) {}
-
-    /// A run of `count` samples from `first` with weights w[0..count).
-    void add_run(std::uint32_t first, const float* w, std::uint32_t count) const noexcept {
-        for (int axis = 0; axis < 3; ++axis) {
-            const std::size_t at = static_cast<std::size_t>(axis) * s_.total() + first;
-            add(s_.now.data() + at, w, count, d_[axis]);
-            if (plastic_) add(s_.base.data() + at, w, count, d_[axis]);
+void weld_copies(const StateImpl& s, const Planes& shape) noexcept {
+    for (std::uint32_t k = 0; k < s.footprint.class_count; ++k) {
+        const auto members = s.members(s.footprint.classes[k]);
+        for (const std::uint32_t copy : members.subspan(1)) {
+            shape.x[copy] = shape.x[members[0]];
+            shape.y[copy] = shape.y[members[0]];
+            shape.z[copy] = shape.z[members[0]];
         }
     }
-    /// All copies get the bits computed for the first.
-    void add_class(std::span<const std::uint32_t> members, float w) const noexcept {
-        add_run(members[0], &w, 1);
-        for (int axis = 0; axis < 3; ++axis) {
-            const std::size_t plane = static_cast<std::size_t>(axis) * s_.total();
-            for (const std::uint32_t copy : members.subspan(1)) {
-                s_.now[plane + copy] = s_.now[plane + members[0]];
-                s_.base[plane + copy] = s_.base[plane + members[0]];
+}
+
+/// A sample in two frames' rectangles must move once: after a rectangle its weights are 0.
+void move_footprint(StateImpl& s, const Contact& c) noexcept {
+    FootprintScratch& f = s.footprint;
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) {
+        const Rect& r = f.frames[k].rect;
+        MoveJob job = job_of(s, r, s.now, c.d);
+        job.weights = f.weight.data() + std::size_t{r.i0} * s.tables.cols + r.j0;
+        job.weight_step = s.tables.cols;
+        s.rows_of->move(job);
+        if (c.plastic) {
+            job.from = StateImpl::fixed(s.base);
+            job.to = s.base;
+            s.rows_of->move(job);
+        }
+        if (k + 1 == f.frame_count) break;
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+            std::fill_n(f.weight.data() + std::size_t{i} * s.tables.cols + r.j0, r.width(), 0.0f);
+    }
+    for (std::uint32_t k = 0; k < f.sample_count; ++k) {
+        move_sample(s, s.now, f.samples[k], c.d);
+        if (c.plastic) move_sample(s, s.base, f.samples[k], c.d);
+    }
+    // Whatever order and however often copies were met, they hold the bits of the first.
+    weld_copies(s, s.now);
+    if (c.plastic) weld_copies(s, s.base);
+}
+
+void touch_footprint(StateImpl& s, bool plastic) noexcept {
+    const FootprintScratch& f = s.footprint;
+    RectList moved;
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) moved.add(f.frames[k].rect);
+    for (std::uint32_t k = 0; k < f.sample_count; ++k) {
+        if (f.samples[k] < s.tables.grid)
+            s.list_tile(s.tile_of(f.samples[k]));
+        else
+            moved.add_border(f.samples[k]);
+    }
+    for (std::uint32_t k = 0; k < s.tile_count_listed; ++k) moved.add(s.tile_rect(s.tile_list[k]));
+    s.end_tile_list();
+    s.touch(moved, plastic);
+}
+
+std::uint32_t count_samples(const StateImpl& s) noexcept {
+    const FootprintScratch& f = s.footprint;
+    std::uint32_t count = f.sample_count;
+    bool apart = true;
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) {
+        count += static_cast<std::uint32_t>(RectList::area(f.frames[k].rect));
+        for (std::uint32_t e = 0; e < k && apart; ++e) apart = !f.frames[e].rect.meets(f.frames[k].rect);
+    }
+    if (apart) return count;
+    count = f.sample_count;
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) {
+        const Rect& r = f.frames[k].rect;
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+            for (std::uint32_t j = r.j0; j <= r.j1; ++j) {
+                bool counted = false;
+                for (std::uint32_t e = 0; e < k && !counted; ++e) counted = f.frames[e].rect.has(i, j);
+                count += counted ? 0 : 1;
             }
-        }
     }
-
- private:
-    static void add(float* to, const float* w, std::uint32_t count, float d) noexcept {
-        for (std::uint32_t k = 0; k < count; ++k) to[k] += w[k] * d;
-    }
-    StateImpl& s_;
-    float d_[3];
-    bool plastic_;
-};
-
-/// The window as a rectangle clipped by the grid: eq. 7 as it stands.
-std::uint32_t deform_window(StateImpl& s, const TableImpl& t, const Writer& writer, std::uint32_t sample,
-                            bool elastic) noexcept {
-    const std::uint32_t ic = sample / s.tables.cols, jc = sample % s.tables.cols, r = t.options.reach - 1;
-    const std::uint32_t i0 = ic > r ? ic - r : 0, i1 = std::min(ic + r, s.tables.rows - 1);
-    const std::uint32_t j0 = jc > r ? jc - r : 0, j1 = std::min(jc + r, s.tables.cols - 1);
-    for (std::uint32_t i = i0; i <= i1; ++i)
-        writer.add_run(i * s.tables.cols + j0, t.row(i < ic ? ic - i : i - ic) - (jc - j0), j1 - j0 + 1);
-    s.touch_rows(i0, i1, j0, j1, elastic);
-    return (i1 - i0 + 1) * (j1 - j0 + 1);
+    return count;
 }
-
-/// The window unfolded across seams. Copies of a class are collected first, so that one weight, that of the copy placed
-/// nearest, is written to all of them, also to those the walk did not reach.
-std::uint32_t deform_unfolded(StateImpl& s, const TableImpl& t, const Writer& writer, bool elastic) noexcept {
-    WalkScratch& w = s.walk;
-    std::uint32_t classes = 0, samples = 0;
-    for (std::uint32_t k = 0; k < w.visited_count; ++k) {
-        const std::uint32_t slot = w.visited[k];
-        const WalkNode& node = w.nodes[slot];
-        const std::uint32_t id = s.class_id(node.sample);
-        if (id == kNone) {
-            const float weight = weight_at(t, node.x, node.y);
-            writer.add_run(node.sample, &weight, 1);
-            s.touch_sample(node.sample, elastic);
-            ++samples;
-        } else if (w.class_node[id] == kNone) {
-            w.classes[classes++] = id;
-            w.class_node[id] = slot;
-        } else if (node.d2 < w.nodes[w.class_node[id]].d2) {
-            w.class_node[id] = slot;
-        }
-    }
-    for (std::uint32_t k = 0; k < classes; ++k) {
-        const std::uint32_t id = w.classes[k];
-        const WalkNode& node = w.nodes[w.class_node[id]];
-        const auto members = s.members(id);
-        writer.add_class(members, weight_at(t, node.x, node.y));
-        for (const std::uint32_t copy : members) s.touch_sample(copy, elastic);
-        samples += static_cast<std::uint32_t>(members.size());
-        w.class_node[id] = kNone;
-    }
-    return samples;
-}
-
-bool is_finite(Vec3 v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
+}  // namespace
 
 Vec3 clamped(Vec3 d, float d_max) noexcept {
     const double length = std::sqrt(double{d.x} * d.x + double{d.y} * d.y + double{d.z} * d.z);
@@ -140,60 +117,60 @@ Vec3 clamped(Vec3 d, float d_max) noexcept {
     const double f = d_max / length;
     return {static_cast<float>(d.x * f), static_cast<float>(d.y * f), static_cast<float>(d.z * f)};
 }
-}  // namespace
-}  // namespace detail
 
-Result<DeformTable> DeformTable::create(const KernelOptions& options, const Allocator& allocator) noexcept {
-    if (!detail::is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
-    if (!std::isfinite(options.sigma) || !(options.sigma > 0))
-        return Error{ErrorCode::BadArgument, kNoOffset, "sigma is not a positive number"};
-    if (options.reach < 1 || options.reach > kMaxReach)
-        return Error{ErrorCode::BadArgument, kNoOffset, "the reach is not in 1..1024"};
-    if (options.shape != KernelShape::Circular)
-        return Error{ErrorCode::Unsupported, kNoOffset, "the kernel shape is not supported"};
-    if (options.end != KernelEnd::Printed && options.end != KernelEnd::Compact)
-        return Error{ErrorCode::Unsupported, kNoOffset, "the kernel end is not supported"};
-    detail::TableImpl* impl = detail::create<detail::TableImpl>(allocator, allocator);
-    if (impl == nullptr) return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the table"};
-    DeformTable table(impl);
-    impl->options = options;
-    const std::uint32_t b = options.reach;
-    if (!impl->weights.allocate(allocator, std::uint64_t{b} * impl->width()))
-        return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the table"};
-    const auto centre = [&](std::uint32_t di) {
-        return impl->weights.data() + std::size_t{di} * impl->width() + b - 1;
-    };
-    for (std::uint32_t di = 0; di < b; ++di)
-        for (std::uint32_t dj = 0; dj <= di; ++dj) {
-            // Mirrored, not computed again: the same bits in all eight directions.
-            const auto w = static_cast<float>(detail::kernel(options, di, dj));
-            float *row = centre(di), *column = centre(dj);
-            row[dj] = row[-static_cast<std::ptrdiff_t>(dj)] = w;
-            column[di] = column[-static_cast<std::ptrdiff_t>(di)] = w;
+Result<void> check_contact(const StateImpl& s, const TableImpl& t, Footprint footprint, DeformMode mode, float d_max,
+                           float step) noexcept {
+    if (!std::isfinite(d_max) || !(d_max > 0))
+        return Error{ErrorCode::BadArgument, kNoOffset, "d_max is not a positive number"};
+    if (t.options.reach > s.max_reach)
+        return Error{ErrorCode::BadArgument, kNoOffset, "the table reaches farther than the state was made for"};
+    if (!std::isfinite(step) || !(step >= 0))
+        return Error{ErrorCode::BadArgument, kNoOffset, "the step is not a number from 0"};
+    if (footprint > Footprint::Geodesic)
+        return Error{ErrorCode::Unsupported, kNoOffset, "the footprint is not supported"};
+    if (footprint == Footprint::Metric && s.metric.empty())
+        return Error{ErrorCode::MissingLayer, kNoOffset, "the state was made without the first fundamental form"};
+    if (mode != DeformMode::Elastic && mode != DeformMode::Plastic)
+        return Error{ErrorCode::Unsupported, kNoOffset, "the mode is not supported"};
+    return {};
+}
+
+MoveJob window_job(const StateImpl& s, const TableImpl& t, const Rect& r, std::uint32_t sample, Vec3 d) noexcept {
+    const std::uint32_t i = sample / s.tables.cols, j = sample % s.tables.cols;
+    MoveJob job = job_of(s, r, s.now, d);
+    job.weights = t.row(t.mirrored ? 0 : static_cast<std::int32_t>(r.i0) - static_cast<std::int32_t>(i)) - (j - r.j0);
+    job.weight_step = t.width();
+    job.mirrored = t.mirrored;
+    job.centre = i;
+    return job;
+}
+
+Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Contact& c) noexcept {
+    DeformReport report;
+    report.displacement = c.d;
+    if (c.footprint == Footprint::Grid && s.stiffness.empty() && is_plain_window(s, c.sample, t.options.reach)) {
+        const Rect r = s.window(c.sample, t.options.reach);
+        MoveJob job = window_job(s, t, r, c.sample, c.d);
+        s.rows_of->move(job);
+        if (c.plastic) {
+            job.from = StateImpl::fixed(s.base);
+            job.to = s.base;
+            s.rows_of->move(job);
         }
-    return table;
+        s.touch(r, c.plastic);
+        report.samples = static_cast<std::uint32_t>(RectList::area(r));
+        return report;
+    }
+    if (auto r = begin_footprint(s, t, c); !r) return r.error();
+    report.samples = count_samples(s);
+    report.crossed_seam = s.footprint.class_count != 0;
+    report.truncated = s.footprint.truncated;
+    move_footprint(s, c);
+    touch_footprint(s, c.plastic);
+    end_footprint(s);
+    return report;
 }
-
-DeformTable::DeformTable(DeformTable&& other) noexcept : impl_(std::exchange(other.impl_, nullptr)) {}
-DeformTable& DeformTable::operator=(DeformTable&& other) noexcept {
-    std::swap(impl_, other.impl_);
-    return *this;
-}
-DeformTable::~DeformTable() {
-    detail::destroy(impl_);
-}
-
-float DeformTable::weight(float di, float dj) const noexcept {
-    return detail::weight_at(*impl_, di, dj);
-}
-// Entries are rounded once from double: half a unit in the last place of 1 is 2^-25, and the double's own error is far
-// below the other half.
-float DeformTable::error_bound() const noexcept {
-    return 0x1p-24f;
-}
-std::uint32_t DeformTable::reach() const noexcept {
-    return impl_->options.reach;
-}
+}  // namespace detail
 
 Result<DeformReport> deform(State& state, const DeformTable& table, const Touch& touch) noexcept {
     detail::StateImpl& s = *state.impl();
@@ -202,29 +179,11 @@ Result<DeformReport> deform(State& state, const DeformTable& table, const Touch&
         return Error{ErrorCode::BadArgument, kNoOffset, "the contact is no sample of the surface"};
     if (!detail::is_finite(touch.displacement))
         return Error{ErrorCode::BadArgument, kNoOffset, "the displacement is not finite"};
-    if (!std::isfinite(touch.d_max) || !(touch.d_max > 0))
-        return Error{ErrorCode::BadArgument, kNoOffset, "d_max is not a positive number"};
-    if (t.options.reach > s.max_reach)
-        return Error{ErrorCode::BadArgument, kNoOffset, "the table reaches farther than the state was made for"};
-    if (touch.footprint != Footprint::Grid)
-        return Error{ErrorCode::Unsupported, kNoOffset, "the footprint is not supported"};
-    if (touch.mode != DeformMode::Elastic && touch.mode != DeformMode::Plastic)
-        return Error{ErrorCode::Unsupported, kNoOffset, "the mode is not supported"};
-
-    DeformReport report;
-    report.displacement = detail::clamped(touch.displacement, touch.d_max);
-    const bool elastic = touch.mode == DeformMode::Elastic;
-    const detail::Writer writer(s, report.displacement, !elastic);
-    if (detail::is_plain_window(s, touch.sample, t.options.reach)) {
-        report.samples = detail::deform_window(s, t, writer, touch.sample, elastic);
-        return report;
-    }
-    if (auto r = detail::begin_walk(s, touch.sample, t.options.reach); !r) return r.error();
-    for (std::uint32_t k = 0; k < s.walk.visited_count && !report.crossed_seam; ++k)
-        report.crossed_seam = s.class_id(s.walk.nodes[s.walk.visited[k]].sample) != kNone;
-    report.samples = detail::deform_unfolded(s, t, writer, elastic);
-    detail::end_walk(s);
-    return report;
+    if (auto r = detail::check_contact(s, t, touch.footprint, touch.mode, touch.d_max, touch.step); !r)
+        return r.error();
+    return detail::apply_contact(s, t,
+                                 {touch.sample, detail::clamped(touch.displacement, touch.d_max), touch.footprint,
+                                  touch.mode == DeformMode::Plastic, touch.step > 0 ? touch.step : s.mean_step});
 }
 
 }  // namespace dgm

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/normals.cpp
-// Area vectors over the welded ring (methods section 5). Sums in double, copies in ascending order: every copy of a
-// class gets the same bits, and no coordinate that fits a float overflows.
+// Area vectors over the welded ring (methods section 5).
+//
+// Inside the grid the ring is a closed polygon and rows.h does many at a time in float. At borders and seams, and where
+// float would not do, ring_normal() sums triangles in double, copies in ascending order: every copy of a class gets the
+// same bits, and no coordinate that fits a float overflows.
+#include <algorithm>
 #include <cmath>
 
 #include "state_impl.h"
@@ -19,40 +23,179 @@ struct Sum {
     }
 };
 
-void add_quad(Sum& sum, const StateImpl& s, std::uint32_t i, std::uint32_t j, std::uint32_t sample) noexcept {
+void add_quad(Sum& sum, const StateImpl& s, const ConstPlanes& p, std::uint32_t i, std::uint32_t j,
+              std::uint32_t sample) noexcept {
     if (!s.tables.has_quad(i, j)) return;
     for (const auto& f : quad_triangles(i, j, s.tables.cols, s.tables.diagonal(i, j)))
         if (f[0] == sample || f[1] == sample || f[2] == sample)
-            sum.add_triangle(s.point(f[0]), s.point(f[1]), s.point(f[2]));
+            sum.add_triangle(StateImpl::at(p, f[0]), StateImpl::at(p, f[1]), StateImpl::at(p, f[2]));
 }
 
-void add_ring(Sum& sum, const StateImpl& s, std::uint32_t sample) noexcept {
+void add_ring(Sum& sum, const StateImpl& s, const ConstPlanes& p, std::uint32_t sample) noexcept {
     const ChartTables& t = s.tables;
     if (sample < t.grid) {
         const std::uint32_t i = sample / t.cols, j = sample % t.cols;
-        if (i > 0 && j > 0) add_quad(sum, s, i - 1, j - 1, sample);
-        if (i > 0 && j + 1 < t.cols) add_quad(sum, s, i - 1, j, sample);
-        if (i + 1 < t.rows && j > 0) add_quad(sum, s, i, j - 1, sample);
-        if (i + 1 < t.rows && j + 1 < t.cols) add_quad(sum, s, i, j, sample);
+        if (i > 0 && j > 0) add_quad(sum, s, p, i - 1, j - 1, sample);
+        if (i > 0 && j + 1 < t.cols) add_quad(sum, s, p, i - 1, j, sample);
+        if (i + 1 < t.rows && j > 0) add_quad(sum, s, p, i, j - 1, sample);
+        if (i + 1 < t.rows && j + 1 < t.cols) add_quad(sum, s, p, i, j, sample);
     }
     if (s.face_start.empty()) return;
     for (std::uint32_t k = s.face_start[sample]; k < s.face_start[sample + 1]; ++k) {
         const std::uint32_t* f = s.faces.data() + 3 * std::size_t{s.face_of[k]};
-        sum.add_triangle(s.point(f[0]), s.point(f[1]), s.point(f[2]));
+        sum.add_triangle(StateImpl::at(p, f[0]), StateImpl::at(p, f[1]), StateImpl::at(p, f[2]));
     }
 }
 }  // namespace
 
-Vec3 ring_normal(const StateImpl& s, std::uint32_t sample) noexcept {
+Vec3 ring_normal(const StateImpl& s, const ConstPlanes& shape, std::uint32_t sample) noexcept {
     Sum sum;
     const std::uint32_t id = s.class_id(sample);
     if (id == kNone)
-        add_ring(sum, s, sample);
+        add_ring(sum, s, shape, sample);
     else
-        for (const std::uint32_t copy : s.members(id)) add_ring(sum, s, copy);
+        for (const std::uint32_t copy : s.members(id)) add_ring(sum, s, shape, copy);
     const double length = std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
     if (!(length > 0) || !std::isfinite(length)) return {};
     return {static_cast<float>(sum.x / length), static_cast<float>(sum.y / length), static_cast<float>(sum.z / length)};
+}
+
+Result<void> build_rings(StateImpl& s) noexcept {
+    const ChartTables& t = s.tables;
+    if (!s.ring.allocate(s.allocator, t.grid))
+        return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the rings"};
+    s.uniform = true;
+    double area = 0;
+    std::size_t quads = 0;
+    for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
+        for (std::uint32_t j = 0; j + 1 < t.cols; ++j) {
+            s.uniform = s.uniform && t.diagonal(i, j) == 0;
+            if (!t.has_quad(i, j)) continue;
+            Sum sum;
+            for (const auto& f : quad_triangles(i, j, t.cols, t.diagonal(i, j)))
+                sum.add_triangle(StateImpl::at(s.rest, f[0]), StateImpl::at(s.rest, f[1]), StateImpl::at(s.rest, f[2]));
+            area += std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z) / 2;
+            ++quads;
+        }
+    for (std::uint32_t i = 0; i < t.rows; ++i)
+        for (std::uint32_t j = 0; j < t.cols; ++j) {
+            std::uint8_t& ring = s.ring[std::size_t{i} * t.cols + j];
+            ring = kRingIrregular;
+            if (i == 0 || j == 0 || i + 1 == t.rows || j + 1 == t.cols) continue;
+            if (!t.has_quad(i, j) || !t.has_quad(i, j - 1) || !t.has_quad(i - 1, j) || !t.has_quad(i - 1, j - 1))
+                continue;
+            ring = static_cast<std::uint8_t>((t.diagonal(i, j) == 0 ? 1 : 0) | (t.diagonal(i - 1, j) == 1 ? 2 : 0) |
+                                             (t.diagonal(i - 1, j - 1) == 0 ? 4 : 0) |
+                                             (t.diagonal(i, j - 1) == 1 ? 8 : 0));
+        }
+    // Where fronts of geodesic distance may come from behind.
+    const auto mark_obtuse = [&](const std::uint32_t* f) {
+        bool bad = false;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3 at = StateImpl::at(s.rest, f[k]);
+            const Vec3 e = StateImpl::at(s.rest, f[(k + 1) % 3]) - at, g = StateImpl::at(s.rest, f[(k + 2) % 3]) - at;
+            const float product = std::sqrt(dot(e, e)) * std::sqrt(dot(g, g)), cosine = dot(e, g);
+            bad = bad || cosine < -0.2f * product || cosine > 0.97f * product;
+        }
+        for (std::size_t k = 0; k < 3; ++k)
+            if (bad && f[k] < t.grid) s.ring[f[k]] |= kRingObtuse;
+    };
+    for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
+        for (std::uint32_t j = 0; j + 1 < t.cols; ++j)
+            if (t.has_quad(i, j))
+                for (const auto& f : quad_triangles(i, j, t.cols, t.diagonal(i, j))) mark_obtuse(f.data());
+    const auto irregular = [&](std::uint32_t sample) {
+        if (sample < t.grid) s.ring[sample] |= kRingIrregular;
+    };
+    for (const std::uint32_t sample : s.class_members) irregular(sample);
+    for (const std::uint32_t sample : s.faces) irregular(sample);
+    const double mean = quads == 0 ? 0 : area / static_cast<double>(quads);
+    if (!(mean > 0) || !std::isfinite(mean)) return {};
+    s.mean_step = static_cast<float>(std::sqrt(mean));
+    if (!(s.mean_step > 0) || !std::isfinite(s.mean_step)) s.mean_step = 1;
+    // Squares of area vectors shall lie amid the range of float. 1 is quickest.
+    if (mean < 1e-4 || mean > 1e4) {
+        const int power = std::clamp(-std::ilogb(mean), -120, 120);
+        s.normal_scale = static_cast<float>(std::ldexp(1.0, power));
+    }
+    return {};
+}
+
+namespace {
+NormalJob job_of(const StateImpl& s, const Rect& rect, const ConstPlanes& at, const Planes& out) noexcept {
+    return {rect, s.tables.cols, at, out, s.uniform ? nullptr : s.ring.data(), s.normal_scale};
+}
+
+void put(StateImpl& s, std::uint32_t sample, Vec3 n) noexcept {
+    s.normal.x[sample] = n.x;
+    s.normal.y[sample] = n.y;
+    s.normal.z[sample] = n.z;
+}
+
+void put_irregular(StateImpl& s, std::uint32_t sample) noexcept {
+    if (!s.usable(sample)) return put(s, sample, {});
+    const Vec3 n = ring_normal(s, StateImpl::fixed(s.now), sample);
+    const std::uint32_t id = s.class_id(sample);
+    if (id == kNone) return put(s, sample, n);
+    for (const std::uint32_t copy : s.members(id)) put(s, copy, n);
+}
+
+/// A sample of the grid's border, or beside a free border: its own normal and those of its border faces.
+void put_around(StateImpl& s, std::uint32_t sample) noexcept {
+    put_irregular(s, sample);
+    if (s.face_start.empty()) return;
+    for (std::uint32_t k = s.face_start[sample]; k < s.face_start[sample + 1]; ++k)
+        for (std::uint32_t c = 0; c < 3; ++c) {
+            const std::uint32_t other = s.faces[3 * std::size_t{s.face_of[k]} + c];
+            if (other != sample) put_irregular(s, other);
+        }
+}
+
+void update_rect(StateImpl& s, const Rect& moved) noexcept {
+    const ChartTables& t = s.tables;
+    const Rect around{moved.i0 == 0 ? 0 : moved.i0 - 1, std::min(moved.i1 + 1, t.rows - 1),
+                      moved.j0 == 0 ? 0 : moved.j0 - 1, std::min(moved.j1 + 1, t.cols - 1)};
+    const Rect inner{std::max(around.i0, 1u), std::min(around.i1, t.rows - 2), std::max(around.j0, 1u),
+                     std::min(around.j1, t.cols - 2)};
+    if (!inner.empty() && !s.rows_of->normals(job_of(s, inner, StateImpl::fixed(s.now), s.normal)))
+        for (std::uint32_t i = inner.i0; i <= inner.i1; ++i)
+            for (std::uint32_t k = i * t.cols + inner.j0; k <= i * t.cols + inner.j1; ++k)
+                if (s.normal.x[k] == 0 && s.normal.y[k] == 0 && s.normal.z[k] == 0) put_irregular(s, k);
+    if (t.free_domain) {
+        for (std::uint32_t i = around.i0; i <= around.i1; ++i)
+            for (std::uint32_t k = i * t.cols + around.j0; k <= i * t.cols + around.j1; ++k)
+                if ((s.ring[k] & kRingIrregular) != 0) put_around(s, k);
+        return;
+    }
+    const auto row = [&](std::uint32_t i) {
+        for (std::uint32_t k = i * t.cols + around.j0; k <= i * t.cols + around.j1; ++k) put_irregular(s, k);
+    };
+    const auto column = [&](std::uint32_t j) {
+        for (std::uint32_t i = around.i0; i <= around.i1; ++i) put_irregular(s, i * t.cols + j);
+    };
+    if (around.i0 == 0) row(0);
+    if (around.i1 == t.rows - 1) row(t.rows - 1);
+    if (around.j0 == 0) column(0);
+    if (around.j1 == t.cols - 1) column(t.cols - 1);
+}
+}  // namespace
+
+Vec3 sample_normal(const StateImpl& s, const ConstPlanes& shape, std::uint32_t sample) noexcept {
+    if (!s.usable(sample)) return {};
+    if (sample >= s.tables.grid || (s.ring[sample] & kRingIrregular) != 0) return ring_normal(s, shape, sample);
+    // The kernel writes at out + sample: lead it to these.
+    float x = 0, y = 0, z = 0;
+    const ConstPlanes here{shape.x + sample, shape.y + sample, shape.z + sample};
+    NormalJob job = job_of(s, Rect{0, 0, 0, 0}, here, {&x, &y, &z});
+    if (job.ring != nullptr) job.ring += sample;
+    return s.rows_of->normals(job) ? Vec3{x, y, z} : ring_normal(s, shape, sample);
+}
+
+void update_normals(StateImpl& s) noexcept {
+    for (std::uint32_t k = 0; k < s.normal_dirty.count; ++k) update_rect(s, s.normal_dirty.rects[k]);
+    if (s.normal_dirty.border_low <= s.normal_dirty.border_high)
+        for (std::uint32_t b = s.normal_dirty.border_low; b <= s.normal_dirty.border_high; ++b) put_around(s, b);
+    s.normal_dirty.clear();
 }
 
 }  // namespace dgm::detail

@@ -10,6 +10,9 @@
 namespace dgm::detail {
 namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the search pyramid"};
+
+constexpr Box kEmpty{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
 void grow(Box& box, Vec3 p) noexcept {
     const float v[3] = {p.x, p.y, p.z};
@@ -19,20 +22,22 @@ void grow(Box& box, Vec3 p) noexcept {
     }
 }
 
-constexpr Box kEmpty{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-
-Box leaf_box(const StateImpl& s, std::uint32_t tile) noexcept {
+Box leaf_box(const StateImpl& s, const Pyramid& p, std::uint32_t tile) noexcept {
     Box box = kEmpty;
     const ChartTables& t = s.tables;
     const std::uint32_t i0 = tile / s.tile_cols * kTileQuads, j0 = tile % s.tile_cols * kTileQuads;
-    const std::uint32_t i1 = std::min(i0 + kTileQuads, t.rows - 1), j1 = std::min(j0 + kTileQuads, t.cols - 1);
-    for (std::uint32_t i = i0; i <= i1; ++i)
-        for (std::uint32_t j = j0; j <= j1; ++j) {
-            const std::uint32_t k = i * t.cols + j;
-            if (t.on_surface(k)) grow(box, s.point(k));
-        }
+    const Rect quads{i0, std::min(i0 + kTileQuads, t.rows - 1), j0, std::min(j0 + kTileQuads, t.cols - 1)};
+    if (t.mask == nullptr) {
+        s.rows_of->bounds(p.at, quads, t.cols, box.low, box.high);
+    } else {
+        for (std::uint32_t i = quads.i0; i <= quads.i1; ++i)
+            for (std::uint32_t j = quads.j0; j <= quads.j1; ++j) {
+                const std::uint32_t k = i * t.cols + j;
+                if (t.on_surface(k)) grow(box, StateImpl::at(p.at, k));
+            }
+    }
     for (std::uint32_t b = s.tile_border_start[tile]; b < s.tile_border_start[tile + 1]; ++b)
-        grow(box, s.point(s.tile_border[b]));
+        grow(box, StateImpl::at(p.at, s.tile_border[b]));
     return box;
 }
 
@@ -87,85 +92,112 @@ std::uint32_t StateImpl::tile_of(std::uint32_t s) const noexcept {
     return owner(i, tile_rows) * tile_cols + owner(j, tile_cols);
 }
 
-void StateImpl::touch_tile(std::uint32_t tile, bool elastic) noexcept {
-    std::uint8_t& flags = tile_flags[tile];
-    if (elastic && (flags & kTileElastic) == 0) elastic_tiles[elastic_count++] = tile;
-    if ((flags & kTileDirty) == 0) dirty_tiles[dirty_count++] = tile;
-    flags |= static_cast<std::uint8_t>(elastic ? kTileElastic | kTileDirty : kTileDirty);
+Rect StateImpl::tile_rect(std::uint32_t tile) const noexcept {
+    const std::uint32_t ti = tile / tile_cols, tj = tile % tile_cols;
+    return {ti * kTileQuads, ti + 1 == tile_rows ? tables.rows - 1 : ti * kTileQuads + kTileQuads - 1, tj * kTileQuads,
+            tj + 1 == tile_cols ? tables.cols - 1 : tj * kTileQuads + kTileQuads - 1};
 }
 
-void StateImpl::touch_rows(std::uint32_t i0, std::uint32_t i1, std::uint32_t j0, std::uint32_t j1,
-                           bool elastic) noexcept {
-    const auto first = [](std::uint32_t k, std::uint32_t tiles) { return owner(k == 0 ? 0 : k - 1, tiles); };
-    for (std::uint32_t ti = first(i0, tile_rows); ti <= owner(i1, tile_rows); ++ti)
-        for (std::uint32_t tj = first(j0, tile_cols); tj <= owner(j1, tile_cols); ++tj)
-            touch_tile(ti * tile_cols + tj, elastic);
+Rect StateImpl::window(std::uint32_t sample, std::uint32_t b) const noexcept {
+    const std::uint32_t i = sample / tables.cols, j = sample % tables.cols, r = b - 1;
+    return {i > r ? i - r : 0, std::min(i + r, tables.rows - 1), j > r ? j - r : 0, std::min(j + r, tables.cols - 1)};
 }
 
-void StateImpl::touch_sample(std::uint32_t s, bool elastic) noexcept {
-    if (s >= tables.grid)
-        touch_tile(tile_of(s), elastic);
-    else
-        touch_rows(s / tables.cols, s / tables.cols, s % tables.cols, s % tables.cols, elastic);
+void StateImpl::touch(const Rect& moved, bool plastic) noexcept {
+    now_boxes.dirty.add(moved);
+    normal_dirty.add(moved);
+    if (!plastic) {
+        elastic.add(moved);
+        return;
+    }
+    base_boxes.dirty.add(moved);
+    ++base_version;
+}
+
+void StateImpl::touch(const RectList& moved, bool plastic) noexcept {
+    now_boxes.dirty.add(moved);
+    normal_dirty.add(moved);
+    if (!plastic) {
+        elastic.add(moved);
+        return;
+    }
+    base_boxes.dirty.add(moved);
+    ++base_version;
 }
 
 void StateImpl::touch_all() noexcept {
-    for (std::uint32_t tile = 0; tile < tile_rows * tile_cols; ++tile) touch_tile(tile, false);
+    RectList everything;
+    everything.add(whole());
+    if (total() > tables.grid) {
+        everything.add_border(tables.grid);
+        everything.add_border(total() - 1);
+    }
+    touch(everything, true);
 }
 
 Result<void> build_pyramid(StateImpl& s) noexcept {
     s.tile_rows = tile_count(s.tables.rows - 1);
     s.tile_cols = tile_count(s.tables.cols - 1);
     const std::uint32_t tiles = s.tile_rows * s.tile_cols;
-    Pyramid& p = s.pyramid;
-    std::uint32_t r = s.tile_rows, c = s.tile_cols, nodes = 0;
-    for (p.levels = 0;; r = (r + 1) / 2, c = (c + 1) / 2) {
-        p.rows[p.levels] = r;
-        p.cols[p.levels] = c;
-        p.start[p.levels++] = nodes;
-        nodes += r * c;
-        if (r * c == 1) break;
-    }
-    if (!p.boxes.allocate(s.allocator, nodes, kEmpty) || !s.tile_flags.allocate(s.allocator, tiles) ||
-        !s.elastic_tiles.allocate(s.allocator, tiles) || !s.dirty_tiles.allocate(s.allocator, tiles) ||
+    if (!s.tile_flags.allocate(s.allocator, tiles) || !s.tile_list.allocate(s.allocator, tiles) ||
         !s.next_tiles.allocate(s.allocator, tiles) || !index_border(s, tiles))
-        return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the search pyramid"};
+        return kNoMemory;
+    for (Pyramid* p : {&s.now_boxes, &s.base_boxes}) {
+        std::uint32_t r = s.tile_rows, c = s.tile_cols, nodes = 0;
+        for (p->levels = 0;; r = (r + 1) / 2, c = (c + 1) / 2) {
+            p->rows[p->levels] = r;
+            p->cols[p->levels] = c;
+            p->start[p->levels++] = nodes;
+            nodes += r * c;
+            if (r * c == 1) break;
+        }
+        if (!p->boxes.allocate(s.allocator, nodes, kEmpty)) return kNoMemory;
+    }
+    s.now_boxes.at = StateImpl::fixed(s.now);
+    s.base_boxes.at = StateImpl::fixed(s.base);
     mark_special(s);
     s.touch_all();
-    refit(s);
+    refit(s, s.base_boxes);
+    refit(s, s.now_boxes);
     return {};
 }
 
-void refit(StateImpl& s) noexcept {
-    if (s.dirty_count == 0) return;
-    Pyramid& p = s.pyramid;
-    for (std::uint32_t k = 0; k < s.dirty_count; ++k) {
-        const std::uint32_t tile = s.dirty_tiles[k];
-        p.boxes[tile] = leaf_box(s, tile);
-        s.tile_flags[tile] &= static_cast<std::uint8_t>(~kTileDirty);
+void refit(StateImpl& s, Pyramid& p) noexcept {
+    if (p.dirty.empty()) return;
+    // A box reaches one quad beyond the samples its tile owns.
+    const auto first = [](std::uint32_t k, std::uint32_t tiles) { return StateImpl::owner(k == 0 ? 0 : k - 1, tiles); };
+    for (std::uint32_t k = 0; k < p.dirty.count; ++k) {
+        const Rect& r = p.dirty.rects[k];
+        for (std::uint32_t ti = first(r.i0, s.tile_rows); ti <= StateImpl::owner(r.i1, s.tile_rows); ++ti)
+            for (std::uint32_t tj = first(r.j0, s.tile_cols); tj <= StateImpl::owner(r.j1, s.tile_cols); ++tj)
+                s.list_tile(ti * s.tile_cols + tj);
     }
+    if (p.dirty.border_low <= p.dirty.border_high)
+        for (std::uint32_t b = p.dirty.border_low; b <= p.dirty.border_high; ++b) s.list_tile(s.tile_of(b));
+    p.dirty.clear();
+    std::uint32_t count = s.tile_count_listed;
+    for (std::uint32_t k = 0; k < count; ++k) p.boxes[s.tile_list[k]] = leaf_box(s, p, s.tile_list[k]);
+    s.end_tile_list();
     // Up level by level. The flag of a parent's number keeps it from entering the next list twice; it is free for that
-    // use, since dirty leaves have just been cleared and parents are fewer than leaves.
-    std::uint32_t* now = s.dirty_tiles.data();
+    // use, since the leaves' have just been cleared and parents are fewer than leaves.
+    std::uint32_t* now = s.tile_list.data();
     std::uint32_t* next = s.next_tiles.data();
-    std::uint32_t count = s.dirty_count;
     for (std::uint32_t level = 1; level < p.levels; ++level) {
         std::uint32_t parents = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
             const std::uint32_t parent =
                 now[k] / p.cols[level - 1] / 2 * p.cols[level] + now[k] % p.cols[level - 1] / 2;
-            if ((s.tile_flags[parent] & kTileDirty) != 0) continue;
-            s.tile_flags[parent] |= kTileDirty;
+            if ((s.tile_flags[parent] & kTileListed) != 0) continue;
+            s.tile_flags[parent] |= kTileListed;
             next[parents++] = parent;
         }
         for (std::uint32_t k = 0; k < parents; ++k) {
             p.boxes[p.start[level] + next[k]] = parent_box(p, level, next[k]);
-            s.tile_flags[next[k]] &= static_cast<std::uint8_t>(~kTileDirty);
+            s.tile_flags[next[k]] &= static_cast<std::uint8_t>(~kTileListed);
         }
         std::swap(now, next);
         count = parents;
     }
-    s.dirty_count = 0;
 }
 
 }  // namespace dgm::detail

@@ -176,7 +176,7 @@ Result<MeshCounts> reconstruct(const State& state, const VertexTarget& vertices,
                                   for (std::uint32_t k = 0; k < s.total(); ++k) {
                                       if (out.wants_position()) out.position(k, s.point(k));
                                       if (out.wants_normal())
-                                          out.normal(k, s.tables.on_surface(k) ? detail::ring_normal(s, k) : Vec3{});
+                                          out.normal(k, detail::sample_normal(s, detail::StateImpl::fixed(s.now), k));
                                   }
                                   return {};
                               });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <dgm/deform.h>
 
@@ -43,22 +44,32 @@ bool copy_tables(StateImpl& s, const ChartTables& t) noexcept {
     return true;
 }
 
+/// Floats from one plane to the next: 448 bytes beyond a multiple of 4096, so that twelve planes are spread over the
+/// page and rows of one plane end on a cache line of their own.
+std::uint64_t plane_floats(std::uint64_t total) noexcept {
+    return (total + 1023) / 1024 * 1024 + 112;
+}
+
 bool copy_positions(StateImpl& s, const ChartTables& t) noexcept {
-    const std::uint64_t floats = 3 * std::uint64_t{t.total};
-    if (!s.rest.allocate(s.allocator, floats) || !s.base.allocate(s.allocator, floats) ||
-        !s.now.allocate(s.allocator, floats))
-        return false;
-    const std::size_t n = t.total;
+    s.plane = static_cast<std::size_t>(plane_floats(t.total));
+    if (!s.planes.allocate(s.allocator, 12 * std::uint64_t{s.plane})) return false;
+    std::size_t next = 0;
+    for (Planes* p : {&s.rest, &s.base, &s.now, &s.normal}) {
+        p->x = s.planes.data() + next;
+        p->y = p->x + s.plane;
+        p->z = p->y + s.plane;
+        next += 3 * s.plane;
+    }
     for (std::uint32_t k = 0; k < t.total; ++k) {
         Vec3 p = t.position(k);
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
             p = {};  // off the surface: checked before
-        s.rest[k] = p.x;
-        s.rest[n + k] = p.y;
-        s.rest[2 * n + k] = p.z;
+        s.rest.x[k] = p.x;
+        s.rest.y[k] = p.y;
+        s.rest.z[k] = p.z;
     }
-    std::memcpy(s.base.data(), s.rest.data(), s.rest.size() * sizeof(float));
-    std::memcpy(s.now.data(), s.rest.data(), s.rest.size() * sizeof(float));
+    std::memcpy(s.base.x, s.rest.x, 3 * s.plane * sizeof(float));
+    std::memcpy(s.now.x, s.rest.x, 3 * s.plane * sizeof(float));
     return true;
 }
 
@@ -75,36 +86,132 @@ bool index_faces(StateImpl& s) noexcept {
     return true;
 }
 
-bool make_scratch(StateImpl& s) noexcept {
+std::uint64_t walk_capacity(std::uint64_t total, std::uint64_t max_reach) noexcept {
     // A window of (2b - 1)^2 steps holds more samples than that where several sheets meet at one seam node, each copy
     // bringing at most half a turn: eight sheets are nodes of 16 cut paths.
-    const std::uint64_t side = 2 * std::uint64_t{s.max_reach} - 1;
-    const std::uint64_t capacity = std::min<std::uint64_t>(s.total(), 8 * side * side);
-    if (s.classes_or_border()) {
-        if (!s.walk.slot_of.allocate(s.allocator, s.total(), kNone) || !s.walk.nodes.allocate(s.allocator, capacity) ||
-            !s.walk.heap.allocate(s.allocator, capacity) || !s.walk.visited.allocate(s.allocator, capacity))
+    const std::uint64_t side = 2 * max_reach - 1;
+    return std::min<std::uint64_t>(total, 8 * side * side);
+}
+
+bool make_scratch(StateImpl& s, std::uint32_t max_tools) noexcept {
+    const Allocator& a = s.allocator;
+    const std::uint64_t capacity = walk_capacity(s.total(), s.max_reach);
+    if (s.tables.free_domain) {
+        if (!s.walk.slot_of.allocate(a, s.total(), kNone) || !s.walk.nodes.allocate(a, capacity) ||
+            !s.walk.heap.allocate(a, capacity) || !s.walk.visited.allocate(a, capacity))
             return false;
     }
-    return s.walk.class_node.allocate(s.allocator, s.class_count, kNone) &&
-           s.walk.classes.allocate(s.allocator, s.class_count);
+    FootprintScratch& f = s.footprint;
+    if (!f.key.allocate(a, s.total(), std::numeric_limits<float>::infinity()) || !f.weight.allocate(a, s.total()) ||
+        !f.samples.allocate(a, s.total()) || !f.classes.allocate(a, s.class_count) ||
+        !f.class_seen.allocate(a, s.class_count))
+        return false;
+    GeodesicScratch& g = s.geodesic;
+    if (!g.nodes.allocate(a, s.total()) || !g.touched.allocate(a, s.total())) return false;
+    for (std::uint32_t& head : g.head) head = kNone;
+    return s.tools.allocate(a, max_tools);
 }
 
 /// Upper bound of what create() takes, for StateOptions::max_bytes.
-std::uint64_t bytes_needed(const ChartTables& t, std::uint32_t max_reach) noexcept {
-    const std::uint64_t side = 2 * std::uint64_t{max_reach} - 1;
-    const std::uint64_t walk = std::min<std::uint64_t>(t.total, 8 * side * side) * (sizeof(WalkNode) + 8);
+std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept {
+    const std::uint64_t walk = t.free_domain ? walk_capacity(t.total, o.max_reach) * (sizeof(WalkNode) + 8) : 0;
     const std::uint64_t tiles = (std::uint64_t{tile_count(t.rows - 1)} * tile_count(t.cols - 1));
-    return std::uint64_t{t.total} * (36 + 4 + 4 + 4 + 2) + walk + tiles * 2 * (sizeof(Box) + 16) + t.faces.size() * 40 +
-           t.seams.size() * 80 + (t.rows + t.cols) * std::uint64_t{128} + 4096;
+    const std::uint64_t shape = 12 * plane_floats(t.total) * sizeof(float);
+    // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (20), classes,
+    // slots.
+    return shape + std::uint64_t{t.total} * (3 + 12 + 20 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
+           tiles * (4 * sizeof(Box) + 24) + t.faces.size() * 40 + t.seams.size() * 80 +
+           (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) + 4096;
+}
+
+/// Element `column` of a layer [m][n][width], 0 .. 1 each; nothing is kept if all are 1.
+Result<void> copy_share(StateImpl& s, const Chart& chart, const char* name, std::size_t width, std::size_t column,
+                        Array<float>& to) noexcept {
+    auto layer = chart.find(name);
+    if (!layer) return {};
+    auto values = layer.value().as<float>();
+    if (!values) return values.error();
+    if (values.value().size() != s.tables.grid * width)
+        return Error{ErrorCode::BadLayer, layer.value().file_offset, "the layer does not fit the grid"};
+    const float* from = values.value().data() + column;
+    if (!to.allocate(s.allocator, s.tables.grid, 1.0f)) return kNoMemory;
+    bool all_one = true;
+    for (std::size_t k = 0; k < s.tables.grid; ++k) {
+        if (!s.tables.on_surface(static_cast<std::uint32_t>(k))) continue;
+        const float v = from[width * k];
+        if (!(v >= 0 && v <= 1))
+            return Error{ErrorCode::BadValue, layer.value().file_offset + 4 * (width * k + column),
+                         "stiffness or mobility is not in 0..1"};
+        to[k] = v;
+        all_one = all_one && v == 1;
+    }
+    if (all_one) to = Array<float>{};
+    return {};
+}
+
+/// Copies of a class take what their representative holds.
+void weld_share(const StateImpl& s, Array<float>& values) noexcept {
+    if (values.empty()) return;
+    for (std::uint32_t id = 0; id < s.class_count; ++id) {
+        const auto members = s.members(id);
+        const float v = members[0] < s.tables.grid ? values[members[0]] : 1;
+        for (const std::uint32_t copy : members)
+            if (copy < s.tables.grid) values[copy] = v;
+    }
+}
+
+/// E, F, G per grid step, from the layer or by differences of the rest shape (one-sided at the chart's border).
+Result<void> copy_metric(StateImpl& s, const Chart& chart) noexcept {
+    const ChartTables& t = s.tables;
+    if (!s.metric.allocate(s.allocator, 3 * std::uint64_t{t.grid})) return kNoMemory;
+    if (auto layer = chart.find("deformation")) {
+        auto values = layer.value().as<float>();
+        if (!values) return values.error();
+        if (values.value().size() != 4 * std::size_t{t.grid})
+            return Error{ErrorCode::BadLayer, layer.value().file_offset, "the layer does not fit the grid"};
+        for (std::size_t k = 0; k < t.grid; ++k)
+            for (std::size_t e = 0; e < 3; ++e) {
+                const float v = values.value()[4 * k + e];
+                if (!std::isfinite(v) && t.on_surface(static_cast<std::uint32_t>(k)))
+                    return Error{ErrorCode::BadValue, layer.value().file_offset + 4 * (4 * k + e),
+                                 "the first fundamental form is not finite"};
+                s.metric[3 * k + e] = std::isfinite(v) ? v : 0;
+            }
+        return {};
+    }
+    const auto tangent = [&](std::uint32_t k, bool before, bool after, std::uint32_t step) {
+        const std::uint32_t p = before && t.on_surface(k - step) ? k - step : k;
+        const std::uint32_t q = after && t.on_surface(k + step) ? k + step : k;
+        return p + 2 * step == q ? 0.5f * (StateImpl::at(s.rest, q) - StateImpl::at(s.rest, p))
+                                 : StateImpl::at(s.rest, q) - StateImpl::at(s.rest, p);
+    };
+    for (std::uint32_t i = 0; i < t.rows; ++i)
+        for (std::uint32_t j = 0; j < t.cols; ++j) {
+            const std::uint32_t k = i * t.cols + j;
+            const Vec3 u = tangent(k, i > 0, i + 1 < t.rows, t.cols), v = tangent(k, j > 0, j + 1 < t.cols, 1);
+            s.metric[3 * std::size_t{k}] = dot(u, u);
+            s.metric[3 * std::size_t{k} + 1] = dot(u, v);
+            s.metric[3 * std::size_t{k} + 2] = dot(v, v);
+        }
+    return {};
+}
+
+Result<void> copy_behaviour(StateImpl& s, const Chart& chart, bool metric) noexcept {
+    if (auto r = copy_share(s, chart, "deformation", 4, 3, s.stiffness); !r) return r;
+    if (auto r = copy_share(s, chart, "contact", 2, 1, s.mobility); !r) return r;
+    weld_share(s, s.stiffness);
+    weld_share(s, s.mobility);
+    return metric ? copy_metric(s, chart) : Result<void>{};
 }
 
 Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options) noexcept {
     auto found = read_tables(chart);
     if (!found) return found.error();
     const ChartTables& t = found.value();
-    if (bytes_needed(t, options.max_reach) > options.max_bytes)
+    if (bytes_needed(t, options) > options.max_bytes)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "the state would take more memory than the limit allows"};
     s.max_reach = options.max_reach;
+    s.rows_of = &choose_rows(options.plain_loops);
     // Tables first, values after: what is checked is what is kept.
     ChartTables own = t;
     if (!copy_tables(s, t)) return kNoMemory;
@@ -120,8 +227,14 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     if (auto r = build_classes(s); !r) return r;
     if (auto r = build_links(s); !r) return r;
     s.tables.seams = {};
+    if (auto r = copy_behaviour(s, chart, options.metric); !r) return r;
+    if (auto r = build_rings(s); !r) return r;
     if (auto r = build_pyramid(s); !r) return r;
-    return make_scratch(s) ? Result<void>{} : Result<void>{kNoMemory};
+    update_normals(s);
+    s.elastic.clear();
+    for (std::uint32_t k = 0; k < s.total() && s.any_sample == kNone; ++k)
+        if (s.usable(k)) s.any_sample = k;
+    return make_scratch(s, options.max_tools) ? Result<void>{} : Result<void>{kNoMemory};
 }
 }  // namespace
 }  // namespace detail
@@ -131,6 +244,7 @@ Result<State> State::create(const Chart& chart, const StateOptions& options) noe
         return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
     if (options.max_reach < 1 || options.max_reach > kMaxReach)
         return Error{ErrorCode::BadArgument, kNoOffset, "max_reach is not in 1..1024"};
+    if (options.max_tools > 64) return Error{ErrorCode::BadArgument, kNoOffset, "max_tools is beyond 64"};
     detail::StateImpl* impl = detail::create<detail::StateImpl>(options.allocator, options.allocator);
     if (impl == nullptr) return detail::kNoMemory;
     State state(impl);
@@ -157,12 +271,22 @@ std::uint32_t State::sample_count() const noexcept {
     return impl_->total();
 }
 PointView State::positions() const noexcept {
-    const std::size_t n = impl_->total();
-    return {impl_->now.data(), impl_->now.data() + n, impl_->now.data() + 2 * n, n, 1};
+    return {impl_->now.x, impl_->now.y, impl_->now.z, impl_->total(), 1};
 }
 PointView State::rest_positions() const noexcept {
-    const std::size_t n = impl_->total();
-    return {impl_->rest.data(), impl_->rest.data() + n, impl_->rest.data() + 2 * n, n, 1};
+    return {impl_->rest.x, impl_->rest.y, impl_->rest.z, impl_->total(), 1};
+}
+PointView State::normals() const noexcept {
+    return {impl_->normal.x, impl_->normal.y, impl_->normal.z, impl_->total(), 1};
+}
+void State::update_normals() noexcept {
+    detail::update_normals(*impl_);
+}
+float State::mean_step() const noexcept {
+    return impl_->mean_step;
+}
+const char* State::loops() const noexcept {
+    return impl_->rows_of->name;
 }
 bool State::on_surface(std::uint32_t sample) const noexcept {
     return impl_->usable(sample);
@@ -177,37 +301,28 @@ std::span<const std::uint32_t> State::class_members(std::uint32_t id) const noex
     return id < impl_->class_count ? impl_->members(id) : std::span<const std::uint32_t>{};
 }
 Vec3 State::normal(std::uint32_t sample) const noexcept {
-    return impl_->usable(sample) ? detail::ring_normal(*impl_, sample) : Vec3{};
+    return detail::sample_normal(*impl_, detail::StateImpl::fixed(impl_->now), sample);
 }
 
 void State::release() noexcept {
-    detail::StateImpl& s = *impl_;
-    const std::size_t n = s.total();
-    const std::uint32_t count = s.elastic_count;
-    s.elastic_count = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-        const std::uint32_t tile = s.elastic_tiles[k], ti = tile / s.tile_cols, tj = tile % s.tile_cols;
-        const std::uint32_t i1 = std::min(ti * kTileQuads + kTileQuads + 1, s.tables.rows);
-        const std::uint32_t j0 = tj * kTileQuads, j1 = std::min(j0 + kTileQuads + 1, s.tables.cols);
-        for (std::size_t plane = 0; plane < 3 * n; plane += n) {
-            for (std::uint32_t i = ti * kTileQuads; i < i1; ++i) {
-                const std::size_t at = plane + std::size_t{i} * s.tables.cols;
-                std::copy(s.base.data() + at + j0, s.base.data() + at + j1, s.now.data() + at + j0);
-            }
-            for (std::uint32_t b = s.tile_border_start[tile]; b < s.tile_border_start[tile + 1]; ++b)
-                s.now[plane + s.tile_border[b]] = s.base[plane + s.tile_border[b]];
-        }
-        s.tile_flags[tile] &= static_cast<std::uint8_t>(~detail::kTileElastic);
-        s.touch_tile(tile, false);
-    }
+    detail::release_elastic(*impl_);
+}
+
+Result<void> State::relax(float dt, float rate) noexcept {
+    if (!(dt >= 0) || !std::isfinite(dt) || !(rate >= 0))
+        return Error{ErrorCode::BadArgument, kNoOffset, "the time step or the rate is negative or not a number"};
+    if (std::isinf(rate))
+        release();
+    else
+        detail::relax_elastic(*impl_, std::exp(-rate * dt), 1e-6f * impl_->mean_step);
+    return {};
 }
 
 void State::reset() noexcept {
     detail::StateImpl& s = *impl_;
-    std::memcpy(s.base.data(), s.rest.data(), s.rest.size() * sizeof(float));
-    std::memcpy(s.now.data(), s.rest.data(), s.rest.size() * sizeof(float));
-    for (std::uint8_t& flags : s.tile_flags) flags &= static_cast<std::uint8_t>(~detail::kTileElastic);
-    s.elastic_count = 0;
+    std::memcpy(s.base.x, s.rest.x, 3 * s.plane * sizeof(float));
+    std::memcpy(s.now.x, s.rest.x, 3 * s.plane * sizeof(float));
+    s.elastic.clear();
     s.touch_all();
 }
 

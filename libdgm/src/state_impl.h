@@ -2,14 +2,19 @@
 // libdgm/src/state_impl.h
 // What a State holds. Coordinates stand in planes (all x, then all y, then all z): deform and normals stream them.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include <dgm/deform.h>
 #include <dgm/grid.h>
 #include <dgm/state.h>
 
 #include "chart_tables.h"
 #include "memory.h"
+#include "rect_list.h"
+#include "rows.h"
+#include "tool_slot.h"
 
 namespace dgm::detail {
 
@@ -34,16 +39,23 @@ struct WalkNode {
 };
 
 inline constexpr std::uint8_t kTileSpecial = 1;  ///< holds seam samples, a free border or samples off the surface
-inline constexpr std::uint8_t kTileElastic = 2;  ///< touched since the last release
-inline constexpr std::uint8_t kTileDirty = 4;    ///< box out of date
+inline constexpr std::uint8_t kTileListed = 2;   ///< in StateImpl::tile_list; only while one function runs
+
+inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows.h is in the ring
+inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
+
+inline constexpr std::uint8_t kRingObtuse = 32;  ///< of a rest triangle with an angle above 101 or below 14 degrees
 
 inline constexpr std::uint32_t kMaxLevels = 16;  // 8192 leaf tiles a side halve to 1 in 13 steps
 
+/// Boxes over 8 x 8 quads up to one root, over one of the state's shapes.
 struct Pyramid {
     Array<Box> boxes;  ///< leaf level first, row-major, up to the root
     std::uint32_t levels = 0;
     std::uint32_t rows[kMaxLevels] = {}, cols[kMaxLevels] = {};
     std::uint32_t start[kMaxLevels] = {};
+    ConstPlanes at = {};
+    RectList dirty;  ///< moved since the last refit
 };
 
 /// Memory of a walk, emptied after each.
@@ -52,20 +64,66 @@ struct WalkScratch {
     Array<WalkNode> nodes;
     Array<std::uint32_t> heap, visited;  ///< node numbers
     std::uint32_t node_count = 0, heap_count = 0, visited_count = 0;
-    Array<std::uint32_t> class_node;  ///< class -> nearest node, or kNone
-    Array<std::uint32_t> classes;     ///< classes met
+};
+
+/// A copy of the chart placed in the plane of the contact: sample (i, j) lies at offset
+/// (c i - s j + x, s i + c j + y) from it, a quarter turn being (0, 1).
+struct Frame {
+    std::int32_t c, s, x, y;
+    Rect rect;  ///< its samples inside the window
+};
+
+/// Samples in reach and their weights; keys and weights are back at infinity and 0 when no footprint is built.
+struct FootprintScratch {
+    Array<float> key, weight;  ///< of every sample: distance^2 of its nearest place, and the kernel there
+    Frame frames[kMaxFrames];
+    std::uint32_t frame_count = 0;
+    Array<std::uint32_t> samples;  ///< besides the frames' rectangles
+    std::uint32_t sample_count = 0;
+    Array<std::uint32_t> classes;  ///< classes in reach
+    std::uint32_t class_count = 0;
+    Array<std::uint8_t> class_seen;
+    bool truncated = false;
+};
+
+/// A geodesic walk's memory, by sample (used at representatives); emptied after each.
+struct FrontNode {
+    float distance = __builtin_inff();
+    std::uint32_t next = kNone, previous = kNone;  ///< in the bucket's list
+    std::uint16_t bucket = 0;
+    std::uint8_t known = 0;
+    std::uint8_t unused = 0;
+};
+struct GeodesicScratch {
+    static constexpr std::uint32_t kBuckets = 256;
+    Array<FrontNode> nodes;
+    Array<std::uint32_t> touched;
+    std::uint32_t touched_count = 0;
+    std::uint32_t head[kBuckets];
 };
 
 struct StateImpl {
     explicit StateImpl(const Allocator& a) noexcept : allocator(a) {}
     Allocator allocator;
     std::uint32_t max_reach = 0;
+    const RowKernels* rows_of = nullptr;
     ChartTables tables;  ///< mask, diagonals, faces and seams point into the arrays below; layer pointers are null
-    Array<float> rest, base, now;  ///< 3 planes of `total`: baked, with plastic touches, with elastic ones
+    /// Twelve planes `plane` floats apart, no two alike modulo 4096 bytes: loads from one must not wait for stores to
+    /// another that only look the same to the processor.
+    Array<float> planes;
+    std::size_t plane = 0;
+    Planes rest = {}, base = {}, now = {};  ///< baked, with plastic touches, with elastic ones
+    Planes normal = {};                     ///< of `now` but for `normal_dirty`
+    float normal_scale = 1;
+    float mean_step = 1;
     Array<std::uint8_t> mask, diagonals;
+    Array<std::uint8_t> ring;  ///< per grid sample, see kRing*
+    bool uniform = false;      ///< every diagonal is 0
     Array<std::uint32_t> faces;
     Array<float> border_uv;
     Array<std::uint32_t> face_start, face_of;  ///< free domain: border faces of each sample
+    Array<float> stiffness, mobility;          ///< per grid sample; empty if all are 1
+    Array<float> metric;                       ///< E, F, G per grid sample; empty unless asked for
 
     Array<std::uint32_t> class_of, class_start, class_members;
     Array<std::uint32_t> link_start;  ///< by place in class_members
@@ -74,25 +132,36 @@ struct StateImpl {
 
     std::uint32_t tile_rows = 0, tile_cols = 0;
     Array<std::uint8_t> tile_flags;
-    Array<std::uint32_t> elastic_tiles, dirty_tiles, next_tiles;
-    std::uint32_t elastic_count = 0, dirty_count = 0;
+    Array<std::uint32_t> tile_list, next_tiles;
+    std::uint32_t tile_count_listed = 0;
     Array<std::uint32_t> tile_border_start, tile_border;  ///< border samples of each tile
-    Pyramid pyramid;
+    Pyramid now_boxes, base_boxes;
+    RectList elastic;       ///< where now may differ from base
+    RectList normal_dirty;  ///< moved since update_normals()
+    std::uint32_t base_version = 0;
     WalkScratch walk;
+    FootprintScratch footprint;
+    GeodesicScratch geodesic;
+    Array<ToolSlot> tools;
+    std::uint32_t any_sample = kNone;  ///< the first on the surface
 
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
-    /// Some window can reach a seam or a free border, so walks are needed.
+    /// Some window can reach a seam or a free border, so unfolding is needed.
     [[nodiscard]] bool classes_or_border() const noexcept { return class_count != 0 || tables.free_domain; }
-    [[nodiscard]] Vec3 point(std::uint32_t s) const noexcept {
-        const std::size_t n = tables.total;
-        return {now[s], now[n + s], now[2 * n + s]};
-    }
+    [[nodiscard]] static Vec3 at(const Planes& p, std::uint32_t s) noexcept { return {p.x[s], p.y[s], p.z[s]}; }
+    [[nodiscard]] static Vec3 at(const ConstPlanes& p, std::uint32_t s) noexcept { return {p.x[s], p.y[s], p.z[s]}; }
+    [[nodiscard]] static ConstPlanes fixed(const Planes& p) noexcept { return {p.x, p.y, p.z}; }
+    [[nodiscard]] Vec3 point(std::uint32_t s) const noexcept { return at(now, s); }
     [[nodiscard]] bool usable(std::uint32_t s) const noexcept { return s < tables.total && tables.on_surface(s); }
     [[nodiscard]] std::uint32_t class_id(std::uint32_t s) const noexcept {
         return class_of.empty() ? kNone : class_of[s];
     }
     [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t id) const noexcept {
         return {class_members.data() + class_start[id], class_start[id + 1] - class_start[id]};
+    }
+    [[nodiscard]] std::uint32_t representative(std::uint32_t s) const noexcept {
+        const std::uint32_t id = class_id(s);
+        return id == kNone ? s : class_members[class_start[id]];
     }
     /// (row, column) of a sample in grid steps.
     struct Place {
@@ -110,11 +179,26 @@ struct StateImpl {
         return t < tiles ? t : tiles - 1;
     }
     [[nodiscard]] std::uint32_t tile_of(std::uint32_t s) const noexcept;
-    /// Notes that samples of rows i0..i1, columns j0..j1 moved (boxes reach one quad beyond their own samples).
-    void touch_rows(std::uint32_t i0, std::uint32_t i1, std::uint32_t j0, std::uint32_t j1, bool elastic) noexcept;
-    void touch_sample(std::uint32_t s, bool elastic) noexcept;
-    void touch_tile(std::uint32_t tile, bool elastic) noexcept;
+    /// Samples a tile owns: 8 x 8, the last row and column with the last tiles.
+    [[nodiscard]] Rect tile_rect(std::uint32_t tile) const noexcept;
+    /// Window of half size b - 1 around a grid sample, clipped by the grid.
+    [[nodiscard]] Rect window(std::uint32_t sample, std::uint32_t b) const noexcept;
+    [[nodiscard]] Rect whole() const noexcept { return {0, tables.rows - 1, 0, tables.cols - 1}; }
+    /// Notes that samples moved; `plastic`: in the base shape too.
+    void touch(const RectList& moved, bool plastic) noexcept;
+    void touch(const Rect& moved, bool plastic) noexcept;
     void touch_all() noexcept;
+    /// Appends a tile to tile_list once.
+    void list_tile(std::uint32_t tile) noexcept {
+        if ((tile_flags[tile] & kTileListed) != 0) return;
+        tile_flags[tile] |= kTileListed;
+        tile_list[tile_count_listed++] = tile;
+    }
+    void end_tile_list() noexcept {
+        for (std::uint32_t k = 0; k < tile_count_listed; ++k)
+            tile_flags[tile_list[k]] &= static_cast<std::uint8_t>(~kTileListed);
+        tile_count_listed = 0;
+    }
 };
 
 /// Seam classes from the pairs, then links from the border edges that two mates share. @return OutOfMemory.
@@ -122,10 +206,22 @@ struct StateImpl {
 [[nodiscard]] Result<void> build_links(StateImpl& state) noexcept;
 /// Tiles, their border samples and boxes. @return OutOfMemory.
 [[nodiscard]] Result<void> build_pyramid(StateImpl& state) noexcept;
-/// Brings the boxes of dirty tiles and of the nodes above them up to date.
-void refit(StateImpl& state) noexcept;
-/// Area-weighted unit normal over the welded ring; 0 without area.
-[[nodiscard]] Vec3 ring_normal(const StateImpl& state, std::uint32_t sample) noexcept;
+/// Brings the boxes of moved samples and of the nodes above them up to date.
+void refit(StateImpl& state, Pyramid& pyramid) noexcept;
+
+/// Which corners are in the ring of each sample, and which samples need ring_normal(). @return OutOfMemory.
+[[nodiscard]] Result<void> build_rings(StateImpl& state) noexcept;
+/// Area-weighted unit normal of a shape over the welded ring; 0 without area.
+[[nodiscard]] Vec3 ring_normal(const StateImpl& state, const ConstPlanes& shape, std::uint32_t sample) noexcept;
+/// The normal that update_normals() stores for `now`.
+[[nodiscard]] Vec3 sample_normal(const StateImpl& state, const ConstPlanes& shape, std::uint32_t sample) noexcept;
+/// Brings `normal` up to date around what moved.
+void update_normals(StateImpl& state) noexcept;
+
+/// now = base wherever it may differ.
+void release_elastic(StateImpl& state) noexcept;
+/// now = base + factor (now - base), exactly base where less than `still` is left.
+void relax_elastic(StateImpl& state, float factor, float still) noexcept;
 
 /// True if the window |di| < b, |dj| < b around grid sample (i, j) holds no seam and no free border, so that it is a
 /// plain rectangle clipped by the grid.
@@ -134,5 +230,53 @@ void refit(StateImpl& state) noexcept;
 /// stay in state.walk (visited order in `visited`) until end_walk(). @return LimitExceeded (then already ended).
 [[nodiscard]] Result<void> begin_walk(StateImpl& state, std::uint32_t start, std::uint32_t b) noexcept;
 void end_walk(StateImpl& state) noexcept;
+
+/// One contact of deform(): arguments checked, d clamped.
+struct Contact {
+    std::uint32_t sample;
+    Vec3 d;
+    Footprint footprint;
+    bool plastic;
+    float step;
+};
+struct TableImpl;
+
+/// Writes key and weight of every sample in reach into state.footprint, its frames, samples and classes; classes all
+/// have the values of their nearest copy. @return LimitExceeded; footprint.truncated as DeformReport says.
+[[nodiscard]] Result<void> begin_footprint(StateImpl& state, const TableImpl& table, const Contact& contact) noexcept;
+void end_footprint(StateImpl& state) noexcept;
+/// Square domain: copies of the chart placed over the window |x| < b, |y| < b around `start`, into footprint.frames,
+/// with kernel distances of `table` as keys (x^2 + y^2 if null); across seams as far as a copy lies nearest somewhere.
+void place_frames(StateImpl& state, const TableImpl* table, std::uint32_t start, std::uint32_t b) noexcept;
+
+/// Exact nearest sample of a shape by its pyramid (which must be refitted).
+struct Best {
+    float d2 = __builtin_inff();
+    std::uint32_t sample = kNone;
+    void offer(float d, std::uint32_t k) noexcept {
+        if (d < d2 || (d == d2 && k < sample)) {
+            d2 = d;
+            sample = k;
+        }
+    }
+};
+/// Improves `best`; samples of `except` are left out.
+void search_pyramid(const StateImpl& state, const Pyramid& pyramid, Vec3 tool, Best& best,
+                    const Rect* except = nullptr) noexcept;
+[[nodiscard]] bool is_finite(Vec3 v) noexcept;
+
+[[nodiscard]] Result<DeformReport> apply_contact(StateImpl& state, const TableImpl& table,
+                                                 const Contact& contact) noexcept;
+[[nodiscard]] Result<void> check_contact(const StateImpl& state, const TableImpl& table, Footprint footprint,
+                                         DeformMode mode, float d_max, float step) noexcept;
+/// A plain window (rectangle r) around a grid sample, in place on `now`.
+[[nodiscard]] MoveJob window_job(const StateImpl& state, const TableImpl& table, const Rect& r, std::uint32_t sample,
+                                 Vec3 d) noexcept;
+[[nodiscard]] Vec3 clamped(Vec3 d, float d_max) noexcept;
+
+/// Distances on the rest surface up to `radius` from a sample: geodesic.touched lists the representatives met,
+/// geodesic.nodes hold their distances until end_geodesic().
+void begin_geodesic(StateImpl& state, std::uint32_t start, float radius) noexcept;
+void end_geodesic(StateImpl& state) noexcept;
 
 }  // namespace dgm::detail

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/walk.cpp
-// The footprint at a seam: samples around a start, unfolded into its chart (deform.h says how).
+// The footprint at the border of a free domain: samples around a start, unfolded into its chart (deform.h says how).
 //
-// Best-first by d2 = x^2 + y^2, ties by sample number, one heap entry a sample. In a square domain all offsets are
-// whole numbers and all turns quarter turns, so float arithmetic is exact.
+// Best-first by d2 = x^2 + y^2, ties by sample number, one heap entry a sample.
 #include <algorithm>
 #include <cmath>
 
@@ -139,6 +138,8 @@ bool is_plain_window(const StateImpl& s, std::uint32_t sample, std::uint32_t b) 
     if (!s.classes_or_border()) return true;
     if (sample >= s.tables.grid) return false;
     const std::uint32_t i = sample / s.tables.cols, j = sample % s.tables.cols, r = b - 1;
+    // In a square domain everything special lies on the border of the grid.
+    if (!s.tables.free_domain && i > r && j > r && i + b < s.tables.rows && j + b < s.tables.cols) return true;
     const auto low = [r](std::uint32_t k, std::uint32_t tiles) { return StateImpl::owner(k > r ? k - r : 0, tiles); };
     const std::uint32_t i1 = StateImpl::owner(i + r, s.tile_rows), j1 = StateImpl::owner(j + r, s.tile_cols);
     for (std::uint32_t ti = low(i, s.tile_rows); ti <= i1; ++ti)

@@ -31,6 +31,18 @@ struct Nearest {
 [[nodiscard]] DGM_API Result<Nearest> track_sample(State& state, Vec3 tool, std::uint32_t last,
                                                    std::uint32_t a) noexcept;
 
+struct Tracked {
+    std::uint32_t sample = kNone;
+    float distance = 0;  ///< local units
+    bool lost = false;   ///< the window alone had missed it
+};
+
+/// track_sample() made certain: what the window found bounds a search of the pyramid, whose lower bounds either confirm
+/// it or lead to the nearer sample. Never wrong: the answer of nearest_sample().
+/// @return as track_sample(). No allocation.
+[[nodiscard]] DGM_API Result<Tracked> track_nearest(State& state, Vec3 tool, std::uint32_t last,
+                                                    std::uint32_t a) noexcept;
+
 /// Paper section 5.1: the tool touches when N_t . N_n < 0.
 ///
 /// @param tool_vector  N_t: from the nearest sample to the tool

@@ -115,16 +115,23 @@ typedef struct dgm_vertex_target {
 
 typedef struct dgm_state_options {
     uint32_t struct_size;
-    uint32_t max_reach; /* 0: 65 */
-    uint64_t max_bytes; /* 0: no limit */
+    uint32_t max_reach;   /* 0: 65 */
+    uint64_t max_bytes;   /* 0: no limit */
+    uint32_t metric;      /* 1: keep what metric footprints need */
+    uint32_t max_tools;   /* 0: 4 */
+    uint32_t plain_loops; /* 1: no vector instructions beyond the baseline */
 } dgm_state_options;
 
 typedef struct dgm_kernel_options {
     uint32_t struct_size;
-    uint32_t shape; /* 0 circular */
-    uint32_t end;   /* 0 eq. 7 as printed, 1 compact */
-    uint32_t reach; /* b of eq. 7 */
-    float sigma;    /* squared grid steps */
+    uint32_t shape;           /* 0 circular, 1 elliptic, 2 user */
+    uint32_t end;             /* 0 eq. 7 as printed, 1 compact */
+    uint32_t reach;           /* b of eq. 7 */
+    float sigma;              /* squared grid steps */
+    float radius_a, radius_b; /* elliptic: grid steps to weight 1/e */
+    float angle;              /* elliptic: radians from +i towards +j */
+    const float* values;      /* user: weights at equal distances 0 .. b, copied */
+    size_t value_count;
 } dgm_kernel_options;
 
 typedef struct dgm_touch {
@@ -132,8 +139,9 @@ typedef struct dgm_touch {
     uint32_t sample;
     float displacement[3];
     float d_max;
-    uint32_t footprint; /* 0 grid */
+    uint32_t footprint; /* 0 grid, 1 metric, 2 geodesic */
     uint32_t mode;      /* 0 elastic, 1 plastic */
+    float step;         /* metric, geodesic: local length of a kernel step; 0: the mean one */
 } dgm_touch;
 
 typedef struct dgm_deform_report {
@@ -141,7 +149,48 @@ typedef struct dgm_deform_report {
     uint32_t samples;
     float displacement[3];
     uint32_t crossed_seam;
+    uint32_t truncated;
 } dgm_deform_report;
+
+/* A tool in a tick. In arrays elements stand struct_size bytes apart, the same for all. */
+typedef struct dgm_tool_input {
+    uint32_t struct_size;
+    uint32_t tool;     /* 0 .. max_tools - 1, each at most once */
+    uint32_t kind;     /* 0 touch, 1 poke, 2 grasp */
+    uint32_t lifted;   /* 1: lets go, does not touch */
+    float position[3]; /* local coordinates */
+} dgm_tool_input;
+
+typedef struct dgm_tool_output {
+    uint32_t struct_size;
+    uint32_t sample; /* nearest sample of the permanent shape */
+    float distance;
+    uint32_t hit;     /* N_t . N_n < 0 */
+    uint32_t lost;    /* the window did not certify the sample: the pyramid was searched */
+    uint32_t holding; /* in contact or grasping */
+    uint32_t contact; /* displaced sample, or DGM_NONE */
+    float displacement[3];
+    float force[3];
+} dgm_tool_output;
+
+typedef struct dgm_tick_options {
+    uint32_t struct_size;
+    uint32_t footprint, mode; /* as dgm_touch */
+    uint32_t rule;            /* 0 smooth, 1 as the paper prints it */
+    uint32_t skip_normals;    /* 1: leave dgm_state_normals() as they are */
+    float dt;                 /* seconds; 0: 0.001 */
+    float d_max, f_max;
+    float relax_rate;     /* 1/s; 0: springs back at once, negative: never */
+    float settle_time;    /* seconds; 0: 0.01, negative: none */
+    float grasp_distance; /* 0: four mean steps */
+    float step;           /* as dgm_touch */
+} dgm_tick_options;
+
+typedef struct dgm_tick_report {
+    uint32_t struct_size;
+    uint32_t contacts, samples;
+    uint32_t crossed_seam, truncated;
+} dgm_tick_report;
 
 DGM_API uint32_t dgm_abi_version(void);
 /* Stable name of a code, e.g. "BAD_INDEX". */
@@ -179,6 +228,13 @@ DGM_API dgm_code dgm_state_create(const dgm_asset* asset, uint32_t chart, const 
 DGM_API void dgm_state_destroy(dgm_state* state);
 DGM_API void dgm_state_release(dgm_state* state); /* ends elastic touches */
 DGM_API void dgm_state_reset(dgm_state* state);   /* back to rest */
+/* Fading: rate in 1/s, infinity is release. */
+DGM_API dgm_code dgm_state_relax(dgm_state* state, float dt, float rate, dgm_error* error);
+DGM_API void dgm_state_update_normals(dgm_state* state);
+/* The state's own arrays: x, y, z of all samples. normals: as of the last tick or dgm_state_update_normals(). */
+DGM_API size_t dgm_state_positions(const dgm_state* state, const float* xyz[3]);
+DGM_API size_t dgm_state_normals(const dgm_state* state, const float* xyz[3]);
+DGM_API float dgm_state_mean_step(const dgm_state* state);
 DGM_API uint32_t dgm_state_sample_count(const dgm_state* state);
 DGM_API dgm_code dgm_state_position(const dgm_state* state, uint32_t sample, float position[3], dgm_error* error);
 DGM_API dgm_code dgm_state_normal(const dgm_state* state, uint32_t sample, float normal[3], dgm_error* error);
@@ -191,12 +247,20 @@ DGM_API dgm_code dgm_table_create(const dgm_kernel_options* options, const dgm_a
                                   dgm_error* error);
 DGM_API void dgm_table_destroy(dgm_table* table);
 DGM_API float dgm_table_weight(const dgm_table* table, float di, float dj);
+DGM_API float dgm_table_profile(const dgm_table* table, float distance);
 DGM_API dgm_code dgm_deform(dgm_state* state, const dgm_table* table, const dgm_touch* touch, dgm_deform_report* report,
                             dgm_error* error);
 DGM_API dgm_code dgm_nearest_sample(dgm_state* state, const float tool[3], uint32_t* sample, float* distance,
                                     dgm_error* error);
 DGM_API dgm_code dgm_track_sample(dgm_state* state, const float tool[3], uint32_t last, uint32_t a, uint32_t* sample,
                                   float* distance, dgm_error* error);
+/* dgm_track_sample() made certain by the pyramid; *lost: the window alone had missed the sample. */
+DGM_API dgm_code dgm_track_nearest(dgm_state* state, const float tool[3], uint32_t last, uint32_t a, uint32_t* sample,
+                                   float* distance, uint32_t* lost, dgm_error* error);
+/* One turn of the haptic loop: track, hit, force, deform, normals (tick.h). outputs and report may be null. */
+DGM_API dgm_code dgm_tick(dgm_state* state, const dgm_table* table, const dgm_tick_options* options,
+                          const dgm_tool_input* tools, size_t tool_count, dgm_tool_output* outputs,
+                          dgm_tick_report* report, dgm_error* error);
 /* N_t . N_n < 0, paper section 5.1: tool_vector from the nearest sample to the tool. */
 DGM_API dgm_code dgm_hit_test(const float tool_vector[3], const float normal[3], uint32_t* hit, dgm_error* error);
 /* f = -(d / |d_max|)^3 f_max per axis, paper eqs. 8-10. */

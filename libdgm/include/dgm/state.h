@@ -24,16 +24,22 @@ struct StateOptions {
     std::uint32_t max_reach = 65;  ///< largest kernel reach b and tracking window a + 1 this state will be asked for
     std::uint64_t max_bytes = ~std::uint64_t{0};  ///< refuse to take more memory than this
     Allocator allocator = {};
+    bool metric = false;          ///< keep the first fundamental form for metric footprints (layer `deformation`, else
+                                  ///< computed): 12 bytes a sample more
+    std::uint32_t max_tools = 4;  ///< tools that tick() tells apart; at most 64
+    bool plain_loops = false;     ///< do without the processor's vector instructions beyond the baseline
 };
 
 /// Shape of one chart that tools can touch. Independent of the Asset once created.
 ///
-/// Memory: about 48 bytes a sample, all taken at creation; no later call allocates. One thread at a time.
+/// Memory: about 75 bytes a sample, all taken at creation; no later call allocates. One thread at a time.
 /// Copies of a seam class hold the same bits at all times.
 class State {
  public:
-    /// Decodes the geometry and checks the chart's values (validate_chart).
-    /// @return MissingLayer without geometry, what validate_chart answers, LimitExceeded, OutOfMemory, BadArgument.
+    /// Decodes the geometry, and stiffness and mobility if there are such layers, and checks the chart's values
+    /// (validate_chart).
+    /// @return MissingLayer without geometry, what validate_chart answers, BadValue for a stiffness or mobility outside
+    ///         0 .. 1 or a first fundamental form that is not finite, LimitExceeded, OutOfMemory, BadArgument.
     [[nodiscard]] DGM_API static Result<State> create(const Chart& chart, const StateOptions& options = {}) noexcept;
     DGM_API State(State&& other) noexcept;
     DGM_API State& operator=(State&& other) noexcept;
@@ -55,9 +61,21 @@ class State {
 
     /// Area-weighted unit normal of the present shape over the welded ring; 0 where there is no area or no sample.
     [[nodiscard]] DGM_API Vec3 normal(std::uint32_t sample) const noexcept;
+    /// The same for all samples, as of the last update_normals() or tick().
+    [[nodiscard]] DGM_API PointView normals() const noexcept;
+    /// Brings normals() up to date where the shape was touched since. O(touched samples).
+    DGM_API void update_normals() noexcept;
+    /// Square root of the mean area of a rest quad: the length of a grid step, on the whole.
+    [[nodiscard]] DGM_API float mean_step() const noexcept;
+    /// Instruction set in use: "plain" or "avx2".
+    [[nodiscard]] DGM_API const char* loops() const noexcept;
 
-    /// Ends every elastic touch: the present shape becomes the permanent one where it was touched. O(touched tiles).
+    /// Ends every elastic touch: the present shape becomes the permanent one where it was touched. O(touched samples).
     DGM_API void release() noexcept;
+    /// Lets elastic touches fade: the elastic displacement of every sample is multiplied by exp(-rate * dt). What is
+    /// left of it below 1e-6 mean steps goes at once, so that work ends. rate in 1/s, infinity is release(); dt in s.
+    /// @return BadArgument if either is negative or NaN, or dt is infinite; nothing has been changed then.
+    DGM_API Result<void> relax(float dt, float rate) noexcept;
     /// Back to rest, plastic deformation included. O(samples).
     DGM_API void reset() noexcept;
 

@@ -4,6 +4,7 @@
 
 #include <dgm/deform.h>
 #include <dgm/dgm.h>
+#include <dgm/tick.h>
 
 #include <cmath>
 
@@ -38,6 +39,117 @@ struct Handles {
         dgm_asset_close(asset);
     }
 };
+
+TEST(CApi, TickIsTheCppTick) {
+    Handles h;
+    State state = make_state(grid_chart(17, 33, sheet, tube_seams(17, 33)));
+    KernelOptions kernel;
+    kernel.reach = 5;
+    kernel.sigma = 8;
+    const DeformTable table = DeformTable::create(kernel).value();
+    auto options = sized<dgm_tick_options>();
+    options.d_max = 2;
+    options.f_max = 3;
+    TickOptions same;
+    same.d_max = 2;
+    same.f_max = 3;
+    for (int k = 0; k < 50; ++k) {
+        dgm_tool_input in[2] = {sized<dgm_tool_input>(), sized<dgm_tool_input>()};
+        ToolInput want_in[2];
+        for (std::uint32_t t = 0; t < 2; ++t) {
+            want_in[t].tool = in[t].tool = t;
+            in[t].kind = t;
+            want_in[t].kind = static_cast<ToolKind>(t);
+            want_in[t].engaged = k % 9 != 0;
+            in[t].lifted = k % 9 == 0 ? 1 : 0;
+            const Vec3 p{8 + 0.1f * float(k % 7), float((3 * k + 11 * int(t)) % 32), 0.5f - 0.2f * float(k % 5)};
+            want_in[t].position = p;
+            in[t].position[0] = p.x;
+            in[t].position[1] = p.y;
+            in[t].position[2] = p.z;
+        }
+        dgm_tool_output out[2] = {sized<dgm_tool_output>(), sized<dgm_tool_output>()};
+        ToolOutput want[2];
+        auto report = sized<dgm_tick_report>();
+        ASSERT_EQ(dgm_tick(h.state, h.table, &options, in, 2, out, &report, nullptr), DGM_OK);
+        const auto done = tick(state, table, same, want_in, want);
+        ASSERT_TRUE(done.ok());
+        EXPECT_EQ(report.contacts, done.value().contacts);
+        EXPECT_EQ(report.samples, done.value().samples);
+        EXPECT_EQ(report.crossed_seam, done.value().crossed_seam ? 1u : 0u);
+        for (std::size_t t = 0; t < 2; ++t) {
+            EXPECT_EQ(out[t].sample, want[t].sample);
+            EXPECT_EQ(out[t].distance, want[t].distance);
+            EXPECT_EQ(out[t].hit, want[t].hit ? 1u : 0u);
+            EXPECT_EQ(out[t].holding, want[t].holding ? 1u : 0u);
+            EXPECT_EQ(out[t].contact, want[t].contact);
+            EXPECT_EQ((Vec3{out[t].force[0], out[t].force[1], out[t].force[2]}), want[t].force);
+            EXPECT_EQ((Vec3{out[t].displacement[0], out[t].displacement[1], out[t].displacement[2]}),
+                      want[t].displacement);
+        }
+        const float *p[3], *n[3];
+        ASSERT_EQ(dgm_state_positions(h.state, p), 17u * 33);
+        ASSERT_EQ(dgm_state_normals(h.state, n), 17u * 33);
+        for (std::size_t s = 0; s < 17 * 33; ++s) {
+            ASSERT_TRUE(same_bits({p[0][s], p[1][s], p[2][s]}, state.positions()[s]));
+            ASSERT_TRUE(same_bits({n[0][s], n[1][s], n[2][s]}, state.normals()[s]));
+        }
+    }
+    EXPECT_EQ(dgm_state_relax(h.state, 0.01f, 10, nullptr), DGM_OK);
+    EXPECT_EQ(dgm_state_relax(h.state, 0.01f, -1, nullptr), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(dgm_state_mean_step(h.state), state.mean_step());
+}
+
+TEST(CApi, TickRefusesWithoutHarm) {
+    Handles h;
+    auto options = sized<dgm_tick_options>();
+    options.d_max = 1;
+    auto in = sized<dgm_tool_input>();
+    in.position[1] = NAN;
+    auto error = sized<dgm_error>();
+    EXPECT_EQ(dgm_tick(h.state, h.table, &options, &in, 1, nullptr, nullptr, &error), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(error.code, static_cast<std::uint32_t>(DGM_BAD_ARGUMENT));
+    in.position[1] = 3;
+    EXPECT_EQ(dgm_tick(h.state, h.table, nullptr, &in, 1, nullptr, nullptr, nullptr), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(dgm_tick(h.state, h.table, &options, nullptr, 1, nullptr, nullptr, nullptr), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(dgm_tick(nullptr, h.table, &options, &in, 1, nullptr, nullptr, nullptr), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(dgm_tick(h.state, h.table, &options, &in, 65, nullptr, nullptr, nullptr), DGM_BAD_ARGUMENT);
+    in.struct_size = 0;
+    EXPECT_EQ(dgm_tick(h.state, h.table, &options, &in, 1, nullptr, nullptr, nullptr), DGM_BAD_ARGUMENT);
+    in.struct_size = sizeof in;
+    EXPECT_EQ(dgm_tick(h.state, h.table, &options, &in, 1, nullptr, nullptr, nullptr), DGM_OK);
+    EXPECT_EQ(dgm_tick(h.state, h.table, &options, nullptr, 0, nullptr, nullptr, nullptr), DGM_OK);
+}
+
+TEST(CApi, KernelsAndCertifiedTracking) {
+    Handles h;
+    auto kernel = sized<dgm_kernel_options>();
+    kernel.shape = 1;
+    kernel.reach = 8;
+    kernel.radius_a = 6;
+    kernel.radius_b = 3;
+    dgm_table* table = nullptr;
+    ASSERT_EQ(dgm_table_create(&kernel, nullptr, &table, nullptr), DGM_OK);
+    EXPECT_NEAR(dgm_table_weight(table, 0, 3), std::exp(-1.0), 1e-6);
+    EXPECT_NEAR(dgm_table_weight(table, 6, 0), std::exp(-1.0), 1e-6);
+    EXPECT_NEAR(dgm_table_profile(table, 6), std::exp(-1.0), 1e-5);
+    dgm_table_destroy(table);
+    const float cone[2] = {1, 0};
+    kernel.shape = 2;
+    kernel.values = cone;
+    kernel.value_count = 2;
+    ASSERT_EQ(dgm_table_create(&kernel, nullptr, &table, nullptr), DGM_OK);
+    EXPECT_NEAR(dgm_table_weight(table, 2, 0), 0.75, 1e-6);
+    dgm_table_destroy(table);
+    kernel.values = nullptr;
+    EXPECT_EQ(dgm_table_create(&kernel, nullptr, &table, nullptr), DGM_BAD_ARGUMENT);
+    const float tool[3] = {8, 20, 1};
+    std::uint32_t sample = 0, certain = 0, lost = 9;
+    ASSERT_EQ(dgm_nearest_sample(h.state, tool, &sample, nullptr, nullptr), DGM_OK);
+    ASSERT_EQ(dgm_track_nearest(h.state, tool, 5 * 33 + 3, 2, &certain, nullptr, &lost, nullptr), DGM_OK);
+    EXPECT_EQ(certain, sample);
+    EXPECT_EQ(lost, 1u);
+}
 
 TEST(CApi, SameAnswersAsTheCppInterface) {
     Handles h;

@@ -11,11 +11,14 @@ extra=$(LC_ALL=C ldd "$library" | awk '{print $1}' |
 thrown=$("$nm" -D "$library" | grep -E '__cxa_(throw|allocate_exception|begin_catch|rethrow)|_Unwind_|__gxx_personality')
 [ -z "$thrown" ] || { echo "uses exceptions: $thrown"; bad=1; }
 
-foreign=$("$nm" -DC --defined-only "$library" | cut -d' ' -f3- | grep -vE '^(dgm_|dgm::)')
+foreign=$("$nm" -DC --defined-only "$library" | cut -d' ' -f3- | grep -vE '^(dgm_|dgm::|DGM_[0-9.]+$)')
 [ -z "$foreign" ] || { echo "shows foreign symbols: $foreign"; bad=1; }
 
 shown=$("$nm" -D --defined-only "$library" | grep -c ' T dgm_')
 [ "$shown" -ge 20 ] || { echo "shows only $shown C functions"; bad=1; }
+
+unversioned=$("$nm" -D --defined-only "$library" | grep ' T dgm_' | grep -v '@@DGM_')
+[ -z "$unversioned" ] || { echo "has symbols without a version: $unversioned"; bad=1; }
 
 text=$(size -A "$library" | awk '$1 == ".text" || $1 == ".rodata" {sum += $2} END {print sum}')
 [ "$text" -le 307200 ] || { echo "text is $text bytes, the limit is 300 KB"; bad=1; }

@@ -7,6 +7,7 @@
 #include <dgm/deform.h>
 #include <dgm/force.h>
 #include <dgm/reconstruct.h>
+#include <dgm/tick.h>
 
 #include <atomic>
 #include <cerrno>
@@ -83,6 +84,37 @@ TEST(Tick, TakesNoMemory) {
     const long after = g_allocations;
     EXPECT_TRUE(sound);
     EXPECT_EQ(after, before);
+}
+
+TEST(Tick, WholeTurnsTakeNoMemory) {
+    for (const bool seams : {false, true}) {
+        StateOptions options;
+        options.metric = true;
+        ChartSpec chart = seams ? grid_chart(65, 65, sheet, octahedral_seams(65)) : free_chart(65, 65, sheet);
+        State state = State::create(Opened(build({chart})).chart(), options).value();
+        KernelOptions kernel;
+        kernel.reach = 9;
+        const DeformTable table = DeformTable::create(kernel).value();
+        TickOptions o;
+        ToolOutput out[3];
+        bool sound = true;
+        const long before = g_allocations;
+        for (int k = 0; k < 3000; ++k) {
+            o.footprint = static_cast<Footprint>(k / 100 % 3);
+            o.mode = k % 500 < 20 ? DeformMode::Plastic : DeformMode::Elastic;
+            o.relax_rate = k % 300 < 150 ? 30.0f : std::numeric_limits<float>::infinity();
+            ToolInput in[3];
+            for (std::uint32_t t = 0; t < 3; ++t) {
+                in[t].tool = t;
+                in[t].kind = static_cast<ToolKind>(t);
+                in[t].position = {float((k + 20 * t) % 67), float(k * 7 % 65), 0.4f - 0.1f * float(k % 9)};
+            }
+            sound = sound && tick(state, table, o, {in, 1 + std::size_t(k % 3)}, out).ok();
+        }
+        const long after = g_allocations;
+        EXPECT_TRUE(sound);
+        EXPECT_EQ(after, before);
+    }
 }
 
 }  // namespace

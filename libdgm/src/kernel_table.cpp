@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/kernel_table.cpp
+// Kernels of deform.h and their tables.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "table_impl.h"
+
+namespace dgm {
+namespace detail {
+namespace {
+constexpr std::uint32_t kEntries = 4096;
+constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the table"};
+
+/// e^t - 1 - t without cancellation, t >= 0.
+double phi(double t) noexcept {
+    if (t > 0.1) return std::expm1(t) - t;
+    double sum = 1;  // t^2/2 (1 + t/3 (1 + t/4 (...))): 9 terms leave 0.1^9 * 2/11!
+    for (int k = 10; k >= 3; --k) sum = 1 + t / k * sum;
+    return t * t / 2 * sum;
+}
+
+/// Eq. 7 without d_c, or its compact form f_c (methods section 5), which is phi(R^2 - r^2) / phi(R^2).
+double gaussian(double r2, double sigma, double reach, KernelEnd end) noexcept {
+    const double q = r2 / sigma;
+    if (end == KernelEnd::Printed) return std::exp(-q);
+    const double R2 = reach * reach / sigma;
+    if (!(q < R2)) return 0;
+    if (R2 <= 1) return phi(R2 - q) / phi(R2);
+    const double rim = std::exp(-R2);
+    return std::max(0.0, (std::exp(-q) - rim * (1 + R2 - q)) / (1 - rim * (1 + R2)));
+}
+
+double kernel(const TableImpl& t, double r2) noexcept {
+    if (t.options.shape != KernelShape::User) return gaussian(r2, t.sigma, t.options.reach, t.options.end);
+    const double at = std::sqrt(r2) / t.options.reach * static_cast<double>(t.values.size() - 1);
+    const double last = static_cast<double>(t.values.size() - 1);
+    if (!(at < last)) return at == last ? t.values[t.values.size() - 1] : 0;
+    const auto k = static_cast<std::size_t>(at);
+    return t.values[k] + (at - static_cast<double>(k)) * (double{t.values[k + 1]} - t.values[k]);
+}
+
+double distance2(const TableImpl& t, double x, double y) noexcept {
+    return t.a * x * x + t.b * x * y + t.c * y * y;
+}
+
+Result<void> check(const KernelOptions& o) noexcept {
+    const auto bad = [](const char* message) { return Error{ErrorCode::BadArgument, kNoOffset, message}; };
+    if (o.reach < 1 || o.reach > kMaxReach) return bad("the reach is not in 1..1024");
+    if (o.end != KernelEnd::Printed && o.end != KernelEnd::Compact)
+        return Error{ErrorCode::Unsupported, kNoOffset, "the kernel end is not supported"};
+    switch (o.shape) {
+        case KernelShape::Circular:
+            if (!std::isfinite(o.sigma) || !(o.sigma > 0)) return bad("sigma is not a positive number");
+            return {};
+        case KernelShape::Elliptic:
+            if (!std::isfinite(o.radius_a) || !(o.radius_a > 0) || !std::isfinite(o.radius_b) || !(o.radius_b > 0))
+                return bad("a radius is not a positive number");
+            if (!std::isfinite(o.angle)) return bad("the angle is not finite");
+            return {};
+        case KernelShape::User:
+            if (o.values.size() < 2 || o.values.size() > 65536) return bad("a user table has 2 .. 65536 weights");
+            for (const float v : o.values)
+                if (!(v >= -1 && v <= 1)) return bad("a weight of the user table is not in -1 .. 1");
+            return {};
+    }
+    return Error{ErrorCode::Unsupported, kNoOffset, "the kernel shape is not supported"};
+}
+
+void set_form(TableImpl& t) noexcept {
+    const KernelOptions& o = t.options;
+    t.sigma = o.sigma;
+    if (o.shape != KernelShape::Elliptic) return;
+    const double longer = std::max(o.radius_a, o.radius_b);
+    t.sigma = longer * longer;
+    const double p = longer / o.radius_a, q = longer / o.radius_b;
+    const double cosine = std::cos(double{o.angle}), sine = std::sin(double{o.angle});
+    // x' = cosine x + sine y along axis a, y' = -sine x + cosine y along axis b.
+    t.a = p * p * cosine * cosine + q * q * sine * sine;
+    t.b = 2 * (p * p - q * q) * cosine * sine;
+    t.c = p * p * sine * sine + q * q * cosine * cosine;
+    t.mirrored = false;
+}
+
+/// Equal offsets up to sign get one computed value: the same bits in all directions.
+bool fill_rows(TableImpl& t) noexcept {
+    const auto b = static_cast<std::int32_t>(t.options.reach);
+    const std::uint64_t rows = t.mirrored ? t.options.reach : t.width();
+    if (!t.weights.allocate(t.allocator, rows * t.width())) return false;
+    if (!t.mirrored && !t.turned.allocate(t.allocator, rows * t.width())) return false;
+    const auto at = [&](Array<float>& to, std::int32_t di, std::int32_t dj) -> float& {
+        return to[static_cast<std::size_t>(t.mirrored ? di : di + b - 1) * t.width() +
+                  static_cast<std::size_t>(dj + b - 1)];
+    };
+    if (t.mirrored) {
+        for (std::int32_t di = 0; di < b; ++di)
+            for (std::int32_t dj = 0; dj <= di; ++dj) {
+                const auto w = static_cast<float>(kernel(t, double(di) * di + double(dj) * dj));
+                at(t.weights, di, dj) = at(t.weights, di, -dj) = w;
+                at(t.weights, dj, di) = at(t.weights, dj, -di) = w;
+            }
+        return true;
+    }
+    for (std::int32_t di = 0; di < b; ++di)
+        for (std::int32_t dj = 1 - b; dj < b; ++dj) {
+            const auto w = static_cast<float>(kernel(t, distance2(t, di, dj)));
+            at(t.weights, di, dj) = at(t.weights, -di, -dj) = w;
+            at(t.turned, dj, di) = at(t.turned, -dj, -di) = w;
+        }
+    return true;
+}
+
+/// Distances up to where the window or the weight ends.
+bool fill_profile(TableImpl& t) noexcept {
+    const double b = t.options.reach;
+    double end = b;
+    if (t.options.shape != KernelShape::User && t.options.end == KernelEnd::Printed) {
+        const double corner = std::sqrt(2 * (t.a + t.c)) * b;          // no form is larger on the window
+        end = std::min(corner, std::max(b, std::sqrt(28 * t.sigma)));  // e^-28 is far below a float's half ulp at 1
+    }
+    if (!t.entries.allocate(t.allocator, kEntries)) return false;
+    t.spacing = static_cast<float>(end / (kEntries - 1));
+    for (std::uint32_t k = 0; k < kEntries; ++k) {
+        const double r = double{t.spacing} * k;
+        t.entries[k] = static_cast<float>(kernel(t, r * r));
+    }
+    return true;
+}
+}  // namespace
+
+float TableImpl::weight(float di, float dj) const noexcept {
+    const float x = std::fabs(di), y = std::fabs(dj), reach = static_cast<float>(options.reach);
+    if (!(x < reach && y < reach)) return 0;
+    if (x == std::floor(x) && y == std::floor(y))
+        return row(static_cast<std::int32_t>(di))[static_cast<std::int32_t>(dj)];
+    return static_cast<float>(kernel(*this, distance2(*this, di, dj)));
+}
+}  // namespace detail
+
+Result<DeformTable> DeformTable::create(const KernelOptions& options, const Allocator& allocator) noexcept {
+    if (!detail::is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
+    if (auto r = detail::check(options); !r) return r.error();
+    detail::TableImpl* impl = detail::create<detail::TableImpl>(allocator, allocator);
+    if (impl == nullptr) return detail::kNoMemory;
+    DeformTable table(impl);
+    impl->options = options;
+    impl->options.values = {};
+    if (options.shape == KernelShape::User) {
+        if (!impl->values.allocate(allocator, options.values.size())) return detail::kNoMemory;
+        std::memcpy(impl->values.data(), options.values.data(), options.values.size_bytes());
+        impl->options.values = {impl->values.data(), impl->values.size()};
+    }
+    detail::set_form(*impl);
+    if (!detail::fill_rows(*impl) || !detail::fill_profile(*impl)) return detail::kNoMemory;
+    return table;
+}
+
+DeformTable::DeformTable(DeformTable&& other) noexcept : impl_(std::exchange(other.impl_, nullptr)) {}
+DeformTable& DeformTable::operator=(DeformTable&& other) noexcept {
+    std::swap(impl_, other.impl_);
+    return *this;
+}
+DeformTable::~DeformTable() {
+    detail::destroy(impl_);
+}
+
+float DeformTable::weight(float di, float dj) const noexcept {
+    return impl_->weight(di, dj);
+}
+// Entries are rounded once from double: half a unit in the last place of 1 is 2^-25, and the double's own error is far
+// below the other half.
+float DeformTable::error_bound() const noexcept {
+    return 0x1p-24f;
+}
+float DeformTable::profile(float distance) const noexcept {
+    return distance >= 0 ? impl_->profile(distance) : 0;
+}
+// exp(-r^2) has |f''| <= 2, so h^2 / 8 * 2; the compact form is the same curve less a parabola with slope below that,
+// over 1 - rim, which is the larger the nearer R is to 0: there f_c -> (1 - r^2/R^2)^2, |f''| <= 8 / R^2. A user table
+// is linear between its own entries: a kink between two of ours is missed by at most half the largest step of either.
+float DeformTable::profile_error_bound() const noexcept {
+    const detail::TableImpl& t = *impl_;
+    if (t.options.shape == KernelShape::User) {
+        float step = 0;
+        for (std::size_t k = 0; k + 1 < t.entries.size(); ++k)
+            step = std::max(step, std::fabs(t.entries[k + 1] - t.entries[k]));
+        return step + 0x1p-22f;
+    }
+    const double h2 = double{t.spacing} * t.spacing / t.sigma, b = t.options.reach, R2 = b * b / t.sigma;
+    const double steepest = t.options.end == KernelEnd::Compact ? std::max(4.0, 8 / R2) : 2.0;
+    return static_cast<float>(h2 / 8 * steepest) + 0x1p-22f;
+}
+std::uint32_t DeformTable::reach() const noexcept {
+    return impl_->options.reach;
+}
+
+}  // namespace dgm

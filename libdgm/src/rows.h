@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/rows.h
+// The inner loops of a tick, built once per instruction set and chosen when a state is made.
+//
+// Moving samples gives the same bits in all variants: only single correctly rounded operations, more of them at a time.
+// So seam copies agree whichever lane computed them. Normals may be fused (a b + c rounded once) where the processor
+// can: they differ between variants by less than kNormalTolerance a component, and within one variant a sample's normal
+// does not depend on the rectangle it was computed in.
+#pragma once
+#include <cstdint>
+
+namespace dgm::detail {
+
+/// Of normals between variants, where the ring's corners are not sharper than 1e-3 of a full turn.
+inline constexpr float kNormalTolerance = 4e-6f;
+
+/// Samples of rows i0..i1, columns j0..j1 of the grid, ends included; empty if i0 > i1.
+struct Rect {
+    std::uint32_t i0 = 1, i1 = 0, j0 = 1, j1 = 0;
+    [[nodiscard]] bool empty() const noexcept { return i0 > i1 || j0 > j1; }
+    [[nodiscard]] std::uint32_t width() const noexcept { return j1 - j0 + 1; }
+    [[nodiscard]] std::uint32_t height() const noexcept { return i1 - i0 + 1; }
+    [[nodiscard]] bool holds(const Rect& r) const noexcept {
+        return i0 <= r.i0 && r.i1 <= i1 && j0 <= r.j0 && r.j1 <= j1;
+    }
+    [[nodiscard]] bool meets(const Rect& r) const noexcept {
+        return i0 <= r.i1 && r.i0 <= i1 && j0 <= r.j1 && r.j0 <= j1;
+    }
+    [[nodiscard]] bool has(std::uint32_t i, std::uint32_t j) const noexcept {
+        return i0 <= i && i <= i1 && j0 <= j && j <= j1;
+    }
+    [[nodiscard]] bool operator==(const Rect&) const noexcept = default;
+};
+
+/// Grid samples as three planes: sample (i, j) of coordinate a at a[i * cols + j].
+struct ConstPlanes {
+    const float *x, *y, *z;
+};
+struct Planes {
+    float *x, *y, *z;
+};
+
+/// to = from + (w * mobility) * d. Weights of row i start at weights + place(i) * weight_step, where
+/// place(i) = i - i0, or |i - centre| if `mirrored`.
+struct MoveJob {
+    Rect rect;
+    std::uint32_t cols;
+    ConstPlanes from;
+    Planes to;
+    const float* weights;
+    std::uint32_t weight_step;
+    bool mirrored;
+    std::uint32_t centre;
+    const float* mobility;  ///< plane of the grid, or null: 1
+    float d[3];
+};
+
+/// Unit normals of samples whose eight neighbours exist and are on the surface: area vector of the ring polygon,
+/// 2A = sum of q_k x q_(k+1), as cross products of the diagonals of quadrangles.
+struct NormalJob {
+    Rect rect;
+    std::uint32_t cols;
+    ConstPlanes at;
+    Planes out;
+    const std::uint8_t* ring;  ///< bit k: corner k is in the ring; null: corners 0 and 2 (all diagonals 0)
+    float scale;               ///< power of two that brings area vectors near 1
+};
+
+struct NearestJob {
+    Rect rect;
+    std::uint32_t cols;
+    ConstPlanes at;
+    float tool[3];
+};
+
+/// Nearer placements of a row win: key = A x^2 + B x y + C y^2 at (x + k dx, y + k dy), k = 0 .. count - 1.
+struct MergeJob {
+    float* key;
+    float* weight;
+    const float* weights;
+    std::uint32_t count;
+    float a, b, c;
+    float x, y, dx, dy;
+};
+
+struct RowKernels {
+    const char* name;
+    void (*move)(const MoveJob& job) noexcept;
+    /// now = base + f (now - base), and base where no component differs by more than `still`.
+    /// @return true if a sample still differs from base.
+    bool (*relax)(Planes now, ConstPlanes base, std::uint32_t count, float factor, float still) noexcept;
+    /// @return false if a normal was left at 0 because its area vector is out of the range of float arithmetic.
+    bool (*normals)(const NormalJob& job) noexcept;
+    /// Offers every sample of a full rectangle to (d2, sample): nearer ones, of equally near ones the lowest index.
+    void (*nearest)(const NearestJob& job, float& d2, std::uint32_t& sample) noexcept;
+    /// Grows low/high by the samples of a full rectangle.
+    void (*bounds)(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept;
+    void (*merge)(const MergeJob& job) noexcept;
+};
+
+/// The plain loops: what the compiler makes of four lanes on any target.
+extern const RowKernels kPlainRows;
+/// The fastest loops this processor runs; `plain` forces kPlainRows.
+[[nodiscard]] const RowKernels& choose_rows(bool plain) noexcept;
+
+}  // namespace dgm::detail

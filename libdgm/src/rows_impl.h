@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/rows_impl.h
+// Bodies of rows.h for one number of lanes. Included inside a namespace (and a target region) of the including file,
+// after all other headers: nothing from a header may be compiled for the wider instruction set, or the linker could
+// hand that copy to everybody. Hence no std:: below.
+//
+// Needs DGM_LANES, Floats (vector of DGM_LANES floats), Ints (of as many ints), Floats4, inverse_root and any; for F in
+// Floats, float: multiply_add (a b + c), multiply_subtract (a b - c), subtract_product (c - a b), fused or not; widen
+// (bytes to ints) and choose_bit<k>(ring, a, b): a where bit k is set, else b.
+
+template <class T>
+struct __attribute__((packed, may_alias)) Unaligned {
+    T value;
+};
+template <class T>
+static inline __attribute__((always_inline)) T load(const float* p) {
+    return reinterpret_cast<const Unaligned<T>*>(p)->value;
+}
+template <class T>
+static inline __attribute__((always_inline)) void store(float* p, const T& v) {
+    reinterpret_cast<Unaligned<T>*>(p)->value = v;
+}
+template <class F>
+static inline __attribute__((always_inline)) void move_block(const MoveJob& j, const float* w, std::uint32_t at,
+                                                             float dx, float dy, float dz) {
+    F weight = load<F>(w);
+    if (j.mobility != nullptr) weight = weight * load<F>(j.mobility + at);
+    store<F>(j.to.x + at, load<F>(j.from.x + at) + weight * dx);
+    store<F>(j.to.y + at, load<F>(j.from.y + at) + weight * dy);
+    store<F>(j.to.z + at, load<F>(j.from.z + at) + weight * dz);
+}
+
+// Jobs are copied to locals: a store through a float* could otherwise change their fields for all the compiler knows.
+void move(const MoveJob& job) noexcept {
+    const MoveJob j = job;
+    const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
+    const bool in_place = j.from.x == j.to.x;
+    const float dx = j.d[0], dy = j.d[1], dz = j.d[2];
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
+        const std::uint32_t row = !j.mirrored ? i - j.rect.i0 : i < j.centre ? j.centre - i : i - j.centre;
+        const float* w = j.weights + static_cast<std::size_t>(row) * j.weight_step;
+        const std::uint32_t first = i * j.cols + j.rect.j0;
+        std::uint32_t k = 0;
+        for (; k + DGM_LANES <= count; k += DGM_LANES) move_block<Floats>(j, w + k, first + k, dx, dy, dz);
+        if (k < count && k != 0 && !in_place) {
+            k = count - DGM_LANES;
+            move_block<Floats>(j, w + k, first + k, dx, dy, dz);
+            continue;
+        }
+        for (; k + 4 <= count; k += 4) move_block<Floats4>(j, w + k, first + k, dx, dy, dz);
+        for (; k < count; ++k) move_block<float>(j, w + k, first + k, dx, dy, dz);
+    }
+}
+
+template <class F>
+static inline __attribute__((always_inline)) F magnitude(F v) {
+    return v < 0 ? -v : v;
+}
+
+template <class F, class I>
+static inline __attribute__((always_inline)) I relax_block(Planes now, ConstPlanes base, std::uint32_t k, float factor,
+                                                           float still) {
+    const F bx = load<F>(base.x + k), by = load<F>(base.y + k), bz = load<F>(base.z + k);
+    const F x = (load<F>(now.x + k) - bx) * factor, y = (load<F>(now.y + k) - by) * factor,
+            z = (load<F>(now.z + k) - bz) * factor;
+    const I moving = static_cast<I>(magnitude(x) > still) | static_cast<I>(magnitude(y) > still) |
+                     static_cast<I>(magnitude(z) > still);
+    store<F>(now.x + k, moving ? bx + x : bx);
+    store<F>(now.y + k, moving ? by + y : by);
+    store<F>(now.z + k, moving ? bz + z : bz);
+    return moving;
+}
+
+bool relax(Planes now, ConstPlanes base, std::uint32_t count, float factor, float still) noexcept {
+    bool moving = false;
+    std::uint32_t k = 0;
+    for (; k + DGM_LANES <= count; k += DGM_LANES)
+        moving = any(relax_block<Floats, Ints>(now, base, k, factor, still)) || moving;
+    for (; k < count; ++k) moving = any(relax_block<float, int>(now, base, k, factor, still)) || moving;
+    return moving;
+}
+
+template <class F>
+struct Vector {
+    F x, y, z;
+};
+template <class F>
+static inline __attribute__((always_inline)) Vector<F> operator-(const Vector<F>& a, const Vector<F>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class F>
+static inline __attribute__((always_inline)) Vector<F> cross(const Vector<F>& a, const Vector<F>& b) {
+    return {multiply_subtract(a.y, b.z, a.z * b.y), multiply_subtract(a.z, b.x, a.x * b.z),
+            multiply_subtract(a.x, b.y, a.y * b.x)};
+}
+/// sum += a x b.
+template <class F>
+static inline __attribute__((always_inline)) void add_cross(Vector<F>& sum, const Vector<F>& a, const Vector<F>& b) {
+    sum.x = subtract_product(multiply_add(a.y, b.z, sum.x), a.z, b.y);
+    sum.y = subtract_product(multiply_add(a.z, b.x, sum.y), a.x, b.z);
+    sum.z = subtract_product(multiply_add(a.x, b.y, sum.z), a.y, b.x);
+}
+
+/// Three rows of samples: edge neighbours n0 (+i), n1 (+j), n2 (-i), n3 (-j); corners c0 (+i +j), c1 (-i +j),
+/// c2 (-i -j), c3 (+i -j).
+struct Row {
+    const float *x, *y, *z;
+};
+static inline __attribute__((always_inline)) Row row_at(const ConstPlanes& p, std::ptrdiff_t k) {
+    return {p.x + k, p.y + k, p.z + k};
+}
+template <class F>
+static inline __attribute__((always_inline)) Vector<F> point(const Row& row, std::ptrdiff_t k) {
+    return {load<F>(row.x + k), load<F>(row.y + k), load<F>(row.z + k)};
+}
+
+template <class F, class I, int kBit>
+static inline __attribute__((always_inline)) Vector<F> corner(const I& ring, const Vector<F>& in,
+                                                              const Vector<F>& edge) {
+    return {choose_bit<kBit>(ring, in.x, edge.x), choose_bit<kBit>(ring, in.y, edge.y),
+            choose_bit<kBit>(ring, in.z, edge.z)};
+}
+
+struct NormalRow {
+    Row after, here, before;  ///< rows i + 1, i, i - 1
+    float *x, *y, *z;
+    const std::uint8_t* ring;
+    float scale;
+};
+
+/// @return which normals are good.
+///
+/// A corner that is not in the ring is replaced by a neighbour of its own in the ring: the polygon gets an edge without
+/// length. The octagon is cut into n0 c0 n1 c1, c1 n2 c2 n3 and n0 c1 n3 c3.
+template <class F, class I, bool kUniform, bool kScaled>
+static inline __attribute__((always_inline)) I normal_block(const NormalRow& r, std::ptrdiff_t k) {
+    const Vector<F> n0 = point<F>(r.after, k), n1 = point<F>(r.here, k + 1);
+    Vector<F> sum;
+    if constexpr (kUniform) {
+        const Vector<F> n2 = point<F>(r.before, k);
+        sum = cross(n1 - n0, n2 - point<F>(r.after, k + 1));
+        add_cross(sum, point<F>(r.before, k - 1) - n0, point<F>(r.here, k - 1) - n2);
+    } else {
+        const I ring = widen(r.ring + k, I{});
+        const Vector<F> c1 = corner<F, I, 1>(ring, point<F>(r.before, k + 1), n1);
+        sum = cross(n1 - n0, c1 - corner<F, I, 0>(ring, point<F>(r.after, k + 1), n0));
+        const Vector<F> n2 = point<F>(r.before, k), n3 = point<F>(r.here, k - 1);
+        add_cross(sum, corner<F, I, 2>(ring, point<F>(r.before, k - 1), n2) - c1, n3 - n2);
+        add_cross(sum, n3 - n0, corner<F, I, 3>(ring, point<F>(r.after, k - 1), n3) - c1);
+    }
+    if constexpr (kScaled) sum = {sum.x * r.scale, sum.y * r.scale, sum.z * r.scale};
+    const F square = multiply_add(sum.z, sum.z, multiply_add(sum.y, sum.y, sum.x * sum.x));
+    const I good = static_cast<I>(square > 1e-24f) & static_cast<I>(square < 1e24f);  // false for NaN
+    const F inverse = inverse_root(square);
+    store<F>(r.x + k, good ? sum.x * inverse : F{});
+    store<F>(r.y + k, good ? sum.y * inverse : F{});
+    store<F>(r.z + k, good ? sum.z * inverse : F{});
+    return good;
+}
+
+template <bool kUniform, bool kScaled>
+static inline __attribute__((always_inline)) bool normal_rows(const NormalJob& job) {
+    const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(job.rect.j1 - job.rect.j0) + 1, n = job.cols;
+    Ints good = ~Ints{};
+    int good_one = 1;
+    for (std::uint32_t i = job.rect.i0; i <= job.rect.i1; ++i) {
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(i) * n + job.rect.j0;
+        const NormalRow r{row_at(job.at, first + n),
+                          row_at(job.at, first),
+                          row_at(job.at, first - n),
+                          job.out.x + first,
+                          job.out.y + first,
+                          job.out.z + first,
+                          kUniform ? nullptr : job.ring + first,
+                          job.scale};
+        std::ptrdiff_t k = 0;
+        for (; k + DGM_LANES <= count; k += DGM_LANES) good &= normal_block<Floats, Ints, kUniform, kScaled>(r, k);
+        if (k < count && k != 0) {
+            good &= normal_block<Floats, Ints, kUniform, kScaled>(r, count - DGM_LANES);
+            continue;
+        }
+        for (; k < count; ++k) good_one &= normal_block<float, int, kUniform, kScaled>(r, k);
+    }
+    return good_one != 0 && !any(~good);
+}
+
+bool normals(const NormalJob& job) noexcept {
+    if (job.ring == nullptr) return job.scale == 1 ? normal_rows<true, false>(job) : normal_rows<true, true>(job);
+    return job.scale == 1 ? normal_rows<false, false>(job) : normal_rows<false, true>(job);
+}
+
+template <class F>
+static inline __attribute__((always_inline)) F distance(const NearestJob& j, std::uint32_t k) {
+    const F x = load<F>(j.at.x + k) - j.tool[0], y = load<F>(j.at.y + k) - j.tool[1],
+            z = load<F>(j.at.z + k) - j.tool[2];
+    return x * x + y * y + z * z;
+}
+
+void nearest(const NearestJob& j, float& d2, std::uint32_t& sample) noexcept {
+    const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
+    Floats best = Floats{} + __builtin_inff();  // of each lane its first one: the lowest index
+    Ints index = ~Ints{};
+    Ints lane = {};
+    for (int k = 0; k < DGM_LANES; ++k) lane[k] = k;
+    const auto offer = [&](float d, std::uint32_t k) {
+        if (d < d2 || (d == d2 && k < sample)) {
+            d2 = d;
+            sample = k;
+        }
+    };
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
+        const std::uint32_t first = i * j.cols + j.rect.j0;
+        std::uint32_t k = 0;
+        for (; k + DGM_LANES <= count; k += DGM_LANES) {
+            const Floats d = distance<Floats>(j, first + k);
+            const Ints nearer = d < best;
+            best = nearer ? d : best;
+            index = nearer ? lane + static_cast<int>(first + k) : index;
+        }
+        for (; k < count; ++k) offer(distance<float>(j, first + k), first + k);
+    }
+    if (!any(best <= d2)) return;
+    for (int k = 0; k < DGM_LANES; ++k) offer(best[k], static_cast<std::uint32_t>(index[k]));
+}
+
+template <class F>
+static inline __attribute__((always_inline)) F lower(F a, F b) {
+    return b < a ? b : a;
+}
+template <class F>
+static inline __attribute__((always_inline)) F upper(F a, F b) {
+    return a < b ? b : a;
+}
+
+static inline __attribute__((always_inline)) void plane_bounds(const float* p, const Rect& rect, std::uint32_t cols,
+                                                               float& low, float& high) {
+    const std::uint32_t count = rect.j1 - rect.j0 + 1;
+    Floats l = Floats{} + low, h = Floats{} + high;
+    for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
+        const float* row = p + static_cast<std::size_t>(i) * cols + rect.j0;
+        std::uint32_t k = 0;
+        for (; k + DGM_LANES <= count; k += DGM_LANES) {
+            const Floats v = load<Floats>(row + k);
+            l = lower(l, v);
+            h = upper(h, v);
+        }
+        for (; k < count; ++k) {
+            low = lower(low, row[k]);
+            high = upper(high, row[k]);
+        }
+    }
+    for (int k = 0; k < DGM_LANES; ++k) {
+        low = lower(low, static_cast<float>(l[k]));
+        high = upper(high, static_cast<float>(h[k]));
+    }
+}
+
+void bounds(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept {
+    plane_bounds(at.x, rect, cols, low[0], high[0]);
+    plane_bounds(at.y, rect, cols, low[1], high[1]);
+    plane_bounds(at.z, rect, cols, low[2], high[2]);
+}
+
+template <class F, class I>
+static inline __attribute__((always_inline)) void merge_block(const MergeJob& j, std::uint32_t k, const F& steps) {
+    const F x = j.x + steps * j.dx, y = j.y + steps * j.dy;
+    const F key = j.a * x * x + j.b * x * y + j.c * y * y;
+    const F old = load<F>(j.key + k);
+    const I nearer = key < old;
+    store<F>(j.key + k, nearer ? key : old);
+    store<F>(j.weight + k, nearer ? load<F>(j.weights + k) : load<F>(j.weight + k));
+}
+
+void merge(const MergeJob& job) noexcept {
+    const MergeJob j = job;
+    Floats lane = {};
+    for (int k = 0; k < DGM_LANES; ++k) lane[k] = static_cast<float>(k);
+    std::uint32_t k = 0;
+    for (; k + DGM_LANES <= j.count; k += DGM_LANES) merge_block<Floats, Ints>(j, k, lane + static_cast<float>(k));
+    for (; k < j.count; ++k) merge_block<float, int>(j, k, static_cast<float>(k));
+}

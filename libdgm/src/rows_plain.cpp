@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/rows_plain.cpp
+// Four lanes on whatever the target has, and the choice at run time.
+#include <cstddef>
+
+#include "rows.h"
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+namespace dgm::detail {
+namespace {
+#define DGM_LANES 4
+typedef float Floats __attribute__((vector_size(16)));
+typedef Floats Floats4;
+typedef int Ints __attribute__((vector_size(16)));
+
+inline Floats inverse_root(Floats v) {
+#if defined(__SSE__)
+    return 1.0f / static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
+#else
+    for (int k = 0; k < DGM_LANES; ++k) v[k] = 1.0f / __builtin_sqrtf(v[k]);
+    return v;
+#endif
+}
+inline bool any(Ints v) {
+    return (v[0] | v[1] | v[2] | v[3]) != 0;
+}
+static inline __attribute__((always_inline)) float inverse_root(float v) {
+    return 1.0f / __builtin_sqrtf(v);
+}
+static inline __attribute__((always_inline)) bool any(int v) {
+    return v != 0;
+}
+static inline __attribute__((always_inline)) int widen(const std::uint8_t* p, int) {
+    return *p;
+}
+template <int kBit>
+static inline __attribute__((always_inline)) float choose_bit(int ring, float a, float b) {
+    return (ring >> kBit & 1) != 0 ? a : b;
+}
+inline Ints widen(const std::uint8_t* p, Ints) {
+    return Ints{p[0], p[1], p[2], p[3]};
+}
+template <int kBit>
+inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
+    return (ring & (1 << kBit)) != 0 ? a : b;
+}
+template <class F>
+inline F multiply_add(const F& a, const F& b, const F& c) {
+    return a * b + c;
+}
+template <class F>
+inline F multiply_subtract(const F& a, const F& b, const F& c) {
+    return a * b - c;
+}
+template <class F>
+inline F subtract_product(const F& c, const F& a, const F& b) {
+    return c - a * b;
+}
+#include "rows_impl.h"
+}  // namespace
+
+const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge};
+
+#if defined(__x86_64__) || defined(__i386__)
+extern const RowKernels kAvx2Rows;
+#endif
+
+const RowKernels& choose_rows(bool plain) noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_cpu_init();
+    if (!plain && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return kAvx2Rows;
+#else
+    static_cast<void>(plain);
+#endif
+    return kPlainRows;
+}
+
+}  // namespace dgm::detail
