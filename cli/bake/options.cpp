@@ -155,7 +155,7 @@ std::string joined(const auto& names) {
 /// What CLI11 fills in: plain text, checked afterwards with messages of ours.
 struct Raw {
     std::vector<std::string> inputs;
-    std::string output, size, max_error, max_error_kind, budget, method = "auto", domain = "auto", fit = "sample",
+    std::string output, size, max_error, max_error_kind, budget, method = "auto", domain = "auto", fit = "l2",
                         precision = "f32", layers, texture, texture_size, bump_size, ablate, format,
                         exr_layout = "auto", report, report_format = "json", memory_limit = "8GiB", progress = "auto";
     int jobs = 0;

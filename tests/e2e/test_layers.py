@@ -56,7 +56,7 @@ class Layers(support.Folder):
         return layers, charts
 
     def test_hdf5_and_runtime_agree(self):
-        layers, charts = self.assert_hdf5_equals_runtime(self.bake_example())
+        layers, charts = self.assert_hdf5_equals_runtime(self.bake_example("--fit", "sample"))
         self.assertEqual(len(charts), 2)
         # The largest component has the grid asked for, the other one the same spacing of samples.
         self.assertEqual(max((rows, cols) for rows, cols, _ in charts.values()), (33, 29))

@@ -14,7 +14,7 @@ namespace {
 TEST(CanonicalSettings, NamesEveryFieldThatChangesTheLayers) {
     EXPECT_EQ(
         canonical_settings({}),
-        "size=257x257;method=auto;domain=auto;fit=sample;precision=f32;layers=all;texture=none;texture_size=grid");
+        "size=257x257;method=auto;domain=auto;fit=l2;precision=f32;layers=all;texture=none;texture_size=grid");
     BakeOptions options;
     options.size = {33, 65};
     options.method = "lscm";
