@@ -19,6 +19,7 @@ namespace detail {
 namespace {
 
 constexpr double kKept = 1e-6;    // of the removed volume: what volume_kept says
+constexpr double kPolished = 1e-5;  // what a few samples can take without showing it
 constexpr double kAimed = 1e-8;
 constexpr std::uint32_t kMaxPasses = 10;
 
@@ -45,7 +46,8 @@ class Resolver {
         }
         project();
         if (c_.closed) {
-            projected_ = volume();
+            elsewhere_ = volume(c_.runs, c_.run_count);
+            projected_ = elsewhere_ + ring_volume();
             report_.removed = (before_ - projected_) / 6;
             report_.volume_error = -1;
         }
@@ -159,7 +161,7 @@ class Resolver {
         const float slope = report_.ring_reach * report_.ring_reach / report_.ring_sigma;
         WeightJob job{};
         job.cols = s_.tables.cols;
-        job.square = c_.square.data();
+        job.square = c_.spread ? c_.weight.data() : c_.square.data();
         job.mobility = s_.mobility.empty() ? nullptr : s_.mobility.data();
         job.weight = c_.weight.data();
         job.factor = 1 / report_.ring_sigma;
@@ -204,9 +206,9 @@ class Resolver {
             j1 = std::max(j1, tj);
         }
         c_.run_count = c_.ring_run_count = 0;
-        const auto add = [&](Array<Rect>& runs, std::uint32_t& count, std::uint32_t tile, bool joins) {
+        const auto add = [&](Array<Rect>& runs, std::uint32_t& count, std::uint32_t tile) {
             const Rect r = s_.tile_rect(tile);
-            if (joins && count != 0 && runs[count - 1].i0 == r.i0 && runs[count - 1].j1 + 1 == r.j0)
+            if (count != 0 && runs[count - 1].i0 == r.i0 && runs[count - 1].j1 + 1 == r.j0)
                 runs[count - 1].j1 = r.j1;
             else
                 runs[count++] = r;
@@ -214,8 +216,11 @@ class Resolver {
         for (std::uint32_t i = i0; i <= i1; ++i)
             for (std::uint32_t j = j0; j <= j1; ++j) {
                 const std::uint32_t tile = i * s_.tile_cols + j;
-                if (c_.tile_bits[tile] != 0) add(c_.runs, c_.run_count, tile, true);
-                if ((c_.tile_bits[tile] & kTileBulging) != 0) add(c_.ring_runs, c_.ring_run_count, tile, true);
+                if (c_.tile_bits[tile] == 0) continue;
+                if ((c_.tile_bits[tile] & kTileBulging) != 0)
+                    add(c_.ring_runs, c_.ring_run_count, tile);
+                else
+                    add(c_.runs, c_.run_count, tile);
             }
     }
     [[nodiscard]] QuadJob quad_job(Rect r) const noexcept {
@@ -224,14 +229,20 @@ class Resolver {
         return {r, s_.tables.cols, StateImpl::fixed(s_.now), c_.kind.data(), {origin_.x, origin_.y, origin_.z}};
     }
     /// Six times the volume that touched faces span with the origin.
-    [[nodiscard]] double volume() const noexcept {
-        double six = 0;
-        for (std::uint32_t k = 0; k < c_.run_count; ++k) {
-            const QuadJob job = quad_job(c_.runs[k]);
-            if (!job.rect.empty()) six += c_.rows_of->volume(job);
-        }
+    [[nodiscard]] double volume() const noexcept { return volume(c_.runs, c_.run_count) + ring_volume(); }
+    /// Of quads with a corner in the ring, and of border faces.
+    [[nodiscard]] double ring_volume() const noexcept {
+        double six = volume(c_.ring_runs, c_.ring_run_count);
         for (std::size_t k = 0; k + 2 < s_.faces.size(); k += 3)
             six += dot(at(s_.faces[k]), cross(at(s_.faces[k + 1]), at(s_.faces[k + 2])));
+        return six;
+    }
+    [[nodiscard]] double volume(const Array<Rect>& runs, std::uint32_t count) const noexcept {
+        double six = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const QuadJob job = quad_job(runs[k]);
+            if (!job.rect.empty()) six += c_.rows_of->volume(job);
+        }
         return six;
     }
     [[nodiscard]] Double3 at(std::uint32_t k) const noexcept { return widen(s_.point(k)) - origin_; }
@@ -253,6 +264,11 @@ class Resolver {
     }
 
     // --- moving ---
+    template <class F>
+    void each_run(F f) const noexcept {
+        for (std::uint32_t k = 0; k < c_.run_count; ++k) f(c_.runs[k]);
+        for (std::uint32_t k = 0; k < c_.ring_run_count; ++k) f(c_.ring_runs[k]);
+    }
     void save() noexcept {
         const Planes to = c_.before();
         const auto copy = [&](std::size_t k, std::size_t count) {
@@ -260,9 +276,9 @@ class Resolver {
             std::copy_n(s_.now.y + k, count, to.y + k);
             std::copy_n(s_.now.z + k, count, to.z + k);
         };
-        for (std::uint32_t e = 0; e < c_.run_count; ++e)
-            for (std::uint32_t i = c_.runs[e].i0; i <= c_.runs[e].i1; ++i)
-                copy(std::size_t{i} * s_.tables.cols + c_.runs[e].j0, c_.runs[e].width());
+        each_run([&](const Rect& r) {
+            for (std::uint32_t i = r.i0; i <= r.i1; ++i) copy(std::size_t{i} * s_.tables.cols + r.j0, r.width());
+        });
         copy(s_.tables.grid, s_.total() - s_.tables.grid);
     }
     void put(std::uint32_t k, Double3 p) noexcept {
@@ -308,12 +324,12 @@ class Resolver {
         job.normal = StateImpl::fixed(s_.normal);
         job.to = s_.now;
         job.weight = c_.weight.data();
-        job.beta = beta;
+        job.beta = static_cast<float>(beta);
         job.clamp = clamp && shape_.kind == ObstacleKind::Plane;
-        job.n[0] = shape_.normal.x;
-        job.n[1] = shape_.normal.y;
-        job.n[2] = shape_.normal.z;
-        job.d = shape_.offset;
+        job.n[0] = static_cast<float>(shape_.normal.x);
+        job.n[1] = static_cast<float>(shape_.normal.y);
+        job.n[2] = static_cast<float>(shape_.normal.z);
+        job.d = static_cast<float>(shape_.offset);
         const auto put_back = [&](std::uint32_t k) {
             if (!(c_.weight[k] > 0)) return;
             const Probe there = probe(shape_, widen(s_.point(k)));
@@ -343,6 +359,8 @@ class Resolver {
         double c[3] = {0, 0, 0};
         cubic(c);
         const double removed = before_ - projected_;
+        // What is in no quad of the ring does not change any more.
+        const auto gained = [&] { return ring_volume() + elsewhere_ - before_; };
         const auto value = [&](double b) { return ((c[2] * b + c[1]) * b + c[0]) * b - removed; };
         const auto slope = [&](double b) { return (3 * c[2] * b + 2 * c[1]) * b + c[0]; };
         const double first = removed / c[0];
@@ -351,7 +369,7 @@ class Resolver {
         report_.paper_error = value(total_) / removed;
         if (o_.bulge == Bulge::Paper) {
             apply(total_);
-            settle(total_, volume() - before_);
+            settle(total_, gained());
             return;
         }
         double beta = first;
@@ -368,30 +386,46 @@ class Resolver {
         // between the largest height known to be too low and the lowest known to be too high.
         const double sign = removed * first > 0 ? 1 : -1;  // of the error where |beta| is too high, times that of beta
         double low = 0, high = std::numeric_limits<double>::infinity();
-        double last = 0, last_error = -removed, best = 0, best_error = -removed;
+        double last = 0, last_error = -removed, older = 0, older_error = 0, best = 0, best_error = -removed;
+        double aim = kPolished;
         while (true) {
             apply(beta);
-            const double error = volume() - before_;
+            const double error = gained();
             settle(beta, error);
             const bool better = std::fabs(error) < std::fabs(best_error);
             if (better) {
                 best = beta;
                 best_error = error;
             }
-            if (std::fabs(best_error) <= kAimed * std::fabs(removed) || report_.passes == kMaxPasses) break;
-            if (!better && std::fabs(best_error) <= 1e-5 * std::fabs(removed)) break;  // rounding has the word now
+            if (std::fabs(best_error) <= aim * std::fabs(removed) || report_.passes == kMaxPasses) {
+                finish_bulge(best, best_error);
+                if (std::fabs(report_.volume_error) <= 0.1 * kKept || report_.passes >= kMaxPasses) return;
+                aim *= 1e-2;  // too few samples to take the rest: nearer first
+            }
             (sign * error * first > 0 ? high : low) = std::fabs(beta);
+            // Inverse quadratic interpolation where there are three points, else the secant.
             double next = std::fabs(beta - error * (beta - last) / (error - last_error));
+            if (report_.passes > 1) {
+                const double a = older_error, b = last_error, d = error;
+                const double guess = older * b * d / ((a - b) * (a - d)) + last * a * d / ((b - a) * (b - d)) +
+                                     beta * a * b / ((d - a) * (d - b));
+                if (std::fabs(guess) > low && std::fabs(guess) < high) next = std::fabs(guess);
+            }
             if (!(next > low && next < high)) next = std::isinf(high) ? 2 * low : 0.5 * (low + high);
-            if (next > 64 * std::fabs(first)) break;
+            if (next > 64 * std::fabs(first) || next == std::fabs(beta)) return finish_bulge(best, best_error);
+            older = last;
+            older_error = last_error;
             last = beta;
             last_error = error;
             beta = std::copysign(next, first);
         }
-        if (report_.beta != static_cast<float>(best)) apply(best);
-        settle(best, best_error);
-        --report_.passes;
-        if (std::fabs(best_error) > kAimed * std::fabs(removed)) polish(best_error);
+    }
+    void finish_bulge(double best, double error) noexcept {
+        if (report_.beta != static_cast<float>(best)) {
+            apply(best);
+            settle(best, error);
+        }
+        if (std::fabs(error) > kAimed * std::fabs(before_ - projected_)) polish(error);
     }
     void settle(double beta, double error) noexcept {
         ++report_.passes;
@@ -438,8 +472,7 @@ class Resolver {
             put(k, o + step * n);
             left += dot(g, widen(s_.point(k)) - o);
         }
-        const double measured = volume() - before_;
-        report_.volume_error = measured / (before_ - projected_);
+        report_.volume_error = (ring_volume() + elsewhere_ - before_) / (before_ - projected_);
     }
 
     // --- afterwards ---
@@ -459,7 +492,7 @@ class Resolver {
     }
     void touch() noexcept {
         RectList moved;
-        for (std::uint32_t k = 0; k < c_.run_count; ++k) moved.add(c_.runs[k]);
+        each_run([&](const Rect& r) { moved.add(r); });
         if (c_.border) {
             moved.add_border(s_.tables.grid);
             moved.add_border(s_.total() - 1);
@@ -474,7 +507,10 @@ class Resolver {
             std::fill_n(c_.square.data() + k, count, std::numeric_limits<float>::infinity());
         };
         for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-            const Rect r = s_.tile_rect(c_.tiles[e]);
+            Rect r = s_.tile_rect(c_.tiles[e]);
+            // Nodes of the tiles after it may lie on the next row and column.
+            r.i1 = std::min(r.i1 + 1, s_.tables.rows - 1);
+            r.j1 = std::min(r.j1 + 1, s_.tables.cols - 1);
             for (std::uint32_t i = r.i0; i <= r.i1; ++i) clear(std::size_t{i} * s_.tables.cols + r.j0, r.width());
             c_.tile_bits[c_.tiles[e]] = 0;
         }
@@ -492,6 +528,7 @@ class Resolver {
     double tolerance_ = 0, total_ = 0;
     Double3 origin_;
     double before_ = 0, projected_ = 0;
+    double elsewhere_ = 0;  ///< six times the projected volume of touched quads that have no corner in the ring
 };
 
 Result<void> check(const StateImpl& s, const ContactImpl& c, const ContactOptions& o) noexcept {

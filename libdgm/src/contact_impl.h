@@ -87,6 +87,7 @@ struct ContactImpl {
     std::uint32_t tile_count = 0;
     Array<Rect> runs, ring_runs;  ///< tiles side by side as one rectangle
     std::uint32_t run_count = 0, ring_run_count = 0;
+    bool spread = false;  ///< distances of all samples are in `weight`, `square` has those of nodes
     bool border = false;  ///< border samples are in contact or in the ring
 
     [[nodiscard]] Planes before() noexcept {

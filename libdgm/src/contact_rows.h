@@ -53,9 +53,9 @@ struct BulgeJob {
     ConstPlanes from, normal;
     Planes to;
     const float* weight;
-    double beta;
+    float beta;
     bool clamp;  ///< to the plane
-    double n[3], d;
+    float n[3], d;
 };
 
 struct ContactRows {

@@ -3,14 +3,11 @@
 // Bodies of contact_rows.h, four doubles at a time. Included as rows_impl.h is: inside a namespace and a target region,
 // after all other headers, and without std:: for the same reason.
 //
+// Needs Doubles, Longs, Single4, Int4 (vectors of four), load_four (floats to doubles), store_four (back) and four_bytes
+// (bytes to Longs).
+//
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.
-
-typedef double Doubles __attribute__((vector_size(32)));
-typedef long long Longs __attribute__((vector_size(32)));
-typedef float Single4 __attribute__((vector_size(16)));
-typedef int Int4 __attribute__((vector_size(16)));
-typedef unsigned char Byte4 __attribute__((vector_size(4)));
 
 template <class T, class From>
 static inline __attribute__((always_inline)) T fetch(const From* p) {
@@ -31,15 +28,9 @@ static inline __attribute__((always_inline)) void put_raw(To* p, const T& v) {
 struct Four {
     typedef Doubles D;
     static constexpr std::uint32_t kLanes = 4;
-    static inline __attribute__((always_inline)) D load(const float* p) {
-        return __builtin_convertvector(fetch<Single4>(p), Doubles);
-    }
-    static inline __attribute__((always_inline)) void store(float* p, const D& v) {
-        put_raw(p, __builtin_convertvector(v, Single4));
-    }
-    static inline __attribute__((always_inline)) Longs bytes(const std::uint8_t* p) {
-        return __builtin_convertvector(fetch<Byte4>(p), Longs);
-    }
+    static inline __attribute__((always_inline)) D load(const float* p) { return load_four(p); }
+    static inline __attribute__((always_inline)) void store(float* p, const D& v) { store_four(p, v); }
+    static inline __attribute__((always_inline)) Longs bytes(const std::uint8_t* p) { return four_bytes(p); }
     template <class Mask>
     static inline __attribute__((always_inline)) D choose(const Mask& c, const D& a, const D& b) {
         return c ? a : b;
@@ -103,13 +94,6 @@ static inline __attribute__((always_inline)) Corners<typename L::D> corners(cons
                      minus(place<L>(j.at, k + n + 1), o), minus(place<L>(j.at, k + 1), o));
 }
 
-template <class L>
-static inline __attribute__((always_inline)) typename L::D volume_block(const QuadJob& j, std::size_t k) {
-    typedef typename L::D D;
-    const Corners<D> c = corners<L>(j, k);
-    return L::choose(L::bytes(j.kind + k) != kQuadNone, inner(c.p, times(minus(c.q, c.s), c.r)), D{});
-}
-
 template <class Block>
 static inline __attribute__((always_inline)) void each_row(const Rect& rect, std::uint32_t cols, Block block) {
     for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
@@ -120,22 +104,63 @@ static inline __attribute__((always_inline)) void each_row(const Rect& rect, std
     }
 }
 
-double volume(const QuadJob& j) noexcept {
+/// One row of samples in doubles, over the origin.
+struct WideRow {
+    static constexpr std::uint32_t kRoom = 68;
+    double x[kRoom], y[kRoom], z[kRoom];
+};
+static inline __attribute__((always_inline)) void widen_plane(const float* p, double o, std::size_t count, double* out) {
+    std::size_t k = 0;
+    for (; k + 4 <= count; k += 4) put_raw(out + k, load_four(p + k) - o);
+    for (; k < count; ++k) out[k] = static_cast<double>(p[k]) - o;
+}
+static inline __attribute__((always_inline)) void widen_row(const QuadJob& j, std::size_t k, std::size_t count,
+                                                            WideRow& out) {
+    widen_plane(j.at.x + k, j.origin[0], count, out.x);
+    widen_plane(j.at.y + k, j.origin[1], count, out.y);
+    widen_plane(j.at.z + k, j.origin[2], count, out.z);
+}
+template <class L>
+static inline __attribute__((always_inline)) Triple<typename L::D> wide_place(const WideRow& r, std::size_t k) {
+    typedef typename L::D D;
+    return {fetch<D>(r.x + k), fetch<D>(r.y + k), fetch<D>(r.z + k)};
+}
+template <class L>
+static inline __attribute__((always_inline)) typename L::D wide_volume(const WideRow& up, const WideRow& down,
+                                                                       const std::uint8_t* kind, std::size_t k) {
+    typedef typename L::D D;
+    const auto kinds = L::bytes(kind + k);
+    const Corners<D> c = turned<L>(kinds == 1, wide_place<L>(up, k), wide_place<L>(down, k), wide_place<L>(down, k + 1),
+                                   wide_place<L>(up, k + 1));
+    return L::choose(kinds != kQuadNone, inner(c.p, times(minus(c.q, c.s), c.r)), D{});
+}
+
+double volume(const QuadJob& job) noexcept {
+    const QuadJob j = job;
+    WideRow rows[2];
     double sum = 0;
-    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
-        const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        Doubles four = {};
-        for (; k + 4 <= end; k += 4) four += volume_block<Four>(j, k);
-        sum += Four::sum(four);
-        for (; k < end; ++k) sum += volume_block<One>(j, k);
+    Doubles four = {};
+    // Strips as wide as a row's room; each row is converted once.
+    for (std::uint32_t first = j.rect.j0; first <= j.rect.j1; first += 64) {
+        const std::size_t count = (j.rect.j1 - first < 63 ? j.rect.j1 - first : 63) + 1;
+        std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + first;
+        widen_row(j, k, count + 1, rows[j.rect.i0 & 1]);
+        for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i, k += j.cols) {
+            const WideRow& up = rows[i & 1];
+            WideRow& down = rows[(i + 1) & 1];
+            widen_row(j, k + j.cols, count + 1, down);
+            std::size_t q = 0;
+            for (; q + 4 <= count; q += 4) four += wide_volume<Four>(up, down, j.kind + k, q);
+            for (; q < count; ++q) sum += wide_volume<One>(up, down, j.kind + k, q);
+        }
     }
-    return sum;
+    return sum + Four::sum(four);
 }
 
 template <class L>
 static inline __attribute__((always_inline)) void cubic_block(const QuadJob& j, const ConstPlanes& normal,
-                                                              const float* weight, std::size_t k, double* out) {
+                                                              const float* weight, std::size_t k,
+                                                              typename L::D* out) {
     typedef typename L::D D;
     const std::size_t n = j.cols;
     const auto arrow = [&](std::size_t at) __attribute__((always_inline)) {
@@ -150,20 +175,38 @@ static inline __attribute__((always_inline)) void cubic_block(const QuadJob& j, 
     const Triple<D> eb = times(e, b.r), fx = times(f, x.r);
     const Triple<D> mixed{eb.x + fx.x, eb.y + fx.y, eb.z + fx.z};
     const auto there = L::bytes(j.kind + k) != kQuadNone;
-    out[0] += L::sum(L::choose(there, inner(b.p, ex) + inner(x.p, mixed), D{}));
-    out[1] += L::sum(L::choose(there, inner(b.p, mixed) + inner(x.p, fb), D{}));
-    out[2] += L::sum(L::choose(there, inner(b.p, fb), D{}));
+    out[0] += L::choose(there, inner(b.p, ex) + inner(x.p, mixed), D{});
+    out[1] += L::choose(there, inner(b.p, mixed) + inner(x.p, fb), D{});
+    out[2] += L::choose(there, inner(b.p, fb), D{});
 }
 
 void cubic(const QuadJob& j, ConstPlanes normal, const float* weight, double* out) noexcept {
+    Doubles four[3] = {};
     double sum[3] = {0, 0, 0};
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        for (; k + 4 <= end; k += 4) cubic_block<Four>(j, normal, weight, k, sum);
+        for (; k + 4 <= end; k += 4) cubic_block<Four>(j, normal, weight, k, four);
         for (; k < end; ++k) cubic_block<One>(j, normal, weight, k, sum);
     }
-    for (int a = 0; a < 3; ++a) out[a] += sum[a];
+    for (int a = 0; a < 3; ++a) out[a] += sum[a] + Four::sum(four[a]);
+}
+
+template <class L>
+static inline __attribute__((always_inline)) typename L::D root(const typename L::D& v) {
+    if constexpr (L::kLanes == 1)
+        return __builtin_sqrt(v);
+    else
+        return four_roots(v);
+}
+template <class L>
+static inline __attribute__((always_inline)) typename L::D area_block(const QuadJob& j, const std::uint8_t* marks,
+                                                                      std::size_t k) {
+    typedef typename L::D D;
+    const Corners<D> c = corners<L>(j, k);
+    const Triple<D> v = times(minus(c.r, c.p), minus(c.s, c.q));
+    const auto counts = (L::bytes(marks + k) & 1) > (L::bytes(j.kind + k) >> 1);
+    return L::choose(counts, 0.5 * root<L>(inner(v, v)), D{});
 }
 
 double area(const QuadJob& j, const std::uint8_t* marks) noexcept {
@@ -171,12 +214,10 @@ double area(const QuadJob& j, const std::uint8_t* marks) noexcept {
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        for (; k < end; ++k) {
-            if ((marks[k] & 1) == 0 || j.kind[k] == kQuadNone) continue;
-            const Corners<double> c = corners<One>(j, k);
-            const Triple<double> v = times(minus(c.r, c.p), minus(c.s, c.q));
-            sum += 0.5 * __builtin_sqrt(inner(v, v));
-        }
+        Doubles four = {};
+        for (; k + 4 <= end; k += 4) four += area_block<Four>(j, marks, k);
+        sum += Four::sum(four);
+        for (; k < end; ++k) sum += area_block<One>(j, marks, k);
     }
     return sum;
 }
@@ -285,27 +326,34 @@ std::uint32_t weights(const WeightJob& j) noexcept {
     return count;
 }
 
-template <class L>
+// In float: it is the result's own precision, and the volume is measured afterwards.
+template <class F>
 static inline __attribute__((always_inline)) void bulge_block(const BulgeJob& j, std::size_t k) {
-    typedef typename L::D D;
-    const D w = L::load(j.weight + k);
-    const auto moving = w > 0.0;
-    const D step = w * j.beta;
-    const Triple<D> v = place<L>(j.from, k), n = place<L>(j.normal, k);
-    Triple<D> to{v.x + step * n.x, v.y + step * n.y, v.z + step * n.z};
+    const F w = fetch<F>(j.weight + k);
+    const auto moving = w > 0.0f;
+    const F step = w * j.beta;
+    const F ox = fetch<F>(j.to.x + k), oy = fetch<F>(j.to.y + k), oz = fetch<F>(j.to.z + k);
+    F x = fetch<F>(j.from.x + k) + step * fetch<F>(j.normal.x + k);
+    F y = fetch<F>(j.from.y + k) + step * fetch<F>(j.normal.y + k);
+    F z = fetch<F>(j.from.z + k) + step * fetch<F>(j.normal.z + k);
     if (j.clamp) {
-        const D distance = j.n[0] * to.x + j.n[1] * to.y + j.n[2] * to.z - j.d;
-        const D back = L::choose(distance < 0.0, distance, D{});
-        to = {to.x - back * j.n[0], to.y - back * j.n[1], to.z - back * j.n[2]};
+        const F distance = j.n[0] * x + j.n[1] * y + j.n[2] * z - j.d;
+        const F back = distance < 0.0f ? distance : F{};
+        x = x - back * j.n[0];
+        y = y - back * j.n[1];
+        z = z - back * j.n[2];
     }
-    L::store(j.to.x + k, L::choose(moving, to.x, L::load(j.to.x + k)));
-    L::store(j.to.y + k, L::choose(moving, to.y, L::load(j.to.y + k)));
-    L::store(j.to.z + k, L::choose(moving, to.z, L::load(j.to.z + k)));
+    put_raw(j.to.x + k, F(moving ? x : ox));
+    put_raw(j.to.y + k, F(moving ? y : oy));
+    put_raw(j.to.z + k, F(moving ? z : oz));
 }
 
 void bulge(const BulgeJob& job) noexcept {
     const BulgeJob j = job;
-    each_row(j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-        bulge_block<decltype(lanes)>(j, k);
-    });
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
+        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
+        const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
+        for (; k + sizeof(Wide) / 4 <= end; k += sizeof(Wide) / 4) bulge_block<Wide>(j, k);
+        for (; k < end; ++k) bulge_block<float>(j, k);
+    }
 }

@@ -10,6 +10,24 @@
 
 namespace dgm::detail {
 namespace {
+typedef double Doubles __attribute__((vector_size(32)));
+typedef long long Longs __attribute__((vector_size(32)));
+typedef float Single4 __attribute__((vector_size(16)));
+typedef float Wide __attribute__((vector_size(16)));
+typedef int Int4 __attribute__((vector_size(16)));
+
+inline Doubles load_four(const float* p) {
+    return Doubles{p[0], p[1], p[2], p[3]};
+}
+inline void store_four(float* p, const Doubles& v) {
+    for (int k = 0; k < 4; ++k) p[k] = static_cast<float>(v[k]);
+}
+inline Longs four_bytes(const std::uint8_t* p) {
+    return Longs{p[0], p[1], p[2], p[3]};
+}
+inline Doubles four_roots(const Doubles& v) {
+    return Doubles{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
+}
 #include "contact_rows_impl.h"
 }  // namespace
 
