@@ -18,7 +18,7 @@ namespace dgm {
 namespace detail {
 namespace {
 
-constexpr double kKept = 1e-6;    // of the removed volume: what volume_kept says
+constexpr double kKept = 1e-6;      // of the removed volume: what volume_kept says
 constexpr double kPolished = 1e-5;  // what a few samples can take without showing it
 constexpr double kAimed = 1e-8;
 constexpr std::uint32_t kMaxPasses = 10;
@@ -90,13 +90,8 @@ class Resolver {
         }
     }
     [[nodiscard]] PlaneJob plane_job(const Rect& r) noexcept {
-        return {r,
-                s_.tables.cols,
-                s_.now,
-                {shape_.normal.x, shape_.normal.y, shape_.normal.z},
-                shape_.offset,
-                tolerance_,
-                c_.marks.data()};
+        return {r,          s_.tables.cols, s_.now, {shape_.normal.x, shape_.normal.y, shape_.normal.z}, shape_.offset,
+                tolerance_, c_.marks.data()};
     }
     [[nodiscard]] bool is_simple(std::uint32_t tile) const noexcept {
         return shape_.kind == ObstacleKind::Plane && s_.tables.mask == nullptr && s_.mobility.empty() &&
@@ -192,8 +187,8 @@ class Resolver {
         const std::uint32_t listed = c_.tile_count;
         for (std::uint32_t k = 0; k < listed; ++k) {
             const std::uint32_t tile = c_.tiles[k], ti = tile / s_.tile_cols, tj = tile % s_.tile_cols;
-            const auto bit = static_cast<std::uint8_t>(
-                kTileMoving | ((c_.tile_bits[tile] & kTilePsi) != 0 ? kTileBulging : 0));
+            const auto bit =
+                static_cast<std::uint8_t>(kTileMoving | ((c_.tile_bits[tile] & kTilePsi) != 0 ? kTileBulging : 0));
             for (std::uint32_t i = ti == 0 ? 0 : ti - 1; i <= ti; ++i)
                 for (std::uint32_t j = tj == 0 ? 0 : tj - 1; j <= tj; ++j) c_.add_tile(i * s_.tile_cols + j, bit);
         }

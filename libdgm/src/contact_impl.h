@@ -90,16 +90,15 @@ struct ContactImpl {
     bool spread = false;  ///< distances of all samples are in `weight`, `square` has those of nodes
     bool border = false;  ///< border samples are in contact or in the ring
 
-    [[nodiscard]] Planes before() noexcept {
-        return {saved.data(), saved.data() + plane, saved.data() + 2 * plane};
-    }
+    [[nodiscard]] Planes before() noexcept { return {saved.data(), saved.data() + plane, saved.data() + 2 * plane}; }
     void add_tile(std::uint32_t tile, std::uint8_t bit) noexcept {
         if (tile_bits[tile] == 0) tiles[tile_count++] = tile;
         tile_bits[tile] |= bit;
     }
 };
 
-/// Calls f(neighbour) for the samples that share an edge with `sample` or a copy of it; along the grid's diagonals none.
+/// Calls f(neighbour) for the samples that share an edge with `sample` or a copy of it; along the grid's diagonals
+/// none.
 template <class F>
 void each_neighbour(const StateImpl& s, std::uint32_t sample, F f) noexcept {
     const ChartTables& t = s.tables;

@@ -59,8 +59,8 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
         !c.square.allocate(a, t.total, std::numeric_limits<float>::infinity()) || !c.source.allocate(a, t.total) ||
         !c.queue.allocate(a, t.total) || !c.tile_bits.allocate(a, tiles) || !c.tiles.allocate(a, tiles) ||
         !c.runs.allocate(a, tiles) || !c.ring_runs.allocate(a, tiles) ||
-        !c.rim.allocate(a, std::min<std::uint64_t>(2 * std::uint64_t{t.total},
-                                                   16 * (std::uint64_t{t.rows} + t.cols) + 1024)))
+        !c.rim.allocate(
+            a, std::min<std::uint64_t>(2 * std::uint64_t{t.total}, 16 * (std::uint64_t{t.rows} + t.cols) + 1024)))
         return false;
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < t.cols; ++j)
@@ -94,8 +94,7 @@ Result<bool> is_closed(const StateImpl& s, const Allocator& allocator) noexcept 
 
 Result<ContactSolver> ContactSolver::create(const State& state, const Allocator& allocator,
                                             std::uint64_t max_bytes) noexcept {
-    if (!detail::is_valid(allocator))
-        return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
+    if (!detail::is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
     const detail::StateImpl& s = *state.impl();
     const std::uint64_t tiles = std::uint64_t{s.tile_rows} * s.tile_cols;
     if (std::uint64_t{s.total()} * 64 + tiles * 40 + s.faces.size() * 12 + 65536 > max_bytes)
@@ -122,8 +121,7 @@ bool ContactSolver::closed() const noexcept {
 
 double ContactSolver::volume(const State& state) const noexcept {
     const detail::StateImpl& s = *state.impl();
-    if (!impl_->closed || s.tables.total != impl_->total || s.tables.cols != impl_->cols || s.tables.rows < 2)
-        return 0;
+    if (!impl_->closed || s.tables.total != impl_->total || s.tables.cols != impl_->cols || s.tables.rows < 2) return 0;
     const detail::Double3 o = detail::widen(s.point(s.any_sample));
     const detail::QuadJob job{{0, s.tables.rows - 2, 0, s.tables.cols - 2},
                               s.tables.cols,
@@ -132,9 +130,9 @@ double ContactSolver::volume(const State& state) const noexcept {
                               {o.x, o.y, o.z}};
     double six = impl_->rows_of->volume(job);
     for (std::size_t k = 0; k + 2 < s.faces.size(); k += 3)
-        six += detail::dot(detail::widen(s.point(s.faces[k])) - o,
-                           detail::cross(detail::widen(s.point(s.faces[k + 1])) - o,
-                                         detail::widen(s.point(s.faces[k + 2])) - o));
+        six += detail::dot(
+            detail::widen(s.point(s.faces[k])) - o,
+            detail::cross(detail::widen(s.point(s.faces[k + 1])) - o, detail::widen(s.point(s.faces[k + 2])) - o));
     return six / 6;
 }
 

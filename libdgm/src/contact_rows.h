@@ -41,10 +41,10 @@ struct WeightJob {
     const float* square;    ///< squared distance from the rim, infinity outside the ring
     const float* mobility;  ///< or null
     float* weight;
-    float limit;     ///< R^2
-    float factor;    ///< 1 / sigma
-    float end;       ///< exp(-R^2 / sigma) for the compact kernel, 0 for the printed one
-    float slope;     ///< R^2 / sigma
+    float limit;   ///< R^2
+    float factor;  ///< 1 / sigma
+    float end;     ///< exp(-R^2 / sigma) for the compact kernel, 0 for the printed one
+    float slope;   ///< R^2 / sigma
 };
 
 struct BulgeJob {

@@ -3,8 +3,8 @@
 // Bodies of contact_rows.h, four doubles at a time. Included as rows_impl.h is: inside a namespace and a target region,
 // after all other headers, and without std:: for the same reason.
 //
-// Needs Doubles, Longs, Single4, Int4 (vectors of four), load_four (floats to doubles), store_four (back) and four_bytes
-// (bytes to Longs).
+// Needs Doubles, Longs, Single4, Int4 (vectors of four), load_four (floats to doubles), store_four (back) and
+// four_bytes (bytes to Longs).
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.
@@ -79,7 +79,8 @@ struct Corners {
     Triple<D> p, q, r, s;
 };
 template <class L, class C>
-static inline __attribute__((always_inline)) Corners<typename L::D> turned(const C& second, const Triple<typename L::D>& a,
+static inline __attribute__((always_inline)) Corners<typename L::D> turned(const C& second,
+                                                                           const Triple<typename L::D>& a,
                                                                            const Triple<typename L::D>& b,
                                                                            const Triple<typename L::D>& c,
                                                                            const Triple<typename L::D>& d) {
@@ -109,7 +110,8 @@ struct WideRow {
     static constexpr std::uint32_t kRoom = 68;
     double x[kRoom], y[kRoom], z[kRoom];
 };
-static inline __attribute__((always_inline)) void widen_plane(const float* p, double o, std::size_t count, double* out) {
+static inline __attribute__((always_inline)) void widen_plane(const float* p, double o, std::size_t count,
+                                                              double* out) {
     std::size_t k = 0;
     for (; k + 4 <= count; k += 4) put_raw(out + k, load_four(p + k) - o);
     for (; k < count; ++k) out[k] = static_cast<double>(p[k]) - o;
@@ -159,8 +161,7 @@ double volume(const QuadJob& job) noexcept {
 
 template <class L>
 static inline __attribute__((always_inline)) void cubic_block(const QuadJob& j, const ConstPlanes& normal,
-                                                              const float* weight, std::size_t k,
-                                                              typename L::D* out) {
+                                                              const float* weight, std::size_t k, typename L::D* out) {
     typedef typename L::D D;
     const std::size_t n = j.cols;
     const auto arrow = [&](std::size_t at) __attribute__((always_inline)) {
@@ -277,9 +278,10 @@ static inline __attribute__((always_inline)) void project_block(const PlaneJob& 
 }
 
 void project(const PlaneJob& j, const float* mobility) noexcept {
-    each_row(j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-        project_block<decltype(lanes)>(j, mobility, k);
-    });
+    each_row(
+        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
+            project_block<decltype(lanes)>(j, mobility, k);
+        });
 }
 
 /// exp(-x) for 0 <= x <= 64 within 2e-7: a Taylor polynomial of exp(-x / 64), squared six times.

@@ -18,10 +18,10 @@ struct AssetImpl;
 
 struct OpenOptions {
     std::span<const char* const> required_layers = {};  ///< names every chart must hold, else MissingLayer
-    /// If not empty: only these and the tables every reader needs (seams, diagonals, mask, border_*) are listed, checked
-    /// by verify() and ever read. (What is not read is not loaded either way: files are mapped.)
+    /// If not empty: only these and the tables every reader needs (seams, diagonals, mask, border_*) are listed,
+    /// checked by verify() and ever read. (What is not read is not loaded either way: files are mapped.)
     std::span<const char* const> layers = {};
-    bool verify_hashes = false;                         ///< hash every layer now (see Asset::verify)
+    bool verify_hashes = false;  ///< hash every layer now (see Asset::verify)
     std::uint64_t max_file_bytes = ~std::uint64_t{0};
     std::uint32_t max_charts = 1u << 16;
     std::uint32_t max_layers = 1u << 20;

@@ -38,14 +38,14 @@ enum class ObstacleKind : std::uint32_t {
 /// All coordinates are local ones of the state that is pressed against it.
 struct Obstacle {
     ObstacleKind kind = ObstacleKind::Plane;
-    Vec3 point = {};                          ///< plane: a point of it. Sphere, box: centre. Capsule: one end. Surface:
-                                         ///< where the origin of its local frame lies
-    Vec3 normal{0, 0, 1};                ///< plane: towards the free side, of any length
-    Vec3 end = {};                            ///< capsule: the other end
-    float radius = 0;                    ///< sphere, capsule: > 0
-    Vec3 half = {};                           ///< box: half its sides, > 0
+    Vec3 point = {};       ///< plane: a point of it. Sphere, box: centre. Capsule: one end. Surface:
+                           ///< where the origin of its local frame lies
+    Vec3 normal{0, 0, 1};  ///< plane: towards the free side, of any length
+    Vec3 end = {};         ///< capsule: the other end
+    float radius = 0;      ///< sphere, capsule: > 0
+    Vec3 half = {};        ///< box: half its sides, > 0
     float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< box, surface: own frame to the state's, rows first
-    State* surface = nullptr;            ///< not written but for its pyramid, which is brought up to date
+    State* surface = nullptr;                         ///< not written but for its pyramid, which is brought up to date
     /// Surface: samples farther behind it than this are taken to be on its other side. 0: no limit for a closed one,
     /// four of its mean steps for an open one.
     float reach = 0;
@@ -85,12 +85,12 @@ enum class ContactStatus : std::uint32_t {
 
 struct ContactReport {
     ContactStatus status = ContactStatus::Clear;
-    bool volume_kept = false;  ///< |volume_error| <= 1e-6; never on an open surface
-    bool sunk = false;         ///< samples that may not move (mobility) are still beyond the obstacle
-    std::uint32_t samples = 0;  ///< in contact (Phi), each seam class once, as in the two sums below
-    float deepest = 0;          ///< largest |d_ij|
-    float total = 0;            ///< D, sum of |d_ij|
-    std::uint32_t ring = 0;     ///< bulged samples (Psi), copies counted
+    bool volume_kept = false;              ///< |volume_error| <= 1e-6; never on an open surface
+    bool sunk = false;                     ///< samples that may not move (mobility) are still beyond the obstacle
+    std::uint32_t samples = 0;             ///< in contact (Phi), each seam class once, as in the two sums below
+    float deepest = 0;                     ///< largest |d_ij|
+    float total = 0;                       ///< D, sum of |d_ij|
+    std::uint32_t ring = 0;                ///< bulged samples (Psi), copies counted
     float ring_reach = 0, ring_sigma = 0;  ///< R and sigma in use
     float beta = 0;                        ///< height of the bulge at the rim
     std::uint32_t passes = 0;              ///< measurements of the bulged volume
@@ -126,8 +126,8 @@ class ContactSolver {
 ///
 /// A step beyond the obstacle of less than 2e-7 of the largest coordinate is none: a shape that rests is left alone.
 /// @return BadArgument: an obstacle, limit or ring that is not finite (limits may be infinite) or out of range, a
-///         rotation that is none, a surface that is the state itself, a solver made for another state. Unsupported kind,
-///         bulge or mode. On an error nothing has been changed.
+///         rotation that is none, a surface that is the state itself, a solver made for another state. Unsupported
+///         kind, bulge or mode. On an error nothing has been changed.
 /// No allocation, no locks. O(samples in contact and ring), for surfaces times a search of their pyramid.
 [[nodiscard]] DGM_API Result<ContactReport> resolve_contact(State& state, const ContactSolver& solver,
                                                             const Obstacle& obstacle,

@@ -42,8 +42,8 @@ enum class VertexFormat : std::uint32_t {
 /// An attribute that is not wanted.
 inline constexpr std::size_t kNoAttribute = ~std::size_t{0};
 
-/// Caller-owned vertices: attribute `a` of vertex k starts at data + k * stride + a_offset: position xyz (local), normal
-/// xyz (unit), uv (x = v along columns, y = u along rows: image convention, first row on top).
+/// Caller-owned vertices: attribute `a` of vertex k starts at data + k * stride + a_offset: position xyz (local),
+/// normal xyz (unit), uv (x = v along columns, y = u along rows: image convention, first row on top).
 struct VertexTarget {
     std::span<std::byte> memory;
     std::size_t stride = 3 * sizeof(float);
@@ -67,12 +67,13 @@ struct VertexTarget {
 /// Writes the baked surface of a chart.
 ///
 /// Vertices are all samples, grid then border, none renumbered; one off the surface is in no triangle (its position is
-/// as stored, 0 where that is not finite). Triangles are the quads' two each in row-major order (at stride 1), then the border
-/// strip, counter-clockwise in (u, v). Positions are local: add Chart::offset() for the source frame. Normals come
-/// from the layer `normal` (and `border_normal`); uv of border samples from `border_uv`.
-/// Pass an empty `vertices.memory` or `indices` to leave that part out.
+/// as stored, 0 where that is not finite). Triangles are the quads' two each in row-major order (at stride 1), then the
+/// border strip, counter-clockwise in (u, v). Positions are local: add Chart::offset() for the source frame. Normals
+/// come from the layer `normal` (and `border_normal`); uv of border samples from `border_uv`. Pass an empty
+/// `vertices.memory` or `indices` to leave that part out.
 ///
-/// @return what was written; BufferTooSmall, BadArgument (stride 0, offsets that overlap the next vertex, steps), NotFinite,
+/// @return what was written; BufferTooSmall, BadArgument (stride 0, offsets that overlap the next vertex, steps),
+/// NotFinite,
 ///         BadValue, MissingLayer, Unsupported. On an error the caller's memory may be partly written.
 /// Thread-safe. No allocation. Works unaligned, so any packed layout will do.
 [[nodiscard]] DGM_API Result<MeshCounts> reconstruct(const Chart& chart, const VertexTarget& vertices,

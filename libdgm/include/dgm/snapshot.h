@@ -59,7 +59,8 @@ class Snapshots {
     /// that part out. Lock-free: starts again if overtaken, at most 64 times.
     /// @return NotFound before the first publish(); BufferTooSmall; BadArgument for normals of snapshots without;
     ///         Busy if it was overtaken every time: then the memory holds parts of several frames.
-    [[nodiscard]] DGM_API Result<SnapshotInfo> read(std::span<float> positions, std::span<float> normals) const noexcept;
+    [[nodiscard]] DGM_API Result<SnapshotInfo> read(std::span<float> positions,
+                                                    std::span<float> normals) const noexcept;
     [[nodiscard]] DGM_API std::uint32_t sample_count() const noexcept;
     [[nodiscard]] DGM_API std::uint64_t bytes() const noexcept;
 

@@ -152,7 +152,8 @@ TEST(Contact, PaperFormIsEquation11) {
         ++seen;
     }
     EXPECT_GT(seen, 200u);
-    // Points of the rim are up to a grid step apart, so s is up to half a step long; the kernel's slope is at most this.
+    // Points of the rim are up to a grid step apart, so s is up to half a step long; the kernel's slope is at most
+    // this.
     EXPECT_LT(worst, 0.5 * state.mean_step() * std::sqrt(2 / 0.05) * std::exp(-0.5));
     EXPECT_NEAR(r.volume_error, r.paper_error, 1e-3 * r.paper_error);
 }
@@ -191,9 +192,7 @@ TEST(Contact, MovesSteadilyWithTheObstacle) {
             double& most = crosses ? crossing : worst;
             most = std::max(most, std::sqrt(double(dot(d, d))));
         }
-        if (!last.empty()) {
-            EXPECT_NEAR(r.value().beta, last_beta, 0.02 * last_beta);
-        }
+        if (!last.empty()) { EXPECT_NEAR(r.value().beta, last_beta, 0.02 * last_beta); }
         last_beta = r.value().beta;
         last.clear();
         for (std::uint32_t k = 0; k < p.count; ++k) last.push_back(p[k]);

@@ -88,8 +88,9 @@ ChartSpec with_diagonals(ChartSpec chart) {
 }
 
 TEST(Lod, StripsHoldTheTriangles) {
-    for (const ChartSpec& chart : {with_diagonals(sphere_chart(17)), sphere_chart(17), with_diagonals(free_chart(13, 19, sheet)),
-                                   grid_chart(2, 9, sheet), with_diagonals(grid_chart(9, 2, sheet))}) {
+    for (const ChartSpec& chart :
+         {with_diagonals(sphere_chart(17)), sphere_chart(17), with_diagonals(free_chart(13, 19, sheet)),
+          grid_chart(2, 9, sheet), with_diagonals(grid_chart(9, 2, sheet))}) {
         const State s = make_state(chart);
         for (const std::uint32_t stride : {1u, 2u, 3u, 5u, 100u}) {
             SCOPED_TRACE(stride);
@@ -108,7 +109,8 @@ TEST(Lod, BordersStayClosedAtAnyStride) {
     std::size_t last = ~std::size_t{0};
     for (const std::uint32_t stride : {1u, 2u, 3u, 4u, 5u, 7u, 16u, 31u, 1000u}) {
         SCOPED_TRACE(stride);
-        const auto triangles = triangles_of(indices_of(ball, stride, IndexTopology::Triangles), IndexTopology::Triangles);
+        const auto triangles =
+            triangles_of(indices_of(ball, stride, IndexTopology::Triangles), IndexTopology::Triangles);
         expect_watertight(ball, triangles, true);
         EXPECT_LE(triangles.size(), last);
         last = triangles.size();
@@ -120,9 +122,7 @@ TEST(Lod, BordersStayClosedAtAnyStride) {
         for (const Triangle& t : sheet_triangles)
             for (std::size_t k = 0; k < 3; ++k) edges.insert({t[k], t[(k + 1) % 3]});
         for (const auto& [a, b] : edges)
-            if (edges.count({b, a}) == 0) {
-                EXPECT_TRUE(a >= 21 * 30 && b >= 21 * 30) << a << ' ' << b;
-            }
+            if (edges.count({b, a}) == 0) { EXPECT_TRUE(a >= 21 * 30 && b >= 21 * 30) << a << ' ' << b; }
     }
     EXPECT_LT(last, 33u * 33u) << "little but the border is left";
 }
@@ -131,7 +131,8 @@ TEST(Lod, CoarseTrianglesCoverTheArea) {
     const State s = make_state(grid_chart(38, 51, [](double i, double j) { return Point{float(i), float(j), 0}; }));
     for (const std::uint32_t stride : {1u, 2u, 4u, 9u}) {
         double area = 0;
-        for (const Triangle& t : triangles_of(indices_of(s, stride, IndexTopology::Triangles), IndexTopology::Triangles)) {
+        for (const Triangle& t :
+             triangles_of(indices_of(s, stride, IndexTopology::Triangles), IndexTopology::Triangles)) {
             const Vec3 a = s.positions()[t[0]], b = s.positions()[t[1]] - a, c = s.positions()[t[2]] - a;
             const double twice = double(b.x) * c.y - double(b.y) * c.x;
             EXPECT_GT(twice, 0) << "turned over";
@@ -157,7 +158,8 @@ std::uint16_t slow_half(float v) {
 }
 
 TEST(Lod, VertexFormats) {
-    std::vector<float> values = {0, -0.0f, 1, -1, 65504, 65519, 65520, 1e9f, 6e-8f, 2.98e-8f, 2.99e-8f, 6.1e-5f, 1e-40f};
+    std::vector<float> values = {0,    -0.0f, 1,        -1,       65504,   65519, 65520,
+                                 1e9f, 6e-8f, 2.98e-8f, 2.99e-8f, 6.1e-5f, 1e-40f};
     for (int k = 0; k < 5000; ++k) values.push_back(std::ldexp(float(std::sin(k * 1.7)), k % 40 - 25));
     while (values.size() % 9 != 0) values.push_back(0.5f);
     const auto n = static_cast<std::uint32_t>(values.size() / 9);
