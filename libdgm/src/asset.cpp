@@ -31,11 +31,43 @@ LayerView view_of(const AssetImpl& asset, const detail::LayerInfo& info) noexcep
     return view;
 }
 
+/// What every reader needs to understand a chart.
+bool is_table(const char* name) noexcept {
+    for (const char* table : {"seams", "diagonals", "mask"})
+        if (std::strcmp(name, table) == 0) return true;
+    return std::strncmp(name, "border_", 7) == 0;
+}
+
+/// Forgets the layers that were not asked for.
+Result<void> keep_layers(AssetImpl& asset, std::span<const char* const> names) noexcept {
+    if (names.empty()) return {};
+    for (const char* name : names)
+        if (name == nullptr) return Error{ErrorCode::BadArgument, kNoOffset, "a layer name is null"};
+    std::uint32_t kept = 0;
+    for (detail::ChartInfo& chart : asset.charts) {
+        const std::uint32_t first = kept;
+        for (std::uint32_t k = 0; k < chart.record.layer_count; ++k) {
+            const detail::LayerInfo& info = asset.layers[chart.record.first_layer + k];
+            bool wanted = is_table(info.record.name);
+            for (const char* name : names) wanted = wanted || std::strcmp(info.record.name, name) == 0;
+            if (wanted) asset.layers[kept++] = info;  // never ahead of what is read
+        }
+        chart.record.first_layer = first;
+        chart.record.layer_count = kept - first;
+    }
+    asset.header.layer_count = kept;
+    return {};
+}
+
 Result<AssetImpl*> open_bytes(detail::MappedFile&& file, std::span<const std::byte> bytes,
                               const OpenOptions& options) noexcept {
     AssetImpl* impl = detail::create<AssetImpl>(options.allocator, options.allocator, std::move(file), bytes);
     if (impl == nullptr) return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the asset"};
-    if (auto r = read_index(*impl, options); !r) {
+    const auto read = [&]() -> Result<void> {
+        if (auto r = read_index(*impl, options); !r) return r;
+        return keep_layers(*impl, options.layers);
+    };
+    if (auto r = read(); !r) {
         detail::destroy(impl);
         return r.error();
     }
@@ -87,6 +119,8 @@ const char* error_name(ErrorCode code) noexcept {
             return "NOT_FOUND";
         case ErrorCode::Unsupported:
             return "UNSUPPORTED";
+        case ErrorCode::Busy:
+            return "BUSY";
     }
     return "UNKNOWN";
 }
@@ -202,7 +236,8 @@ std::span<const std::uint8_t, 16> Asset::settings_hash() const noexcept {
 }
 
 Result<void> Asset::verify() const noexcept {
-    for (const detail::LayerInfo& info : impl_->layers) {
+    for (std::uint32_t k = 0; k < impl_->header.layer_count; ++k) {
+        const detail::LayerInfo& info = impl_->layers[k];
         const layout::LayerRecord& l = info.record;
         const detail::Hash hash = detail::hash_bytes(impl_->bytes.data() + l.offset, static_cast<std::size_t>(l.bytes));
         if (std::memcmp(hash.data(), l.hash, sizeof l.hash) != 0)

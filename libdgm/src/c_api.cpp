@@ -15,23 +15,7 @@
 #include <dgm/tick.h>
 #include <dgm/validate.h>
 
-#include "memory.h"
-
-struct dgm_asset {
-    dgm_asset(const dgm::Allocator& a, dgm::Asset&& v) noexcept : allocator(a), value(std::move(v)) {}
-    dgm::Allocator allocator;
-    dgm::Asset value;
-};
-struct dgm_state {
-    dgm_state(const dgm::Allocator& a, dgm::State&& v) noexcept : allocator(a), value(std::move(v)) {}
-    dgm::Allocator allocator;
-    dgm::State value;
-};
-struct dgm_table {
-    dgm_table(const dgm::Allocator& a, dgm::DeformTable&& v) noexcept : allocator(a), value(std::move(v)) {}
-    dgm::Allocator allocator;
-    dgm::DeformTable value;
-};
+#include "c_api_impl.h"
 
 namespace {
 using dgm::Error;
@@ -39,45 +23,9 @@ using dgm::ErrorCode;
 using dgm::kNoOffset;
 using dgm::Result;
 using dgm::Vec3;
+using namespace dgm::c_api;
 
-static_assert(DGM_UNSUPPORTED == static_cast<int>(ErrorCode::Unsupported));
-
-constexpr Error kNull{ErrorCode::BadArgument, kNoOffset, "a pointer is null"};
-constexpr Error kBadSize{ErrorCode::BadArgument, kNoOffset, "struct_size is not set"};
-constexpr std::size_t kMaxStruct = 4096;  // no struct of ours ever grows to this
-
-/// Writes what both sides know of an answer; the caller's struct_size stays.
-template <class T>
-void put(T* to, T from) noexcept {
-    if (to == nullptr || to->struct_size < sizeof(std::uint32_t)) return;
-    from.struct_size = to->struct_size;
-    std::memcpy(static_cast<void*>(to), &from, std::min<std::size_t>(to->struct_size, sizeof(T)));
-}
-
-dgm_code finish(const Error& e, dgm_error* error) noexcept {
-    put(error, dgm_error{0, static_cast<std::uint32_t>(e.code), e.byte_offset, e.message});
-    return static_cast<dgm_code>(e.code);
-}
-
-/// Reads what both sides know of the options; the rest is 0. Null: all defaults.
-template <class T>
-Result<void> get(const T* from, T& to) noexcept {
-    to = T{};
-    if (from == nullptr) return {};
-    const std::size_t size = from->struct_size;
-    if (size < sizeof(std::uint32_t) || size > kMaxStruct) return kBadSize;
-    std::memcpy(static_cast<void*>(&to), from, std::min(size, sizeof(T)));
-    const auto* bytes = reinterpret_cast<const unsigned char*>(from);
-    for (std::size_t k = sizeof(T); k < size; ++k)
-        if (bytes[k] != 0) return Error{ErrorCode::Unsupported, kNoOffset, "an option is newer than this library"};
-    return {};
-}
-
-Result<dgm::Allocator> allocator_of(const dgm_allocator* from) noexcept {
-    dgm_allocator a;
-    if (auto r = get(from, a); !r) return r.error();
-    return dgm::Allocator{a.user, a.allocate, a.release};
-}
+static_assert(DGM_BUSY == static_cast<int>(ErrorCode::Busy));
 
 Result<dgm::OpenOptions> open_options(const dgm_open_options* from, const dgm_allocator* allocator) noexcept {
     dgm_open_options o;
@@ -88,7 +36,9 @@ Result<dgm::OpenOptions> open_options(const dgm_open_options* from, const dgm_al
     auto a = allocator_of(allocator);
     if (!a) return a.error();
     dgm::OpenOptions options;
+    if (o.layers == nullptr && o.layer_count != 0) return kNull;
     options.required_layers = {o.required_layers, o.required_layer_count};
+    options.layers = {o.layers, o.layer_count};
     options.verify_hashes = o.verify_hashes != 0;
     if (o.max_file_bytes != 0) options.max_file_bytes = o.max_file_bytes;
     if (o.max_charts != 0) options.max_charts = o.max_charts;
@@ -96,25 +46,6 @@ Result<dgm::OpenOptions> open_options(const dgm_open_options* from, const dgm_al
     if (o.max_samples != 0) options.max_samples = o.max_samples;
     options.allocator = a.value();
     return options;
-}
-
-/// Moves a C++ object into a handle from the same allocator.
-template <class Handle, class T>
-dgm_code hand_out(Result<T>&& made, const dgm::Allocator& allocator, Handle** out, dgm_error* error) noexcept {
-    if (!made) return finish(made.error(), error);
-    Handle* handle = dgm::detail::create<Handle>(allocator, allocator, std::move(made).value());
-    if (handle == nullptr) return finish({ErrorCode::OutOfMemory, kNoOffset, "no memory for the handle"}, error);
-    *out = handle;
-    return finish({}, error);
-}
-
-Vec3 vec(const float* v) noexcept {
-    return {v[0], v[1], v[2]};
-}
-void store(Vec3 v, float* to) noexcept {
-    to[0] = v.x;
-    to[1] = v.y;
-    to[2] = v.z;
 }
 
 Result<dgm::Chart> chart_of(const dgm_asset* asset, std::uint32_t chart) noexcept {
@@ -143,6 +74,10 @@ dgm_code give_counts(const Result<dgm::MeshCounts>& made, dgm_mesh_counts* count
     return finish({}, error);
 }
 
+dgm::ReconstructOptions mesh_options(std::uint32_t stride, std::uint32_t strips) noexcept {
+    return {stride == 0 ? 1u : stride, strips != 0 ? dgm::IndexTopology::Strips : dgm::IndexTopology::Triangles};
+}
+
 template <class Surface>
 dgm_code reconstruct_into(const Surface& surface, const dgm_vertex_target* vertices, std::uint32_t* indices,
                           std::size_t index_count, dgm_mesh_counts* counts, dgm_error* error) noexcept {
@@ -150,14 +85,22 @@ dgm_code reconstruct_into(const Surface& surface, const dgm_vertex_target* verti
     if (auto r = get(vertices, v); !r) return finish(r.error(), error);
     dgm::VertexTarget target;
     if (v.data != nullptr)
-        target = {
-            {static_cast<std::byte*>(v.data), v.bytes}, v.stride, v.position_offset, v.normal_offset, v.uv_offset};
+        target = {{static_cast<std::byte*>(v.data), v.bytes},
+                  v.stride,
+                  v.position_offset,
+                  v.normal_offset,
+                  v.uv_offset,
+                  static_cast<dgm::VertexFormat>(v.position_format),
+                  static_cast<dgm::VertexFormat>(v.normal_format),
+                  static_cast<dgm::VertexFormat>(v.uv_format),
+                  vec(v.origin),
+                  vec(v.step)};
     if (v.data != nullptr && v.bytes == 0)
         return finish({ErrorCode::BufferTooSmall, kNoOffset, "the vertex memory is too small"}, error);
     if (indices != nullptr && index_count == 0)
         return finish({ErrorCode::BufferTooSmall, kNoOffset, "the index memory is too small"}, error);
     const std::span<std::uint32_t> span(indices, indices == nullptr ? 0 : index_count);
-    return give_counts(dgm::reconstruct(surface, target, span, {v.lod_stride == 0 ? 1u : v.lod_stride}), counts, error);
+    return give_counts(dgm::reconstruct(surface, target, span, mesh_options(v.lod_stride, v.strips)), counts, error);
 }
 
 dgm_code give_nearest(const Result<dgm::Nearest>& found, std::uint32_t* sample, float* distance,
@@ -175,13 +118,6 @@ size_t give_planes(const dgm::PointView& view, const float* xyz[3]) noexcept {
         xyz[2] = view.z;
     }
     return view.count;
-}
-
-/// Arrays of sized structs: as many bytes apart as the caller's version of the struct has.
-template <class T>
-T* element(T* first, std::size_t k) noexcept {
-    using Byte = std::conditional_t<std::is_const_v<T>, const char, char>;
-    return reinterpret_cast<T*>(reinterpret_cast<Byte*>(first) + k * first->struct_size);
 }
 
 /// Zeros are the defaults.
@@ -306,6 +242,19 @@ dgm_code dgm_chart_reconstruct(const dgm_asset* asset, uint32_t chart, const dgm
 dgm_code dgm_state_mesh_counts(const dgm_state* state, dgm_mesh_counts* counts, dgm_error* error) {
     if (state == nullptr) return finish(kNull, error);
     return give_counts(dgm::mesh_counts(state->value), counts, error);
+}
+
+dgm_code dgm_chart_mesh_counts_at(const dgm_asset* asset, uint32_t chart, uint32_t lod_stride, uint32_t strips,
+                                  dgm_mesh_counts* counts, dgm_error* error) {
+    auto found = chart_of(asset, chart);
+    if (!found) return finish(found.error(), error);
+    return give_counts(dgm::mesh_counts(found.value(), mesh_options(lod_stride, strips)), counts, error);
+}
+
+dgm_code dgm_state_mesh_counts_at(const dgm_state* state, uint32_t lod_stride, uint32_t strips, dgm_mesh_counts* counts,
+                                  dgm_error* error) {
+    if (state == nullptr) return finish(kNull, error);
+    return give_counts(dgm::mesh_counts(state->value, mesh_options(lod_stride, strips)), counts, error);
 }
 
 dgm_code dgm_state_reconstruct(const dgm_state* state, const dgm_vertex_target* vertices, uint32_t* indices,

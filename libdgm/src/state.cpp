@@ -9,6 +9,7 @@
 
 #include <dgm/deform.h>
 
+#include "contact_impl.h"
 #include "state_impl.h"
 #include "validate_impl.h"
 
@@ -234,6 +235,9 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     s.elastic.clear();
     for (std::uint32_t k = 0; k < s.total() && s.any_sample == kNone; ++k)
         if (s.usable(k)) s.any_sample = k;
+    auto closed = is_closed(s, s.allocator);
+    if (!closed) return closed.error();
+    s.open_surface = !closed.value();
     return make_scratch(s, options.max_tools) ? Result<void>{} : Result<void>{kNoMemory};
 }
 }  // namespace

@@ -144,6 +144,7 @@ struct StateImpl {
     GeodesicScratch geodesic;
     Array<ToolSlot> tools;
     std::uint32_t any_sample = kNone;  ///< the first on the surface
+    bool open_surface = true;          ///< some edge of the welded surface has one face
 
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
     /// Some window can reach a seam or a free border, so unfolding is needed.

@@ -18,12 +18,21 @@ struct AssetImpl;
 
 struct OpenOptions {
     std::span<const char* const> required_layers = {};  ///< names every chart must hold, else MissingLayer
-    bool verify_hashes = false;                         ///< hash every layer now (see Asset::verify)
+    /// If not empty: only these and the tables every reader needs (seams, diagonals, mask, border_*) are listed,
+    /// checked by verify() and ever read. (What is not read is not loaded either way: files are mapped.)
+    std::span<const char* const> layers = {};
+    bool verify_hashes = false;  ///< hash every layer now (see Asset::verify)
     std::uint64_t max_file_bytes = ~std::uint64_t{0};
     std::uint32_t max_charts = 1u << 16;
     std::uint32_t max_layers = 1u << 20;
     std::uint32_t max_samples = 0xFFFFFFFEu;  ///< rows * cols + border samples of one chart
     Allocator allocator = {};
+};
+
+/// What an asset costs. Pages of the mapping are loaded when they are read, and shared between processes.
+struct AssetUsage {
+    std::uint64_t mapped_bytes = 0;  ///< of address space; 0 for open_memory()
+    std::uint64_t heap_bytes = 0;    ///< taken from the allocator
 };
 
 /// One chart of an asset: a small value, valid while the Asset lives. All members are O(1) but find().
@@ -80,6 +89,7 @@ class Asset {
     [[nodiscard]] DGM_API Result<Chart> chart(std::uint32_t k) const noexcept;
     /// XXH3-128 of every layer against the index; reads the whole file. @return HashMismatch with the layer's offset.
     [[nodiscard]] DGM_API Result<void> verify() const noexcept;
+    [[nodiscard]] DGM_API AssetUsage usage() const noexcept;
     [[nodiscard]] DGM_API std::uint32_t format_version() const noexcept;
     [[nodiscard]] DGM_API std::span<const std::uint8_t, 16> source_hash() const noexcept;
     [[nodiscard]] DGM_API std::span<const std::uint8_t, 16> settings_hash() const noexcept;

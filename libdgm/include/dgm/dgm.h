@@ -44,7 +44,8 @@ typedef enum dgm_code {
     DGM_LIMIT_EXCEEDED = 17,
     DGM_BUFFER_TOO_SMALL = 18,
     DGM_NOT_FOUND = 19,
-    DGM_UNSUPPORTED = 20
+    DGM_UNSUPPORTED = 20,
+    DGM_BUSY = 21
 } dgm_code;
 
 typedef struct dgm_asset dgm_asset; /* an opened file: read-only, shared by threads */
@@ -73,7 +74,21 @@ typedef struct dgm_open_options {
     size_t required_layer_count;
     uint64_t max_file_bytes; /* limits: 0 is the default */
     uint32_t max_charts, max_layers, max_samples;
+    const char* const* layers; /* if not null: only these and the tables every reader needs are listed */
+    size_t layer_count;
 } dgm_open_options;
+
+typedef struct dgm_asset_usage {
+    uint32_t struct_size;
+    uint64_t mapped_bytes; /* of address space; pages are loaded when they are read */
+    uint64_t heap_bytes;
+} dgm_asset_usage;
+
+typedef struct dgm_state_usage {
+    uint32_t struct_size;
+    uint32_t samples, active_samples, dirty_samples;
+    uint64_t bytes;
+} dgm_state_usage;
 
 typedef struct dgm_chart_info {
     uint32_t struct_size;
@@ -104,13 +119,18 @@ typedef struct dgm_mesh_counts {
     uint64_t indices;
 } dgm_mesh_counts;
 
-/* Caller's vertices: attribute of vertex k at data + k * stride + offset, floats: position xyz, normal xyz, uv. */
+#define DGM_RESTART 0xFFFFFFFFu /* ends a strip */
+
+/* Caller's vertices: attribute of vertex k at data + k * stride + offset: position xyz, normal xyz, uv. */
 typedef struct dgm_vertex_target {
     uint32_t struct_size;
-    uint32_t lod_stride; /* 0 or 1: every sample; others are DGM_UNSUPPORTED in this version */
+    uint32_t lod_stride; /* 0 or 1: every sample; k: blocks of at least k x k quads as two triangles */
     void* data;          /* null: no vertices */
     size_t bytes, stride;
-    size_t position_offset, normal_offset, uv_offset; /* or DGM_NO_ATTRIBUTE */
+    size_t position_offset, normal_offset, uv_offset;   /* or DGM_NO_ATTRIBUTE */
+    uint32_t strips;                                    /* 1: indices are strips with DGM_RESTART between them */
+    uint32_t position_format, normal_format, uv_format; /* 0 f32, 1 f16, 2 u16 */
+    float origin[3], step[3];                           /* u16 positions: stored = (position - origin) / step */
 } dgm_vertex_target;
 
 typedef struct dgm_state_options {
@@ -192,6 +212,64 @@ typedef struct dgm_tick_report {
     uint32_t crossed_seam, truncated;
 } dgm_tick_report;
 
+/* Contact with an obstacle (contact.h), local coordinates of the state that is pressed against it. */
+typedef struct dgm_contact_solver dgm_contact_solver; /* scratch of contacts of one state */
+
+typedef struct dgm_obstacle {
+    uint32_t struct_size;
+    uint32_t kind;   /* 0 plane, 1 sphere, 2 capsule, 3 box, 4 surface */
+    float point[3];  /* of the plane; centre of sphere or box; one end of the capsule; origin of the surface's frame */
+    float normal[3]; /* plane: towards the free side */
+    float end[3];    /* capsule */
+    float radius;    /* sphere, capsule */
+    float half[3];   /* box */
+    float rotation[9];  /* box, surface: own frame to the state's, rows first; all 0: none */
+    dgm_state* surface; /* another state */
+    float reach;        /* surface: farther behind it a sample is on the other side; 0: the default */
+} dgm_obstacle;
+
+/* Row of the table of R and sigma by D. In arrays elements stand struct_size bytes apart. */
+typedef struct dgm_ring_size {
+    uint32_t struct_size;
+    float total, reach, sigma;
+} dgm_ring_size;
+
+typedef struct dgm_contact_options {
+    uint32_t struct_size;
+    uint32_t bulge;             /* 0 exact, 1 eq. 11 as printed, 2 none */
+    uint32_t mode;              /* 0 elastic, 1 plastic */
+    uint32_t smoothing;         /* open surfaces: rounds; 0: 8 */
+    uint32_t no_smoothing;      /* 1: no rounds */
+    float max_depth, max_total; /* dS_max, dT_max; 0: no limit */
+    const dgm_ring_size* rings; /* null: sized by the contact */
+    size_t ring_count;
+} dgm_contact_options;
+
+typedef struct dgm_contact_report {
+    uint32_t struct_size;
+    uint32_t status; /* 0 clear, 1 contact, 2 restored, 3 open: no volume is kept */
+    uint32_t volume_kept, sunk;
+    uint32_t samples, ring, passes;
+    float deepest, total, ring_reach, ring_sigma, beta;
+    double removed, volume_error, first_order_error, paper_error;
+} dgm_contact_report;
+
+/* Shapes from one writer to any number of readers (snapshot.h). */
+typedef struct dgm_snapshots dgm_snapshots;
+
+typedef struct dgm_snapshot_options {
+    uint32_t struct_size;
+    uint32_t slots;      /* 0: 3 */
+    uint32_t no_normals; /* 1: positions only */
+    uint64_t max_bytes;  /* 0: no limit */
+} dgm_snapshot_options;
+
+typedef struct dgm_snapshot_info {
+    uint32_t struct_size;
+    uint32_t retries;
+    uint64_t frame, tag;
+} dgm_snapshot_info;
+
 DGM_API uint32_t dgm_abi_version(void);
 /* Stable name of a code, e.g. "BAD_INDEX". */
 DGM_API const char* dgm_code_name(uint32_t code);
@@ -219,6 +297,11 @@ DGM_API dgm_code dgm_chart_reconstruct(const dgm_asset* asset, uint32_t chart, c
                                        uint32_t* indices, size_t index_count, dgm_mesh_counts* counts,
                                        dgm_error* error);
 DGM_API dgm_code dgm_state_mesh_counts(const dgm_state* state, dgm_mesh_counts* counts, dgm_error* error);
+/* The same for indices at a stride, as triangles or strips. */
+DGM_API dgm_code dgm_chart_mesh_counts_at(const dgm_asset* asset, uint32_t chart, uint32_t lod_stride, uint32_t strips,
+                                          dgm_mesh_counts* counts, dgm_error* error);
+DGM_API dgm_code dgm_state_mesh_counts_at(const dgm_state* state, uint32_t lod_stride, uint32_t strips,
+                                          dgm_mesh_counts* counts, dgm_error* error);
 DGM_API dgm_code dgm_state_reconstruct(const dgm_state* state, const dgm_vertex_target* vertices, uint32_t* indices,
                                        size_t index_count, dgm_mesh_counts* counts, dgm_error* error);
 
@@ -265,6 +348,31 @@ DGM_API dgm_code dgm_tick(dgm_state* state, const dgm_table* table, const dgm_ti
 DGM_API dgm_code dgm_hit_test(const float tool_vector[3], const float normal[3], uint32_t* hit, dgm_error* error);
 /* f = -(d / |d_max|)^3 f_max per axis, paper eqs. 8-10. */
 DGM_API dgm_code dgm_contact_force(const float d[3], float d_max, float f_max, float force[3], dgm_error* error);
+
+/* Contact. `options` may be null; `report` too. */
+DGM_API dgm_code dgm_contact_solver_create(const dgm_state* state, const dgm_allocator* allocator,
+                                           dgm_contact_solver** solver, dgm_error* error);
+DGM_API void dgm_contact_solver_destroy(dgm_contact_solver* solver);
+DGM_API uint32_t dgm_contact_solver_closed(const dgm_contact_solver* solver);
+DGM_API double dgm_contact_solver_volume(const dgm_contact_solver* solver, const dgm_state* state);
+DGM_API dgm_code dgm_resolve_contact(dgm_state* state, const dgm_contact_solver* solver, const dgm_obstacle* obstacle,
+                                     const dgm_contact_options* options, dgm_contact_report* report, dgm_error* error);
+DGM_API dgm_code dgm_obstacle_distance(const dgm_obstacle* obstacle, const float point[3], float* distance,
+                                       float nearest[3], dgm_error* error);
+
+/* Snapshots. frame and info may be null; positions or normals too: x of all samples, then y, then z. */
+DGM_API dgm_code dgm_snapshots_create(const dgm_state* state, const dgm_snapshot_options* options,
+                                      const dgm_allocator* allocator, dgm_snapshots** snapshots, dgm_error* error);
+DGM_API void dgm_snapshots_destroy(dgm_snapshots* snapshots);
+DGM_API dgm_code dgm_snapshots_publish(dgm_snapshots* snapshots, const dgm_state* state, uint64_t tag, uint64_t* frame,
+                                       dgm_error* error);
+DGM_API uint64_t dgm_snapshots_frame(const dgm_snapshots* snapshots);
+DGM_API dgm_code dgm_snapshots_read(const dgm_snapshots* snapshots, float* positions, float* normals,
+                                    size_t floats_each, dgm_snapshot_info* info, dgm_error* error);
+
+/* What assets and states cost. */
+DGM_API dgm_code dgm_asset_get_usage(const dgm_asset* asset, dgm_asset_usage* usage, dgm_error* error);
+DGM_API dgm_code dgm_state_get_usage(const dgm_state* state, dgm_state_usage* usage, dgm_error* error);
 
 #ifdef __cplusplus
 }

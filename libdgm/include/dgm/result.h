@@ -34,6 +34,7 @@ enum class ErrorCode : std::uint32_t {
     BufferTooSmall = 18,  ///< the caller's memory cannot hold the answer
     NotFound = 19,        ///< nothing fits the question, e.g. no sample on the surface
     Unsupported = 20,     ///< a valid wish this version cannot fulfil
+    Busy = 21,            ///< a reader was overtaken by the writer again and again
 };
 
 /// Error without a place in a file.

@@ -30,6 +30,14 @@ struct StateOptions {
     bool plain_loops = false;     ///< do without the processor's vector instructions beyond the baseline
 };
 
+/// What a state costs.
+struct StateUsage {
+    std::uint64_t bytes = 0;  ///< taken from the allocator, all at creation
+    std::uint32_t samples = 0;
+    std::uint32_t active_samples = 0;  ///< present shape may differ from the permanent one: what release() looks at
+    std::uint32_t dirty_samples = 0;   ///< moved since update_normals()
+};
+
 /// Shape of one chart that tools can touch. Independent of the Asset once created.
 ///
 /// Memory: about 75 bytes a sample, all taken at creation; no later call allocates. One thread at a time.
@@ -67,6 +75,7 @@ class State {
     DGM_API void update_normals() noexcept;
     /// Square root of the mean area of a rest quad: the length of a grid step, on the whole.
     [[nodiscard]] DGM_API float mean_step() const noexcept;
+    [[nodiscard]] DGM_API StateUsage usage() const noexcept;
     /// Instruction set in use: "plain" or "avx2".
     [[nodiscard]] DGM_API const char* loops() const noexcept;
 

@@ -2,9 +2,12 @@
 // tests/e2e/consumer/consumer.cpp
 // The same walk as consumer.c through the C++ interface, without exceptions and RTTI.
 #include <dgm/collide.h>
+#include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/force.h>
 #include <dgm/reconstruct.h>
+#include <dgm/snapshot.h>
+#include <dgm/tick.h>
 #include <dgm/validate.h>
 
 #include <cstdio>
@@ -37,6 +40,16 @@ int main(int argc, char** argv) {
     target.memory = std::as_writable_bytes(std::span(vertices));
     if (!dgm::reconstruct(state.value(), target, indices)) return 9;
     if (vertices[3 * 8 * 33] != vertices[3 * (8 * 33 + 32)]) return 10;
+    const auto solver = dgm::ContactSolver::create(state.value());
+    if (!solver) return 11;
+    dgm::Obstacle plane;
+    plane.normal = {-1, 0, 0};
+    plane.point = {0.5f, 0, 0};
+    const auto contact = dgm::resolve_contact(state.value(), solver.value(), plane);
+    if (!contact || contact.value().samples == 0) return 12;
+    auto snapshots = dgm::Snapshots::create(state.value());
+    if (!snapshots || !snapshots.value().publish(state.value()) || !snapshots.value().read(vertices, {})) return 13;
+    if (vertices[8 * 33] > 0.5f + 1e-5f) return 14;
     std::printf("%u vertices, force %g\n", counts.value().vertices, static_cast<double>(force.value().x));
     return 0;
 }

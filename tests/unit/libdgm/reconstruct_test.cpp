@@ -134,7 +134,8 @@ TEST(Reconstruct, Refusals) {
     target.position_offset = kNoAttribute;
     target.normal_offset = 0;
     EXPECT_EQ(reconstruct(opened.chart(), target, {}).error().code, ErrorCode::MissingLayer);
-    EXPECT_EQ(reconstruct(opened.chart(), {}, {}, {2}).error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(reconstruct(opened.chart(), {}, {}, {1, static_cast<IndexTopology>(2)}).error().code,
+              ErrorCode::Unsupported);
     EXPECT_EQ(mesh_counts(opened.chart(), {0}).error().code, ErrorCode::BadArgument);
     // Values that nobody validated are still no way out of the buffers.
     ChartSpec bad = c;

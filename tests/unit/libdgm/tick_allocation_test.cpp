@@ -4,15 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <dgm/collide.h>
+#include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/force.h>
 #include <dgm/reconstruct.h>
+#include <dgm/snapshot.h>
 #include <dgm/tick.h>
 
 #include <atomic>
 #include <cerrno>
 
-#include "opened.h"
+#include "contact_shapes.h"
 
 namespace {
 std::atomic<long> g_allocations{0};
@@ -115,6 +117,31 @@ TEST(Tick, WholeTurnsTakeNoMemory) {
         EXPECT_TRUE(sound);
         EXPECT_EQ(after, before);
     }
+}
+
+TEST(Tick, ContactsAndSnapshotsTakeNoMemory) {
+    State ball = make_state(sphere_chart(65)), cloth = make_state(free_chart(33, 33, sheet));
+    const ContactSolver of_ball = ContactSolver::create(ball).value(), of_cloth = ContactSolver::create(cloth).value();
+    Snapshots shots = Snapshots::create(ball).value();
+    std::vector<float> positions(3 * ball.sample_count());
+    std::vector<std::uint32_t> indices(6 * 64 * 64);
+    bool sound = true;
+    const long before = g_allocations;
+    for (int k = 0; k < 300; ++k) {
+        ball.release();
+        cloth.release();
+        Obstacle plane{.point = {0, 0, -0.9f}}, bump{.kind = ObstacleKind::Sphere, .point = {16, 16, -3}, .radius = 4};
+        Obstacle body{.kind = ObstacleKind::Surface, .point = {0.1f, 0, 1.9f}, .surface = &cloth};
+        plane.point.z += 1e-4f * static_cast<float>(k);
+        sound = sound && resolve_contact(ball, of_ball, plane).ok() && resolve_contact(cloth, of_cloth, bump).ok();
+        if (k % 100 == 0) sound = sound && resolve_contact(ball, of_ball, body).ok();
+        ball.update_normals();
+        sound = sound && shots.publish(ball).ok() && shots.read(positions, {}).ok();
+        if (k % 100 == 0) sound = sound && reconstruct(ball, {}, indices, {4, IndexTopology::Strips}).ok();
+    }
+    const long after = g_allocations;
+    EXPECT_TRUE(sound);
+    EXPECT_EQ(after, before);
 }
 
 }  // namespace

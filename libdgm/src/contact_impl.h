@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/contact_impl.h
+// What a ContactSolver holds, and the steps of a contact.
+#pragma once
+#include <dgm/contact.h>
+
+#include "contact_rows.h"
+#include "state_impl.h"
+
+namespace dgm::detail {
+
+struct Double3 {
+    double x = 0, y = 0, z = 0;
+};
+[[nodiscard]] constexpr Double3 operator+(Double3 a, Double3 b) noexcept {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+[[nodiscard]] constexpr Double3 operator-(Double3 a, Double3 b) noexcept {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+[[nodiscard]] constexpr Double3 operator*(double s, Double3 a) noexcept {
+    return {s * a.x, s * a.y, s * a.z};
+}
+[[nodiscard]] constexpr double dot(Double3 a, Double3 b) noexcept {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+[[nodiscard]] constexpr Double3 cross(Double3 a, Double3 b) noexcept {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+[[nodiscard]] constexpr Double3 widen(Vec3 a) noexcept {
+    return {a.x, a.y, a.z};
+}
+[[nodiscard]] constexpr Vec3 narrow(Double3 a) noexcept {
+    return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
+}
+
+/// A checked obstacle.
+struct Shape {
+    ObstacleKind kind = ObstacleKind::Plane;
+    Double3 point, normal, end, half;  ///< normal: unit
+    double offset = 0;                 ///< plane: normal . point
+    double radius = 0;
+    Double3 axis[3];  ///< columns of the rotation: own axes in the state's frame
+    StateImpl* surface = nullptr;
+    double reach = 0;  ///< surface; infinity: none
+    double slack = 0;  ///< surface: longest edge of its border faces, which may stand out of their tiles' boxes
+    bool open = false;
+};
+struct Probe {
+    double distance = 0;  ///< negative beyond
+    Double3 nearest;
+};
+/// Checks and refits. @return BadArgument, Unsupported.
+[[nodiscard]] Result<Shape> make_shape(const Obstacle& obstacle) noexcept;
+/// A function of the point alone: copies of a class get the same bits.
+[[nodiscard]] Probe probe(const Shape& shape, Double3 point) noexcept;
+/// Lower bound of the distance of all points of a box (local frame).
+[[nodiscard]] double box_distance(const Shape& shape, const Box& box) noexcept;
+/// The welded surface of a state has two faces at every edge. @return OutOfMemory.
+[[nodiscard]] Result<bool> is_closed(const StateImpl& state, const Allocator& allocator) noexcept;
+
+inline constexpr std::uint8_t kInside = 1;  ///< marks: beyond the obstacle
+inline constexpr std::uint8_t kQueued = 2;  ///< waits in the queue of the ring's walk
+inline constexpr std::uint8_t kMember = 4;  ///< moves while the displacement is smoothed
+
+// Tiles with samples beyond; with samples of the ring; with quads that have one of either, or one of the ring, as a
+// corner.
+inline constexpr std::uint8_t kTilePhi = 1, kTilePsi = 2, kTileMoving = 4, kTileBulging = 8;
+
+struct ContactImpl {
+    explicit ContactImpl(const Allocator& a) noexcept : allocator(a) {}
+    Allocator allocator;
+    std::uint32_t rows = 0, cols = 0, total = 0;
+    bool closed = false;
+    const ContactRows* rows_of = nullptr;
+    Array<std::uint8_t> kind;  ///< of each quad, at its first corner
+    Array<std::uint8_t> marks;
+    Array<float> saved;  ///< three planes `plane` apart: where samples of touched tiles were; all border samples
+    std::size_t plane = 0;
+    Array<float> weight, square;  ///< 0 and infinity between contacts
+    Array<std::uint32_t> source;  ///< place in `rim`
+    Array<std::uint32_t> queue;
+    Array<Vec3> rim;  ///< where edges cross the obstacle's border
+    std::uint32_t rim_count = 0;
+    Array<std::uint8_t> tile_bits;
+    Array<std::uint32_t> tiles;  ///< listed ones
+    std::uint32_t tile_count = 0;
+    Array<Rect> runs, ring_runs;  ///< tiles side by side as one rectangle
+    std::uint32_t run_count = 0, ring_run_count = 0;
+    bool spread = false;  ///< distances of all samples are in `weight`, `square` has those of nodes
+    bool border = false;  ///< border samples are in contact or in the ring
+
+    [[nodiscard]] Planes before() noexcept { return {saved.data(), saved.data() + plane, saved.data() + 2 * plane}; }
+    void add_tile(std::uint32_t tile, std::uint8_t bit) noexcept {
+        if (tile_bits[tile] == 0) tiles[tile_count++] = tile;
+        tile_bits[tile] |= bit;
+    }
+};
+
+/// Calls f(neighbour) for the samples that share an edge with `sample` or a copy of it; along the grid's diagonals
+/// none.
+template <class F>
+void each_neighbour(const StateImpl& s, std::uint32_t sample, F f) noexcept {
+    const ChartTables& t = s.tables;
+    const auto around = [&](std::uint32_t k) {
+        if (k < t.grid) {
+            const std::uint32_t i = k / t.cols, j = k % t.cols;
+            if (i > 0 && t.on_surface(k - t.cols)) f(k - t.cols);
+            if (j > 0 && t.on_surface(k - 1)) f(k - 1);
+            if (j + 1 < t.cols && t.on_surface(k + 1)) f(k + 1);
+            if (i + 1 < t.rows && t.on_surface(k + t.cols)) f(k + t.cols);
+        }
+        if (s.face_start.empty()) return;
+        for (std::uint32_t e = s.face_start[k]; e < s.face_start[k + 1]; ++e)
+            for (std::uint32_t c = 0; c < 3; ++c) {
+                const std::uint32_t other = s.faces[3 * std::size_t{s.face_of[e]} + c];
+                if (other != k) f(other);
+            }
+    };
+    const std::uint32_t id = s.class_id(sample);
+    if (id == kNone) return around(sample);
+    for (const std::uint32_t copy : s.members(id)) around(copy);
+}
+
+/// Mobility of a sample, the same for all copies.
+[[nodiscard]] inline float mobility_of(const StateImpl& s, std::uint32_t sample) noexcept {
+    const std::uint32_t k = s.representative(sample);
+    return s.mobility.empty() || k >= s.tables.grid ? 1.0f : s.mobility[k];
+}
+
+/// Open surfaces: averages the displacement of contact and ring with the neighbours', staying out of the obstacle.
+void smooth_contact(StateImpl& state, ContactImpl& contact, const Shape& shape, std::uint32_t rounds) noexcept;
+
+/// Squared surface distances from the rim of the marked samples, up to `reach`, into contact.square; lists tiles.
+void grow_ring(const StateImpl& state, ContactImpl& contact, const Shape& shape, double reach) noexcept;
+
+}  // namespace dgm::detail

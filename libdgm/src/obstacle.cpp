@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/obstacle.cpp
+// How far a point is from an obstacle, and the nearest point of its border.
+//
+// For surfaces: the nearest point of its triangles by the box pyramid. On which side of it a point lies is said by the
+// triangle there; where several share the nearest point, by the one that faces the point most.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact_impl.h"
+
+namespace dgm {
+namespace detail {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Double3 to_own(const Shape& o, Double3 p) noexcept {
+    const Double3 v = p - o.point;
+    return {dot(o.axis[0], v), dot(o.axis[1], v), dot(o.axis[2], v)};
+}
+Double3 from_own(const Shape& o, Double3 p) noexcept {
+    return o.point + p.x * o.axis[0] + p.y * o.axis[1] + p.z * o.axis[2];
+}
+
+Probe round_probe(Double3 p, Double3 centre, double radius) noexcept {
+    const Double3 v = p - centre;
+    const double length = std::sqrt(dot(v, v));
+    // At the centre every way out is as good: take one.
+    const Double3 way = length > 0 ? (1 / length) * v : Double3{0, 0, 1};
+    return {length - radius, centre + radius * way};
+}
+
+Probe box_probe(const Shape& o, Double3 p) noexcept {
+    const Double3 q = to_own(o, p);
+    const double c[3] = {q.x, q.y, q.z}, h[3] = {o.half.x, o.half.y, o.half.z};
+    double nearest[3], outside = 0;
+    int face = 0;
+    for (int k = 0; k < 3; ++k) {
+        nearest[k] = std::clamp(c[k], -h[k], h[k]);
+        outside += (c[k] - nearest[k]) * (c[k] - nearest[k]);
+        if (std::fabs(c[k]) - h[k] > std::fabs(c[face]) - h[face]) face = k;
+    }
+    if (outside > 0) return {std::sqrt(outside), from_own(o, {nearest[0], nearest[1], nearest[2]})};
+    nearest[face] = std::copysign(h[face], c[face]);
+    return {std::fabs(c[face]) - h[face], from_own(o, {nearest[0], nearest[1], nearest[2]})};
+}
+
+/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+Double3 nearest_on(Double3 p, Double3 a, Double3 b, Double3 c) noexcept {
+    const Double3 ab = b - a, ac = c - a, ap = p - a;
+    const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return a;
+    const Double3 bp = p - b;
+    const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+    if (d3 >= 0 && d4 <= d3) return b;
+    const double vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + (d1 / (d1 - d3)) * ab;
+    const Double3 cp = p - c;
+    const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+    if (d6 >= 0 && d5 <= d6) return c;
+    const double vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + (d2 / (d2 - d6)) * ac;
+    const double va = d3 * d6 - d5 * d4;
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
+    const double sum = va + vb + vc;
+    if (!(sum > 0)) return a;  // no area: its edges have been asked
+    return a + (vb / sum) * ab + (vc / sum) * ac;
+}
+
+struct Hit {
+    double square = kInfinity;
+    double facing = 0;  ///< n . (p - nearest), n the unit normal of the triangle that faces p most
+    Double3 nearest;
+};
+
+class SurfaceSearch {
+ public:
+    SurfaceSearch(const StateImpl& s, Double3 p, double slack) noexcept : s_(s), p_(p), slack_(slack) {}
+
+    Hit run() noexcept {
+        const Pyramid& y = s_.now_boxes;
+        struct Entry {
+            double distance;
+            std::uint32_t level, node;
+        };
+        Entry stack[4 * kMaxLevels];
+        std::uint32_t depth = 0;
+        stack[depth++] = {0, y.levels - 1, 0};
+        while (depth != 0) {
+            const Entry e = stack[--depth];
+            if (e.distance > reach()) continue;
+            if (e.level == 0) {
+                leaf(e.node);
+                continue;
+            }
+            const std::uint32_t level = e.level - 1, r = e.node / y.cols[e.level] * 2, c = e.node % y.cols[e.level] * 2;
+            const std::uint32_t first = depth;
+            for (std::uint32_t i = r; i < std::min(r + 2, y.rows[level]); ++i)
+                for (std::uint32_t j = c; j < std::min(c + 2, y.cols[level]); ++j) {
+                    const std::uint32_t node = i * y.cols[level] + j;
+                    const double d = distance_to(y.boxes[y.start[level] + node]);
+                    if (!(d <= reach())) continue;  // empty boxes are infinitely far
+                    std::uint32_t at = depth++;
+                    for (; at > first && stack[at - 1].distance < d; --at) stack[at] = stack[at - 1];
+                    stack[at] = {d, level, node};
+                }
+        }
+        return best_;
+    }
+
+ private:
+    [[nodiscard]] double reach() const noexcept { return std::sqrt(best_.square) * (1 + 1e-9) + slack_; }
+    [[nodiscard]] double distance_to(const Box& box) const noexcept {
+        const double p[3] = {p_.x, p_.y, p_.z};
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double gap = std::max({box.low[k] - p[k], p[k] - box.high[k], 0.0});
+            sum += gap * gap;
+        }
+        return std::sqrt(sum);
+    }
+    [[nodiscard]] Double3 at(std::uint32_t k) const noexcept { return widen(s_.point(k)); }
+
+    void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) noexcept {
+        const Double3 pa = at(a), pb = at(b), pc = at(c);
+        const Double3 q = nearest_on(p_, pa, pb, pc), v = p_ - q;
+        const double square = dot(v, v);
+        if (square > best_.square * (1 + 1e-10)) return;
+        const Double3 n = cross(pb - pa, pc - pa);
+        const double length = std::sqrt(dot(n, n));
+        if (!(length > 0)) {
+            if (square < best_.square) best_ = {square, best_.facing, q};
+            return;
+        }
+        const double facing = dot(n, v) / length;
+        const bool shared = square >= best_.square * (1 - 1e-10);
+        if (shared && std::fabs(facing) <= std::fabs(best_.facing)) return;
+        best_ = {std::min(square, best_.square), facing, q};
+    }
+
+    void leaf(std::uint32_t tile) noexcept {
+        const ChartTables& t = s_.tables;
+        const std::uint32_t i0 = tile / s_.tile_cols * kTileQuads, j0 = tile % s_.tile_cols * kTileQuads;
+        for (std::uint32_t i = i0; i < std::min(i0 + kTileQuads, t.rows - 1); ++i)
+            for (std::uint32_t j = j0; j < std::min(j0 + kTileQuads, t.cols - 1); ++j) {
+                if (!t.has_quad(i, j)) continue;
+                const std::uint32_t a = i * t.cols + j;
+                Box box{{s_.now.x[a], s_.now.y[a], s_.now.z[a]}, {s_.now.x[a], s_.now.y[a], s_.now.z[a]}};
+                for (const std::uint32_t k : {a + 1, a + t.cols, a + t.cols + 1}) {
+                    const float v[3] = {s_.now.x[k], s_.now.y[k], s_.now.z[k]};
+                    for (int d = 0; d < 3; ++d) {
+                        box.low[d] = std::min(box.low[d], v[d]);
+                        box.high[d] = std::max(box.high[d], v[d]);
+                    }
+                }
+                if (distance_to(box) > reach()) continue;
+                for (const auto& f : quad_triangles(i, j, t.cols, t.diagonal(i, j))) triangle(f[0], f[1], f[2]);
+            }
+        for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b) {
+            const std::uint32_t k = s_.tile_border[b];
+            if (s_.face_start.empty()) break;
+            for (std::uint32_t e = s_.face_start[k]; e < s_.face_start[k + 1]; ++e) {
+                const std::uint32_t* f = s_.faces.data() + 3 * std::size_t{s_.face_of[e]};
+                triangle(f[0], f[1], f[2]);
+            }
+        }
+    }
+
+    const StateImpl& s_;
+    Double3 p_;
+    double slack_;
+    Hit best_;
+};
+
+Probe surface_probe(const Shape& o, Double3 p) noexcept {
+    const Hit hit = SurfaceSearch(*o.surface, to_own(o, p), o.slack).run();
+    const double length = std::sqrt(hit.square);
+    const Double3 nearest = from_own(o, hit.nearest);
+    if (!(hit.facing < 0)) return {length, nearest};
+    // Beside the border of an open surface the nearest point is on an edge, and the way to it leans.
+    if (length > o.reach || (o.open && -hit.facing < 0.7 * length)) return {length, nearest};
+    return {-length, nearest};
+}
+
+constexpr Error kBadObstacle{ErrorCode::BadArgument, kNoOffset, "the obstacle is not finite or out of range"};
+
+bool read_rotation(const float* r, Double3* axis) noexcept {
+    for (int k = 0; k < 3; ++k) axis[k] = {r[k], r[3 + k], r[6 + k]};
+    for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b)
+            if (!(std::fabs(dot(axis[a], axis[b]) - (a == b ? 1 : 0)) < 1e-4)) return false;
+    return dot(axis[0], cross(axis[1], axis[2])) > 0;
+}
+}  // namespace
+
+Result<Shape> make_shape(const Obstacle& o) noexcept {
+    Shape shape;
+    shape.kind = o.kind;
+    if (!is_finite(o.point)) return kBadObstacle;
+    shape.point = widen(o.point);
+    switch (o.kind) {
+        case ObstacleKind::Plane: {
+            const Double3 n = widen(o.normal);
+            const double length = std::sqrt(dot(n, n));
+            if (!is_finite(o.normal) || !(length > 0)) return kBadObstacle;
+            shape.normal = (1 / length) * n;
+            shape.offset = dot(shape.normal, shape.point);
+            return shape;
+        }
+        case ObstacleKind::Capsule:
+            if (!is_finite(o.end)) return kBadObstacle;
+            shape.end = widen(o.end);
+            [[fallthrough]];
+        case ObstacleKind::Sphere:
+            if (!std::isfinite(o.radius) || !(o.radius > 0)) return kBadObstacle;
+            shape.radius = o.radius;
+            return shape;
+        case ObstacleKind::Box:
+            if (!is_finite(o.half) || !(o.half.x > 0 && o.half.y > 0 && o.half.z > 0)) return kBadObstacle;
+            shape.half = widen(o.half);
+            return read_rotation(o.rotation, shape.axis) ? Result<Shape>{shape} : Result<Shape>{kBadObstacle};
+        case ObstacleKind::Surface:
+            break;
+        default:
+            return Error{ErrorCode::Unsupported, kNoOffset, "the kind of obstacle is not supported"};
+    }
+    if (o.surface == nullptr || !std::isfinite(o.reach) || !(o.reach >= 0)) return kBadObstacle;
+    if (!read_rotation(o.rotation, shape.axis)) return kBadObstacle;
+    StateImpl& s = *o.surface->impl();
+    if (s.any_sample == kNone) return Error{ErrorCode::NotFound, kNoOffset, "the obstacle has no sample"};
+    shape.surface = &s;
+    refit(s, s.now_boxes);
+    shape.open = s.open_surface;
+    shape.reach = o.reach > 0 ? o.reach : shape.open ? 4 * double{s.mean_step} : kInfinity;
+    for (std::size_t k = 0; k < s.faces.size(); ++k) {
+        const std::uint32_t other = s.faces[k % 3 == 2 ? k - 2 : k + 1];
+        const Double3 e = widen(s.point(s.faces[k])) - widen(s.point(other));
+        shape.slack = std::max(shape.slack, dot(e, e));
+    }
+    shape.slack = std::sqrt(shape.slack);
+    return shape;
+}
+
+Probe probe(const Shape& o, Double3 p) noexcept {
+    switch (o.kind) {
+        case ObstacleKind::Plane: {
+            const double d = o.normal.x * p.x + o.normal.y * p.y + o.normal.z * p.z - o.offset;
+            return {d, p - d * o.normal};
+        }
+        case ObstacleKind::Sphere:
+            return round_probe(p, o.point, o.radius);
+        case ObstacleKind::Capsule: {
+            const Double3 along = o.end - o.point;
+            const double square = dot(along, along);
+            const double t = square > 0 ? std::clamp(dot(p - o.point, along) / square, 0.0, 1.0) : 0;
+            return round_probe(p, o.point + t * along, o.radius);
+        }
+        case ObstacleKind::Box:
+            return box_probe(o, p);
+        case ObstacleKind::Surface:
+            break;
+    }
+    return surface_probe(o, p);
+}
+
+double box_distance(const Shape& o, const Box& box) noexcept {
+    if (!(box.low[0] <= box.high[0])) return kInfinity;
+    const Double3 low{box.low[0], box.low[1], box.low[2]}, high{box.high[0], box.high[1], box.high[2]};
+    const Double3 centre = 0.5 * (low + high), half = 0.5 * (high - low);
+    if (o.kind == ObstacleKind::Plane)
+        return dot(o.normal, centre) - o.offset -
+               (std::fabs(o.normal.x) * half.x + std::fabs(o.normal.y) * half.y + std::fabs(o.normal.z) * half.z);
+    // Distances change by no more than the way gone. Behind a surface of limited reach they change sign again.
+    const double distance = probe(o, centre).distance, radius = std::sqrt(dot(half, half));
+    const bool limited = o.kind == ObstacleKind::Surface && (o.open || o.reach < kInfinity);
+    return limited ? std::fabs(distance) - radius - o.reach : distance - radius;
+}
+}  // namespace detail
+
+Result<ObstacleDistance> obstacle_distance(const Obstacle& obstacle, Vec3 point) noexcept {
+    if (!detail::is_finite(point)) return Error{ErrorCode::BadArgument, kNoOffset, "the point is not finite"};
+    auto shape = detail::make_shape(obstacle);
+    if (!shape) return shape.error();
+    const detail::Probe p = detail::probe(shape.value(), detail::widen(point));
+    return ObstacleDistance{static_cast<float>(p.distance), detail::narrow(p.nearest)};
+}
+
+}  // namespace dgm

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/usage.cpp
+// What assets and states cost.
+#include <algorithm>
+
+#include "asset_impl.h"
+#include "state_impl.h"
+
+namespace dgm {
+namespace detail {
+namespace {
+
+template <class... Arrays>
+std::uint64_t bytes_of(const Arrays&... arrays) noexcept {
+    return (std::uint64_t{0} + ... + (std::uint64_t{arrays.size()} * sizeof(*arrays.data())));
+}
+
+/// Rectangles may overlap: never more than there are.
+std::uint32_t samples_in(const StateImpl& s, const RectList& list) noexcept {
+    std::uint64_t count = 0;
+    for (std::uint32_t k = 0; k < list.count; ++k) count += RectList::area(list.rects[k]);
+    count = std::min<std::uint64_t>(count, s.tables.grid);
+    if (list.border_low <= list.border_high) count += list.border_high - list.border_low + 1;
+    return static_cast<std::uint32_t>(count);
+}
+}  // namespace
+}  // namespace detail
+
+AssetUsage Asset::usage() const noexcept {
+    const detail::AssetImpl& a = *impl_;
+    return {a.file.bytes().size(), sizeof a + detail::bytes_of(a.charts, a.layers)};
+}
+
+StateUsage State::usage() const noexcept {
+    const detail::StateImpl& s = *impl_;
+    const detail::FootprintScratch& f = s.footprint;
+    const std::uint64_t bytes =
+        sizeof s + detail::bytes_of(s.planes, s.mask, s.diagonals, s.ring, s.faces, s.border_uv, s.face_start,
+                                    s.face_of, s.stiffness, s.mobility, s.metric, s.class_of, s.class_start,
+                                    s.class_members, s.link_start, s.links, s.tile_flags, s.tile_list, s.next_tiles,
+                                    s.tile_border_start, s.tile_border, s.now_boxes.boxes, s.base_boxes.boxes,
+                                    s.walk.slot_of, s.walk.nodes, s.walk.heap, s.walk.visited, f.key, f.weight,
+                                    f.samples, f.classes, f.class_seen, s.geodesic.nodes, s.geodesic.touched, s.tools);
+    return {bytes, s.total(), detail::samples_in(s, s.elastic), detail::samples_in(s, s.normal_dirty)};
+}
+
+}  // namespace dgm
