@@ -58,7 +58,7 @@ class Ask(support.Folder):
     def test_the_asked_error_is_held_and_the_next_smaller_grid_does_not(self):
         for source, asked in (("ball.obj", 0.1), ("sheet.obj", 0.02)):
             with self.subTest(source=source):
-                search = self.report(source, "--max-error", f"{asked}%")["search"]
+                search = self.report(source, "--max-error", f"{asked}%", "--fit", "sample")["search"]
                 self.assertEqual(search["goal"], "max-error")
                 self.assertAlmostEqual(search["asked_percent"], asked, places=12)
                 self.assertLessEqual(search["reached_percent"], asked)
@@ -69,7 +69,8 @@ class Ask(support.Folder):
                 self.assertGreater(smaller["rows"] * smaller["cols"], 0.8 * search["rows"] * search["cols"])
                 self.assertIn(smaller, search["trials"])
         # The sheet has no cut to find, so the smaller grid is the same surface when it is baked by name.
-        self.bake_well("sheet.obj", "-o", "y.dgm", "--size", f"{smaller['rows']}x{smaller['cols']}")
+        self.bake_well("sheet.obj", "-o", "y.dgm", "--size", f"{smaller['rows']}x{smaller['cols']}",
+                       "--fit", "sample")
         self.assertTrue(self.holds("y.dgm", "sheet.obj"))
         self.assertFalse(self.holds("y.dgm", "sheet.obj", "--max-rms", f"{asked / 1.011}%"))
 
@@ -80,7 +81,7 @@ class Ask(support.Folder):
         self.assertTrue(self.holds("x.dgm", "ball.obj", "--max-hausdorff", "0.5%"))
 
     def test_source_units(self):
-        report = self.report("sheet.obj", "--max-error", "0.001", "--size", "129x65")
+        report = self.report("sheet.obj", "--max-error", "0.001", "--size", "129x65", "--fit", "sample")
         self.assertEqual(report["search"]["asked"], 0.001)
         self.assertLessEqual(report["error"]["rms"], 0.001)
         self.assertLessEqual(report["search"]["rows"], 129)
