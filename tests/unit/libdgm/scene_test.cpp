@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <dgm/deform.h>
+#include <dgm/reconstruct.h>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -123,6 +124,42 @@ TEST(Scene, StateTellsItsBytes) {
         EXPECT_EQ(state.usage().bytes, count.bytes);
     }
     EXPECT_EQ(count.bytes, 0u);
+}
+
+TEST(Scene, FabricsSwapWhileTheShapeStays) {
+    // A cover pinched by a circular and an elliptic kernel, drawn with one fabric, then with another asset's of another
+    // size: vertices are in uv, so nothing of the shape is asked or changed.
+    ChartSpec jeans = grid_chart(33, 33, sheet), satin = grid_chart(2, 2, sheet);
+    jeans.add("texture", ElementType::kU8, {8, 8, 4}, std::vector<std::uint8_t>(256, 40));
+    satin.add("texture", ElementType::kU8, {32, 16, 4}, std::vector<std::uint8_t>(2048, 200));
+    const Opened cover(build({jeans})), fabric(build({satin}));
+    State state = State::create(cover.chart()).value();
+    KernelOptions ellipse;
+    ellipse.shape = KernelShape::Elliptic;
+    ellipse.radius_a = 6;
+    ellipse.radius_b = 2;
+    Touch pinch;
+    pinch.sample = 16 * 33 + 16;
+    pinch.displacement = {0, 0, 2};
+    pinch.d_max = 2;
+    ASSERT_TRUE(deform(state, DeformTable::create(ellipse).value(), pinch).ok());
+    const float along = state.positions().z[12 * 33 + 16] - state.rest_positions().z[12 * 33 + 16];
+    const float across = state.positions().z[16 * 33 + 12] - state.rest_positions().z[16 * 33 + 12];
+    EXPECT_NEAR(along, 2 * std::exp(-16.0 / 36), 1e-5);
+    EXPECT_NEAR(across, 2 * std::exp(-16.0 / 4), 1e-5);
+    const auto vertices = [&] {
+        std::vector<float> v(5 * 33 * 33);
+        const VertexTarget target{std::as_writable_bytes(std::span(v)), 20, 0, kNoAttribute, 12};
+        EXPECT_TRUE(reconstruct(state, target, {}).ok());
+        return v;
+    };
+    const std::vector<float> before = vertices();
+    LayerView texture = cover.chart().find("texture").value();
+    EXPECT_EQ(std::to_integer<int>(texture.data[100]), 40);
+    texture = fabric.chart().find("texture").value();
+    EXPECT_EQ(std::to_integer<int>(texture.data[100]), 200);
+    EXPECT_EQ(texture.shape[0], 32u);
+    EXPECT_EQ(vertices(), before);
 }
 
 TEST(Scene, OnlyLayersAskedForAreListed) {
