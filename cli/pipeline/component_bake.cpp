@@ -62,7 +62,7 @@ class ComponentBaker {
         // the plain, less converged trials of the measured search are the nearer ones.
         if (options_.method == "mvc" || options_.method == "authalic" || options_.method == "conformal" ||
             options_.method == "tutte")
-            search_.measured = true;
+            search_.measured = search_.reweighted = true;
         if (options_.ablates("cut-search"))  // the first cut that can be mapped at all
             search_.patience = -1, search_.rotations = 1, search_.drops = 0, search_.measured = true;
         try {

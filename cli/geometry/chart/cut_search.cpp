@@ -45,7 +45,7 @@ class Search {
         : component_(component),
           options_(options),
           progress_(progress),
-          stretch_(make_stretch_parameterizer(0)),
+          stretch_(options.reweighted ? make_reweighted_parameterizer() : make_stretch_parameterizer(0)),
           cut_(component),
           source_(measure_topology(component.positions.size(), component.faces)) {}
 

@@ -11,6 +11,7 @@ namespace dgm::bake {
 struct CutSearchOptions {
     std::uint32_t m = 257, n = 257;    ///< the grid the cut is for
     bool measured = false;             ///< try every cut on the component itself and measure it: slow, and sure
+    bool reweighted = false;           ///< measured trials are reweighted maps, not stretch
     std::size_t coarse_faces = 5000;   ///< unless `measured`: a mesh half as large again is searched simplified to this
     std::uint32_t largest_side = 129;  ///< of the grid that trials are made on
     std::uint64_t samples = 8000;      ///< error samples per measured trial, beside the vertices

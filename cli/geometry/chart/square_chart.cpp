@@ -54,7 +54,20 @@ class StretchParameterizer final : public Parameterizer {
     std::size_t newton_steps_;
 };
 
+class ReweightedParameterizer final : public Parameterizer {
+ public:
+    [[nodiscard]] std::string_view name() const override { return "reweighted"; }
+    [[nodiscard]] bool fixed_border() const override { return true; }
+    [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
+        return reweighted_stretch_map(disk, {}, progress);
+    }
+};
+
 }  // namespace
+
+std::unique_ptr<Parameterizer> make_reweighted_parameterizer() {
+    return std::make_unique<ReweightedParameterizer>();
+}
 
 std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps) {
     return std::make_unique<StretchParameterizer>(newton_steps);

@@ -19,6 +19,10 @@ namespace dgm::bake {
 /// ordinary map. The one with the lower stretch is taken.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps);
 
+/// The reweighted convex map [Yoshizawa 2004] alone: crowds limbs about as the named convex methods do, so that a cut
+/// found by it serves those.
+[[nodiscard]] std::unique_ptr<Parameterizer> make_reweighted_parameterizer();
+
 /// @throws model::Error kMapInvalid unless every vertex is finite and every face positively oriented, by exact predicate.
 void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view method);
 
