@@ -32,12 +32,6 @@ namespace codes = model::codes;
 
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of all charts together: 3 GB of layers
 
-double total_area(const TriMesh& mesh) {
-    double sum = 0;
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) sum += face_area(mesh.corners(f));
-    return sum;
-}
-
 /// Six times the signed volume.
 double six_volume(const TriMesh& mesh) {
     double sum = 0;
@@ -325,7 +319,7 @@ class AssetBake {
                 .with_stage("repair");
         for (const auto& count : repaired_.counts) result_.report.repairs.push_back(count);
         const std::size_t components = repaired_.components.size();
-        for (const TriMesh& component : repaired_.components) areas_.push_back(total_area(component));
+        for (const TriMesh& component : repaired_.components) areas_.push_back(surface_area(component));
         largest_ = static_cast<std::size_t>(std::max_element(areas_.begin(), areas_.end()) - areas_.begin());
         shapes_.aspects.assign(components, 0.0);
         cuts_.resize(components);

@@ -42,9 +42,7 @@ class Fitter {
           grid_(chart),
           matches_(chart, source_, grid_, point_count(chart, options)),
           fixed_(grid_.on_border) {
-        double area = 0;
-        for (std::size_t f = 0; f < source_.faces.size(); ++f) area += face_area(source_.corners(f));
-        upward_ = normals_at_scale(source_, area / static_cast<double>(chart.grid_count()));
+        upward_ = normals_at_scale(source_, surface_area(source_) / static_cast<double>(chart.grid_count()));
     }
 
     FitReport run() {
@@ -359,9 +357,7 @@ SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::u
     SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
     const TriMesh& mesh = chart.disk.mesh;
     const ClosestPointIndex index(mesh.positions, mesh.faces);
-    double area = 0;
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) area += face_area(mesh.corners(f));
-    const double slack = 0.25 * std::sqrt(area / static_cast<double>(chart.grid_count()));
+    const double slack = 0.25 * std::sqrt(surface_area(mesh) / static_cast<double>(chart.grid_count()));
     tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
         for (std::uint32_t c = 0; c < cols; ++c) {
             // Position on the chart's own grid, and the quad's triangle under it.

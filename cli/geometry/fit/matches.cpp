@@ -26,16 +26,13 @@ Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const W
     : source_(source), grid_(grid) {
     if (source.faces.size() > grid.surface.faces.size()) {
         source_index_ = std::make_unique<ClosestPointIndex>(source.positions, source.faces);
-        double area = 0;
-        for (std::size_t f = 0; f < source.faces.size(); ++f) area += face_area(source.corners(f));
-        slack_ = 0.25 * std::sqrt(area / static_cast<double>(chart.grid_count()));
+        slack_ = 0.25 * std::sqrt(surface_area(source) / static_cast<double>(chart.grid_count()));
     }
     spread(chart, count);
     start(chart);
 }
 
-/// k-th point at share (k + 1/2) / count of the area, inside its face by the R2 sequence: the same mesh gives the same
-/// points. Each starts on the quad that the map puts it on.
+/// Each point starts on the quad that the map puts it on.
 void Matches::spread(const SampledChart& chart, std::size_t count) {
     const TriMesh& mesh = chart.disk.mesh;
     const auto cell = [](double x, std::uint32_t samples) {
@@ -45,20 +42,10 @@ void Matches::spread(const SampledChart& chart, std::size_t count) {
         const std::size_t quad = cell(uv.x, chart.m) * (chart.n - 1) + cell(uv.y, chart.n);
         points.push_back({position, {grid_.face_of_quad[quad], 0, {}}, weight});
     };
-    std::vector<double> upto(mesh.faces.size() + 1, 0.0);
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) upto[f + 1] = upto[f] + face_area(mesh.corners(f));
     points.reserve(count + source_.positions.size());
-    std::size_t f = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-        const double at = upto.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
-        while (f + 1 < mesh.faces.size() && upto[f + 1] <= at) ++f;
-        double s = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(k), 1.0);
-        double t = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
-        if (s + t > 1) s = 1 - s, t = 1 - t;
-        const auto q = mesh.corners(f);
-        const Face& v = mesh.faces[f];
-        add(q[0] * (1 - s - t) + q[1] * s + q[2] * t,
-            chart.uv[v[0]] * (1 - s - t) + chart.uv[v[1]] * s + chart.uv[v[2]] * t, 1);
+    for (const SurfaceSample& at : spread_by_area(mesh, count)) {
+        const Face& v = mesh.faces[at.face];
+        add(position_at(mesh, at), chart.uv[v[0]] * at.b[0] + chart.uv[v[1]] * at.b[1] + chart.uv[v[2]] * at.b[2], 1);
     }
     area_points = points.size();
     std::vector<char> seen(source_.positions.size(), 0);

@@ -22,9 +22,7 @@ class Untangler {
  public:
     Untangler(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed)
         : source_(source), grid_(grid.surface), matches_(matches), fixed_(fixed), rings_(grid.rings()) {
-        double area = 0;
-        for (std::size_t f = 0; f < source.faces.size(); ++f) area += face_area(source.corners(f));
-        squared_spacing_ = area / static_cast<double>(grid_.positions.size());
+        squared_spacing_ = surface_area(source) / static_cast<double>(grid_.positions.size());
         for (std::size_t k = matches.area_points; k < matches.points.size(); ++k)
             covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
     }

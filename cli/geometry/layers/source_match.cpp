@@ -46,29 +46,23 @@ Vec2d grid_coordinates(const SampledChart& chart, const MatchedPoint& p) {
 std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositions& positions, std::size_t count) {
     constexpr double kMinCosine = 0.3;
     const TriMesh& mesh = in.chart.disk.mesh;
-    std::vector<double> upto(mesh.faces.size() + 1, 0.0);
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) upto[f + 1] = upto[f] + face_area(mesh.corners(f));
-    if (!(upto.back() > 0) || count == 0) return {};
+    const std::vector<SurfaceSample> spread = spread_by_area(mesh, count);
+    if (spread.empty()) return {};
 
     TriMesh surface;
     surface.positions = positions.local;
     surface.faces = in.chart.faces();
     const ClosestPointIndex index(surface.positions, surface.faces);
-    const double spacing = in.frame.diagonal * std::sqrt(upto.back() / static_cast<double>(in.chart.grid_count()));
+    const double spacing =
+        in.frame.diagonal * std::sqrt(surface_area(mesh) / static_cast<double>(in.chart.grid_count()));
 
     std::vector<MatchedPoint> points(count);
     constexpr std::size_t kChunk = 1024;  // neighbours share a hint
     tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
         std::uint32_t hint = ClosestPointIndex::kNoFace;
         for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
-            const double at = upto.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
-            const auto above = std::upper_bound(upto.begin() + 1, upto.end() - 1, at);
-            // Inside the face by the R2 sequence.
-            double s = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(k), 1.0);
-            double t = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
-            if (s + t > 1) s = 1 - s, t = 1 - t;
             MatchedPoint& p = points[k];
-            SurfaceSample from{static_cast<std::uint32_t>(above - upto.begin() - 1), {1 - s - t, s, t}};
+            SurfaceSample from = spread[k];
             const Vec3d position = local_position(in, from), normal = normal_of_face(mesh, from.face);
             ClosestPoint hit = index.query(position, hint);
             hint = hit.face;

@@ -39,4 +39,12 @@ inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max()
     return 0.5 * length(cross(q[1] - q[0], q[2] - q[0]));
 }
 
+/// Of all faces of a TriMesh, or of anything else with `faces` and `corners(face)`; summed in their order.
+template <class Surface>
+[[nodiscard]] double surface_area(const Surface& surface) {
+    double sum = 0;
+    for (std::size_t f = 0; f < surface.faces.size(); ++f) sum += face_area(surface.corners(f));
+    return sum;
+}
+
 }  // namespace dgm::bake

@@ -39,4 +39,22 @@ SampleGrid rasterize(std::span<const Face> faces, std::span<const Vec2d> uv, std
     return grid;
 }
 
+std::vector<SurfaceSample> spread_by_area(const TriMesh& mesh, std::size_t count) {
+    std::vector<double> upto(mesh.faces.size() + 1, 0.0);
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) upto[f + 1] = upto[f] + face_area(mesh.corners(f));
+    std::vector<SurfaceSample> out;
+    if (!(upto.back() > 0)) return out;
+    out.reserve(count);
+    std::uint32_t f = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double at = upto.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+        while (f + 1 < mesh.faces.size() && upto[f + 1] <= at) ++f;
+        double s = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(k), 1.0);
+        double t = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
+        if (s + t > 1) s = 1 - s, t = 1 - t;
+        out.push_back({f, {1 - s - t, s, t}});
+    }
+    return out;
+}
+
 }  // namespace dgm::bake

@@ -21,6 +21,10 @@ struct SampleGrid {
 /// the exact orientation predicate in grid coordinates: no holes between neighbours, no double hits.
 [[nodiscard]] SampleGrid rasterize(std::span<const Face> faces, std::span<const Vec2d> uv, std::uint32_t m, std::uint32_t n);
 
+/// `count` points spread evenly by area, in the order of the faces: the k-th at share (k + 1/2) / count of the area, inside
+/// its face by the R2 sequence, so the same mesh gives the same points. None if the mesh has no area.
+[[nodiscard]] std::vector<SurfaceSample> spread_by_area(const TriMesh& mesh, std::size_t count);
+
 /// Position of a sample on the surface.
 [[nodiscard]] inline Vec3d position_at(const TriMesh& mesh, const SurfaceSample& s) {
     const Face& f = mesh.faces[s.face];
