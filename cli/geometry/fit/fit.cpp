@@ -60,16 +60,7 @@ class Fitter {
             matches_.update(false);
             if (matches_.rms < rms_) keep(), ++report.rounds;
         }
-        restore();
-        matches_.update(true);
-        const double allowed = rms_ * std::pow(10, options_.worst_price_db / 20);
-        largest_ = matches_.largest;
-        for (int round = 0; round < options_.worst_rounds; ++round) {
-            tell(options_.rounds + round);
-            step(true);
-            matches_.update(true);
-            if (matches_.rms <= allowed && matches_.largest < largest_) keep(), ++report.rounds;
-        }
+        if (options_.worst_rounds > 0) lower_largest(report);
         restore();
         matches_.update(false);
         if (mend_turned()) matches_.update(true), keep();
@@ -103,6 +94,20 @@ class Fitter {
     void restore() {
         grid_.surface.positions = kept_positions_, chart_.diagonals = kept_diagonals_;
         grid_.link(chart_);
+    }
+
+    /// Rounds that pull hardest where the error is near the largest, at a bounded price in the mean.
+    void lower_largest(FitReport& report) {
+        restore();
+        matches_.update(true);
+        const double allowed = rms_ * std::pow(10, options_.worst_price_db / 20);
+        largest_ = matches_.largest;
+        for (int round = 0; round < options_.worst_rounds; ++round) {
+            tell(options_.rounds + round);
+            step(true);
+            matches_.update(true);
+            if (matches_.rms <= allowed && matches_.largest < largest_) keep(), ++report.rounds;
+        }
     }
 
     /// Walks end in local minima; the last faces to mend are those that the measure finds (metrics/turned_faces.h).
