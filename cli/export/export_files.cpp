@@ -12,6 +12,7 @@
 
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
+#include "export/level_of_detail.h"
 #include "export/staging_folder.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
@@ -53,7 +54,7 @@ void check_options(const MapSet& maps, const path& output, const ExportOptions& 
     if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
         usage(fmt::format("the output \"{}\" must end in .obj, .ply, .exr, .dgm or .png", output.filename().string()));
     if (options.lod == 0) usage("--lod counts from 1");
-    if (options.lod > 1) throw model::Error(model::codes::kUnsupported, "only --lod 1, the full grid, is supported");
+    if (options.lod > 1 && extension != ".obj" && extension != ".ply") usage("--lod goes with an .obj or .ply output");
     const bool picture = extension == ".png";
     const bool asks_picture = !options.layer.empty() || options.sheet || !options.source.empty() || options.width ||
                               options.height || options.view;
@@ -70,9 +71,18 @@ MapSet only_chart(MapSet maps, std::optional<std::uint32_t> chart) {
     return maps;
 }
 
-/// Textures stand beside the mesh; a mesh without any has no materials at all.
-void write_obj_files(const MapSet& maps, const path& output, StagingFolder& staging) {
+render::ChartSurface surface_to_write(const MapSet& maps, const path& output, std::uint32_t lod) {
     render::ChartSurface surface = render::chart_surface(maps.charts);
+    if (lod > 1) {
+        StagingFolder scratch(output);  // never published
+        thin_by_stride(surface, maps, lod, scratch.add("level_of_detail.dgm"));
+    }
+    return surface;
+}
+
+/// Textures stand beside the mesh; a mesh without any has no materials at all.
+void write_obj_files(const MapSet& maps, const path& output, std::uint32_t lod, StagingFolder& staging) {
+    render::ChartSurface surface = surface_to_write(maps, output, lod);
     const bool textured =
         std::any_of(surface.textures.begin(), surface.textures.end(), [](const Image& t) { return !t.pixels.empty(); });
     if (!textured) surface.mesh.materials.clear(), surface.mesh.face_materials.clear();
@@ -89,8 +99,8 @@ void write_obj_files(const MapSet& maps, const path& output, StagingFolder& stag
     formats::write_obj(staging.add(output.filename()), surface.mesh, options);
 }
 
-void write_ply_file(const MapSet& maps, const path& file) {
-    render::ChartSurface surface = render::chart_surface(maps.charts);
+void write_ply_file(const MapSet& maps, const path& output, std::uint32_t lod, StagingFolder& staging) {
+    render::ChartSurface surface = surface_to_write(maps, output, lod);
     model::TriMesh& mesh = surface.mesh;
     const bool textured =
         std::all_of(surface.textures.begin(), surface.textures.end(), [](const Image& t) { return !t.pixels.empty(); });
@@ -109,7 +119,7 @@ void write_ply_file(const MapSet& maps, const path& file) {
     options.doubles = std::any_of(maps.charts.begin(), maps.charts.end(), [](const Chart& c) {
         return c.offset != std::array<double, 3>{0, 0, 0} || c.scale != std::array<double, 3>{1, 1, 1};
     });
-    formats::write_ply(file, mesh, options);
+    formats::write_ply(staging.add(output.filename()), mesh, options);
 }
 
 render::PictureOptions picture_options(const ExportOptions& options) {
@@ -202,9 +212,9 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     const std::string extension = lower_extension(output);
     StagingFolder staging(output);
     if (extension == ".obj")
-        write_obj_files(chosen, output, staging);
+        write_obj_files(chosen, output, options.lod, staging);
     else if (extension == ".ply")
-        write_ply_file(chosen, staging.add(output.filename()));
+        write_ply_file(chosen, output, options.lod, staging);
     else if (extension == ".png")
         formats::write_png(staging.add(output.filename()), picture(chosen, options, warn));
     else if (extension == ".dgm")

@@ -21,8 +21,8 @@ struct ExportOptions {
     std::optional<std::uint32_t> width, height;  ///< PNG
     std::optional<render::View> view;            ///< PNG
     render::UpAxis up = render::UpAxis::kY;      ///< PNG
-    std::uint32_t lod = 1;
-    bool multipart = false;  ///< EXR: one part a layer
+    std::uint32_t lod = 1;                       ///< OBJ, PLY: stride in quads, see thin_by_stride()
+    bool multipart = false;                      ///< EXR: one part a layer
 };
 
 /// Reads a .dgm or an .exr, by content. @throws model::Error as formats::read_dgm and read_exr
@@ -35,7 +35,7 @@ struct ExportOptions {
 ///
 /// `warn` hears of textures of the source that cannot be read.
 /// @throws model::Error kUsage for an unknown extension, options that do not go with it, or a chart that does not
-///         exist; kUnsupported for glb and for lod > 1; and whatever the readers, writers and pictures throw
+///         exist; kUnsupported for glb; and whatever the readers, writers and pictures throw
 void export_maps(const model::MapSet& maps, const std::filesystem::path& output, const ExportOptions& options,
                  const std::function<void(const std::string&)>& warn);
 

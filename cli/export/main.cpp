@@ -44,7 +44,8 @@ int main(int argc, char** argv) {
     app.add_option("--size", size, "PNG: WxH in pixels");
     app.add_option("--view", view, "PNG: YAW,PITCH in degrees (default: the view that shows most)");
     app.add_option("--up", up, "PNG: which axis points up")->check(CLI::IsMember({"y", "z"}))->capture_default_str();
-    app.add_option("--lod", options.lod, "Level of detail; 1 is the full grid")->capture_default_str();
+    app.add_option("--lod", options.lod, "OBJ, PLY: level of detail; K merges K x K quads, borders stay closed")
+        ->capture_default_str();
     app.add_option("--exr-layout", exr_layout, "EXR: auto, or multipart for one part a layer")
         ->check(CLI::IsMember({"auto", "multipart"}))
         ->capture_default_str();

@@ -108,6 +108,39 @@ class Layers(support.Folder):
                     self.assertEqual(array.tobytes(), after[key][0].tobytes(), key)
                 self.assertEqual(path.read_bytes(), back.read_bytes())
 
+    def test_exported_level_of_detail_is_closed(self):
+        """The torus stays closed at every stride; the surface stays where it was."""
+        if not support.EXPORT:
+            self.skipTest("dgm-export was not built")
+        meshes.write_obj(self.folder / "torus.obj", meshes.torus())
+        self.bake_well("torus.obj", "-o", "torus.dgm", "--size", "65x65")
+        count = {}
+        for stride, name in ((1, "full.obj"), (4, "four.obj"), (4, "four.ply"), (1000, "one.obj")):
+            result = self.run_program(support.EXPORT, self.folder / "torus.dgm", "-o", self.folder / name,
+                                      "--lod", str(stride))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            if not name.endswith(".obj"):
+                continue
+            lines = [line.split() for line in (self.folder / name).read_text(encoding="ascii").splitlines()]
+            points = np.array([line[1:4] for line in lines if line and line[0] == "v"], float)
+            faces = np.array([[c.split("/")[0] for c in line[1:]] for line in lines if line and line[0] == "f"], int) - 1
+            self.assertEqual(len(np.unique(faces)), len(points), "every vertex has a face")
+            _, weld = np.unique(points, axis=0, return_inverse=True)
+            corners = weld.reshape(-1)[faces]
+            corners = corners[(corners != np.roll(corners, 1, axis=1)).all(1)]
+            edges = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), axis=1)
+            _, uses = np.unique(edges, axis=0, return_counts=True)
+            # One fan for the whole chart reaches a seam's point from both of its copies along one and the same line.
+            self.assertTrue((uses % 2 == 0).all() if stride == 1000 else (uses == 2).all(), name)
+            ring = np.hypot(np.hypot(points[:, 0], points[:, 1]) - 1, points[:, 2])
+            other = np.hypot(np.hypot(points[:, 0], points[:, 2]) - 1, points[:, 1])
+            self.assertLess(abs(min((ring, other), key=np.std) - 0.4).max(), 0.06)
+            count[name] = len(faces)
+        self.assertLess(count["four.obj"], count["full.obj"] / 6)
+        self.assertLess(count["one.obj"], count["four.obj"])
+        refused = self.run_program(support.EXPORT, self.folder / "torus.dgm", "-o", self.folder / "x.png", "--lod", "2")
+        self.assertEqual(refused.returncode, 1, refused.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -4,9 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "dgm/dgm_writer.h"
 #include "exr/exr_writer.h"
@@ -146,6 +152,49 @@ TEST_F(Export, ShadedViewsAndSheets) {
     EXPECT_NE(bytes("both.png"), once);
 }
 
+TEST_F(Export, LevelOfDetailKeepsBordersAndAttributes) {
+    const MapSet maps = two_tori();
+    ExportOptions lod;
+    lod.chart = 0;  // the tori stand in the same place
+    write(maps, "full.obj", lod);
+    lod.lod = 4;
+    write(maps, "thin.obj", lod);
+    const model::TriMesh thin = formats::read_mesh(folder_ / "thin.obj").mesh;
+    const model::TriMesh full = formats::read_mesh(folder_ / "full.obj").mesh;
+    // 4 x 8 blocks, of which the inner 2 x 6 are two triangles; those at the border keep 4 or 7 more corners there.
+    EXPECT_LT(thin.faces.size(), full.faces.size() / 4);
+    EXPECT_GE(thin.faces.size(), 4u * 8 * 2);
+    const auto corners = [](const model::TriMesh& mesh, std::size_t f, std::size_t k) {
+        const model::Vec3d p = mesh.positions[mesh.faces[f][k]];
+        return std::array<double, 5>{p.x, p.y, p.z, mesh.corner_uvs[3 * f + k].x, mesh.corner_uvs[3 * f + k].y};
+    };
+    std::set<std::array<double, 5>> known;
+    for (std::size_t f = 0; f < full.faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) known.insert(corners(full, f, k));
+    std::vector<bool> used(thin.positions.size(), false);
+    for (std::size_t f = 0; f < thin.faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) {
+            ASSERT_TRUE(known.count(corners(thin, f, k))) << "a vertex keeps its place and its texel";
+            used[thin.faces[f][k]] = true;
+        }
+    EXPECT_EQ(std::count(used.begin(), used.end(), false), 0);
+
+    // A closed torus: after welding by position every edge has two faces.
+    std::map<std::array<double, 3>, int> weld;
+    const auto id = [&](std::size_t f, std::size_t k) {
+        const model::Vec3d p = thin.positions[thin.faces[f][k]];
+        return weld.try_emplace({p.x, p.y, p.z}, static_cast<int>(weld.size())).first->second;
+    };
+    std::map<std::pair<int, int>, int> edges;
+    for (std::size_t f = 0; f < thin.faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) ++edges[std::minmax({id(f, k), id(f, (k + 1) % 3)})];
+    for (const auto& [edge, faces] : edges) ASSERT_EQ(faces, 2) << edge.first << "-" << edge.second;
+
+    lod.lod = 1;
+    write(maps, "one.obj", lod);
+    EXPECT_EQ(formats::read_mesh(folder_ / "one.obj").mesh.positions, full.positions);
+}
+
 TEST_F(Export, WhatCannotBeDoneIsRefusedAndLeavesNothing) {
     const MapSet maps = two_tori();
     EXPECT_EQ(failure(maps, "x.glb"), &model::codes::kUnsupported);
@@ -153,7 +202,9 @@ TEST_F(Export, WhatCannotBeDoneIsRefusedAndLeavesNothing) {
     EXPECT_EQ(failure(maps, "no/such/folder/x.obj"), &model::codes::kWriteFailed);
     ExportOptions lod;
     lod.lod = 2;
-    EXPECT_EQ(failure(maps, "x.obj", lod), &model::codes::kUnsupported);
+    EXPECT_EQ(failure(maps, "x.png", lod), &model::codes::kUsage);
+    lod.lod = 0;
+    EXPECT_EQ(failure(maps, "x.obj", lod), &model::codes::kUsage);
     ExportOptions layer;
     layer.layer = "mask";
     EXPECT_EQ(failure(maps, "x.png", layer), &model::codes::kMissingLayer);
