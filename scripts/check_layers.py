@@ -59,6 +59,8 @@ PARTS = (
     Part("cli/export", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
     Part("samples/generate", 5, ("formats/model",), (PNG,), "a program that makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
+    Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),
+    Part("samples", 6, DATA + ("cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
     Part("tests", 6, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
                              JSON, CLI11, GTEST, BENCHMARK, NANOFLANN), "tests may look at everything"),
     Part("tests/e2e/consumer", 6, RUNTIME, (), "a user's project: knows the installed runtime only"),
@@ -77,7 +79,7 @@ STANDARD = re.compile(r"[a-z_0-9]+|(assert|ctype|errno|float|inttypes|limits|loc
                       r"stdlib|string|strings|time)\.h")
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')
 # Where <...> and "..." of ours are looked up, after the including file's own folder for the latter.
-SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "libdgm/include", "tests", "tests/support",
+SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "samples", "libdgm/include", "tests", "tests/support",
                                           "tests/unit/formats")}
 
 CODE = {".h", ".hpp", ".c", ".cpp"}

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes the samples at 257 x 257, validates and draws them, and prints what came out. Called by scripts/demo.
+"""Bakes the samples at 257 x 257, validates and draws them, replays the paper's figures on them, and prints what came
+out. Called by scripts/demo.
 
     demo_assets.py BUILD OUT
 """
@@ -11,6 +12,19 @@ from pathlib import Path
 SAMPLES = ("stomach/stomach.obj", "stomach/stomach.3ds", "liver/liver.obj", "cushion/cushion.obj", "cushion/cover.obj",
            "sheet/sheet.obj", "chair/seat.obj", "chair/back.obj", "chair/chair.obj")
 SIZE = "257x257"
+# Maps that only the figures need: name, mesh, options.
+DRESSED = (("stomach_denim", "stomach/stomach_denim.obj", "--texture-size", "1024x1024"),
+           ("stomach_satin", "stomach/stomach_satin.obj", "--texture-size", "1024x1024"),
+           ("cushion_129", "cushion/cushion.obj", "--size", "129x129", "--texture-size", "513x513"),
+           ("cover_129", "cushion/cover.obj", "--size", "129x129", "--texture-size", "513x513"))
+# Picture, program, map, recorded path, further maps.
+FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pull"),
+           ("fig11_liver", "press_and_pull", "liver", "liver_press_and_pull"),
+           ("fig12_plane", "set_on_plane", "stomach", "table"),
+           ("fig13_14_cloth", "swap_cloth", "stomach_denim", "body_in_cloth", "stomach_denim", "stomach_satin"),
+           ("fig15_16_sheet", "pinch_sheet", "sheet", "sheet_pinch"),
+           ("fig17_seat", "sit_on_cushion", "seat", "ball_on_seat"),
+           ("fig17_cover", "sit_on_cushion", "cushion_129", "ball_on_cushion", "cover_129"))
 COLUMNS = ("asset", "method", "grid", "PSNR dB", "max error %", "seam gap", "flips", "time s", "bytes", "valid")
 
 
@@ -53,20 +67,40 @@ def print_table(rows):
         say("  ".join(cell.ljust(w) if k < 3 else cell.rjust(w) for k, (cell, w) in enumerate(zip(r, widths))).rstrip())
 
 
+def replay_figures(build, bake, out):
+    """Draws FIGURES into OUT/figures; the first exit code that is not 0."""
+    folder = out / "figures"
+    folder.mkdir(exist_ok=True)
+    worst = 0
+    for name, mesh, *options in DRESSED:
+        code = run(bake, "-q", build / "samples/meshes" / mesh, "-o", folder / f"{name}.dgm", *options)
+        worst = worst or code
+
+    def map_of(name):
+        own = folder / f"{name}.dgm"
+        return own if own.exists() else out / f"{name}.dgm"
+    paths = Path(__file__).resolve().parent.parent / "samples/paths"
+    for picture, program, name, path, *more in FIGURES:
+        code = run(build / "samples" / program, map_of(name), paths / f"{path}.txt", folder / f"{picture}.png",
+                   *map(map_of, more))
+        worst = worst or code
+    return worst
+
+
 def main(build, out):
     tools = {name: build / "cli" / name / f"dgm-{name}" for name in ("bake", "validate", "export")}
     out.mkdir(parents=True, exist_ok=True)
     meshes = [build / "samples/meshes" / name for name in SAMPLES]
     report = out / "report.json"
 
-    say(f"demo: 3/5 bake {len(meshes)} samples at {SIZE}")
+    say(f"demo: 3/6 bake {len(meshes)} samples at {SIZE}")
     report.unlink(missing_ok=True)
     worst = run(tools["bake"], *meshes, "-o", f"{out}/", "--size", SIZE, "--report", report)
     if not report.exists():
         return worst or 4
     assets = json.loads(report.read_text(encoding="utf-8"))["assets"]
 
-    say("demo: 4/5 validate each against its source")
+    say("demo: 4/6 validate each against its source")
     valid, pictures = {}, []
     baked = [(Path(a["source"]), Path(a["files"][0]["path"])) for a in assets if a["files"]]
     for mesh, file in baked:
@@ -74,7 +108,7 @@ def main(build, out):
         valid[str(mesh)] = code == 0
         worst = worst or code
 
-    say("demo: 5/5 draw")
+    say("demo: 5/6 draw")
     for mesh, file in baked:
         compared, layers = file.with_suffix(".png"), file.with_suffix(".layers.png")
         beside = ("-o", compared, "--source", mesh, "--size", "1600x440")
@@ -83,11 +117,15 @@ def main(build, out):
             worst = worst or code
         pictures += [compared, layers]
 
+    say("demo: 6/6 replay the paper's figures from recorded tool paths")
+    worst = worst or replay_figures(build, tools["bake"], out)
+
     say("")
     print_table([row(asset, valid.get(asset["source"], False)) for asset in assets])
     say(f"\nmaps and pictures: {out}")
     say("  NAME.png         source | reconstruction | grid and seam | error")
     say("  NAME.layers.png  every layer of every chart")
+    say("  figures/         what the programs in samples/ do with them")
     say(f"  report.json      all that was measured\nnext: {tools['bake']} --help")
     return worst
 

@@ -32,7 +32,7 @@ constexpr double kRayOffset = 2e-5;       // of the bounding-box diagonal; float
 constexpr double kOcclusionReach = 0.45;  // farther walls than this share of the diagonal do not darken
 constexpr double kKeySine = 0.087;
 constexpr float kSkyStrength = 0.62f, kKeyStrength = 0.62f;
-constexpr float kGloss = 0.05f, kGlossPower = 40;
+constexpr float kGlossPower = 40;
 constexpr float kGroundShadow = 0.55f;
 
 Rgb sky(double upness) {
@@ -94,6 +94,7 @@ class Renderer {
         Vec3d position, lifted, normal, facing;  // facing: of the flat face; both normals look at the camera
         Rgb colour;
         float shading;
+        float gloss = kGloss;
     };
 
     [[nodiscard]] Rgb sample(std::uint32_t x, std::uint32_t y, std::uint32_t s, Vec2d inside) const {
@@ -138,6 +139,8 @@ class Renderer {
         for (std::size_t k = 0; k < 3; ++k)
             p.lifted += b[k] * (p.position - std::min(0.0, dot(p.position - corners[k], n[k])) * n[k]);
         p.colour = colour_at(hit.face, b);
+        const std::size_t material = hit.face < mesh_.face_materials.size() ? mesh_.face_materials[hit.face] : 0;
+        if (material < surface_.gloss.size()) p.gloss = surface_.gloss[material];
         p.shading = static_cast<float>(options_.shading);
         return p;
     }
@@ -196,7 +199,7 @@ class Renderer {
         Rgb lit = p.colour * (light.sky * kSkyStrength + Rgb{1, 0.985f, 0.96f} * (kKeyStrength * light.key));
         const Vec3d half = normalized(key_ + to_eye, p.normal);
         const auto shine = static_cast<float>(std::max(0.0, dot(half, p.normal)));
-        if (light.key > 0) lit += Rgb{1, 1, 1} * (kGloss * 3 * std::pow(shine, kGlossPower));
+        if (light.key > 0) lit += Rgb{1, 1, 1} * (p.gloss * std::pow(shine, kGlossPower));
         return mix(p.colour, {shoulder(lit.r), shoulder(lit.g), shoulder(lit.b)}, p.shading);
     }
 

@@ -20,12 +20,15 @@ struct Segment {
     double radius = 0;  ///< source units, > 0
 };
 
+inline constexpr float kGloss = 0.15F;
+
 /// What to draw. Per face, the first of these that is there gives the colour: scalars, the texture of its material,
 /// the mesh's corner colours, its material's diffuse colour, `plain`.
 struct Surface {
     const model::TriMesh* mesh = nullptr;
     std::vector<formats::Image>
-        textures;  ///< one a material (or a single one for a mesh without materials); may be empty images
+        textures;              ///< one a material (or a single one for a mesh without materials); may be empty images
+    std::vector<float> gloss;  ///< one a material: strength of its highlights; kGloss where there is none
     std::vector<double> scalars;  ///< one a vertex, mapped by sequential_colour from low..high; NaN shows magenta
     double scalar_low = 0, scalar_high = 1;
     model::Rgba8 plain{214, 190, 172, 255};

@@ -18,6 +18,7 @@ using model::Vec3d;
 
 constexpr int kOrganTexture = 1024;
 constexpr int kFabricTexture = 512;
+constexpr int kClothTexture = 2048;  // threads are finer than skin
 
 fs::path subfolder(const fs::path& root, const char* name) {
     fs::path path = root / name;
@@ -86,11 +87,24 @@ void write_chair(const Picture& satin, const fs::path& root) {
     report(folder / "back.obj", back);
 }
 
+/// stomach/stomach_CLOTH.obj: the stomach once more, in that cloth.
+void dress(const PolyMesh& stomach, const Picture& cloth, const std::string& name, const fs::path& root) {
+    const fs::path folder = subfolder(root, "stomach");
+    const std::string picture = name + ".png";
+    write_colour_png(dress_stomach(stomach, cloth, kClothTexture), folder / picture);
+    const fs::path obj = folder / ("stomach_" + name + ".obj");
+    write_obj({{"stomach", stomach}}, {name.c_str(), picture.c_str(), "", 0, 5}, obj);
+    report(obj, stomach);
+}
+
 void write_all(const fs::path& root) {
-    write_organ(make_stomach(kOrganTexture), "stomach", 0.08, true, root);
+    const Textured stomach = make_stomach(kOrganTexture);
+    write_organ(stomach, "stomach", 0.08, true, root);
     write_organ(make_liver(kOrganTexture), "liver", 0.05, false, root);
     write_cushion(root);
     const Picture denim = make_denim(kFabricTexture), satin = make_satin(kFabricTexture);
+    dress(stomach.mesh, denim, "denim", root);
+    dress(stomach.mesh, satin, "satin", root);
     write_sheet(denim, root);
     write_chair(satin, root);
     const fs::path fabrics = subfolder(root, "fabrics");

@@ -16,6 +16,10 @@ struct Textured {
 /// J-shaped sack with fundus, body, antrum, pylorus, a stub of duodenum and one of oesophagus, and soft folds.
 Textured make_stomach(int texture_size);
 
+/// The stomach's atlas again, painted with a cloth that tiles: wrapped around the sack with its warp along it, and
+/// around the oesophagus, with a seam where they meet.
+Picture dress_stomach(const PolyMesh& stomach, const Picture& cloth, int texture_size);
+
 /// Wedge of a large right and a tapering left lobe, domed above, hollow below, with the groove of the falciform
 /// ligament.
 Textured make_liver(int texture_size);

@@ -16,6 +16,7 @@
 
 namespace dgm::samples {
 namespace {
+using model::Vec2d;
 using model::Vec3d;
 
 struct Ball {
@@ -75,6 +76,14 @@ class Sweep {
         return {balls_[i].centre + (balls_[i + 1].centre - balls_[i].centre) * t,
                 balls_[i].radius + (balls_[i + 1].radius - balls_[i].radius) * t};
     }
+    /// Length of the axis up to there.
+    [[nodiscard]] double arc(double along) const {
+        const double s = std::clamp(along, 0.0, 1.0) * static_cast<double>(balls_.size() - 1);
+        double sum = 0;
+        for (std::size_t i = 0; i + 1 < balls_.size(); ++i)
+            sum += std::clamp(s - static_cast<double>(i), 0.0, 1.0) * length(balls_[i + 1].centre - balls_[i].centre);
+        return sum;
+    }
     [[nodiscard]] Vec3d tangent(double along) const {
         return normalized(ball(along + 0.01).centre - ball(along - 0.01).centre);
     }
@@ -101,7 +110,13 @@ class Stomach {
     }
     [[nodiscard]] const Sweep& sack() const { return sack_; }
     [[nodiscard]] Sweep::Near nearest(const Vec3d& world) const { return sack_.nearest(flattened(world)); }
+    [[nodiscard]] Sweep::Near nearest_of_oesophagus(const Vec3d& world) const {
+        return oesophagus_.nearest(flattened(world));
+    }
     [[nodiscard]] Vec3d surface_point(double along, double angle) const;
+    /// Where a cloth that is wrapped around one of the sweeps has this point: turns around it, centimetres along it.
+    [[nodiscard]] Vec2d wrapped(const Vec3d& world, const Sweep& sweep) const;
+    [[nodiscard]] const Sweep& oesophagus() const { return oesophagus_; }
 
  private:
     // The sack is a little flatter from front to back than it is wide.
@@ -133,6 +148,15 @@ Vec3d Stomach::surface_point(double along, double angle) const {
         (field(centre + direction * middle) < 0 ? low : high) = middle;
     }
     return centre + direction * low;
+}
+
+Vec2d Stomach::wrapped(const Vec3d& world, const Sweep& sweep) const {
+    const Sweep::Near at = sweep.nearest(flattened(world));
+    const Vec3d d = flattened(world) - at.centre, t = sweep.tangent(at.along);
+    const double angle = std::atan2(d.y, dot(d, greater_side(sweep, at.along)));
+    // Beyond the ends, and where the radius changes, the nearest point of the axis stands still: go on by latitude.
+    const double latitude = std::asin(std::clamp(dot(normalized(d), t), -1.0, 1.0));
+    return {angle / (2 * std::numbers::pi), sweep.arc(at.along) + length(d) * latitude};
 }
 
 /// A straight piece of a blood vessel on the surface.
@@ -239,6 +263,22 @@ Shade shade(const Stomach& stomach, const VesselTree& vessels, const Vec3d& p) {
     const double pores = cells3(p * 3.0, 44).nearest;
     return {c, std::clamp(0.42 + 0.22 * mottle + 0.12 * fine - 0.08 * pores + 0.4 * blood - 0.3 * lumen, 0.0, 1.0)};
 }
+
+/// The cloth at (u, v), repeated; the mean of four bilinear looks half a texel apart.
+Colour cloth_at(const Picture& cloth, double u, double v) {
+    const auto wrap = [](int k, int n) { return (k % n + n) % n; };
+    const auto bilinear = [&](double x, double y) {
+        const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+        const auto texel = [&](int a, int b) {
+            return cloth.colour[cloth.at(wrap(i + a, cloth.width), wrap(j + b, cloth.height))];
+        };
+        return mix(mix(texel(0, 0), texel(1, 0), x - i), mix(texel(0, 1), texel(1, 1), x - i), y - j);
+    };
+    const double x = u * cloth.width, y = v * cloth.height;
+    return (bilinear(x - 0.25, y - 0.25) + bilinear(x + 0.25, y - 0.25) + bilinear(x - 0.25, y + 0.25) +
+            bilinear(x + 0.25, y + 0.25)) /
+           4;
+}
 }  // namespace
 
 Textured make_stomach(int texture_size) {
@@ -250,6 +290,20 @@ Textured make_stomach(int texture_size) {
     const VesselTree vessels(stomach);
     Picture picture = paint_atlas(mesh, texture_size, [&](const Vec3d& p) { return shade(stomach, vessels, p); });
     return {std::move(mesh), std::move(picture)};
+}
+
+Picture dress_stomach(const PolyMesh& mesh, const Picture& cloth, int texture_size) {
+    constexpr double kTile = 12;   // centimetres of cloth in a tile's height
+    constexpr double kAround = 2;  // tiles around the sack
+    constexpr double kNarrow = 1;  // and around the oesophagus
+    const Stomach stomach;
+    return paint_atlas(mesh, texture_size, [&](const Vec3d& p) {
+        const double apart = stomach.nearest(p).distance - stomach.nearest_of_oesophagus(p).distance;
+        const bool sack = apart < 0;
+        const Vec2d at = stomach.wrapped(p, sack ? stomach.sack() : stomach.oesophagus());
+        const Colour colour = cloth_at(cloth, at.x * (sack ? kAround : kNarrow), at.y / kTile);
+        return Shade{colour * (0.45 + 0.55 * smooth_step(0.02, 0.16, std::abs(apart))), 0.5};
+    });
 }
 
 }  // namespace dgm::samples

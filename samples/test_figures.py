@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Replays two of the paper's figures on small maps: what is drawn, what is told, what is refused.
+
+    test_figures.py PRESS_AND_PULL PINCH_SHEET DGM_BAKE SAMPLES PATHS
+"""
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PRESS, PINCH, BAKE, SAMPLES, PATHS = sys.argv[1], sys.argv[2], sys.argv[3], Path(sys.argv[4]), Path(sys.argv[5])
+
+
+class Figures(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="figures-")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def bake(self, mesh, *options):
+        map_file = self.folder / (Path(mesh).stem + ".dgm")
+        subprocess.run([BAKE, "-q", SAMPLES / mesh, "-o", map_file, "--size", "65x65", *options], check=True,
+                       timeout=200)
+        return map_file
+
+    def sample(self, program, *arguments):
+        return subprocess.run([program, *arguments], timeout=200, capture_output=True, text=True, check=False)
+
+    def size_of(self, picture):
+        data = picture.read_bytes()
+        self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+        return struct.unpack(">II", data[16:24])
+
+    def test_pinched_sheet(self):
+        sheet, picture = self.bake("sheet/sheet.obj"), self.folder / "a.png"
+        result = self.sample(PINCH, sheet, PATHS / "sheet_pinch.txt", picture)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        width, height = self.size_of(picture)
+        self.assertEqual(width, 2 * 640)
+        self.assertEqual(height % 2, 0)  # two kernels, a row each
+        flat = self.folder / "flat.txt"
+        flat.write_text("0 0 0 9 away\n1 0 0 9 away up\n2 0 0 9 away down\n", encoding="ascii")
+        still = self.folder / "b.png"
+        self.assertEqual(self.sample(PINCH, sheet, flat, still).returncode, 0)
+        self.assertNotEqual(picture.read_bytes(), still.read_bytes())
+
+    def test_pressed_stomach(self):
+        stomach, picture = self.bake("stomach/stomach.obj", "--method", "mvc"), self.folder / "a.png"
+        path = self.folder / "short.txt"
+        path.write_text("0 4 -6 0 touch\n0.05 4 -1.5 0 touch pressed\n", encoding="ascii")
+        result = self.sample(PRESS, stomach, path, picture)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = re.fullmatch(r"51 ticks, (\d+) samples .*, strongest force ([\d.]+) N\n", result.stdout)
+        self.assertIsNotNone(told, result.stdout)
+        self.assertGreater(int(told[1]), 20)
+        # The front wall is at y = -3: one to two and a half centimetres deep of five. Eqs. 8-10: 3 N (d / 5)^3.
+        self.assertGreater(float(told[2]), 0.024)
+        self.assertLess(float(told[2]), 0.375)
+        self.assertEqual(self.size_of(picture)[0], 400)
+
+    def test_refusals(self):
+        sheet, picture = self.bake("sheet/sheet.obj"), self.folder / "a.png"
+        path = self.folder / "bad.txt"
+        for text, message in (("0 0 0 0 grasp\n1 0 0 grasp\n", ":2: "), ("0 0 0 0 wave\n", "wave"),
+                              ("1 0 0 0 poke\n1 0 0 1 poke\n", "increase"), ("# nothing\n", "empty"),
+                              ("1e9 0 0 0 poke\n", "hour")):
+            path.write_text(text, encoding="ascii")
+            result = self.sample(PINCH, sheet, path, picture)
+            self.assertEqual(result.returncode, 1, text)
+            self.assertIn(message, result.stderr)
+        self.assertEqual(self.sample(PINCH, path, path, picture).returncode, 3)
+        self.assertEqual(self.sample(PINCH, sheet, self.folder / "none.txt", picture).returncode, 2)
+        path.write_text("0 nan 0 0 grasp\n", encoding="ascii")
+        self.assertNotEqual(self.sample(PINCH, sheet, path, picture).returncode, 0)
+        self.assertFalse(picture.exists())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
