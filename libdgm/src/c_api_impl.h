@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include <dgm/asset.h>
 #include <dgm/contact.h>
@@ -16,30 +17,32 @@
 
 #include "memory.h"
 
-struct dgm_asset {
-    dgm_asset(const dgm::Allocator& a, dgm::Asset&& v) noexcept : allocator(a), value(std::move(v)) {}
+namespace dgm::c_api {
+
+/// What a handle points to: an object and where its memory came from.
+template <class T>
+struct Held {
+    Held(const dgm::Allocator& a, T&& v) noexcept : allocator(a), value(std::move(v)) {}
     dgm::Allocator allocator;
-    dgm::Asset value;
+    T value;
 };
-struct dgm_state {
-    dgm_state(const dgm::Allocator& a, dgm::State&& v) noexcept : allocator(a), value(std::move(v)) {}
-    dgm::Allocator allocator;
-    dgm::State value;
+
+}  // namespace dgm::c_api
+
+struct dgm_asset : dgm::c_api::Held<dgm::Asset> {
+    using Held::Held;
 };
-struct dgm_table {
-    dgm_table(const dgm::Allocator& a, dgm::DeformTable&& v) noexcept : allocator(a), value(std::move(v)) {}
-    dgm::Allocator allocator;
-    dgm::DeformTable value;
+struct dgm_state : dgm::c_api::Held<dgm::State> {
+    using Held::Held;
 };
-struct dgm_contact_solver {
-    dgm_contact_solver(const dgm::Allocator& a, dgm::ContactSolver&& v) noexcept : allocator(a), value(std::move(v)) {}
-    dgm::Allocator allocator;
-    dgm::ContactSolver value;
+struct dgm_table : dgm::c_api::Held<dgm::DeformTable> {
+    using Held::Held;
 };
-struct dgm_snapshots {
-    dgm_snapshots(const dgm::Allocator& a, dgm::Snapshots&& v) noexcept : allocator(a), value(std::move(v)) {}
-    dgm::Allocator allocator;
-    dgm::Snapshots value;
+struct dgm_contact_solver : dgm::c_api::Held<dgm::ContactSolver> {
+    using Held::Held;
+};
+struct dgm_snapshots : dgm::c_api::Held<dgm::Snapshots> {
+    using Held::Held;
 };
 
 namespace dgm::c_api {

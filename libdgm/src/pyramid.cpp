@@ -103,28 +103,6 @@ Rect StateImpl::window(std::uint32_t sample, std::uint32_t b) const noexcept {
     return {i > r ? i - r : 0, std::min(i + r, tables.rows - 1), j > r ? j - r : 0, std::min(j + r, tables.cols - 1)};
 }
 
-void StateImpl::touch(const Rect& moved, bool plastic) noexcept {
-    now_boxes.dirty.add(moved);
-    normal_dirty.add(moved);
-    if (!plastic) {
-        elastic.add(moved);
-        return;
-    }
-    base_boxes.dirty.add(moved);
-    ++base_version;
-}
-
-void StateImpl::touch(const RectList& moved, bool plastic) noexcept {
-    now_boxes.dirty.add(moved);
-    normal_dirty.add(moved);
-    if (!plastic) {
-        elastic.add(moved);
-        return;
-    }
-    base_boxes.dirty.add(moved);
-    ++base_version;
-}
-
 void StateImpl::touch_all() noexcept {
     RectList everything;
     everything.add(whole());

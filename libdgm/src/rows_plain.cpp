@@ -5,6 +5,9 @@
 
 #include "rows.h"
 
+// Vectors go by value between functions of this file alone: how a target without SSE would hand them over is no matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
@@ -16,7 +19,7 @@ typedef float Floats __attribute__((vector_size(16)));
 typedef Floats Floats4;
 typedef int Ints __attribute__((vector_size(16)));
 
-inline Floats inverse_root(Floats v) {
+static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
 #if defined(__SSE__)
     return 1.0f / static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
 #else
@@ -24,7 +27,7 @@ inline Floats inverse_root(Floats v) {
     return v;
 #endif
 }
-inline bool any(Ints v) {
+static inline __attribute__((always_inline)) bool any(Ints v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;
 }
 static inline __attribute__((always_inline)) float inverse_root(float v) {

@@ -185,9 +185,18 @@ struct StateImpl {
     /// Window of half size b - 1 around a grid sample, clipped by the grid.
     [[nodiscard]] Rect window(std::uint32_t sample, std::uint32_t b) const noexcept;
     [[nodiscard]] Rect whole() const noexcept { return {0, tables.rows - 1, 0, tables.cols - 1}; }
-    /// Notes that samples moved; `plastic`: in the base shape too.
-    void touch(const RectList& moved, bool plastic) noexcept;
-    void touch(const Rect& moved, bool plastic) noexcept;
+    /// Notes that samples moved, those of a Rect or a RectList; `plastic`: in the base shape too.
+    template <class Moved>
+    void touch(const Moved& moved, bool plastic) noexcept {
+        now_boxes.dirty.add(moved);
+        normal_dirty.add(moved);
+        if (!plastic) {
+            elastic.add(moved);
+            return;
+        }
+        base_boxes.dirty.add(moved);
+        ++base_version;
+    }
     void touch_all() noexcept;
     /// Appends a tile to tile_list once.
     void list_tile(std::uint32_t tile) noexcept {
