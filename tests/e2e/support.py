@@ -14,6 +14,7 @@ VALIDATE = os.environ.get("DGM_VALIDATE", "")
 EXPORT = os.environ.get("DGM_EXPORT", "")
 DUMP_LAYERS = os.environ.get("DGM_DUMP_LAYERS", "")
 DEFORM_SAMPLE = os.environ.get("DGM_DEFORM_SAMPLE", "")
+GEODESIC_ERROR = os.environ.get("DGM_GEODESIC_ERROR", "")
 SAMPLES = os.environ.get("DGM_SAMPLES", "")
 SANITIZED = os.environ.get("DGM_SANITIZED", "") == "1"
 TIMEOUT_SECONDS = 300
