@@ -206,14 +206,58 @@ TEST(Contact, OpenSheetIsSmoothedAndSaysSo) {
     }
 }
 
+/// Sphere of radius 1 on a free chart: its border loop, four sides of `side` - 1 steps, folds at the middle of each.
+ChartSpec free_sphere(std::uint32_t side) {
+    const std::uint32_t first = side * side, steps = side - 1;
+    SeamPairs seams;
+    for (std::uint32_t start = 0; start < 4 * steps; start += steps)
+        for (std::uint32_t k = 1; 2 * k < steps; ++k) seams.push_back({first + start + k, first + start + steps - k});
+    for (std::uint32_t corner = 1; corner < 4; ++corner) seams.push_back({first, first + corner * steps});
+    return free_chart(
+        side, side,
+        [side](double i, double j) {
+            const auto n = octahedral((i - 0.5) / (side - 2), (j - 0.5) / (side - 2));
+            return Point{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
+        },
+        seams);
+}
+
+TEST(Contact, OnlyWeldedSurfacesAreClosed) {
+    EXPECT_FALSE(ContactSolver::create(make_state(free_chart(17, 17, sheet))).value().closed());
+    EXPECT_FALSE(ContactSolver::create(make_state(grid_chart(17, 17, sheet, tube_seams(17, 17)))).value().closed());
+    EXPECT_TRUE(ContactSolver::create(make_state(sphere_chart(17))).value().closed());
+    EXPECT_TRUE(ContactSolver::create(make_state(free_sphere(17))).value().closed());
+}
+
 TEST(Contact, ClosedFreeChartKeepsVolume) {
-    // A free chart is closed by seams between its border samples; a sheet folded double over its four folded sides.
-    State sheet_state = make_state(free_chart(17, 17, sheet));
-    EXPECT_FALSE(ContactSolver::create(sheet_state).value().closed());
-    State tube = make_state(grid_chart(17, 17, sheet, tube_seams(17, 17)));
-    EXPECT_FALSE(ContactSolver::create(tube).value().closed());
-    State ball = make_state(sphere_chart(17));
-    EXPECT_TRUE(ContactSolver::create(ball).value().closed());
+    State state = make_state(free_sphere(65));
+    const ContactSolver solver = ContactSolver::create(state).value();
+    ASSERT_TRUE(solver.closed());
+    const Triangles triangles(state);
+    const double before = triangles.volume(state);
+    EXPECT_NEAR(before, 4.18879, 0.03);
+    EXPECT_NEAR(solver.volume(state), before, 1e-12);
+    const PointView p = state.positions(), rest = state.rest_positions();
+    // The border loop runs through the south pole and up to four points of the equator: planes from below meet it
+    // first, those from the side meet one of its ends.
+    for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{-1, 0, 0}, Vec3{0.6f, 0, -0.8f}})
+        for (const float depth : {0.03f, 0.15f}) {
+            Obstacle plane;
+            plane.normal = normal;
+            plane.point = (depth - 1) * normal;
+            const auto r = resolve_contact(state, solver, plane);
+            ASSERT_TRUE(r.ok()) << r.error().message;
+            EXPECT_EQ(r.value().status, ContactStatus::Contact);
+            EXPECT_TRUE(r.value().volume_kept) << r.value().volume_error;
+            EXPECT_NEAR(r.value().removed, 3.14159265 * depth * depth * (3 - depth) / 3, 0.05 * r.value().removed);
+            EXPECT_LE(std::fabs(triangles.volume(state) - before), 1e-6 * r.value().removed);
+            for (std::uint32_t k = 0; k < p.count; ++k) {
+                if (state.on_surface(k)) { ASSERT_GE(dot(normal, p[k]), depth - 1 - 3e-7f) << k; }
+            }
+            expect_closed_seams(state);
+            state.release();
+            for (std::uint32_t k = 0; k < p.count; ++k) ASSERT_TRUE(same_bits(p[k], rest[k]));
+        }
 }
 
 }  // namespace

@@ -245,7 +245,7 @@ void walk(const ChartSpec& chart, int steps, std::uint32_t seed, DeformMode mode
 /// minute.
 int property_steps() {
     const char* asked = std::getenv("DGM_PROPERTY_STEPS");
-    return asked == nullptr ? 50000 : std::max(std::atoi(asked), 1000);
+    return asked == nullptr ? 100000 : std::max(std::atoi(asked), 1000);
 }
 
 TEST(Tick, NearestIsNeverWrong) {
@@ -414,7 +414,7 @@ TEST(Tick, NothingDriftsOverManyTicks) {
     const DeformTable table = table_of(9, 7);
     TickOptions o = options_of(2, 1, 0.01f);
     o.relax_rate = 80;
-    for (int k = 0; k < 20000; ++k) {
+    for (int k = 0; k < 100000; ++k) {
         const float t = 0.002f * static_cast<float>(k);
         one(state, table, o, tool_at({20 + 10 * std::sin(t), 20 + 19 * std::sin(1.7f * t), 0.5f * std::sin(9 * t)}));
     }
