@@ -136,7 +136,7 @@ const std::vector<Breakage> kValueBreakages{
          set<std::uint32_t>(1, "border_faces", 4, 5)(m);
          set<std::uint32_t>(1, "border_faces", 5, 9)(m);
      },
-     {"DGM2006 /charts/1/geometry"}},
+     {"DGM2006 /charts/1/geometry", "DGM2013 /charts/1/border_faces[1]"}},
     {"box_too_small", set<float>(0, "collision", 6 * 2 + 5, 0.5f), {"DGM2008 /charts/0/collision[2]"}},
     {"root_too_small", set<float>(0, "collision", 6 * 4, -0.25f), {"DGM2008 /charts/0/collision[4]"}},
     {"wrong_levels",
@@ -207,7 +207,7 @@ const std::vector<Breakage> kShapeBreakages{
          m.charts[0].layers.push_back(test::make_layer<std::uint8_t>("moss", ElementType::kU8, {3}, {1, 2, 3}));
          m.charts[0].layers.back().required = true;
      },
-     {"DGM1002 /charts/0/moss"}},
+     {"DGM1012 /charts/0/moss"}},
     {"no_charts",
      [](MapSet& m) {
          m.charts.clear();
