@@ -167,12 +167,14 @@ void check_strip(const Surface& s, FindingList& findings) {
         if (flipped++ == 0) first = t;
         worst = std::min(worst, area / 2);
     }
+    // Space is not folded there, which the topology has told: only what is looked up by (u, v) is off by so much.
     if (flipped > 0)
-        findings.error(codes::kFlippedFaces, s.path("border_faces") + fmt::format("[{}]", first),
-                       fmt::format("{} of the strip's {} triangles are turned over in (u, v), here first; measured is "
-                                   "the worst area",
-                                   flipped, faces->shape[0]),
-                       {worst, 0});
+        findings.warning(
+            codes::kFlippedFaces, s.path("border_faces") + fmt::format("[{}]", first),
+            fmt::format("{} of the strip's {} triangles are turned over in (u, v), here first; measured is "
+                        "the worst area",
+                        flipped, faces->shape[0]),
+            {worst, 0});
 }
 
 /// A cut opens the surface along the border of the square: inside it, no two samples are one point.

@@ -136,7 +136,7 @@ const std::vector<Breakage> kValueBreakages{
          set<std::uint32_t>(1, "border_faces", 4, 5)(m);
          set<std::uint32_t>(1, "border_faces", 5, 9)(m);
      },
-     {"DGM2006 /charts/1/geometry", "DGM2013 /charts/1/border_faces[1]"}},
+     {"DGM2006 /charts/1/geometry", "[DGM2013 /charts/1/border_faces[1]]"}},
     {"box_too_small", set<float>(0, "collision", 6 * 2 + 5, 0.5f), {"DGM2008 /charts/0/collision[2]"}},
     {"root_too_small", set<float>(0, "collision", 6 * 4, -0.25f), {"DGM2008 /charts/0/collision[4]"}},
     {"wrong_levels",
