@@ -219,6 +219,7 @@ Topology welded_topology(const Surface& s) {
         }
     }
     Topology t = bake::measure_topology(s.local.size(), ring);
+    if (!t.manifold || t.degenerate_faces > 0) return bake::measure_topology(s.local.size(), faces);
     if (t.boundary_loops > 0) --t.boundary_loops;  // the one that the disk closes
     return t;
 }

@@ -273,9 +273,17 @@ class Walk {
     void check_rest() {
         if (std::all_of(std::begin(header_.rest_hash), std::end(header_.rest_hash), [](auto b) { return b == 0; }))
             return;
-        constexpr std::uint64_t kBlock = std::uint64_t{1} << 20;
+        constexpr std::uint64_t kBlock = std::uint64_t{1} << 20, kMost = std::uint64_t{1} << 30;
+        const auto ranges = ranges_beside_layers(index_, raw_.size());
+        std::uint64_t bytes = 0;
+        for (const auto& [begin, end] : ranges) bytes += end - begin;
+        if (bytes > kMost) {  // a sparse file may claim terabytes that no one wrote
+            add(codes::kBadIndex, "the file is mostly not layers", "/", static_cast<double>(bytes),
+                static_cast<double>(kMost));
+            return;
+        }
         Hasher hasher;
-        for (auto [begin, end] : ranges_beside_layers(index_, raw_.size()))
+        for (auto [begin, end] : ranges)
             for (; begin < end; begin += std::min(kBlock, end - begin))
                 hasher.add(raw_.read(begin, std::min(kBlock, end - begin)));
         const Hash128 hash = hasher.result();
