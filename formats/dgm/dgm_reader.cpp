@@ -5,20 +5,14 @@
 // good, and then has to agree with the index.
 #include "dgm/dgm_reader.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <limits>
 #include <set>
-#include <system_error>
 
 #include "dgm/h5_file.h"
 #include "dgm/hash.h"
 #include "dgm/index.h"
+#include "dgm/raw_file.h"
 
 namespace dgm::formats {
 namespace {
@@ -30,53 +24,6 @@ using layout::LayerRecord;
 
 constexpr std::size_t kMaxFindings = 100;
 constexpr std::uint64_t kMaxReportBytes = std::uint64_t{256} << 20;
-
-/// Read-only file descriptor with range-checked reads.
-class RawFile {
- public:
-    explicit RawFile(const fs::path& path)
-        : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-        const int error = errno;
-        if (file_ < 0)
-            throw model::Error(error == ENOENT || error == ENOTDIR ? codes::kFileMissing : codes::kReadFailed,
-                               std::generic_category().message(error), path.string());
-        struct stat status {};
-        if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
-            ::close(file_);
-            throw model::Error(codes::kReadFailed, "not a regular file", path.string());
-        }
-        size_ = static_cast<std::uint64_t>(status.st_size);
-    }
-    ~RawFile() { ::close(file_); }
-    RawFile(const RawFile&) = delete;
-    RawFile& operator=(const RawFile&) = delete;
-
-    [[nodiscard]] std::uint64_t size() const { return size_; }
-    [[nodiscard]] bool contains(std::uint64_t offset, std::uint64_t bytes) const {
-        return bytes <= size_ && offset <= size_ - bytes;
-    }
-    /// The range must be contained.
-    [[nodiscard]] std::vector<std::byte> read(std::uint64_t offset, std::uint64_t bytes) const {
-        std::vector<std::byte> out(bytes);
-        std::size_t done = 0;
-        while (done < bytes) {
-            const ssize_t got = ::pread(file_, out.data() + done, bytes - done, static_cast<off_t>(offset + done));
-            if (got < 0 && errno == EINTR) continue;
-            if (got <= 0)
-                throw model::Error(
-                    codes::kReadFailed,
-                    got < 0 ? std::generic_category().message(errno) : "the file shrank while it was read",
-                    path_.string());
-            done += static_cast<std::size_t>(got);
-        }
-        return out;
-    }
-
- private:
-    const fs::path& path_;
-    int file_;
-    std::uint64_t size_ = 0;
-};
 
 /// Thrown to leave the walk once there are enough findings.
 struct EnoughFindings {};
