@@ -30,6 +30,9 @@ class FindingList {
     void warning(const model::Code& code, std::string place, std::string message, Figures figures = {}) {
         add(code, Severity::kWarning, std::move(place), std::move(message), figures);
     }
+    void note(const model::Code& code, std::string place, std::string message, Figures figures = {}) {
+        add(code, Severity::kNote, std::move(place), std::move(message), figures);
+    }
     void append(std::vector<Finding> findings);
     [[nodiscard]] bool has_errors() const;
     [[nodiscard]] std::size_t size() const { return findings_.size(); }

@@ -2,7 +2,8 @@
 // cli/validate/layer_checks.cpp
 // The table of design section 4 as data, then the range of each value.
 //
-// Normals need no check of length: every pair of octahedral codes decodes to a unit vector.
+// Normals need no check of length: every pair of octahedral codes decodes to a unit vector. But of the codes that mean
+// the same vector the format has chosen one (SPEC.md 3.4).
 #include "validate/layer_checks.h"
 
 #include <dgm/grid.h>
@@ -13,8 +14,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
-#include <functional>
 #include <limits>
 
 #include "model/codes.h"
@@ -97,15 +96,15 @@ bool size_fits(const Layer& layer) {
 }
 
 /// Reports the elements for which `is_bad` holds: how many, and where the first one stands.
+template <class IsBad, class Value>
 void report_elements(const Layer& layer, std::size_t chart_index, const model::Code& code, const char* what,
-                     const std::function<bool(std::size_t)>& is_bad, const std::function<double(std::size_t)>& value,
-                     std::optional<double> limit, FindingList& findings) {
+                     const IsBad& is_bad, const Value& value, std::optional<double> limit, FindingList& findings) {
     std::size_t count = 0, first = 0, total = 1;
     for (const std::uint64_t extent : layer.shape) total *= extent;
     for (std::size_t k = 0; k < total; ++k)
         if (is_bad(k) && count++ == 0) first = k;
     if (count == 0) return;
-    const std::optional<double> measured = value ? std::optional(value(first)) : std::nullopt;
+    const std::optional<double> measured = value(first);
     findings.error(code, layer_path(chart_index, layer.name) + element_text(layer.shape, first),
                    fmt::format("{} {}, {} of {} values", what, count == 1 ? "here" : "here first", count, total),
                    {measured, limit});
@@ -138,21 +137,52 @@ bool check_shape(const Layer& layer, const LayerRule& rule, const Chart& chart, 
 }
 
 void check_finite(const Layer& layer, std::size_t chart_index, FindingList& findings) {
+    const auto no_value = [](std::size_t) { return std::optional<double>(); };
     if (layer.type == ElementType::kF32)
         report_elements(
             layer, chart_index, codes::kNotFinite, "not a finite number",
-            [&](std::size_t k) { return !std::isfinite(element<float>(layer, k)); }, {}, {}, findings);
+            [&](std::size_t k) { return !std::isfinite(element<float>(layer, k)); }, no_value, {}, findings);
     if (layer.type == ElementType::kF16)
         report_elements(
             layer, chart_index, codes::kNotFinite, "not a finite number",
-            [&](std::size_t k) { return (element<std::uint16_t>(layer, k) & 0x7c00u) == 0x7c00u; }, {}, {}, findings);
+            [&](std::size_t k) { return (element<std::uint16_t>(layer, k) & 0x7c00u) == 0x7c00u; }, no_value, {},
+            findings);
 }
 
 void check_booleans(const Layer& layer, std::size_t chart_index, FindingList& findings) {
     report_elements(
         layer, chart_index, codes::kBadValue, "neither 0 nor 1",
         [&](std::size_t k) { return element<std::uint8_t>(layer, k) > 1; },
-        [&](std::size_t k) { return element<std::uint8_t>(layer, k); }, 1, findings);
+        [&](std::size_t k) { return static_cast<double>(element<std::uint8_t>(layer, k)); }, 1, findings);
+}
+
+/// Of codes that decode to the same vector one is right: never -32768, and on the border of the square the code whose
+/// other coordinate is not negative.
+void check_octahedral(const Layer& layer, std::size_t chart_index, FindingList& findings) {
+    constexpr int kEdge = 32767;
+    const auto code = [&](std::size_t k) { return int{static_cast<std::int16_t>(element<std::uint16_t>(layer, k))}; };
+    report_elements(
+        layer, chart_index, codes::kBadNormal, "not an octahedral code of the format",
+        [&](std::size_t k) {
+            const int is = code(k), other = code(k ^ 1);
+            return is < -kEdge || (is < 0 && std::abs(other) == kEdge);
+        },
+        [&](std::size_t k) { return static_cast<double>(code(k)); }, std::nullopt, findings);
+}
+
+/// Attributes of `bump`: a finite scale that is not negative, and shading in 0..1.
+void check_bump_attributes(const Layer& layer, std::size_t chart_index, FindingList& findings) {
+    for (const auto& [name, high] :
+         {std::pair{"scale", std::numeric_limits<double>::max()}, std::pair{"shading", 1.0}}) {
+        const auto found = layer.attributes.find(name);
+        if (found == layer.attributes.end()) continue;
+        const auto* value = std::get_if<std::vector<double>>(&found->second);
+        const std::string place = layer_path(chart_index, layer.name) + "@" + name;
+        if (value == nullptr || value->size() != 1)
+            findings.error(codes::kBadAttribute, place, "the attribute is not one f64");
+        else if (!(value->front() >= 0 && value->front() <= high))
+            findings.error(codes::kBadValue, place, "the attribute is out of its range", {value->front(), high});
+    }
 }
 
 /// Channel `channel` of `channels` must lie in [low, high].
@@ -191,6 +221,8 @@ void check_values(const Layer& layer, std::size_t chart_index, FindingList& find
     const auto range = [&](std::size_t channels, std::size_t channel, double low, double high, const char* what) {
         check_range(layer, chart_index, channels, channel, low, high, what, findings);
     };
+    if (name == "normal" || name == "border_normal") check_octahedral(layer, chart_index, findings);
+    if (name == "bump") check_bump_attributes(layer, chart_index, findings);
     if (name == "mask" || name == "diagonals") check_booleans(layer, chart_index, findings);
     if (name == "cover") range(1, 0, 0, kInfinity, "negative radius");
     if (name == "deformation") {
@@ -216,22 +248,17 @@ bool check_frame(const Chart& chart, std::size_t chart_index, FindingList& findi
                       std::all_of(chart.bbox.begin(), chart.bbox.end(), finite);
     if (!good)
         findings.error(codes::kNotFinite, layer_path(chart_index, ""), "offset, scale or bbox is not a finite number");
-    if (std::any_of(chart.scale.begin(), chart.scale.end(), [](double x) { return x < 0; }))
-        findings.error(codes::kBadValue, layer_path(chart_index, "geometry"), "the scale is negative");
+    if (std::any_of(chart.scale.begin(), chart.scale.end(), [](double x) { return x <= 0; }))
+        findings.error(codes::kBadValue, layer_path(chart_index, "geometry") + "@scale", "the scale is not positive",
+                       {*std::min_element(chart.scale.begin(), chart.scale.end()), 0});
+    const Layer* geometry = chart.find("geometry");
+    const bool scaled = std::any_of(chart.scale.begin(), chart.scale.end(), [](double x) { return x != 1; });
+    if (geometry != nullptr && geometry->type == ElementType::kF32 && scaled)
+        findings.warning(codes::kBadValue, layer_path(chart_index, "geometry") + "@scale",
+                         "positions stored as f32 have a scale of 1");
     return good;
 }
 }  // namespace
-
-template <class T>
-T element(const Layer& layer, std::size_t index) {
-    T value;
-    std::memcpy(&value, layer.bytes.data() + index * sizeof(T), sizeof(T));
-    return value;
-}
-template std::uint8_t element(const Layer&, std::size_t);
-template std::uint16_t element(const Layer&, std::size_t);
-template std::uint32_t element(const Layer&, std::size_t);
-template float element(const Layer&, std::size_t);
 
 bool check_layers(const Chart& chart, std::size_t chart_index, FindingList& findings) {
     bool good = check_frame(chart, chart_index, findings);
@@ -265,8 +292,8 @@ bool check_layers(const Chart& chart, std::size_t chart_index, FindingList& find
         const bool known =
             std::any_of(rules().begin(), rules().end(), [&](const LayerRule& rule) { return layer.name == rule.name; });
         if (!known && layer.required)
-            findings.error(codes::kBadVersion, layer_path(chart_index, layer.name),
-                           "a layer that this version does not know is marked as required");
+            findings.error(codes::kUnknownLayer, layer_path(chart_index, layer.name),
+                           "the layer is marked as required");
         if (!known && size_fits(layer)) check_finite(layer, chart_index, findings);
     }
     return good;

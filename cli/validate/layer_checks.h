@@ -2,6 +2,8 @@
 // cli/validate/layer_checks.h
 // Each layer by itself: there, of the right type and shape, finite, in range (design section 4).
 #pragma once
+#include <cstring>
+
 #include "model/map_set.h"
 #include "validate/finding_list.h"
 
@@ -12,10 +14,10 @@ bool check_layers(const model::Chart& chart, std::size_t chart_index, FindingLis
 
 /// Element `index` of a layer whose type and size have been checked.
 template <class T>
-[[nodiscard]] T element(const model::Layer& layer, std::size_t index);
-extern template std::uint8_t element(const model::Layer&, std::size_t);
-extern template std::uint16_t element(const model::Layer&, std::size_t);
-extern template std::uint32_t element(const model::Layer&, std::size_t);
-extern template float element(const model::Layer&, std::size_t);
+[[nodiscard]] inline T element(const model::Layer& layer, std::size_t index) {
+    T value;
+    std::memcpy(&value, layer.bytes.data() + index * sizeof(T), sizeof(T));
+    return value;
+}
 
 }  // namespace dgm::validate

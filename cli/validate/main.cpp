@@ -1,25 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/main.cpp
 // dgm-validate: is this file what it says it is, and as near to its source as it claims?
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <fstream>
+#include <limits>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "model/codes.h"
 #include "tool/tool.h"
+#include "validate/code_pages.h"
+#include "validate/file_list.h"
 #include "validate/output.h"
-#include "validate/validation.h"
+#include "validate/run.h"
 
 namespace dgm::validate {
 namespace {
 using model::ExitCode;
 
 struct CommandLine {
-    std::vector<std::string> files;
-    std::string source, format = "text", explain, max_rms, max_hausdorff;
+    std::vector<std::string> files, severities, reports;
+    std::string source, format = "text", explain, max_rms, max_hausdorff, baseline, write_baseline;
+    std::size_t max_issues = std::numeric_limits<std::size_t>::max();
+    unsigned jobs = 0;
     bool quiet = false, verbose = false;
 };
 
@@ -39,9 +49,13 @@ void declare(CLI::App& app, CommandLine& line) {
         },
         "X%");
     app.description(
-        "Checks .dgm files: structure, hashes, layers, seams, topology, and the distance to a source mesh.");
-    app.add_option("FILE", line.files, "Files to check");
-    app.add_option("--source", line.source, "Mesh to measure the reconstruction against")->type_name("MESH");
+        "Checks .dgm files, and EXR files of geometry maps: structure, hashes, layers, seams, topology, report, and "
+        "the\n"
+        "distance to a source mesh.");
+    app.add_option("FILE", line.files, "Files, folders, or patterns such as 'baked/**/*.dgm'");
+    app.add_option("--source", line.source,
+                   "Mesh to measure the reconstruction against, or a folder that holds the meshes of all files")
+        ->type_name("MESH");
     app.add_option("--max-rms", line.max_rms,
                    "Largest rms distance, in % of the source's bounding-box diagonal "
                    "(default: what the file's report claims)")
@@ -50,12 +64,32 @@ void declare(CLI::App& app, CommandLine& line) {
     app.add_option("--max-hausdorff", line.max_hausdorff, "Largest distance of all, likewise")
         ->check(percent)
         ->needs("--source");
-    app.add_option("--format", line.format, "text or json")
-        ->check(CLI::IsMember({"text", "json"}))
+    app.add_option("--format", line.format,
+                   "Of what goes to stdout: text, json, junit or sarif; markdown for --explain")
+        ->check(CLI::IsMember({"text", "json", "junit", "sarif", "markdown"}))
         ->type_name("FORMAT");
-    app.add_option("--explain", line.explain, "Print what a code such as DGM1003 means, and stop")->type_name("CODE");
+    app.add_option("--report", line.reports, "Write a report to a file as well, such as junit=validate.xml; repeatable")
+        ->type_name("FORMAT=FILE");
+    app.add_option("--severity", line.severities,
+                   "DGM2015=off: another severity (error, warning, note, off); repeatable")
+        ->type_name("CODE=LEVEL");
+    auto* baseline = app.add_option("--baseline", line.baseline, "Findings that this file lists pass, new ones fail");
+    baseline->type_name("FILE");
+    app.add_option("--write-baseline", line.write_baseline, "List what was found in this file, and pass")
+        ->type_name("FILE")
+        ->excludes(baseline);
+    app.add_option("--max-issues", line.max_issues,
+                   "Findings listed of each file, errors first; all of them are counted, and decide the exit code")
+        ->check(CLI::Range(0, 1 << 30))
+        ->type_name("N");
+    app.add_option("-j,--jobs", line.jobs, "Files at a time (default: one a core)")
+        ->check(CLI::Range(1, 1024))
+        ->type_name("N");
+    app.add_option("--explain", line.explain,
+                   "Print what a code such as DGM1003 means, why it matters and what to do, and stop; or `all`")
+        ->type_name("CODE");
     auto* quiet = app.add_flag("-q,--quiet", line.quiet, "Print errors only");
-    app.add_flag("-v,--verbose", line.verbose, "Print what was measured, too")->excludes(quiet);
+    app.add_flag("-v,--verbose", line.verbose, "Print what was measured, and what is known, too")->excludes(quiet);
     app.footer(
         "Exit codes: 0 valid, 1 usage, 2 a file cannot be read, 3 invalid, 4 internal error, 5 unsupported.\n"
         "With several files: that of the worst.");
@@ -67,40 +101,99 @@ void put(const std::string& text) {
         throw model::Error(model::codes::kWriteFailed, "the output cannot be written", "stdout");
 }
 
+void print_explanation(const CommandLine& line) {
+    const bool all = line.explain == "all";
+    const model::Code* code = find_code(line.explain);
+    if (!all && code == nullptr) throw model::Error(model::codes::kUsage, "there is no code `" + line.explain + "`");
+    if (line.format == "markdown") {
+        if (!all) throw model::Error(model::codes::kUsage, "--format markdown goes with --explain all");
+        put(codes_markdown());
+    } else {
+        put(all ? explain_all() : explain(*code));
+    }
+}
+
+std::string report_text(const std::string& format, const std::vector<FileValidation>& files,
+                        const OutputOptions& options) {
+    if (format == "json") return to_json(files, options);
+    if (format == "junit") return to_junit(files, options);
+    if (format == "sarif") return to_sarif(files, options);
+    std::string text;
+    for (const FileValidation& file : files) text += to_text(file, options);
+    return text + summary_text(files, options);
+}
+
+struct Report {
+    std::string format, file;
+};
+Report parse_report(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    Report report{text.substr(0, equals), equals == std::string::npos ? std::string() : text.substr(equals + 1)};
+    const bool known =
+        report.format == "text" || report.format == "json" || report.format == "junit" || report.format == "sarif";
+    if (!known || report.file.empty())
+        throw model::Error(model::codes::kUsage, "--report: `" + text + "` is not FORMAT=FILE, such as junit=out.xml");
+    return report;
+}
+
+/// @throws model::Error kWriteFailed
+void write_text(const std::string& file, const std::string& text) {
+    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+    stream << text;
+    stream.close();
+    if (!stream) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", file);
+}
+
+/// Memory of one file serves the next: by default each large block is mapped, filled with zeros page by page and given
+/// back, which takes as long as the checks.
+void keep_memory() {
+#ifdef __GLIBC__
+    constexpr int kMany = 1 << 30;
+    mallopt(M_MMAP_THRESHOLD, kMany);
+    mallopt(M_TRIM_THRESHOLD, kMany);
+#endif
+}
+
 ExitCode run(const CommandLine& line, std::string& subject) {
     if (!line.explain.empty()) {
-        const model::Code* code = find_code(line.explain);
-        if (code == nullptr) throw model::Error(model::codes::kUsage, "there is no code `" + line.explain + "`");
-        put(explain(*code));
+        print_explanation(line);
         return ExitCode::kOk;
     }
     if (line.files.empty()) throw model::Error(model::codes::kUsage, "no FILE was named");
+    if (line.format == "markdown")
+        throw model::Error(model::codes::kUsage, "--format markdown goes with --explain all");
 
-    Options options;
-    std::optional<Source> source;
-    if (!line.source.empty()) {
-        subject = line.source;
-        source = load_source(line.source);
-        options.source = &*source;
-        if (!line.max_rms.empty()) options.max_rms_percent = parse_percent(line.max_rms);
-        if (!line.max_hausdorff.empty()) options.max_hausdorff_percent = parse_percent(line.max_hausdorff);
+    RunOptions options;
+    options.files = expand_names(line.files);
+    options.source = line.source;
+    if (!line.max_rms.empty()) options.max_rms_percent = parse_percent(line.max_rms);
+    if (!line.max_hausdorff.empty()) options.max_hausdorff_percent = parse_percent(line.max_hausdorff);
+    for (const std::string& rule : line.severities) add_severity_rule(options.severities, rule);
+    if (!line.baseline.empty()) {
+        subject = line.baseline;
+        options.baseline = Baseline::read(line.baseline);
+        subject.clear();
     }
-    const Verbosity verbosity = line.quiet     ? Verbosity::kQuiet
-                                : line.verbose ? Verbosity::kVerbose
-                                               : Verbosity::kNormal;
-    ExitCode worst = ExitCode::kOk;
-    std::vector<FileValidation> results;
-    for (const std::string& file : line.files) {
-        subject = file;
-        FileValidation result = validate_file(file, options);
-        worst = dgm::model::worse(worst, result.exit_code());
-        if (line.format == "json")
-            results.push_back(std::move(result));
-        else
-            put(to_text(result, verbosity));
-    }
-    if (line.format == "json") put(to_json(results));
-    return worst;
+    keep_memory();
+    options.jobs = line.jobs > 0 ? line.jobs : std::max(1u, std::thread::hardware_concurrency());
+    std::vector<Report> reports;
+    for (const std::string& text : line.reports) reports.push_back(parse_report(text));
+
+    OutputOptions output;
+    output.verbosity = line.quiet ? Verbosity::kQuiet : line.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
+    output.max_issues = line.max_issues;
+    output.version = tool::kVersion;
+    output.has_source = !line.source.empty();
+    output.has_baseline = !line.baseline.empty();
+    const bool text = line.format == "text";
+    const std::vector<FileValidation> files = run_validation(options, [&](const FileValidation& file) {
+        if (text) put(to_text(file, output));
+    });
+    put(text ? summary_text(files, output) : report_text(line.format, files, output));
+    for (const Report& report : reports) write_text(report.file, report_text(report.format, files, output));
+    if (line.write_baseline.empty()) return worst_exit(files);
+    write_text(line.write_baseline, baseline_json(files, line.write_baseline));
+    return ExitCode::kOk;
 }
 }  // namespace
 }  // namespace dgm::validate

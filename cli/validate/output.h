@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/output.h
-// Findings as text for people and JSON for programs.
+// Findings as text for people, JSON for programs, JUnit and SARIF for continuous integration.
 #pragma once
+#include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,18 +15,48 @@ namespace dgm::validate {
 
 enum class Verbosity { kQuiet, kNormal, kVerbose };
 
+struct OutputOptions {
+    Verbosity verbosity = Verbosity::kNormal;
+    /// Findings listed of a file, errors before others. Those left out are counted, and decide the exit code as ever.
+    std::size_t max_issues = std::numeric_limits<std::size_t>::max();
+    std::string version;        ///< of the tool
+    bool has_source = false;    ///< a comparison with a source was asked for
+    bool has_baseline = false;  ///< so that findings are either known or new
+};
+
+struct Counts {
+    std::size_t errors = 0, warnings = 0, notes = 0, known = 0;
+    [[nodiscard]] std::size_t all() const { return errors + warnings + notes; }
+    Counts& operator+=(const Counts& other);
+};
+[[nodiscard]] Counts count(const FileValidation& file);
+
+/// What is listed of a file: at most max_issues findings in their order, errors before others if not all fit.
+[[nodiscard]] std::vector<const formats::Finding*> listed(const FileValidation& file, const OutputOptions& options);
+
 /// One line a finding, `DGM1003 error: FILE: /charts/0/normal: message (measured 3, limit 0) — hint`, then, unless
-/// quiet, one line for the file. Quiet leaves warnings out; verbose adds the measured error. Control characters become
-/// `?`.
-[[nodiscard]] std::string to_text(const FileValidation& file, Verbosity verbosity);
+/// quiet, one line for the file. Quiet lists errors alone; verbose adds the measured error and what is known. Control
+/// characters become `?`.
+[[nodiscard]] std::string to_text(const FileValidation& file, const OutputOptions& options);
+/// The last line of several files: "5 files: 3 ok, 2 failed; 4 errors, 1 warning". Empty for one file, or when quiet.
+[[nodiscard]] std::string summary_text(std::span<const FileValidation> files, const OutputOptions& options);
 
-/// Array of files in the order given, keys in a fixed order, numbers as short as they read back. Ends with a newline.
-[[nodiscard]] std::string to_json(std::span<const FileValidation> files);
+/// One object as docs/schemas/validate.schema.json has it. Keys in a fixed order, numbers as short as they read back;
+/// ends with a newline.
+[[nodiscard]] std::string to_json(std::span<const FileValidation> files, const OutputOptions& options);
 
-/// "DGM1003", "1003", "HASH_MISMATCH" or "DGM1003_HASH_MISMATCH", in any case; null if there is no such code.
-[[nodiscard]] const model::Code* find_code(std::string_view name);
+/// JUnit XML: a test suite a file, a test case a subject (container, layers, source, file). Errors fail their test
+/// case; warnings and notes stand in its output. No times and no hosts.
+[[nodiscard]] std::string to_junit(std::span<const FileValidation> files, const OutputOptions& options);
 
-/// What --explain prints.
-[[nodiscard]] std::string explain(const model::Code& code);
+/// SARIF 2.1.0: one run, with the codes as rules. Findings that the baseline knows have the baseline state `unchanged`.
+[[nodiscard]] std::string to_sarif(std::span<const FileValidation> files, const OutputOptions& options);
+
+/// "error", "warning", "note"
+[[nodiscard]] const char* severity_name(formats::Severity severity);
+/// Names inside a file are a stranger's: they must not move the cursor of who reads about them.
+[[nodiscard]] std::string printable(std::string_view text);
+/// " (measured 3, limit 0)", or what of it there is.
+[[nodiscard]] std::string figures_text(const formats::Finding& finding);
 
 }  // namespace dgm::validate

@@ -2,17 +2,14 @@
 // cli/validate/surface_checks.cpp
 #include "validate/surface_checks.h"
 
-#include <dgm/grid.h>
-#include <fmt/format.h>
+#include <dgm/octahedral.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "model/codes.h"
-#include "validate/layer_checks.h"
+#include "validate/surface.h"
+#include "validate/table_checks.h"
 
 namespace dgm::validate {
 namespace {
@@ -21,61 +18,9 @@ using bake::Topology;
 using model::Chart;
 using model::Face;
 using model::Layer;
+using model::Vec2d;
 using model::Vec3d;
 namespace codes = model::codes;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Boxes and radii are floats in the chart's local frame: this much of its diagonal is rounding.
-constexpr double kFloatSlack = 1e-6;
-
-struct Box {
-    Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
-    void add(const Vec3d& p) {
-        for (int k = 0; k < 3; ++k) {
-            low[k] = std::min(low[k], p[k]);
-            high[k] = std::max(high[k], p[k]);
-        }
-    }
-    [[nodiscard]] bool empty() const { return !(low.x <= high.x && low.y <= high.y && low.z <= high.z); }
-    [[nodiscard]] double diagonal() const { return empty() ? 0 : length(high - low); }
-    /// How far `inner` sticks out of this box; 0 if it does not.
-    [[nodiscard]] double protrusion(const Box& inner) const {
-        double out = 0;
-        for (int k = 0; k < 3; ++k) out = std::max({out, low[k] - inner.low[k], inner.high[k] - high[k]});
-        return out;
-    }
-};
-
-/// The chart in its local frame (position minus offset), with what several checks ask for.
-struct Surface {
-    const Chart& chart;
-    std::size_t chart_index;
-    const Reconstruction& reconstruction;
-    std::uint32_t m, n;
-    std::vector<Vec3d> local;
-    Box bounds;  // of the vertices that faces name, local frame
-    const Layer* mask;
-
-    Surface(const Chart& c, std::size_t index, const Reconstruction& r)
-        : chart(c), chart_index(index), reconstruction(r), m(c.rows), n(c.cols), mask(c.find("mask")) {
-        local.reserve(r.mesh.positions.size());
-        for (const Vec3d& p : r.mesh.positions) local.push_back(p - Vec3d{c.offset[0], c.offset[1], c.offset[2]});
-        for (const Face& f : r.mesh.faces)
-            for (const std::uint32_t v : f) bounds.add(local[v]);
-    }
-    [[nodiscard]] bool on_surface(std::size_t i, std::size_t j) const {
-        return mask == nullptr || element<std::uint8_t>(*mask, sample_index(i, j, n)) != 0;
-    }
-    [[nodiscard]] bool has_quad(std::size_t i, std::size_t j) const {
-        return on_surface(i, j) && on_surface(i + 1, j) && on_surface(i, j + 1) && on_surface(i + 1, j + 1);
-    }
-    [[nodiscard]] std::string path(const char* layer) const { return layer_path(chart_index, layer); }
-    [[nodiscard]] std::string sample_text(std::size_t s) const {
-        const std::size_t grid = std::size_t{m} * n;
-        return s < grid ? fmt::format("sample ({}, {})", s / n, s % n) : fmt::format("border sample {}", s - grid);
-    }
-};
 
 /// True if samples a and b hold the same bytes in the grid layer or, beyond the grid, in its border twin. Where one
 /// stands in each, the decoded values decide (`same_value`).
@@ -143,19 +88,144 @@ void check_masked_samples(const Surface& s, FindingList& findings) {
     check("seams", codes::kBadSeamTable);
 }
 
+/// Twice the area of all faces, and of each vertex the sum of its faces' normals times twice their area.
+struct FaceSums {
+    double area = 0;
+    std::vector<Vec3d> normals;
+};
+
 /// Faces that have shrunk to a line or a point still draw, but have no normal.
-void check_areas(const Surface& s, FindingList& findings) {
+FaceSums check_areas(const Surface& s, FindingList& findings) {
+    FaceSums sums{0, std::vector<Vec3d>(s.local.size())};
     std::size_t flat = 0;
-    for (const Face& f : s.reconstruction.mesh.faces)
-        if (cross(s.local[f[1]] - s.local[f[0]], s.local[f[2]] - s.local[f[0]]) == Vec3d{}) ++flat;
+    for (const Face& f : s.reconstruction.mesh.faces) {
+        const Vec3d normal = cross(s.local[f[1]] - s.local[f[0]], s.local[f[2]] - s.local[f[0]]);
+        if (normal == Vec3d{}) ++flat;
+        sums.area += length(normal);
+        for (const std::uint32_t v : f) sums.normals[v] = sums.normals[v] + normal;
+    }
     if (flat > 0)
         findings.warning(codes::kBadTopology, s.path("geometry"),
                          fmt::format("{} of {} faces have no area", flat, s.reconstruction.mesh.faces.size()),
                          {static_cast<double>(flat), 0});
+    return sums;
+}
+
+/// Normals may bend away from the faces they are drawn on, but not most of them.
+void check_normals(const Surface& s, const Layer& normal, const FaceSums& sums, FindingList& findings) {
+    std::size_t against = 0, counted = 0, first = 0;
+    for (std::size_t k = 0; k < s.grid(); ++k) {
+        if (s.in_face[k] == 0) continue;
+        const auto code = [&](std::size_t c) {
+            return static_cast<std::int16_t>(element<std::uint16_t>(normal, 2 * k + c));
+        };
+        const auto stored = dgm::decode_octahedral(code(0), code(1));
+        ++counted;
+        if (dot(sums.normals[k], Vec3d{stored[0], stored[1], stored[2]}) < 0 && against++ == 0) first = k;
+    }
+    if (2 * against > counted)
+        findings.warning(
+            codes::kBadNormal, s.path("normal") + element_text(normal.shape, 2 * first),
+            fmt::format("{} of {} normals look against the faces around them, here first", against, counted),
+            {static_cast<double>(against), 0.5 * static_cast<double>(counted)});
+}
+
+/// Samples that cost memory and are never drawn.
+void check_loose_samples(const Surface& s, FindingList& findings) {
+    std::size_t loose = 0, first = 0;
+    for (std::size_t k = 0; k < s.local.size(); ++k) {
+        const bool on_surface = k >= s.grid() || s.on_surface(k / s.n, k % s.n);
+        if (on_surface && s.in_face[k] == 0 && loose++ == 0) first = k;
+    }
+    if (loose > 0)
+        findings.warning(codes::kLooseSamples, s.path(first < s.grid() ? "mask" : "border_geometry"),
+                         fmt::format("{} is in no triangle; of such samples there are {}", s.sample_text(first), loose),
+                         {static_cast<double>(loose), 0});
+}
+
+/// The strip winds like the lattice, counter-clockwise in (u, v). Slivers may turn by what rounding to float moves.
+void check_strip(const Surface& s, FindingList& findings) {
+    const Layer* faces = s.chart.find("border_faces");
+    const Layer* border_uv = s.chart.find("border_uv");
+    if (faces == nullptr || border_uv == nullptr) return;
+    constexpr double kRounding = 4 * 0x1p-24;
+    const auto uv_of = [&](std::size_t k) {
+        if (k < s.grid())
+            return Vec2d{static_cast<double>(k / s.n) / (s.m - 1), static_cast<double>(k % s.n) / (s.n - 1)};
+        return Vec2d{element<float>(*border_uv, 2 * (k - s.grid())),
+                     element<float>(*border_uv, 2 * (k - s.grid()) + 1)};
+    };
+    std::size_t flipped = 0, first = 0;
+    double worst = 0;
+    for (std::size_t t = 0; t < faces->shape[0]; ++t) {
+        const Vec2d a = uv_of(element<std::uint32_t>(*faces, 3 * t)),
+                    b = uv_of(element<std::uint32_t>(*faces, 3 * t + 1)),
+                    c = uv_of(element<std::uint32_t>(*faces, 3 * t + 2));
+        const Vec2d e = b - a, f = c - a;
+        const double area = cross(e, f), slack = kRounding * (std::hypot(e.x, e.y) + std::hypot(f.x, f.y));
+        if (area >= -slack) continue;
+        if (flipped++ == 0) first = t;
+        worst = std::min(worst, area / 2);
+    }
+    // Space is not folded there, which the topology has told: only what is looked up by (u, v) is off by so much.
+    if (flipped > 0)
+        findings.warning(
+            codes::kFlippedFaces, s.path("border_faces") + fmt::format("[{}]", first),
+            fmt::format("{} of the strip's {} triangles are turned over in (u, v), here first; measured is "
+                        "the worst area",
+                        flipped, faces->shape[0]),
+            {worst, 0});
+}
+
+/// A cut opens the surface along the border of the square: inside it, no two samples are one point.
+void check_seam_places(const Surface& s, FindingList& findings) {
+    const Layer* seams = s.chart.find("seams");
+    if (seams == nullptr || s.chart.domain != model::Domain::kSquare) return;
+    std::size_t inside = 0, first = 0;
+    const std::size_t count = 2 * seams->shape[0];
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t sample = element<std::uint32_t>(*seams, k), i = sample / s.n, j = sample % s.n;
+        const bool border = i == 0 || j == 0 || i + 1 == s.m || j + 1 == s.n;
+        if (!border && inside++ == 0) first = k;
+    }
+    if (inside > 0)
+        findings.error(codes::kBadSeamTable, s.path("seams") + element_text(seams->shape, first),
+                       fmt::format("{} is not on the border of the square; so are {} of {} entries",
+                                   s.sample_text(element<std::uint32_t>(*seams, first)), inside, count));
+}
+
+/// True if the surface is the whole grid, and only samples on its border are joined.
+bool is_plain_grid(const Surface& s) {
+    if (s.chart.domain != model::Domain::kSquare || s.m < 4 || s.n < 4) return false;
+    const auto& weld = s.reconstruction.weld;
+    for (std::size_t i = 1; i + 1 < s.m; ++i)
+        for (std::size_t k = sample_index(i, 1, s.n); k < sample_index(i, s.n - 1, s.n); ++k)
+            if (weld[k] != k) return false;
+    return true;
+}
+
+/// Of the welded surface. Inside the border a plain grid is a disk, and closing a loop with a disk changes neither
+/// components nor genus: the quads along the border tell all.
+Topology welded_topology(const Surface& s) {
+    const std::vector<Face>& faces = s.reconstruction.welded_faces;
+    if (!is_plain_grid(s)) return bake::measure_topology(s.local.size(), faces);
+    std::vector<Face> ring;
+    for (std::size_t i = 0; i + 1 < s.m; ++i) {
+        const bool whole_row = i == 0 || i + 2 == s.m;
+        for (std::size_t j = 0; j + 1 < s.n; j += whole_row ? 1 : s.n - 2) {
+            const std::size_t quad = i * (s.n - 1) + j;
+            ring.push_back(faces[2 * quad]);
+            ring.push_back(faces[2 * quad + 1]);
+        }
+    }
+    Topology t = bake::measure_topology(s.local.size(), ring);
+    if (!t.manifold || t.degenerate_faces > 0) return bake::measure_topology(s.local.size(), faces);
+    if (t.boundary_loops > 0) --t.boundary_loops;  // the one that the disk closes
+    return t;
 }
 
 Topology check_topology(const Surface& s, FindingList& findings) {
-    const Topology t = bake::measure_topology(s.local.size(), s.reconstruction.welded_faces);
+    const Topology t = welded_topology(s);
     const std::string place = s.path("geometry");
     if (s.reconstruction.mesh.faces.empty())
         findings.error(codes::kBadTopology, place, "the reconstruction has no faces");
@@ -180,120 +250,6 @@ void check_bounds(const Surface& s, FindingList& findings) {
         findings.error(codes::kBadBounds, s.path(""), "bbox is not the box of the reconstruction", {off, slack});
 }
 
-Box stored_box(const Layer& collision, std::size_t node) {
-    const auto at = [&](std::size_t k) { return static_cast<double>(element<float>(collision, 6 * node + k)); };
-    return {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
-}
-
-/// Boxes of the leaf tiles' quads, row by row.
-std::vector<Box> leaf_boxes(const Surface& s, std::uint32_t tile_rows, std::uint32_t tile_cols) {
-    std::vector<Box> boxes(std::size_t{tile_rows} * tile_cols);
-    for (std::uint32_t i = 0; i + 1 < s.m; ++i)
-        for (std::uint32_t j = 0; j + 1 < s.n; ++j) {
-            if (!s.has_quad(i, j)) continue;
-            Box& box = boxes[std::size_t{i / kTileQuads} * tile_cols + j / kTileQuads];
-            for (const std::size_t v : {sample_index(i, j, s.n), sample_index(i + 1, j, s.n),
-                                        sample_index(i, j + 1, s.n), sample_index(i + 1, j + 1, s.n)})
-                box.add(s.local[v]);
-        }
-    return boxes;
-}
-
-/// Each leaf holds its quads, each parent its children, the root everything.
-void check_collision(const Surface& s, const Layer& collision, FindingList& findings) {
-    std::vector<std::array<std::uint32_t, 2>> levels{{tile_count(s.m - 1), tile_count(s.n - 1)}};
-    while (levels.back()[0] > 1 || levels.back()[1] > 1)
-        levels.push_back({(levels.back()[0] + 1) / 2, (levels.back()[1] + 1) / 2});
-    std::vector<std::uint32_t> expected;
-    std::uint64_t nodes = 0;
-    for (const auto& [rows, cols] : levels) {
-        expected.insert(expected.end(), {rows, cols});
-        nodes += std::uint64_t{rows} * cols;
-    }
-    const auto attribute = collision.attributes.find("levels");
-    const auto* stored =
-        attribute == collision.attributes.end() ? nullptr : std::get_if<std::vector<std::uint32_t>>(&attribute->second);
-    if (stored == nullptr || *stored != expected || collision.shape[0] != nodes) {
-        findings.error(
-            codes::kBadLayerShape, s.path("collision"),
-            fmt::format("attribute `levels` or the number of nodes is not that of the pyramid over {} x {} samples",
-                        s.m, s.n),
-            {static_cast<double>(collision.shape[0]), static_cast<double>(nodes)});
-        return;
-    }
-    const double slack = kFloatSlack * s.bounds.diagonal();
-    std::vector<Box> inner = leaf_boxes(s, levels[0][0], levels[0][1]);
-    std::size_t bad = 0, first = 0, node = 0;
-    double worst = 0;
-    for (std::size_t level = 0; level < levels.size(); ++level) {
-        const auto [rows, cols] = levels[level];
-        if (level > 0) {
-            std::vector<Box> parents(std::size_t{rows} * cols);
-            const std::uint32_t child_cols = levels[level - 1][1];
-            for (std::size_t c = 0; c < inner.size(); ++c) {
-                if (inner[c].empty()) continue;
-                Box& parent = parents[c / child_cols / 2 * cols + c % child_cols / 2];
-                parent.add(inner[c].low);
-                parent.add(inner[c].high);
-            }
-            inner = std::move(parents);
-        }
-        if (level + 1 == levels.size() && !s.bounds.empty()) inner[0] = s.bounds;
-        for (std::size_t k = 0; k < inner.size(); ++k, ++node) {
-            if (inner[k].empty()) continue;
-            const double out = stored_box(collision, node).protrusion(inner[k]);
-            if (out <= slack) continue;
-            if (bad++ == 0) first = node;
-            worst = std::max(worst, out);
-        }
-    }
-    if (bad > 0)
-        findings.error(codes::kBadCollision, s.path("collision") + fmt::format("[{}]", first),
-                       fmt::format("the surface sticks out of {} of {} boxes, here first", bad, nodes), {worst, slack});
-}
-
-/// Quads are flat or folded along a diagonal, so the farthest point of a quad from a sample is one of its corners.
-void check_cover(const Surface& s, const Layer& cover, FindingList& findings) {
-    const double slack = kFloatSlack * s.bounds.diagonal();
-    std::vector<double> needed(std::size_t{s.m} * s.n, 0.0);
-    for (std::uint32_t i = 0; i + 1 < s.m; ++i)
-        for (std::uint32_t j = 0; j + 1 < s.n; ++j) {
-            if (!s.has_quad(i, j)) continue;
-            const std::array<std::size_t, 4> corners{sample_index(i, j, s.n), sample_index(i + 1, j, s.n),
-                                                     sample_index(i, j + 1, s.n), sample_index(i + 1, j + 1, s.n)};
-            for (const std::size_t a : corners)
-                for (const std::size_t b : corners) needed[a] = std::max(needed[a], length(s.local[a] - s.local[b]));
-        }
-    std::size_t bad = 0, first = 0;
-    for (std::size_t k = 0; k < needed.size(); ++k)
-        if (element<float>(cover, k) < needed[k] - slack && bad++ == 0) first = k;
-    if (bad > 0)
-        findings.error(
-            codes::kBadCollision, s.path("cover") + element_text(cover.shape, first),
-            fmt::format("points of the sample's quads are farther away than the cover radius, here first; {} "
-                        "of {} samples",
-                        bad, needed.size()),
-            {element<float>(cover, first), needed[first]});
-}
-
-void check_contact(const Surface& s, const Layer& contact, FindingList& findings) {
-    constexpr double kTolerance = 1e-3;  // relative
-    double stored = 0, surface = 0;
-    for (std::size_t k = 0; k < std::size_t{s.m} * s.n; ++k) stored += element<float>(contact, 2 * k);
-    for (const Face& f : s.reconstruction.mesh.faces)
-        surface += 0.5 * length(cross(s.local[f[1]] - s.local[f[0]], s.local[f[2]] - s.local[f[0]]));
-    if (!(std::abs(stored - surface) <= kTolerance * surface))
-        findings.error(codes::kBadContact, s.path("contact"),
-                       fmt::format("the sample areas sum to {:.6g}, the surface has {:.6g}", stored, surface),
-                       {std::abs(stored - surface), kTolerance * surface});
-}
-
-bool all_finite(const Surface& s) {
-    for (const Face& f : s.reconstruction.mesh.faces)
-        for (const std::uint32_t v : f)
-            if (!is_finite(s.local[v])) return false;
-    return true;
-}
 }  // namespace
 
 Topology check_surface(const Chart& chart, std::size_t chart_index, const Reconstruction& reconstruction,
@@ -301,20 +257,15 @@ Topology check_surface(const Chart& chart, std::size_t chart_index, const Recons
     const Surface s(chart, chart_index, reconstruction);
     const Topology topology = check_topology(s, findings);
     check_masked_samples(s, findings);
+    check_seam_places(s, findings);
     check_seams(s, findings);
-    if (!all_finite(s)) return topology;  // reported with the layer; distances would only repeat it
-    check_areas(s, findings);
+    check_loose_samples(s, findings);
+    check_strip(s, findings);
+    if (!s.finite) return topology;  // reported with the layer; distances would only repeat it
+    const FaceSums sums = check_areas(s, findings);
     check_bounds(s, findings);
-    const auto finite = [](const Layer& layer) {
-        for (std::size_t k = 0; k < layer.bytes.size() / sizeof(float); ++k)
-            if (!std::isfinite(element<float>(layer, k))) return false;
-        return true;
-    };
-    if (const Layer* layer = chart.find("collision"); layer != nullptr && finite(*layer))
-        check_collision(s, *layer, findings);
-    if (const Layer* layer = chart.find("cover"); layer != nullptr && finite(*layer)) check_cover(s, *layer, findings);
-    if (const Layer* layer = chart.find("contact"); layer != nullptr && finite(*layer))
-        check_contact(s, *layer, findings);
+    if (const Layer* normal = chart.find("normal")) check_normals(s, *normal, sums, findings);
+    check_tables(s, sums.area / 2, findings);
     return topology;
 }
 

@@ -4,17 +4,19 @@
 
 #include <fmt/format.h>
 
-#include <limits>
+#include <algorithm>
+#include <array>
+#include <fstream>
 
 #include "dgm/hash.h"
+#include "exr/exr_reader.h"
 #include "geometry/metrics/reconstruction.h"
-#include "geometry/metrics/turned_faces.h"
-#include "geometry/repair/repair.h"
-#include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "validate/file_list.h"
 #include "validate/finding_list.h"
 #include "validate/layer_checks.h"
 #include "validate/report_checks.h"
+#include "validate/source_checks.h"
 #include "validate/surface_checks.h"
 
 namespace dgm::validate {
@@ -24,86 +26,31 @@ using model::MapSet;
 using model::TriMesh;
 namespace codes = model::codes;
 
-/// Adds a chart's surface to one mesh of the whole asset. Corner normals stay only while every chart has them.
-void append_mesh(TriMesh& whole, const TriMesh& part) {
-    const bool normals = (whole.faces.empty() || !whole.corner_normals.empty()) && !part.corner_normals.empty();
-    const auto shift = static_cast<std::uint32_t>(whole.positions.size());
-    whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
-    for (const model::Face& f : part.faces) whole.faces.push_back({f[0] + shift, f[1] + shift, f[2] + shift});
-    if (normals)
-        whole.corner_normals.insert(whole.corner_normals.end(), part.corner_normals.begin(), part.corner_normals.end());
-    else
-        whole.corner_normals.clear();
-}
-
-/// The source with the windings that a bake gives it: which side of a face is out is not to be had from the file where
-/// its faces disagree.
-TriMesh oriented(const TriMesh& mesh) {
-    TriMesh out;
+/// The mesh that the file says it was baked from; nothing, with a finding, if it cannot be read.
+std::optional<Source> find_source(const MapSet& maps, const std::filesystem::path& folder, FindingList& findings) {
+    // A name from a file must not lead out of the folder. Of several meshes of that name it is the one that was baked.
+    std::filesystem::path path = folder / std::filesystem::path(maps.source_name).filename();
     try {
-        const bake::RepairedMesh repaired = bake::repair(mesh);
-        for (const TriMesh& component : repaired.components) append_mesh(out, component);
-        for (model::Vec3d& p : out.positions) p = repaired.frame.centre + p * repaired.frame.diagonal;
-    } catch (const model::Error&) { return {}; }
-    return out;
-}
-
-struct Limits {
-    double rms, hausdorff;  // infinity: none
-    const char* origin_rms;
-    const char* origin_hausdorff;
-};
-
-Limits limits_for(const Options& options, const ClaimedError& claimed, double diagonal) {
-    // The bake measured the repaired mesh, from other random points: the mean repeats well within 1 %, the maximum of a
-    // sample less well. The last term is what storing positions as float may move.
-    constexpr double kRmsMargin = 1.01, kHausdorffMargin = 1.05, kFloatRounding = 2e-7;
-    constexpr double kNone = std::numeric_limits<double>::infinity();
-    Limits limits{kNone, kNone, "the report", "the report"};
-    if (claimed.rms) limits.rms = *claimed.rms * kRmsMargin + kFloatRounding * diagonal;
-    if (claimed.hausdorff) limits.hausdorff = *claimed.hausdorff * kHausdorffMargin + kFloatRounding * diagonal;
-    if (options.max_rms_percent) {
-        limits.rms = *options.max_rms_percent / 100 * diagonal;
-        limits.origin_rms = "--max-rms";
+        std::vector<std::filesystem::path> candidates;
+        for (const std::filesystem::path& file : files_below(folder))
+            if (file.filename() == path.filename()) candidates.push_back(file);
+        const auto same = std::find_if(candidates.begin(), candidates.end(),
+                                       [&](const auto& file) { return formats::hash_file(file) == maps.source_hash; });
+        if (!candidates.empty()) path = same == candidates.end() ? candidates.front() : *same;
+        return load_source(path);
+    } catch (const model::Error& error) {
+        findings.error(error.code(), error.place().empty() ? path.string() : error.place(),
+                       fmt::format("the source: {}", error.what()));
+        return std::nullopt;
     }
-    if (options.max_hausdorff_percent) {
-        limits.hausdorff = *options.max_hausdorff_percent / 100 * diagonal;
-        limits.origin_hausdorff = "--max-hausdorff";
+}
+
+void check_maps(const MapSet& maps, Options options, FileValidation& out, FindingList& findings) {
+    std::optional<Source> own;
+    if (options.source == nullptr && !options.source_folder.empty()) {
+        own = find_source(maps, options.source_folder, findings);
+        options.source = own ? &*own : nullptr;
     }
-    return limits;
-}
-
-void check_source(const MapSet& maps, const TriMesh& surface, const ClaimedError& claimed, const Options& options,
-                  FileValidation& out, FindingList& findings) {
-    if (maps.source_hash != options.source->hash)
-        findings.warning(codes::kSourceDiffers, "/",
-                         fmt::format("the file was baked from `{}` with hash {}, `{}` has {}", maps.source_name,
-                                     formats::to_hex(maps.source_hash), options.source->path.filename().string(),
-                                     formats::to_hex(options.source->hash)));
-    const bake::SurfaceError error = bake::measure_surface_error(options.source->mesh, surface, options.sampling);
-    out.error = error;
-    const Limits limits = limits_for(options, claimed, error.diagonal);
-    const auto percent = [&](double x) { return error.diagonal > 0 ? 100 * x / error.diagonal : 0; };
-    if (!(error.rms <= limits.rms))
-        findings.error(codes::kRmsExceeded, "/charts",
-                       fmt::format("rms distance {:.4g} ({:.4g} % of the diagonal) is above the limit of {}", error.rms,
-                                   percent(error.rms), limits.origin_rms),
-                       {error.rms, limits.rms});
-    if (!(error.hausdorff <= limits.hausdorff))
-        findings.error(codes::kHausdorffExceeded, "/charts",
-                       fmt::format("largest distance {:.4g} ({:.4g} % of the diagonal) is above the limit of {}",
-                                   error.hausdorff, percent(error.hausdorff), limits.origin_hausdorff),
-                       {error.hausdorff, limits.hausdorff});
-    if (options.source->oriented.faces.empty()) return;
-    out.turned_faces = bake::count_turned_faces(options.source->oriented, surface);
-    if (*out.turned_faces > 0)
-        findings.warning(
-            codes::kTurnedFaces, "/charts",
-            fmt::format("{} of {} triangles look against the source", *out.turned_faces, surface.faces.size()),
-            {static_cast<double>(*out.turned_faces), 0});
-}
-
-void check_maps(const MapSet& maps, const Options& options, FileValidation& out, FindingList& findings) {
     out.charts = maps.charts.size();
     if (maps.charts.empty()) findings.error(codes::kMissingLayer, "/charts", "the file holds no chart");
     std::vector<std::optional<bake::Topology>> topologies(maps.charts.size());
@@ -115,7 +62,8 @@ void check_maps(const MapSet& maps, const Options& options, FileValidation& out,
             continue;
         }
         try {
-            const bake::Reconstruction surface = bake::reconstruct(maps.charts[k]);
+            const bake::Reconstruction surface = bake::reconstruct(
+                maps.charts[k], options.source != nullptr ? bake::Corners::kFill : bake::Corners::kSkip);
             topologies[k] = check_surface(maps.charts[k], k, surface, findings);
             if (options.source != nullptr) append_mesh(whole, surface.mesh);
         } catch (const model::Error& error) {
@@ -124,7 +72,17 @@ void check_maps(const MapSet& maps, const Options& options, FileValidation& out,
         }
     }
     const ClaimedError claimed = check_report(maps, topologies, findings);
-    if (options.source != nullptr && complete) check_source(maps, whole, claimed, options, out, findings);
+    if (options.source != nullptr && complete) check_source({maps, whole, topologies, claimed}, options, out, findings);
+}
+
+bool is_exr(const std::filesystem::path& path) {
+    constexpr std::array<char, 4> kMagic{'\x76', '\x2f', '\x31', '\x01'};
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return false;  // a pipe would have to be read to its end
+    std::array<char, 4> start{};
+    std::ifstream file(path, std::ios::binary);
+    file.read(start.data(), start.size());
+    return file && start == kMagic;
 }
 }  // namespace
 
@@ -133,12 +91,6 @@ ExitCode FileValidation::exit_code() const {
     for (const formats::Finding& f : findings)
         if (f.severity == formats::Severity::kError) code = model::worse(code, f.code->exit);
     return code;
-}
-
-Source load_source(const std::filesystem::path& path) {
-    Source source{path, formats::hash_file(path), formats::read_mesh(path).mesh, {}};
-    source.oriented = oriented(source.mesh);
-    return source;
 }
 
 FileValidation validate_maps(const MapSet& maps, const Options& options) {
@@ -156,10 +108,20 @@ FileValidation validate_file(const std::filesystem::path& path, const Options& o
     out.path = path;
     FindingList findings;
     try {
-        findings.append(formats::check_container(path));
+        MapSet maps;
+        if (is_exr(path))
+            maps = formats::read_exr(path);
+        else
+            findings.append(formats::read_and_check(path, maps));
         // Values are worth reading only if the bytes are the ones that were written.
-        if (!findings.has_errors()) check_maps(formats::read_dgm(path), options, out, findings);
-    } catch (const model::Error& error) { findings.error(error.code(), error.place(), error.what()); }
+        if (!findings.has_errors()) check_maps(maps, options, out, findings);
+    } catch (const model::Error& error) {
+        // Readers put the file's name in front, or have no other place.
+        std::string place = error.place();
+        const std::string name = path.string();
+        if (place.starts_with(name)) place.erase(0, place.starts_with(name + ": ") ? name.size() + 2 : name.size());
+        findings.error(error.code(), std::move(place), error.what());
+    }
     out.findings = findings.take();
     return out;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dgm/dgm_reader.h"
+#include "geometry/metrics/map_metrics.h"
 #include "geometry/metrics/surface_error.h"
 #include "model/tri_mesh.h"
 
@@ -21,12 +22,14 @@ struct Source {
     std::array<std::uint8_t, 16> hash{};  ///< XXH3-128 of the file
     model::TriMesh mesh;
     model::TriMesh oriented;  ///< repaired, windings made to agree: what a bake sees; empty where repair refuses
+    std::vector<bake::Topology> topologies;  ///< of each piece of `oriented`
 };
 /// @throws model::Error as formats::read_mesh
 [[nodiscard]] Source load_source(const std::filesystem::path& path);
 
 struct Options {
-    const Source* source = nullptr;                                ///< null: no comparison with a source
+    const Source* source = nullptr;       ///< null: no comparison with a source
+    std::filesystem::path source_folder;  ///< else, if not empty: where the mesh called source_name lies
     std::optional<double> max_rms_percent, max_hausdorff_percent;  ///< of the source's bounding-box diagonal
     bake::SurfaceErrorOptions sampling;
 };
@@ -35,6 +38,7 @@ struct Options {
 struct FileValidation {
     std::filesystem::path path;
     std::vector<formats::Finding> findings;   ///< in the order of the checks; empty for a good file
+    std::vector<formats::Finding> known;      ///< findings that a baseline lists: told, but not counted
     std::size_t charts = 0;                   ///< 0 if the container could not be read
     std::optional<bake::SurfaceError> error;  ///< measured, if there was a source
     std::optional<std::size_t> turned_faces;  ///< the same, if its faces can be oriented
@@ -46,8 +50,8 @@ struct FileValidation {
 /// only if what it reads passed the one before. Without limits in `options` the distance may be what the report claims,
 /// plus 1 % (rms) or 5 % (hausdorff).
 ///
-/// Never throws model::Error: a file that is missing or unreadable is a finding too. Deterministic. Not thread-safe
-/// (HDF5).
+/// A file that starts like an EXR is read as one. Never throws model::Error: a file that is missing or unreadable is a
+/// finding too. Deterministic. Thread-safe; HDF5 reads one file at a time.
 [[nodiscard]] FileValidation validate_file(const std::filesystem::path& path, const Options& options = {});
 
 /// The same from the layers on, for maps in memory: what a baker asks of its own result. `path` stays empty.

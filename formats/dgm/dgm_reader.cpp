@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/dgm/dgm_reader.cpp
-// One walk over the file serves both entry points: read_dgm stops at the first finding and keeps the layers,
-// check_container goes on and keeps the findings. The index is checked on the raw bytes first; HDF5 sees the file only
-// once header, index and layer hashes are good, and then has to agree with the index.
+// One walk over the file serves all entry points: read_dgm stops at the first finding, the others go on and keep the
+// findings. The index is checked on the raw bytes first; HDF5 sees the file only once header, index and all hashes are
+// good, and then has to agree with the index.
 #include "dgm/dgm_reader.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <limits>
 #include <set>
-#include <system_error>
 
 #include "dgm/h5_file.h"
 #include "dgm/hash.h"
 #include "dgm/index.h"
+#include "dgm/raw_file.h"
 
 namespace dgm::formats {
 namespace {
@@ -31,60 +25,14 @@ using layout::LayerRecord;
 constexpr std::size_t kMaxFindings = 100;
 constexpr std::uint64_t kMaxReportBytes = std::uint64_t{256} << 20;
 
-/// Read-only file descriptor with range-checked reads.
-class RawFile {
- public:
-    explicit RawFile(const fs::path& path)
-        : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-        const int error = errno;
-        if (file_ < 0)
-            throw model::Error(error == ENOENT || error == ENOTDIR ? codes::kFileMissing : codes::kReadFailed,
-                               std::generic_category().message(error), path.string());
-        struct stat status {};
-        if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
-            ::close(file_);
-            throw model::Error(codes::kReadFailed, "not a regular file", path.string());
-        }
-        size_ = static_cast<std::uint64_t>(status.st_size);
-    }
-    ~RawFile() { ::close(file_); }
-    RawFile(const RawFile&) = delete;
-    RawFile& operator=(const RawFile&) = delete;
-
-    [[nodiscard]] std::uint64_t size() const { return size_; }
-    [[nodiscard]] bool contains(std::uint64_t offset, std::uint64_t bytes) const {
-        return bytes <= size_ && offset <= size_ - bytes;
-    }
-    /// The range must be contained.
-    [[nodiscard]] std::vector<std::byte> read(std::uint64_t offset, std::uint64_t bytes) const {
-        std::vector<std::byte> out(bytes);
-        std::size_t done = 0;
-        while (done < bytes) {
-            const ssize_t got = ::pread(file_, out.data() + done, bytes - done, static_cast<off_t>(offset + done));
-            if (got < 0 && errno == EINTR) continue;
-            if (got <= 0)
-                throw model::Error(
-                    codes::kReadFailed,
-                    got < 0 ? std::generic_category().message(errno) : "the file shrank while it was read",
-                    path_.string());
-            done += static_cast<std::size_t>(got);
-        }
-        return out;
-    }
-
- private:
-    const fs::path& path_;
-    int file_;
-    std::uint64_t size_ = 0;
-};
-
 /// Thrown to leave the walk once there are enough findings.
 struct EnoughFindings {};
 
 class Walk {
  public:
-    Walk(const fs::path& path, const DgmReadLimits& limits, bool keeps_layers)
-        : path_(path), limits_(limits), keeps_layers_(keeps_layers), raw_(path) {}
+    /// @param throws  the first finding, rather than collecting them
+    Walk(const fs::path& path, const DgmReadLimits& limits, bool throws)
+        : path_(path), limits_(limits), throws_(throws), raw_(path) {}
 
     FileFindings run(model::MapSet* out) {
         maps_ = out;
@@ -92,6 +40,7 @@ class Walk {
             if (read_header() && read_index() && check_charts() && check_layers()) {
                 const std::size_t before = findings_.size();
                 read_layers();
+                check_rest();
                 if (findings_.size() == before) walk_hdf5();
             }
         } catch (const EnoughFindings&) {
@@ -105,7 +54,7 @@ class Walk {
  private:
     void add(const model::Code& code, std::string message, std::string place,
              std::optional<double> measured = std::nullopt, std::optional<double> limit = std::nullopt) {
-        if (keeps_layers_) throw model::Error(code, std::move(message), std::move(place));
+        if (throws_) throw model::Error(code, std::move(message), std::move(place));
         findings_.push_back({&code, Severity::kError, std::move(message), std::move(place), measured, limit});
         if (findings_.size() >= kMaxFindings) throw EnoughFindings();
     }
@@ -175,7 +124,17 @@ class Walk {
             return false;
         }
         index_ = decode_records(records, header_.chart_count, header_.layer_count);
-        return true;
+        const std::uint64_t used = sizeof header_ + (in_block ? bytes : 0);
+        const std::vector<std::byte> tail = raw_.read(used, layout::kUserBlockBytes - used);
+        const auto stray = std::find_if(tail.begin(), tail.end(), [](std::byte b) { return b != std::byte{0}; });
+        if (stray != tail.end())
+            add(codes::kBadIndex, "the user block holds bytes behind the index that are not 0",
+                "user block byte " + std::to_string(used + static_cast<std::uint64_t>(stray - tail.begin())));
+        for (std::size_t k = 0; k < index_.charts.size(); ++k)
+            if (std::any_of(std::begin(index_.charts[k].reserved), std::end(index_.charts[k].reserved),
+                            [](std::uint8_t b) { return b != 0; }))
+                add(codes::kBadIndex, "reserved bytes of the chart's record are not 0", h5_place(k));
+        return stray == tail.end();
     }
 
     bool check_charts() {
@@ -214,7 +173,10 @@ class Walk {
         std::sort(places.begin(), places.end());
         for (std::size_t k = 0; k + 1 < places.size() && findings_.size() == before; ++k)
             if (index_.layers[places[k].second].bytes > places[k + 1].first - places[k].first)
-                add(codes::kBadIndex, "two layers share bytes at " + std::to_string(places[k + 1].first), "user block");
+                add(codes::kLayersOverlap,
+                    "shares bytes with " + layer_place(places[k].second) + " from byte " +
+                        std::to_string(places[k + 1].first) + " on",
+                    layer_place(places[k + 1].second));
         return findings_.size() == before;
     }
 
@@ -234,16 +196,46 @@ class Walk {
             return;
         }
         if (layer.bytes > limits_.max_layer_bytes) add(codes::kBadIndex, "the layer is too large for this tool", place);
-        if (layer.offset < layout::kUserBlockBytes || layer.offset % layout::kMinAlignment != 0)
-            add(codes::kBadIndex, "offset " + std::to_string(layer.offset) + " is not aligned or inside the user block",
-                place);
+        if (layer.offset % layout::kMinAlignment != 0)
+            add(codes::kBadAlignment, "the layer starts at byte " + std::to_string(layer.offset), place,
+                static_cast<double>(layer.offset % layout::kMinAlignment), 0);
+        if (layer.offset < layout::kUserBlockBytes)
+            add(codes::kBadIndex, "the layer starts inside the user block", place, static_cast<double>(layer.offset),
+                static_cast<double>(layout::kUserBlockBytes));
         if (!raw_.contains(layer.offset, layer.bytes))
             add(codes::kTruncated, "the layer ends beyond the file", place, static_cast<double>(layer.offset),
                 static_cast<double>(raw_.size()));
         if (const std::string complaint = shape_complaint(index_.charts[chart], name, type, shape); !complaint.empty())
             add(codes::kBadLayerShape, complaint, place);
         if ((layer.flags & layout::kLayerRequired) != 0 && !name.empty() && !is_known_layer(name))
-            add(codes::kBadVersion, "the file needs a layer that this tool does not know", place);
+            add(codes::kUnknownLayer, "the layer is marked as required", place);
+    }
+
+    [[nodiscard]] std::string layer_place(std::size_t number) const {
+        const LayerRecord& layer = index_.layers[number];
+        return h5_place(layer.chart, field_text(layer.name).value_or("layer " + std::to_string(number)));
+    }
+
+    /// Damage to HDF5's own structures is found here, before HDF5 sees them. Files of other writers may lack the hash.
+    void check_rest() {
+        if (std::all_of(std::begin(header_.rest_hash), std::end(header_.rest_hash), [](auto b) { return b == 0; }))
+            return;
+        constexpr std::uint64_t kBlock = std::uint64_t{1} << 20, kMost = std::uint64_t{1} << 30;
+        const auto ranges = ranges_beside_layers(index_, raw_.size());
+        std::uint64_t bytes = 0;
+        for (const auto& [begin, end] : ranges) bytes += end - begin;
+        if (bytes > kMost) {  // a sparse file may claim terabytes that no one wrote
+            add(codes::kBadIndex, "the file is mostly not layers", "/", static_cast<double>(bytes),
+                static_cast<double>(kMost));
+            return;
+        }
+        Hasher hasher;
+        for (auto [begin, end] : ranges)
+            for (; begin < end; begin += std::min(kBlock, end - begin))
+                hasher.add(raw_.read(begin, std::min(kBlock, end - begin)));
+        const Hash128 hash = hasher.result();
+        if (!std::equal(hash.begin(), hash.end(), header_.rest_hash))
+            add(codes::kHashMismatch, "HDF5's own structures, or the report, differ from their hash", "/");
     }
 
     void read_layers() {
@@ -294,7 +286,7 @@ class Walk {
             for (std::size_t k = 0; k < index_.charts.size(); ++k) check_chart(charts, k);
             read_report(file);
         } catch (const model::Error& error) {
-            if (keeps_layers_) throw;
+            if (throws_) throw;
             add(error.code(), error.what(), error.place());
         }
     }
@@ -306,22 +298,39 @@ class Walk {
         if (H5Lexists(parent, name.c_str(), H5P_DEFAULT) <= 0 ||
             H5Lget_info(parent, name.c_str(), &link, H5P_DEFAULT) < 0)
             check.fail("find it");
-        if (link.type != H5L_TYPE_HARD) throw model::Error(codes::kBadIndex, "a soft or external link", place);
+        if (link.type != H5L_TYPE_HARD) throw model::Error(codes::kForeignStorage, "a soft or external link", place);
         H5Handle object = check.handle(H5Oopen(parent, name.c_str(), H5P_DEFAULT), "open it");
-        if (H5Iget_type(object) != kind) throw model::Error(codes::kBadIndex, "an object of another kind", place);
+        if (H5Iget_type(object) != kind) throw model::Error(codes::kIndexDiffers, "an object of another kind", place);
         return object;
     }
 
     void count_links(hid_t group, std::size_t expected, const std::string& place) {
         H5G_info_t info;
         if (H5Gget_info(group, &info) < 0 || info.nlinks != expected)
-            add(codes::kBadIndex, "the group holds objects that the index does not know", place,
+            add(codes::kUnknownObject, "the group does not hold what the index lists, and that alone", place,
                 static_cast<double>(info.nlinks), static_cast<double>(expected));
+    }
+
+    void count_attributes(hid_t object, hsize_t expected, const std::string& place) {
+        H5O_info_t info;
+        if (H5Oget_info2(object, &info, H5O_INFO_NUM_ATTRS) < 0)
+            H5Check{codes::kHdf5Unreadable, place}.fail("count its attributes");
+        if (info.num_attrs != expected)
+            add(codes::kUnknownObject, "not the attributes of the format, and those alone", place,
+                static_cast<double>(info.num_attrs), static_cast<double>(expected));
+    }
+
+    void check_times(hid_t object, const std::string& place) {
+        H5O_info_t info;
+        if (H5Oget_info2(object, &info, H5O_INFO_TIME) < 0)
+            H5Check{codes::kHdf5Unreadable, place}.fail("read its times");
+        if (info.atime != 0 || info.mtime != 0 || info.ctime != 0 || info.btime != 0)
+            add(codes::kNotReproducible, "the object carries the time of its making", place);
     }
 
     template <class Value>
     Value expect(hid_t object, const char* name, const std::string& place) {
-        const H5Check check{codes::kHdf5Unreadable, place};
+        const H5Check check{codes::kBadAttribute, place};
         model::AttributeValue value = read_attribute(object, name, check);
         if (auto* typed = std::get_if<Value>(&value)) return std::move(*typed);
         check.fail((std::string("read attribute ") + name).c_str());
@@ -333,7 +342,7 @@ class Walk {
         const bool same =
             found.size() == wanted.size() &&
             (found.empty() || std::memcmp(found.data(), wanted.data(), found.size() * sizeof found[0]) == 0);
-        if (!same) add(codes::kBadIndex, std::string("attribute ") + name + " differs from the index", place);
+        if (!same) add(codes::kIndexDiffers, std::string("attribute ") + name + " differs from the index", place);
     }
 
     void check_root(hid_t file) {
@@ -346,6 +355,11 @@ class Walk {
         compare(file, "settings_hash", to_hex(settings), "/");
         string generator = expect<string>(file, "generator", "/"),
                source_name = expect<string>(file, "source_name", "/");
+        count_attributes(file, 5, "/");
+        count_links(file, header_.index_offset == sizeof header_ ? 2 : 3, "/");
+        check_times(file, "/");
+        if (source_name.find_first_of("/\\") != string::npos)
+            add(codes::kNotReproducible, "source_name holds a folder: " + source_name, "/");
         if (maps_ == nullptr) return;
         maps_->generator = std::move(generator);
         maps_->source_name = std::move(source_name);
@@ -361,6 +375,8 @@ class Walk {
         compare(group, "rows", std::vector{record.rows}, place);
         compare(group, "cols", std::vector{record.cols}, place);
         compare(group, "bbox", std::vector<double>(std::begin(record.bbox), std::end(record.bbox)), place);
+        count_attributes(group, 5, place);
+        check_times(group, place);
         count_links(group, record.layer_count, place);
         for (std::uint32_t k = 0; k < record.layer_count; ++k) check_dataset(group, number, k);
     }
@@ -375,24 +391,25 @@ class Walk {
         const H5Handle creation = check.handle(H5Dget_create_plist(set), "read its properties");
         if (H5Pget_layout(creation) != H5D_CONTIGUOUS || H5Pget_nfilters(creation) != 0 ||
             H5Pget_external_count(creation) != 0) {
-            add(codes::kBadIndex, "the dataset is chunked, filtered, virtual or stored outside the file", place);
+            add(codes::kForeignStorage, "the dataset is chunked, filtered, virtual or stored outside the file", place);
             return;
         }
+        check_times(set, place);
         const H5Handle space = check.handle(H5Dget_space(set), "read its shape");
         std::vector<hsize_t> extent(record.rank);
         const int rank = H5Sget_simple_extent_ndims(space);
         const bool same_shape = rank == static_cast<int>(record.rank) &&
                                 H5Sget_simple_extent_dims(space, extent.data(), nullptr) == rank &&
                                 std::equal(extent.begin(), extent.end(), record.shape);
-        if (!same_shape) add(codes::kBadIndex, "HDF5 and the index disagree on the shape", place);
+        if (!same_shape) add(codes::kIndexDiffers, "HDF5 and the index disagree on the shape", place);
         const H5Handle type = check.handle(H5Dget_type(set), "read its type");
         const H5Handle wanted = h5_element_type(static_cast<layout::ElementType>(record.type), check);
         if (H5Tequal(type, wanted) <= 0)
-            add(codes::kBadIndex, "HDF5 and the index disagree on the element type", place);
+            add(codes::kIndexDiffers, "HDF5 and the index disagree on the element type", place);
         if (record.bytes > 0) {
             const haddr_t offset = H5Dget_offset(set);
             if (offset != record.offset)
-                add(codes::kBadIndex,
+                add(codes::kIndexDiffers,
                     "HDF5 has the bytes at " + std::to_string(offset) + ", the index at " +
                         std::to_string(record.offset),
                     place, static_cast<double>(record.offset), static_cast<double>(offset));
@@ -431,7 +448,7 @@ class Walk {
             H5Sget_simple_extent_type(space) != H5S_SCALAR || H5Pget_layout(creation) != H5D_CONTIGUOUS ||
             H5Pget_nfilters(creation) != 0 || H5Pget_external_count(creation) != 0 || size == 0 ||
             size > kMaxReportBytes) {
-            add(codes::kBadIndex, "the report is not one text of fixed length", "/report");
+            add(codes::kForeignStorage, "the report is not one text of fixed length", "/report");
             return;
         }
         const haddr_t offset = H5Dget_offset(set);
@@ -449,7 +466,7 @@ class Walk {
 
     const fs::path& path_;
     const DgmReadLimits& limits_;
-    bool keeps_layers_;
+    bool throws_;
     RawFile raw_;
     FileHeader header_{};
     Index index_;
@@ -467,6 +484,10 @@ model::MapSet read_dgm(const fs::path& path, const DgmReadLimits& limits) {
 
 FileFindings check_container(const fs::path& path, const DgmReadLimits& limits) {
     return Walk(path, limits, false).run(nullptr);
+}
+
+FileFindings read_and_check(const fs::path& path, model::MapSet& maps, const DgmReadLimits& limits) {
+    return Walk(path, limits, false).run(&maps);
 }
 
 }  // namespace dgm::formats

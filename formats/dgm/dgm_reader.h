@@ -13,14 +13,14 @@
 
 namespace dgm::formats {
 
-enum class Severity { kError, kWarning };
+enum class Severity { kError, kWarning, kNote };
 
 /// One thing that is wrong with a file.
 struct Finding {
     const model::Code* code = nullptr;
     Severity severity = Severity::kError;
     std::string message;  ///< one line, with figures
-    std::string place;    ///< HDF5 path ("/charts/0/normal") or "user block", with the sample or byte where known
+    std::string place;    ///< HDF5 path ("/charts/0/normal[3][4]"), "user block", or FILE:LINE of a mesh
     std::optional<double> measured, limit;
 };
 using FileFindings = std::vector<Finding>;
@@ -35,12 +35,17 @@ struct DgmReadLimits {
 /// names. Sizes from the file are believed only after they fit the file's real length. External links, external storage
 /// and filters are refused, not followed.
 /// @throws model::Error with the code of the first finding of check_container; kFileMissing, kReadFailed
-/// Not thread-safe: the serial HDF5 library allows one thread at a time.
+/// Thread-safe; the part that HDF5 reads is done by one thread at a time.
 [[nodiscard]] model::MapSet read_dgm(const std::filesystem::path& path, const DgmReadLimits& limits = {});
 
 /// Everything that is wrong with the container, at most 100 findings; empty for a good file. Looks at structure and
 /// hashes, not at what the values mean.
 /// @throws model::Error kFileMissing, kReadFailed
 [[nodiscard]] FileFindings check_container(const std::filesystem::path& path, const DgmReadLimits& limits = {});
+
+/// Both at once, reading each byte once. `maps` is whole if nothing was found; else its content is unspecified.
+/// @throws model::Error kFileMissing, kReadFailed
+[[nodiscard]] FileFindings read_and_check(const std::filesystem::path& path, model::MapSet& maps,
+                                          const DgmReadLimits& limits = {});
 
 }  // namespace dgm::formats

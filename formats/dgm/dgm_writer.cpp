@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <set>
 #include <system_error>
@@ -224,7 +225,7 @@ void set_hash(std::uint8_t (&field)[N], const Hash128& hash) {
 
 /// The first bytes of the user block: header, and the records if they fit.
 std::vector<std::byte> user_block(const MapSet& maps, const std::vector<std::byte>& records, std::uint64_t index_offset,
-                                  std::size_t layer_count, std::uint64_t file_bytes) {
+                                  std::size_t layer_count, std::uint64_t file_bytes, const Hash128& rest_hash) {
     layout::FileHeader header{};
     std::memcpy(header.magic, layout::kMagic, sizeof header.magic);
     header.format_version = maps.format_version;
@@ -237,6 +238,7 @@ std::vector<std::byte> user_block(const MapSet& maps, const std::vector<std::byt
     set_hash(header.index_hash, hash_bytes(records));
     set_hash(header.source_hash, maps.source_hash);
     set_hash(header.settings_hash, maps.settings_hash);
+    set_hash(header.rest_hash, rest_hash);
     set_hash(header.header_hash,
              hash_bytes(std::as_bytes(std::span(&header, 1)).first(offsetof(layout::FileHeader, header_hash))));
     std::vector<std::byte> out(sizeof header);
@@ -248,6 +250,21 @@ std::vector<std::byte> user_block(const MapSet& maps, const std::vector<std::byt
 [[noreturn]] void fail(const char* action, const fs::path& path) {
     throw model::Error(codes::kWriteFailed, std::string(action) + ": " + std::generic_category().message(errno),
                        path.string());
+}
+
+/// Hash of what HDF5 has written around the layers.
+Hash128 hash_rest(const fs::path& path, const Index& index, std::uint64_t file_bytes) {
+    std::ifstream file(path, std::ios::binary);
+    Hasher hasher;
+    std::vector<char> block;
+    for (const auto& [begin, end] : ranges_beside_layers(index, file_bytes)) {
+        block.resize(end - begin);
+        file.seekg(static_cast<std::streamoff>(begin));
+        file.read(block.data(), static_cast<std::streamsize>(block.size()));
+        hasher.add(std::as_bytes(std::span(block)));
+    }
+    if (!file) throw model::Error(codes::kWriteFailed, "what was written cannot be read back", path.string());
+    return hasher.result();
 }
 
 void write_user_block(const fs::path& path, const std::vector<std::byte>& block) {
@@ -285,7 +302,8 @@ void write_file(const MapSet& maps, Index index, const fs::path& path) {
     std::error_code error;
     const std::uint64_t file_bytes = fs::file_size(path, error);
     if (error) throw model::Error(codes::kWriteFailed, error.message(), path.string());
-    write_user_block(path, user_block(maps, records, index_offset, index.layers.size(), file_bytes));
+    write_user_block(path, user_block(maps, records, index_offset, index.layers.size(), file_bytes,
+                                      hash_rest(path, index, file_bytes)));
     sync_file(path);
 }
 

@@ -25,14 +25,25 @@ Hash128 canonical(XXH128_hash_t hash) {
     return out;
 }
 
-struct StateDeleter {
-    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-};
-
 }  // namespace
 
 Hash128 hash_bytes(std::span<const std::byte> bytes) {
     return canonical(XXH3_128bits(bytes.data(), bytes.size()));
+}
+
+// XXH3_state_t asks for 64-byte alignment, which C++ gives to a member by itself.
+struct Hasher::State {
+    XXH3_state_t value;
+};
+Hasher::Hasher() : state_(std::make_unique<State>()) {
+    XXH3_128bits_reset(&state_->value);
+}
+Hasher::~Hasher() = default;
+void Hasher::add(std::span<const std::byte> bytes) {
+    XXH3_128bits_update(&state_->value, bytes.data(), bytes.size());
+}
+Hash128 Hasher::result() const {
+    return canonical(XXH3_128bits_digest(&state_->value));
 }
 
 Hash128 hash_file(const std::filesystem::path& path) {
@@ -43,16 +54,14 @@ Hash128 hash_file(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     if (!std::filesystem::is_regular_file(status) || !file)
         throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
-    const std::unique_ptr<XXH3_state_t, StateDeleter> state(XXH3_createState());
-    if (!state) throw std::bad_alloc();
-    XXH3_128bits_reset(state.get());
+    Hasher hasher;
     std::vector<char> block(std::size_t{1} << 20);
     while (file) {
         file.read(block.data(), static_cast<std::streamsize>(block.size()));
-        XXH3_128bits_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+        hasher.add(std::as_bytes(std::span(block)).first(static_cast<std::size_t>(file.gcount())));
     }
     if (!file.eof()) throw model::Error(codes::kReadFailed, "the file cannot be read to its end", path.string());
-    return canonical(XXH3_128bits_digest(state.get()));
+    return hasher.result();
 }
 
 std::string to_hex(const Hash128& hash) {

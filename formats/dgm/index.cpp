@@ -90,6 +90,21 @@ Index decode_records(std::span<const std::byte> bytes, std::uint32_t charts, std
     return out;
 }
 
+std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges_beside_layers(const Index& index,
+                                                                          std::uint64_t file_bytes) {
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> layers, out;
+    for (const layout::LayerRecord& layer : index.layers)
+        if (layer.bytes > 0) layers.emplace_back(layer.offset, layer.offset + layer.bytes);
+    std::sort(layers.begin(), layers.end());
+    std::uint64_t begin = layout::kUserBlockBytes;
+    for (const auto& [first, last] : layers) {
+        if (begin < first) out.emplace_back(begin, first);
+        begin = last;
+    }
+    if (begin < file_bytes) out.emplace_back(begin, file_bytes);
+    return out;
+}
+
 std::optional<std::string> field_text(std::span<const char> field) {
     const auto end = std::find(field.begin(), field.end(), '\0');
     if (!std::all_of(end, field.end(), [](char c) { return c == '\0'; })) return std::nullopt;

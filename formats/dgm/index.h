@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <dgm/layout.h>
@@ -29,6 +30,11 @@ struct Index {
 [[nodiscard]] std::vector<std::byte> encode_records(const Index& index);
 /// `bytes` must be index_bytes(charts, layers) long.
 [[nodiscard]] Index decode_records(std::span<const std::byte> bytes, std::uint32_t charts, std::uint32_t layers);
+
+/// What of the file no layer holds, from the end of the user block on: [begin, end) pairs, ascending. HDF5's own
+/// structures, the report, and gaps. Layers must lie in the file and share no bytes.
+[[nodiscard]] std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges_beside_layers(const Index& index,
+                                                                                        std::uint64_t file_bytes);
 
 /// Text of a zero-padded field; nothing unless it is 1 or more letters, digits, '_', '-' or '.' and then zeros alone.
 [[nodiscard]] std::optional<std::string> field_text(std::span<const char> field);

@@ -17,6 +17,7 @@
 #include <map>
 #include <system_error>
 
+#include "exr/exr_hash.h"
 #include "exr/exr_layout.h"
 #include "model/codes.h"
 
@@ -57,13 +58,31 @@ class Reader {
             const auto part = chart_parts.find(static_cast<int>(k));
             if (part == chart_parts.end()) refuse("chart " + std::to_string(k) + " is missing");
             read_chart(k, part->second);
+            check_hashes(k, file_.header(part->second));
         }
+        const auto* header_hash = file_.header(0).findTypedAttribute<Imf::StringAttribute>("dgmHeaderHash");
+        if (header_hash != nullptr && header_hash->value() != exr_header_hash(maps_))
+            throw model::Error(codes::kHashMismatch, "header attributes differ from their hash", "/");
         return std::move(maps_);
     }
 
  private:
     [[noreturn]] void refuse(const std::string& message) const {
         throw model::Error(codes::kExrUnreadable, message, path_.string());
+    }
+
+    [[noreturn]] void miss(const std::string& message) const {
+        throw model::Error(codes::kMissingChannel, message, path_.string());
+    }
+
+    /// Files that other programs saved again may have lost the hashes; where they are, they hold.
+    void check_hashes(std::size_t number, const Imf::Header& header) const {
+        for (const Layer& layer : maps_.charts[number].layers) {
+            const auto* hash = header.findTypedAttribute<Imf::StringAttribute>("dgmHash." + layer.name);
+            if (hash != nullptr && hash->value() != exr_layer_hash(layer))
+                throw model::Error(codes::kHashMismatch, "the layer's values differ from their hash",
+                                   "/charts/" + std::to_string(number) + "/" + layer.name);
+        }
     }
 
     void check_part(int number) const {
@@ -192,7 +211,7 @@ class Reader {
     void read_part(const std::string& name, const std::vector<Layer*>& layers, bool in_grid) {
         // A file of one part carries no part name when other programs have saved it again.
         const auto found = parts_by_name_.find(name);
-        if (found == parts_by_name_.end() && file_.parts() != 1) refuse("no part " + name);
+        if (found == parts_by_name_.end() && file_.parts() != 1) miss("no part " + name);
         const int number = found == parts_by_name_.end() ? 0 : found->second;
         const Imf::Header& header = file_.header(number);
         const Imath::Box2i window = header.dataWindow();
@@ -210,7 +229,7 @@ class Reader {
         std::vector<Target> targets;
         for (std::size_t k = 0; k < layers.size(); ++k) {
             if (static_cast<int>(images[k].width) != width || static_cast<int>(images[k].height) != height)
-                refuse("part " + name + " and layer " + layers[k]->name + " differ in size");
+                miss("part " + name + " and layer " + layers[k]->name + " differ in size");
             for (const Channel& channel : images[k].channels) {
                 if (!channel.is_read()) continue;
                 const Imf::Channel* stored = header.channels().findChannel(channel.name);
@@ -218,7 +237,7 @@ class Reader {
                 const bool is_light = channel.coding == Coding::kSrgb || channel.coding == Coding::kUnit;
                 if (stored == nullptr || stored->xSampling != 1 || stored->ySampling != 1 ||
                     (stored->type != channel.type && !(is_light && stored->type == Imf::FLOAT)))
-                    refuse("channel " + channel.name + " is missing or of another type");
+                    miss("channel " + channel.name + " is missing or of another type");
                 targets.push_back({layers[k], images[k], &channel, {}});
             }
         }

@@ -16,7 +16,8 @@ struct ExrReadLimits {
 };
 
 /// Reads a file that write_exr wrote. Thread-safe.
-/// @throws model::Error kFileMissing, kReadFailed, kExrUnreadable (not an EXR, not one of ours, damaged, or too large)
+/// @throws model::Error kFileMissing, kReadFailed, kExrUnreadable (not an EXR, not one of ours, damaged, or too large),
+/// kMissingChannel, kHashMismatch (place is the layer's path, or "/"), kBadVersion
 [[nodiscard]] model::MapSet read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
 
 }  // namespace dgm::formats

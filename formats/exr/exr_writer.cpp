@@ -22,6 +22,7 @@
 #include <set>
 #include <system_error>
 
+#include "exr/exr_hash.h"
 #include "exr/exr_layout.h"
 #include "model/codes.h"
 #include "model/octahedral.h"
@@ -185,12 +186,14 @@ class Planner {
         std::string manifest;
         for (const LayerEntry& entry : entries) manifest += manifest_line(entry) + "\n";
         insert_text(header, "dgmLayers", manifest);
-        for (const Layer& layer : chart.layers)
+        for (const Layer& layer : chart.layers) {
+            insert_text(header, "dgmHash." + layer.name, exr_layer_hash(layer));
             for (const auto& [name, value] : layer.attributes) {
                 if (name.empty() || name.size() > 100 || name.find('\0') != std::string::npos)
                     refuse("an attribute's name is empty, too long or holds a zero byte", layer.name);
                 insert_text(header, "dgmAttribute." + layer.name + "/" + name, attribute_text(value));
             }
+        }
     }
 
     void describe_set(Imf::Header& header) const {
@@ -201,6 +204,7 @@ class Planner {
         insert_text(header, "dgmSourceHash", hex_of(maps_.source_hash));
         insert_text(header, "dgmSettingsHash", hex_of(maps_.settings_hash));
         insert_text(header, "dgmReport", maps_.report_json);
+        insert_text(header, "dgmHeaderHash", exr_header_hash(maps_));
     }
 
     static void finish(Part& part) {

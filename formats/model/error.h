@@ -50,8 +50,9 @@ struct Code {
     int number;        ///< 1003
     const char* name;  ///< "HASH_MISMATCH"
     ExitCode exit;
-    const char* title;  ///< one line, no trailing stop
+    const char* title;  ///< what is wrong: one line, no trailing stop
     const char* hint;   ///< what to do about it
+    const char* why;    ///< why it matters
     /// "DGM1003"
     [[nodiscard]] std::string id() const { return "DGM" + std::to_string(number); }
 };

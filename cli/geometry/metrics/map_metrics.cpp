@@ -97,6 +97,20 @@ struct EdgeUse {
     [[nodiscard]] bool same_edge(const EdgeUse& o) const { return low == o.low && high == o.high; }
 };
 
+/// Sorts by the operator above: by `low` through counting, since there are few uses of each.
+void sort_uses(std::vector<EdgeUse>& uses, std::size_t vertex_count) {
+    std::vector<std::size_t> next(vertex_count + 1, 0);
+    for (const EdgeUse& use : uses) ++next[use.low + 1];
+    for (std::size_t v = 0; v < vertex_count; ++v) next[v + 1] += next[v];
+    std::vector<EdgeUse> sorted(uses.size());
+    for (const EdgeUse& use : uses) sorted[next[use.low]++] = use;
+    // next[v] is now the end of the uses of v.
+    for (std::size_t v = 0, first = 0; v < vertex_count; first = next[v++])
+        std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(first),
+                  sorted.begin() + static_cast<std::ptrdiff_t>(next[v]));
+    uses = std::move(sorted);
+}
+
 std::uint64_t next_in_face(std::uint64_t corner) {
     return corner - corner % 3 + (corner % 3 + 1) % 3;
 }
@@ -194,7 +208,7 @@ Topology measure_topology(std::size_t vertex_count, std::span<const Face> faces)
         components.join(face[0], face[1]);
         components.join(face[0], face[2]);
     }
-    std::sort(uses.begin(), uses.end());
+    sort_uses(uses, vertex_count);
 
     // A fan is a class of face corners at one vertex, joined across edges with exactly two faces.
     UnionFind fans(3 * faces.size());

@@ -115,7 +115,7 @@ std::vector<std::uint32_t> weld_table(const Layer* seams, std::size_t vertices) 
 }
 }  // namespace
 
-Reconstruction reconstruct(const Chart& chart) {
+Reconstruction reconstruct(const Chart& chart, Corners fill) {
     const Layer* geometry = chart.find("geometry");
     if (geometry == nullptr) throw model::Error(model::codes::kMissingLayer, "the chart has no geometry", "geometry");
     const std::uint64_t m = chart.rows, n = chart.cols;
@@ -144,6 +144,7 @@ Reconstruction reconstruct(const Chart& chart) {
     Reconstruction out;
     model::TriMesh& mesh = out.mesh;
     mesh.positions.reserve(grid + extra);
+    mesh.faces.reserve(2 * (m - 1) * (n - 1) + (border_faces == nullptr ? 0 : border_faces->shape[0]));
     append_positions(*geometry, chart, mesh.positions);
     if (border != nullptr) append_positions(*border, chart, mesh.positions);
 
@@ -176,14 +177,15 @@ Reconstruction reconstruct(const Chart& chart) {
         for (const Face& f : mesh.faces)
             for (const std::uint32_t v : f) corners.push_back(samples[v]);
     };
-    if (normal != nullptr && (extra == 0 || border_normal != nullptr)) {
+    const bool all = fill == Corners::kFill;
+    if (all && normal != nullptr && (extra == 0 || border_normal != nullptr)) {
         std::vector<Vec3d> normals;
         normals.reserve(grid + extra);
         append_normals(*normal, grid, normals);
         if (border_normal != nullptr) append_normals(*border_normal, extra, normals);
         fill_corners(mesh.corner_normals, normals);
     }
-    if (extra == 0 || border_uv != nullptr) {
+    if (all && (extra == 0 || border_uv != nullptr)) {
         std::vector<Vec2d> uvs;
         uvs.reserve(grid + extra);
         for (std::size_t i = 0; i < m; ++i)

@@ -14,11 +14,15 @@ struct Reconstruction {
     double seam_gap = 0;                    ///< largest distance between copies of a class; must be exactly 0
 };
 
+/// What of the corners to fill in: positions and faces alone are had in a third of the time.
+enum class Corners { kFill, kSkip };
+
 /// Vertices are grid samples (i*n+j), then border samples (m*n+b). Faces are the quads' triangles (split by
 /// `diagonals`, quads with an unmasked corner left out), then `border_faces`. Samples off the surface are dropped from
-/// faces, not renumbered. corner_normals are filled if the layer `normal` is there, corner_uvs with the chart's (v, u).
+/// faces, not renumbered. with Corners::kFill, corner_normals are filled if the layer `normal` is there, corner_uvs with
+/// the chart's (v, u).
 /// @throws model::Error kMissingLayer without geometry, kBadLayerShape, kBadValue (a border face beyond the samples),
 /// kBadSeamTable; place is the layer's name
-[[nodiscard]] Reconstruction reconstruct(const model::Chart& chart);
+[[nodiscard]] Reconstruction reconstruct(const model::Chart& chart, Corners fill = Corners::kFill);
 
 }  // namespace dgm::bake

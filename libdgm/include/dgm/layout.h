@@ -48,7 +48,7 @@ struct FileHeader {                // 128 bytes at offset 0
     std::uint8_t index_hash[16];        // XXH3-128 of the records, canonical (big-endian) byte order of xxHash
     std::uint8_t source_hash[16];       // XXH3-128 of the source mesh file
     std::uint8_t settings_hash[16];     // XXH3-128 of the bake settings
-    std::uint8_t reserved[16];          // 0
+    std::uint8_t rest_hash[16];         // XXH3-128 of the file from byte 4096 on without the layers; all 0: not given
     std::uint8_t header_hash[16];       // XXH3-128 of the 112 bytes before it
 };
 static_assert(sizeof(FileHeader) == 128);

@@ -136,7 +136,7 @@ const std::vector<Breakage> kValueBreakages{
          set<std::uint32_t>(1, "border_faces", 4, 5)(m);
          set<std::uint32_t>(1, "border_faces", 5, 9)(m);
      },
-     {"DGM2006 /charts/1/geometry"}},
+     {"DGM2006 /charts/1/geometry", "[DGM2013 /charts/1/border_faces[1]]"}},
     {"box_too_small", set<float>(0, "collision", 6 * 2 + 5, 0.5f), {"DGM2008 /charts/0/collision[2]"}},
     {"root_too_small", set<float>(0, "collision", 6 * 4, -0.25f), {"DGM2008 /charts/0/collision[4]"}},
     {"wrong_levels",
@@ -159,6 +159,30 @@ const std::vector<Breakage> kValueBreakages{
     {"report_charts", replace_in_report(R"("charts")", R"("karts")"), {"DGM2011 /report charts"}},
     {"report_garbage", [](MapSet& m) { m.report_json = "{\"charts\":["; }, {"DGM2011 /report"}},
     {"report_types", replace_in_report(R"("rms":0.001)", R"("rms":[{}])"), {}},
+    {"report_nested",
+     [](MapSet& m) { m.report_json.insert(1, "\"x\":" + std::string(200'000, '[') + std::string(200'000, ']') + ","); },
+     {}},
+    {"report_rms_above_hausdorff",
+     replace_in_report(R"("rms":0.001)", R"("rms":0.003)"),
+     {"DGM2011 /report error.rms"}},
+    {"report_percent",
+     replace_in_report(R"("rms":0.001)", R"("rms_percent":0.5,"rms":0.001)"),
+     {"DGM2011 /report error.rms_percent"}},
+    {"report_utilisation",
+     replace_in_report(R"("rows":3)", R"("utilisation":1,"rows":3)"),
+     {"DGM2011 /report charts[1].utilisation"}},
+    {"report_seam_pairs",
+     replace_in_report(R"("rows":12)", R"("seam_pairs":11,"rows":12)"),
+     {"DGM2011 /report charts[0].seam_pairs"}},
+    {"report_stretch",
+     replace_in_report(R"("rows":12)", R"("map":{"stretch_l2":0.5},"rows":12)"),
+     {"DGM2011 /report charts[0].map.stretch_l2"}},
+    {"report_source_topology",
+     replace_in_report(R"("rows":12)", R"("source_topology":{"genus":1},"rows":12)"),
+     {"DGM4005 /report charts[0].source_topology.genus"}},
+    {"report_folder",
+     replace_in_report(R"("rows":12)", R"("note":"see /home/me/x.png","rows":12)"),
+     {"[DGM1015 /report charts[0].note]"}},
     {"no_report", [](MapSet& m) { m.report_json.clear(); }, {"[DGM2011 /report]"}},
     {"seam_normals",
      set<std::int16_t>(0, "normal", 2 * (4 * n + 10), std::int16_t{32000}),
@@ -207,7 +231,7 @@ const std::vector<Breakage> kShapeBreakages{
          m.charts[0].layers.push_back(test::make_layer<std::uint8_t>("moss", ElementType::kU8, {3}, {1, 2, 3}));
          m.charts[0].layers.back().required = true;
      },
-     {"DGM1002 /charts/0/moss"}},
+     {"DGM1012 /charts/0/moss"}},
     {"no_charts",
      [](MapSet& m) {
          m.charts.clear();
