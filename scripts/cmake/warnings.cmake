@@ -12,3 +12,7 @@ if(DGM_SANITIZE)
   target_compile_options(dgm_options INTERFACE -fsanitize=${DGM_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(dgm_options INTERFACE -fsanitize=${DGM_SANITIZE})
 endif()
+if(DGM_FUZZ)
+  # Everything of ours counts its branches, so that the fuzzers see what a mutation reaches.
+  target_compile_options(dgm_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()

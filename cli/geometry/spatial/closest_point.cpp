@@ -144,8 +144,11 @@ bool plane_is_farther(const Triangle& tri, const Vec3d& p, double squared) {
            tri.normal_squared > 0;
 }
 
+struct Piece;
+
 struct Search {
     const Triangle* triangles = nullptr;
+    const Piece* pieces = nullptr;
     Vec3d point;       // normalised frame
     double reach = 0;  // largest coordinate of point, at least 1: what the float slack is relative to
     Nearest nearest;
@@ -175,22 +178,71 @@ struct Search {
     }
 };
 
+/// The part of a triangle between two shares of its longest edge, seen at right angles to it: what the hierarchy holds.
+/// A box around a whole needle is nearly empty, and where 10 000 of them meet a query would have to look at each.
+struct Piece {
+    std::uint32_t triangle = 0;
+    float from = 0, to = 1;
+};
+constexpr double kNeedle = 32;      ///< length over height of a triangle that is taken to pieces
+constexpr double kPieceLength = 8;  ///< of a piece, in heights
+constexpr int kMaxPieces = 16;
+
+/// The triangle's corners from the longest edge's start on.
+std::array<Vec3d, 3> from_longest_edge(const Triangle& tri) {
+    const double ab = length(tri.b - tri.a), bc = length(tri.c - tri.b), ca = length(tri.a - tri.c);
+    if (ab >= bc && ab >= ca) return {tri.a, tri.b, tri.c};
+    if (bc >= ca) return {tri.b, tri.c, tri.a};
+    return {tri.c, tri.a, tri.b};
+}
+
+/// How many pieces a triangle is held in.
+int piece_count(const Triangle& tri) {
+    const auto [p, q, r] = from_longest_edge(tri);
+    const double edge = length(q - p);
+    const double height = edge > 0 ? length(cross(q - p, r - p)) / edge : 0;
+    if (!(edge > kNeedle * height)) return 1;
+    return static_cast<int>(std::min<double>(kMaxPieces, std::ceil(edge / (kPieceLength * height))));
+}
+
+/// What the scene's functions see.
+struct Held {
+    const Triangle* triangles;
+    const Piece* pieces;
+};
+
 bool on_candidate(RTCPointQueryFunctionArguments* args) {
     auto& search = *static_cast<Search*>(args->userPtr);
-    if (!search.visit(args->primID)) return false;
+    if (!search.visit(search.pieces[args->primID].triangle)) return false;
     args->query->radius = std::min(args->query->radius, search.radius());
     return true;
 }
 
 void on_bounds(const RTCBoundsFunctionArguments* args) {
-    const Triangle& tri = static_cast<const Triangle*>(args->geometryUserPtr)[args->primID];
-    RTCBounds& box = *args->bounds_o;
-    box.lower_x = round_down(std::min({tri.a.x, tri.b.x, tri.c.x}));
-    box.lower_y = round_down(std::min({tri.a.y, tri.b.y, tri.c.y}));
-    box.lower_z = round_down(std::min({tri.a.z, tri.b.z, tri.c.z}));
-    box.upper_x = round_up(std::max({tri.a.x, tri.b.x, tri.c.x}));
-    box.upper_y = round_up(std::max({tri.a.y, tri.b.y, tri.c.y}));
-    box.upper_z = round_up(std::max({tri.a.z, tri.b.z, tri.c.z}));
+    const Held& held = *static_cast<const Held*>(args->geometryUserPtr);
+    const Piece& piece = held.pieces[args->primID];
+    const std::array<Vec3d, 3> from_edge = from_longest_edge(held.triangles[piece.triangle]);
+    const Vec3d &p = from_edge[0], &q = from_edge[1], &r = from_edge[2];
+    std::array<Vec3d, 5> corners{p, q, r, r, r};
+    if (piece.from > 0 || piece.to < 1) {
+        const Vec3d edge = q - p;
+        const double apex = std::clamp(dot(r - p, edge) / dot(edge, edge), 0.0, 1.0);
+        // Across from the share t of the longest edge, on the other two.
+        const auto across = [&](double t) {
+            return t < apex ? p + (r - p) * (t / apex) : t < 1 ? r + (q - r) * ((t - apex) / (1 - apex)) : q;
+        };
+        corners = {p + edge * piece.from, p + edge * piece.to, across(piece.from), across(piece.to),
+                   p + edge * piece.to};
+        if (piece.from < apex && apex < piece.to) corners[4] = r;
+    }
+    Vec3d low = corners[0], high = corners[0];
+    for (const Vec3d& corner : corners)
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], corner[k]);
+            high[k] = std::max(high[k], corner[k]);
+        }
+    *args->bounds_o = {round_down(low.x), round_down(low.y), round_down(low.z), 0,
+                       round_up(high.x),  round_up(high.y),  round_up(high.z),  0};
 }
 
 /// One device a process, until the process ends. Builds use the caller's TBB arena: "threads=1" would limit TBB for the
@@ -207,6 +259,8 @@ RTCDevice device() {
 struct ClosestPointIndex::Impl {
     std::vector<Triangle> triangles;
     std::vector<Vec3d> unit_normals;
+    std::vector<Piece> pieces;
+    Held held{};
     std::vector<std::uint32_t> triangle_of_face;  // kNone for faces left out
     Vec3d centre;
     double to_unit = 1, from_unit = 1;
@@ -281,13 +335,20 @@ struct ClosestPointIndex::Impl {
     }
 
     void build() {
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            const int count = piece_count(triangles[t]);
+            for (int k = 0; k < count; ++k)
+                pieces.push_back({t, static_cast<float>(k) / static_cast<float>(count),
+                                  static_cast<float>(k + 1) / static_cast<float>(count)});
+        }
+        held = {triangles.data(), pieces.data()};
         RTCDevice embree = device();
         scene = rtcNewScene(embree);
         rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
         rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
         RTCGeometry geometry = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_USER);
-        rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles.size()));
-        rtcSetGeometryUserData(geometry, triangles.data());
+        rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(pieces.size()));
+        rtcSetGeometryUserData(geometry, &held);
         rtcSetGeometryBoundsFunction(geometry, on_bounds, nullptr);
         rtcSetGeometryPointQueryFunction(geometry, on_candidate);
         rtcCommitGeometry(geometry);
@@ -303,6 +364,7 @@ struct ClosestPointIndex::Impl {
     [[nodiscard]] ClosestPoint run(Search& search, const Vec3d& p, std::uint32_t hint) const {
         search.point = normalise(p);
         search.triangles = triangles.data();
+        search.pieces = pieces.data();
         if (triangles.empty() || !is_finite(search.point)) return {};
         search.reach = std::max({std::abs(search.point.x), std::abs(search.point.y), std::abs(search.point.z), 1.0});
         if (hint < triangle_of_face.size() && triangle_of_face[hint] != kNone) search.visit(triangle_of_face[hint]);

@@ -3,7 +3,10 @@
 // The caller's allocator: asked for everything, given everything back, and allowed to say no at any time.
 #include <gtest/gtest.h>
 
+#include <dgm/contact.h>
 #include <dgm/deform.h>
+#include <dgm/dgm.h>
+#include <dgm/snapshot.h>
 #include <dgm/validate.h>
 
 #include <cstdlib>
@@ -49,8 +52,45 @@ Error use_all(const Bytes& bytes, const Allocator& allocator) {
     options.allocator = allocator;
     auto state = State::create(chart, options);
     if (!state) return state.error();
+    auto solver = ContactSolver::create(state.value(), allocator);
+    if (!solver) return solver.error();
+    SnapshotOptions snapshot;
+    snapshot.allocator = allocator;
+    auto snapshots = Snapshots::create(state.value(), snapshot);
+    if (!snapshots) return snapshots.error();
     auto table = DeformTable::create({}, allocator);
     return table ? Error{} : table.error();
+}
+
+/// The same through the C interface. On an error no handle may be left in the caller's variable.
+dgm_code use_all_in_c(const Bytes& bytes, const dgm_allocator& allocator) {
+    dgm_asset* asset = nullptr;
+    dgm_state* state = nullptr;
+    dgm_table* table = nullptr;
+    dgm_contact_solver* solver = nullptr;
+    dgm_snapshots* snapshots = nullptr;
+    dgm_error error{};
+    error.struct_size = sizeof error;
+    dgm_kernel_options kernel{};
+    kernel.struct_size = sizeof kernel;
+    kernel.sigma = 16;
+    kernel.reach = 11;
+    dgm_code code = dgm_asset_open_memory(bytes.data(), bytes.size(), nullptr, &allocator, &asset, &error);
+    if (code == DGM_OK) code = dgm_chart_validate(asset, 0, &allocator, &error);
+    if (code == DGM_OK) code = dgm_state_create(asset, 0, nullptr, &allocator, &state, &error);
+    if (code == DGM_OK) code = dgm_table_create(&kernel, &allocator, &table, &error);
+    if (code == DGM_OK) code = dgm_contact_solver_create(state, &allocator, &solver, &error);
+    if (code == DGM_OK) code = dgm_snapshots_create(state, nullptr, &allocator, &snapshots, &error);
+    EXPECT_EQ(error.code, static_cast<std::uint32_t>(code));
+    EXPECT_EQ(snapshots != nullptr, code == DGM_OK);
+    EXPECT_FALSE(asset == nullptr && state != nullptr);
+    EXPECT_FALSE(state == nullptr && (table != nullptr || solver != nullptr));
+    dgm_snapshots_destroy(snapshots);
+    dgm_contact_solver_destroy(solver);
+    dgm_table_destroy(table);
+    dgm_state_destroy(state);
+    dgm_asset_close(asset);
+    return code;
 }
 
 TEST(Memory, EveryFailedAllocationIsOutOfMemoryAndLeavesNothing) {
@@ -64,6 +104,30 @@ TEST(Memory, EveryFailedAllocationIsOutOfMemoryAndLeavesNothing) {
         Counting some;
         some.allowed = allowed;
         EXPECT_EQ(use_all(bytes, some.allocator()).code, ErrorCode::OutOfMemory) << allowed;
+        EXPECT_TRUE(some.live.empty()) << allowed;
+        EXPECT_FALSE(some.mismatch);
+    }
+}
+
+TEST(Memory, EveryFailedAllocationOfTheCInterfaceIsOutOfMemory) {
+    const Bytes bytes = build({free_chart(12, 10, sheet, {{121, 125}, {122, 126}})}).bytes;
+    const auto in_c = [](Counting& counting) {
+        const Allocator same = counting.allocator();
+        dgm_allocator out{};
+        out.struct_size = sizeof out;
+        out.user = same.user;
+        out.allocate = same.allocate;
+        out.release = same.release;
+        return out;
+    };
+    Counting all;
+    ASSERT_EQ(use_all_in_c(bytes, in_c(all)), DGM_OK);
+    EXPECT_TRUE(all.live.empty());
+    ASSERT_GT(all.calls, 25);
+    for (int allowed = 0; allowed < all.calls; ++allowed) {
+        Counting some;
+        some.allowed = allowed;
+        EXPECT_EQ(use_all_in_c(bytes, in_c(some)), DGM_OUT_OF_MEMORY) << allowed;
         EXPECT_TRUE(some.live.empty()) << allowed;
         EXPECT_FALSE(some.mismatch);
     }

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hard cases: each is baked to a file that dgm-validate passes against its source, or refused with the right code.
+
+PSNR floors are 65 x 65 samples' figures with a margin of some dB for another compiler or maths library; they say what
+"bakes well" means for the kind. Kinds without a floor are only asked to be valid.
+"""
+import json
+import math
+import re
+import unittest
+
+import hard_meshes as hard
+import meshes
+import support
+
+NAN, INF = math.nan, math.inf
+NO_FACES, NON_ORIENTABLE, IMPORT_FAILED, SCALE = "DGM3001", "DGM3002", "DGM3005", "DGM3008"
+ANY = (NO_FACES, IMPORT_FAILED)
+
+# name: (mesh, least PSNR in dB or None, genus and number of borders of the whole or None)
+BAKED = {
+    "slivers": (lambda: hard.slivers(), 85, (0, 1)),
+    "zero_area_faces": (lambda: hard.with_values(meshes.sheet(12), {40: (0.5, 0.5, 0.0), 41: (0.5, 0.5, 0.0)}), 75, None),
+    "offset_1e7": (lambda: hard.moved(meshes.icosphere(3), shift=(1e7, -2e7, 3e7)), 80, (0, 0)),
+    "tiny_1e-9": (lambda: hard.moved(meshes.torus(), scale=1e-9), 80, (1, 0)),
+    "huge_1e9": (lambda: hard.moved(meshes.torus(), scale=1e9), 80, (1, 0)),
+    "graded_disk": (lambda: hard.graded_disk(), 100, (0, 1)),
+    "finger": (lambda: hard.finger(), 80, (0, 1)),
+    "tube_1000_to_1": (lambda: hard.tube(), 75, (0, 2)),
+    "spikes": (lambda: hard.spiky_ball(), 55, (0, 0)),
+    "tree": (lambda: hard.tree(), 55, (0, 0)),
+    "fan_10000": (lambda: hard.fan(), 100, (0, 1)),
+    "bipyramid_2000": (lambda: hard.bipyramid(), 70, (0, 0)),
+    **{f"genus_{g}": (lambda g=g: hard.plate(g, 2), 68, (g, 0)) for g in range(6)},
+    "genus_81": (lambda: hard.lattice_of_bars(), 40, (81, 0)),
+    "holes_225": (lambda: hard.sheet_with_holes(), 55, (0, 226)),
+    "single_triangle": (lambda: ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), 100, (0, 1)),
+    "two_triangles_folded": (lambda: ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0.9, 0.1, 0.1)], [(0, 1, 2), (1, 0, 3)]), 75,
+                             (0, 1)),
+    "bow_tie": (lambda: hard.bow_tie(), 100, (0, 2)),
+    "duplicate_and_opposite": (lambda: hard.with_bad_faces(meshes.icosphere(2)), 80, None),
+    "random_winding": (lambda: hard.randomly_wound(meshes.torus()), 80, (1, 0)),
+    "unwelded": (lambda: hard.unwelded(meshes.icosphere(2)), 80, (0, 0)),
+    "book": (lambda: hard.book(), 100, None),
+    "nan_and_inf": (lambda: hard.with_values(meshes.sheet(12), {50: (NAN, 0, 0), 70: (0, INF, 0), 90: (0, 0, -INF)}),
+                    40, None),
+    "double_sided": (lambda: ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3), (0, 3, 2, 1)]), None, None),
+    "polygon_300": (lambda: ([(math.cos(k / 300 * 2 * math.pi) * (1 + 0.5 * (k % 2)),
+                               math.sin(k / 300 * 2 * math.pi) * (1 + 0.5 * (k % 2)), 0) for k in range(300)],
+                             [tuple(range(300))]), 100, (0, 1)),
+    "two_balls_at_one_vertex": (lambda: hard.cubes([(0, 0, 0), (1, 1, 1)], 2), 70, None),
+    "two_bodies_at_one_edge": (lambda: hard.cubes([(0, 0, 0), (1, 1, 0)], 2), 70, None),
+}
+
+REFUSED = {
+    "moebius": (lambda: meshes.moebius(), (NON_ORIENTABLE,)),
+    "klein_bottle": (lambda: hard.klein_bottle(), (NON_ORIENTABLE,)),
+    "all_at_one_point": (lambda: ([(1, 2, 3)] * 4, [(0, 1, 2), (0, 2, 3)]), (NO_FACES,)),
+    "all_on_one_line": (lambda: ([(k, 2 * k, 3 * k) for k in range(6)], [(0, 1, 2), (2, 3, 4), (3, 4, 5)]), (NO_FACES,)),
+    "nan_only": (lambda: ([(NAN, NAN, NAN)] * 3, [(0, 1, 2)]), (NO_FACES,)),
+    "inf_only": (lambda: ([(INF, 0, 0), (0, -INF, 0), (0, 0, INF)], [(0, 1, 2)]), (NO_FACES,)),
+    "too_large": (lambda: hard.moved(meshes.icosphere(1), scale=1e200), (SCALE,)),
+    "too_small": (lambda: hard.moved(meshes.icosphere(1), scale=1e-200), (SCALE,)),
+}
+
+# Files that are no meshes, or not whole ones. Truncated text may still hold a mesh.
+BYTES = {
+    "empty.obj": (b"", ANY), "empty.3ds": (b"", ANY), "spaces.obj": (b" \n\t\n\r\n", ANY),
+    "binary.obj": (bytes(range(256)) * 20, ANY), "binary.3ds": (bytes(range(256)) * 20, ANY),
+    "points.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\nl 1 2\n", ANY),
+    "indices.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999999999\nf 0 1 2\nf -9 -8 -7\nf 1 2\n", ANY),
+    "header.3ds": (b"MM\x06\x00\x00\x00", ANY), "claims.3ds": (b"MM\xff\xff\xff\x7f=\x3d\xff\xff\xff\x7f", ANY),
+    "long_line.obj": (b"v " + b"1" * 400000 + b" 0 0\nf 1 1 1\n", ANY),
+}
+
+
+class Hard(support.Folder):
+    def report(self, arguments, expected_exit):
+        result = self.bake(*arguments, "--report", "report.json", "--progress", "none")
+        self.assertEqual(result.returncode, expected_exit, result.stdout + result.stderr)
+        assets = json.loads((self.folder / "report.json").read_text())["assets"]
+        return {re.split(r"[/\\]", asset["source"])[-1]: asset for asset in assets}
+
+    def assert_valid(self, names, source="in"):
+        for name in names:
+            with self.subTest(mesh=name):
+                result = self.run_program(support.VALIDATE, f"out/{name}.dgm", "--source", f"{source}/{name}.obj", "-q")
+                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_baked_and_valid(self):
+        (self.folder / "in").mkdir()
+        for name, (make, _, _) in BAKED.items():
+            meshes.write_obj(self.folder / "in" / f"{name}.obj", make())
+        assets = self.report(["in", "-o", "out", "--size", "65", "--time-limit", "200"], 0)
+        self.assertEqual(len(assets), len(BAKED))
+        for name, (_, floor, topology) in BAKED.items():
+            report = assets[f"{name}.obj"]["report"]
+            with self.subTest(mesh=name, psnr=report["error"]["psnr"]):
+                charts = report["charts"]
+                self.assertTrue(all(math.isfinite(report["error"][k]) for k in ("rms", "hausdorff", "psnr")))
+                self.assertEqual([(c["map"]["flips"], c["map"]["degenerate"], c["seam_gap"]) for c in charts],
+                                 [(0, 0, 0)] * len(charts))
+                if floor is not None:
+                    self.assertGreaterEqual(report["error"]["psnr"], floor)
+                if topology is not None:
+                    self.assertEqual(tuple(sum(c["source_topology"][key] for c in charts)
+                                           for key in ("genus", "boundary_loops")), topology)
+                for c in charts:
+                    for key in ("genus", "boundary_loops", "components"):
+                        self.assertEqual(c["map_topology"][key], c["source_topology"][key])
+        self.assert_valid(BAKED)
+
+    def test_refused(self):
+        (self.folder / "in").mkdir()
+        expected = {}
+        for name, (make, codes) in REFUSED.items():
+            meshes.write_obj(self.folder / "in" / f"{name}.obj", make())
+            expected[f"{name}.obj"] = codes
+        for name, (content, codes) in BYTES.items():
+            (self.folder / "in" / name).write_bytes(content)
+            expected[name] = codes
+        assets = self.report(["in", "-o", "out", "--size", "33", "--time-limit", "100"], 3)
+        self.assertEqual(sorted(assets), sorted(expected))
+        for name, codes in expected.items():
+            with self.subTest(file=name):
+                self.assertIn("error", assets[name])
+                self.assertIn(assets[name]["error"]["code"], codes, assets[name]["error"])
+                self.assertNotEqual(assets[name]["error"]["message"], "")
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_truncated_meshes(self):
+        """Cut at many places, a file is baked to something valid or refused; nothing in between."""
+        (self.folder / "in").mkdir()
+        whole = meshes.write_obj(self.folder / "whole.obj", meshes.sheet(5)).read_bytes()
+        for k in range(24):
+            (self.folder / "in" / f"cut_{k}.obj").write_bytes(whole[:len(whole) * k // 24])
+        result = self.bake("in", "-o", "out", "--size", "9", "--report", "report.json", "--progress", "none")
+        self.assertIn(result.returncode, (0, 3), result.stderr)
+        assets = json.loads((self.folder / "report.json").read_text())["assets"]
+        self.assertEqual(len(assets), 24)
+        baked = [asset for asset in assets if "error" not in asset]
+        self.assertGreaterEqual(len(baked), 6)  # those cut among the faces
+        for asset in assets:
+            self.assertTrue("error" not in asset or asset["error"]["code"] in ANY, asset)
+        self.assert_valid([re.split(r"[/.]", asset["source"])[-2] for asset in baked])
+
+
+# What a change of frame may do to PSNR, in dB. A power of two changes no bit of any mantissa. Another factor, or a shift,
+# rounds the coordinates of the mesh itself. A rotation moves the bounding box, which the work is normalised by. A shuffle
+# changes the order of everything, and with it which of two equally short cuts is taken.
+INVARIANCE_DB = {"scale_2^30": 1e-9, "scale_2^-30": 1e-9, "scale_1e9": 0.5, "scale_1e-9": 0.5, "shift_1e7": 0.7,
+                 "rotated": 2.0, "shuffled": 6.0}
+
+
+class Invariance(support.Folder):
+    def test_frames_and_orders(self):
+        (self.folder / "in").mkdir()
+        # Bent, since on a symmetric body rounding alone decides between equal ways.
+        shapes = {name: hard.bent(mesh) for name, mesh in (("ball", meshes.icosphere(2)), ("ring", meshes.torus(20, 12)),
+                                                           ("sheet", meshes.sheet(12)))}
+        moebius = meshes.moebius()
+        variants = {
+            "as_is": lambda m: m,
+            "scale_2^30": lambda m: hard.moved(m, scale=2.0 ** 30),
+            "scale_2^-30": lambda m: hard.moved(m, scale=2.0 ** -30),
+            "scale_1e9": lambda m: hard.moved(m, scale=1e9),
+            "scale_1e-9": lambda m: hard.moved(m, scale=1e-9),
+            "shift_1e7": lambda m: hard.moved(m, shift=(3e7, -2e7, 1e7)),
+            "rotated": hard.rotated,
+            "shuffled": hard.shuffled,
+        }
+        for variant, change in variants.items():
+            for name, mesh in {**shapes, "moebius": moebius}.items():
+                meshes.write_obj(self.folder / "in" / f"{name}.{variant}.obj", change(mesh))
+        result = self.bake("in", "-o", "out", "--size", "49", "--report", "report.json", "--progress", "none",
+                           "--method", "stretch")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        assets = {asset["source"].removeprefix("in/").removesuffix(".obj"): asset
+                  for asset in json.loads((self.folder / "report.json").read_text())["assets"]}
+        for variant in variants:
+            self.assertEqual(assets[f"moebius.{variant}"]["error"]["code"], NON_ORIENTABLE)
+        for name in shapes:
+            base = assets[f"{name}.as_is"]["report"]["error"]["psnr"]
+            self.assertLess(base, 120)  # far from rounding, so that the comparison means something
+            for variant, tolerance in INVARIANCE_DB.items():
+                with self.subTest(mesh=name, variant=variant):
+                    error = assets[f"{name}.{variant}"]["report"]["error"]
+                    self.assertAlmostEqual(error["psnr"], base, delta=tolerance)
+            for variant in variants:
+                validated = self.run_program(support.VALIDATE, f"out/{name}.{variant}.dgm", "--source",
+                                             f"in/{name}.{variant}.obj", "-q")
+                self.assertEqual(validated.returncode, 0, validated.stdout + validated.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/fuzz/fuzz_message.cpp
+// What a worker may say to its parent after a stranger's mesh took it over. Promises: nonsense is nullopt; what is
+// understood can be said again and is understood alike; nothing is thrown.
+#include <string_view>
+
+#include "pipeline/worker_protocol.h"
+#include "target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace dgm;
+    const std::string_view text(reinterpret_cast<const char*>(data), size);
+    if (const auto message = bake::decode_message(text)) {
+        const std::string line = bake::encode(*message);
+        test::require(!line.empty() && line.back() == '\n' && line.find('\n') == line.size() - 1);
+        const auto again = bake::decode_message(std::string_view(line).substr(0, line.size() - 1));
+        test::require(again && again->index() == message->index() && bake::encode(*again) == line);
+    }
+    const std::filesystem::path path = bake::decode_path(text);
+    test::require(bake::decode_path(bake::encode_path(path)) == path);
+    return 0;
+}
