@@ -34,7 +34,8 @@ constexpr double kWorstShare = 0.6, kUrgency = 200;
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border, in those of its source points
 constexpr double kTightSteps = 8;     // of a lattice: faces less high than so many are watched while they are rounded
-constexpr double kSureGain = 0.6;     // in rms; ordinary charts reach 0.2
+constexpr std::size_t kMostPatches = 20;  // where more faces are turned the map folds, and spreading costs accuracy
+constexpr double kSureGain = 0.6;         // in rms; ordinary charts reach 0.2
 constexpr std::uint64_t kFewSamples = 20'000;
 
 double longest_squared(const std::array<Vec3d, 3>& q) {
@@ -67,18 +68,17 @@ class Fitter {
         keep();
         for (int round = 0; round < options_.rounds; ++round) {
             tell(round);
-            if (options_.split_quads && round > 0 && round % 2 == 0 && round < kDiagonalRounds) split_quads();
+            if (options_.split_quads && round % 2 == 0 && round < kDiagonalRounds) split_quads();
             step(false);
             matches_.update(false);
             if (matches_.rms < rms_) keep(), ++report.rounds;
         }
         if (options_.worst_rounds > 0) lower_largest(report);
         restore();
-        if (options_.split_quads) {
+        if (options_.split_quads && options_.worst_rounds > 0) {
             split_quads();
-            const bool worst = options_.worst_rounds > 0;
-            if (worst) matches_.update(true);
-            if (matches_.rms < rms_ && (!worst || largest() <= largest_))
+            matches_.update(true);
+            if (matches_.rms < rms_ && largest() <= largest_)
                 keep();
             else
                 restore();
@@ -151,10 +151,64 @@ class Fitter {
             if (!flip_quads(turned) && !untangle(source_, grid_, matches_, fixed_, turned)) break;
             moved = true;
         }
+        if (moved) matches_.update(false);
+        if (const std::vector<std::uint32_t> left = turned_faces(index); !left.empty() && left.size() <= kMostPatches)
+            for (const std::uint32_t f : left) moved = smooth_patch(f, index) || moved;
         if (!moved) return;
         matches_.update(true);
         keep();
         refit_around(before, index);
+    }
+
+    /// Spreads the samples of some rings around a turned face evenly over the source, and keeps that where fewer faces
+    /// are turned then. @return  true if kept
+    bool smooth_patch(std::uint32_t face, const ClosestPointIndex& index) {
+        constexpr int kMostRings = 6, kSweeps = 40;
+        LinkedSurface& grid = grid_.surface;
+        const WeldedGrid::Rings rings = grid_.rings();
+        const auto faces_of = [&](const std::vector<std::uint32_t>& classes) {
+            std::vector<std::uint32_t> out;
+            for (const std::uint32_t c : classes)
+                out.insert(out.end(), rings.faces.begin() + rings.first[c], rings.faces.begin() + rings.first[c + 1]);
+            std::sort(out.begin(), out.end());
+            out.erase(std::unique(out.begin(), out.end()), out.end());
+            return out;
+        };
+        std::vector<std::uint32_t> patch(grid.faces[face].begin(), grid.faces[face].end());
+        for (int ring = 0; ring < kMostRings; ++ring) {
+            for (const std::uint32_t f : faces_of(patch))
+                patch.insert(patch.end(), grid.faces[f].begin(), grid.faces[f].end());
+            std::sort(patch.begin(), patch.end());
+            patch.erase(std::unique(patch.begin(), patch.end()), patch.end());
+            const std::vector<std::uint32_t> faces = faces_of(patch);
+            std::vector<char> among(grid.faces.size(), 0);
+            for (const std::uint32_t f : faces) among[f] = 1;
+            const std::size_t before = turned_faces(index, among).size();
+            if (before == 0) return false;
+            std::vector<Vec3d> old;
+            std::vector<SurfaceHit> hits;
+            for (const std::uint32_t c : patch)
+                old.push_back(grid.positions[c]), hits.push_back(matches_.classes[c].hit);
+            for (int sweep = 0; sweep < kSweeps; ++sweep)
+                for (const std::uint32_t c : patch) {
+                    if (fixed_[c]) continue;
+                    Vec3d sum;
+                    double count = 0;
+                    for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k)
+                        for (const std::uint32_t o : grid.faces[rings.faces[k]])
+                            if (o != c) sum += grid.positions[o], ++count;
+                    SurfaceHit& hit = matches_.classes[c].hit;
+                    hit = walk_to_closest(source_, sum / count, hit.face);
+                    grid.positions[c] = point_at(source_, hit);
+                }
+            if (turned_faces(index, among).size() < before) {
+                for (const std::uint32_t f : faces) grid.update_normal(f), matches_.update_middle(f);
+                return true;
+            }
+            for (std::size_t k = 0; k < patch.size(); ++k)
+                grid.positions[patch[k]] = old[k], matches_.classes[patch[k]].hit = hits[k];
+        }
+        return false;
     }
 
     /// Of the faces marked in `among`, or of all.
