@@ -192,7 +192,7 @@ void describe(CLI::App& app, Raw& raw) {
           "square: every sample on the surface; free: any shape, with a mask [auto]");
     group(bake, "--fit", "F", raw.fit,
           "sample: samples lie on the surface; l2: least-squares fit; best: samples slide to where the error is "
-          "[sample]");
+          "[l2]");
     group(bake, "--layers", "L,...", raw.layers,
           "comma-separated: " + joined(kLayerNames) + " [all that have data]; geometry is always there");
     group(bake, "--precision", "P", raw.precision, "of positions: f32 or u16 [f32]");

@@ -372,6 +372,7 @@ class AssetBake {
     void fit_charts() {
         FitOptions fit = options_.fit == Fit::kBest ? best_fit() : l2_fit();
         fit.split_quads = !options_.ablates("diagonals");
+        fit.on_lattice = options_.precision == Precision::kU16;
         for (std::size_t c = 0; c < mapped_.size(); ++c)
             fit_chart(mapped_[c].chart, fit, part("fit", c, mapped_.size()));
     }

@@ -5,6 +5,7 @@
 #include <dgm/grid.h>
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_set>
 
 namespace dgm::bake {
@@ -105,6 +106,35 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
             else
                 edges.add(b, d);
         }
+}
+
+Vec3d Lattice::nearest(const Vec3d& p) const {
+    Vec3d out = low;
+    if (step > 0)
+        for (int k = 0; k < 3; ++k) out[k] += step * std::clamp(std::round((p[k] - low[k]) / step), 0.0, kCodes);
+    return out;
+}
+
+bool Lattice::holds(const Vec3d& p) const {
+    for (int k = 0; k < 3; ++k) {
+        const double code = step > 0 ? (p[k] - low[k]) / step : 0;
+        if (!(code > -0.5 && code < kCodes + 0.5)) return false;
+    }
+    return true;
+}
+
+Lattice lattice_around(const SampledChart& chart) {
+    Vec3d lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
+    for (std::size_t s = 0; s < chart.positions.size(); ++s) {
+        if (!chart.on_surface(s)) continue;
+        for (int k = 0; k < 3; ++k) {
+            lo[k] = std::min(lo[k], chart.positions[s][k]);
+            hi[k] = std::max(hi[k], chart.positions[s][k]);
+        }
+    }
+    double extent = 0;
+    for (int k = 0; k < 3; ++k) extent = std::max(extent, hi[k] - lo[k]);
+    return {lo, extent / Lattice::kCodes};
 }
 
 void place_samples(SampledChart& chart) {

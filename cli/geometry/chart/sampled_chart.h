@@ -3,6 +3,7 @@
 // A component on its grid: the result of cut, map and resampling, before layers are made of it.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,16 @@
 #include "geometry/resample/rasterize.h"
 
 namespace dgm::bake {
+
+/// The places that u16 positions can have: a low corner and 65535 equal steps along each axis, normalised frame.
+struct Lattice {
+    Vec3d low;
+    double step = 0;
+    static constexpr double kCodes = 65535;
+
+    [[nodiscard]] Vec3d nearest(const Vec3d& p) const;
+    [[nodiscard]] bool holds(const Vec3d& p) const;
+};
 
 /// Samples are numbered as in the file: i*n+j on the grid, then m*n+b for the border samples of a free domain.
 struct SampledChart {
@@ -29,6 +40,7 @@ struct SampledChart {
     std::vector<std::uint8_t> mask;             ///< m*n; free domain only
     std::vector<Vec2d> border_uv;               ///< free domain only, per border sample
     std::vector<Face> strip;                    ///< free domain only: triangles between lattice and border
+    std::optional<Lattice> lattice;             ///< that the positions of the grid lie on, if they were put on one
     double cut_length = 0;
     std::string note;  ///< what the method had to give up, in plain words; usually empty
 
@@ -53,6 +65,9 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres);
 /// True if the two triangles that `diagonal` makes of quad (i, j) look away from each other: the quad is an arrowhead
 /// (or bends by more than a right angle), and this diagonal lies outside of it.
 [[nodiscard]] bool folds(const SampledChart& chart, std::uint32_t i, std::uint32_t j, unsigned diagonal);
+
+/// The smallest lattice around all samples on the surface.
+[[nodiscard]] Lattice lattice_around(const SampledChart& chart);
 
 /// Positions of all samples from their surface points, classes from their representative.
 void place_samples(SampledChart& chart);

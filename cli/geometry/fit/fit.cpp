@@ -7,7 +7,9 @@
 #include <dgm/grid.h>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "geometry/fit/border_rails.h"
 #include "geometry/fit/matches.h"
 #include "geometry/fit/normal_equations.h"
 #include "geometry/fit/untangle.h"
@@ -29,8 +31,17 @@ constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are me
 constexpr int kDiagonalRounds = 9;
 constexpr double kMiddleWeight = 2;  // of a diagonal's middle, in source points
 constexpr double kWorstShare = 0.6, kUrgency = 200;
-constexpr double kSureGain = 0.6;  // in rms; ordinary charts reach 0.2
+constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
+constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border, in those of its source points
+constexpr double kTightSteps = 8;     // of a lattice: faces less high than so many are watched while they are rounded
+constexpr std::size_t kMostPatches = 20;  // where more faces are turned the map folds, and spreading costs accuracy
+constexpr double kSureGain = 0.6;         // in rms; ordinary charts reach 0.2
 constexpr std::uint64_t kFewSamples = 20'000;
+
+double longest_squared(const std::array<Vec3d, 3>& q) {
+    const Vec3d a = q[1] - q[0], b = q[2] - q[1], c = q[0] - q[2];
+    return std::max({dot(a, a), dot(b, b), dot(c, c)});
+}
 
 class Fitter {
  public:
@@ -41,7 +52,8 @@ class Fitter {
           source_(link_source(chart.disk)),
           grid_(chart),
           matches_(chart, source_, grid_, point_count(chart, options)),
-          fixed_(grid_.on_border) {
+          fixed_(grid_.on_border),
+          rails_(chart, source_, grid_) {
         upward_ = normals_at_scale(source_, surface_area(source_) / static_cast<double>(chart.grid_count()));
     }
 
@@ -51,6 +63,7 @@ class Fitter {
         matches_.update(false);
         report.start_rms = matches_.rms, report.start_hausdorff = matches_.largest;
         if (options_.split_quads) split_quads();
+        if (occupy_corners()) matches_.update(false);
         if (untangle(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
         keep();
         for (int round = 0; round < options_.rounds; ++round) {
@@ -62,8 +75,17 @@ class Fitter {
         }
         if (options_.worst_rounds > 0) lower_largest(report);
         restore();
+        if (options_.split_quads && options_.worst_rounds > 0) {
+            split_quads();
+            matches_.update(true);
+            if (matches_.rms < rms_ && largest() <= largest_)
+                keep();
+            else
+                restore();
+        }
         matches_.update(false);
-        if (mend_turned()) matches_.update(true), keep();
+        mend_turned();
+        if (options_.on_lattice) put_on_lattice();
         finish();
         report.rms = rms_, report.hausdorff = largest_;
         // Walks flatter a map that folds: where they promise little, what all faces say decides.
@@ -87,13 +109,16 @@ class Fitter {
         progress_.update("fit", static_cast<double>(round) / (options_.rounds + options_.worst_rounds));
     }
 
+    [[nodiscard]] double largest() const { return std::max(matches_.largest, rails_.largest_gap()); }
+
     void keep() {
-        rms_ = matches_.rms, largest_ = matches_.largest;
-        kept_positions_ = grid_.surface.positions, kept_diagonals_ = chart_.diagonals;
+        rms_ = matches_.rms, largest_ = largest();
+        kept_positions_ = grid_.surface.positions, kept_diagonals_ = chart_.diagonals, kept_places_ = rails_.places();
     }
     void restore() {
         grid_.surface.positions = kept_positions_, chart_.diagonals = kept_diagonals_;
         grid_.link(chart_);
+        rails_.set_places(kept_places_);
     }
 
     /// Rounds that pull hardest where the error is near the largest, at a bounded price in the mean.
@@ -101,24 +126,24 @@ class Fitter {
         restore();
         matches_.update(true);
         const double allowed = rms_ * std::pow(10, options_.worst_price_db / 20);
-        largest_ = matches_.largest;
+        largest_ = largest();
         for (int round = 0; round < options_.worst_rounds; ++round) {
             tell(options_.rounds + round);
             step(true);
             matches_.update(true);
-            if (matches_.rms <= allowed && matches_.largest < largest_) keep(), ++report.rounds;
+            if (matches_.rms <= allowed && largest() < largest_) keep(), ++report.rounds;
         }
     }
 
     /// Walks end in local minima; the last faces to mend are those that the measure finds (metrics/turned_faces.h).
-    bool mend_turned() {
+    /// What had to move is fitted again, as long as nothing turns.
+    void mend_turned() {
         constexpr int kPasses = 10;
         const ClosestPointIndex index(source_.positions, source_.faces);
+        const std::vector<Vec3d> before = grid_.surface.positions;
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
-            TriMesh surface;
-            surface.positions = grid_.surface.positions, surface.faces = grid_.surface.faces;
-            const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
+            const std::vector<std::uint32_t> turned = turned_faces(index);
             for (const std::uint32_t f : turned)
                 if (const ClosestPoint hit = index.query(matches_.middles[f].position); hit.face != kNone)
                     matches_.middles[f].hit.face = hit.face;
@@ -126,15 +151,163 @@ class Fitter {
             if (!flip_quads(turned) && !untangle(source_, grid_, matches_, fixed_, turned)) break;
             moved = true;
         }
-        return moved;
+        if (moved) matches_.update(false);
+        if (const std::vector<std::uint32_t> left = turned_faces(index); !left.empty() && left.size() <= kMostPatches)
+            for (const std::uint32_t f : left) moved = smooth_patch(f, index) || moved;
+        if (!moved) return;
+        matches_.update(true);
+        keep();
+        refit_around(before, index);
+    }
+
+    /// Spreads the samples of some rings around a turned face evenly over the source, and keeps that where fewer faces
+    /// are turned then. @return  true if kept
+    bool smooth_patch(std::uint32_t face, const ClosestPointIndex& index) {
+        constexpr int kMostRings = 6, kSweeps = 40;
+        LinkedSurface& grid = grid_.surface;
+        const WeldedGrid::Rings rings = grid_.rings();
+        const auto faces_of = [&](const std::vector<std::uint32_t>& classes) {
+            std::vector<std::uint32_t> out;
+            for (const std::uint32_t c : classes)
+                out.insert(out.end(), rings.faces.begin() + rings.first[c], rings.faces.begin() + rings.first[c + 1]);
+            std::sort(out.begin(), out.end());
+            out.erase(std::unique(out.begin(), out.end()), out.end());
+            return out;
+        };
+        std::vector<std::uint32_t> patch(grid.faces[face].begin(), grid.faces[face].end());
+        for (int ring = 0; ring < kMostRings; ++ring) {
+            for (const std::uint32_t f : faces_of(patch))
+                patch.insert(patch.end(), grid.faces[f].begin(), grid.faces[f].end());
+            std::sort(patch.begin(), patch.end());
+            patch.erase(std::unique(patch.begin(), patch.end()), patch.end());
+            const std::vector<std::uint32_t> faces = faces_of(patch);
+            std::vector<char> among(grid.faces.size(), 0);
+            for (const std::uint32_t f : faces) among[f] = 1;
+            const std::size_t before = turned_faces(index, among).size();
+            if (before == 0) return false;
+            std::vector<Vec3d> old;
+            std::vector<SurfaceHit> hits;
+            for (const std::uint32_t c : patch)
+                old.push_back(grid.positions[c]), hits.push_back(matches_.classes[c].hit);
+            for (int sweep = 0; sweep < kSweeps; ++sweep)
+                for (const std::uint32_t c : patch) {
+                    if (fixed_[c]) continue;
+                    Vec3d sum;
+                    double count = 0;
+                    for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k)
+                        for (const std::uint32_t o : grid.faces[rings.faces[k]])
+                            if (o != c) sum += grid.positions[o], ++count;
+                    SurfaceHit& hit = matches_.classes[c].hit;
+                    hit = walk_to_closest(source_, sum / count, hit.face);
+                    grid.positions[c] = point_at(source_, hit);
+                }
+            if (turned_faces(index, among).size() < before) {
+                for (const std::uint32_t f : faces) grid.update_normal(f), matches_.update_middle(f);
+                return true;
+            }
+            for (std::size_t k = 0; k < patch.size(); ++k)
+                grid.positions[patch[k]] = old[k], matches_.classes[patch[k]].hit = hits[k];
+        }
+        return false;
+    }
+
+    /// Of the faces marked in `among`, or of all.
+    [[nodiscard]] std::vector<std::uint32_t> turned_faces(const ClosestPointIndex& index,
+                                                          std::span<const char> among = {}) const {
+        TriMesh surface;
+        surface.positions = grid_.surface.positions;
+        std::vector<std::uint32_t> number;
+        for (std::uint32_t f = 0; f < grid_.surface.faces.size(); ++f)
+            if (among.empty() || among[f]) surface.faces.push_back(grid_.surface.faces[f]), number.push_back(f);
+        std::vector<std::uint32_t> out = find_turned_faces(index, surface, kTurnedTie);
+        for (std::uint32_t& f : out) f = number[f];
+        return out;
+    }
+
+    /// Fits the classes that are not where they were, and a few rings around them, while all others are held. Faces
+    /// that turn again in a round have theirs held in the next.
+    void refit_around(const std::vector<Vec3d>& before, const ClosestPointIndex& index) {
+        constexpr int kRings = 4;
+        const int rounds = options_.worst_rounds > 0 ? 6 : 2;
+        const LinkedSurface& grid = grid_.surface;
+        std::vector<char> near(before.size(), 0), near_face(grid.faces.size(), 0);
+        for (std::size_t c = 0; c < near.size(); ++c) near[c] = grid.positions[c] != before[c];
+        for (int ring = 0; ring < kRings; ++ring) {
+            std::vector<char> next = near;
+            for (const auto& [a, b] : grid_.edges) next[a] |= near[b], next[b] |= near[a];
+            near.swap(next);
+        }
+        for (std::size_t f = 0; f < near_face.size(); ++f)
+            for (const std::uint32_t c : grid.faces[f]) near_face[f] |= near[c];
+        std::vector<Freedom> freedom(near.size(), Freedom::kHeld);
+        for (std::size_t c = 0; c < near.size(); ++c)
+            if (near[c] && !fixed_[c]) freedom[c] = Freedom::kFree;
+        const std::vector<std::uint32_t> left = turned_faces(index, near_face);
+        for (int round = 0; round < rounds; ++round) {
+            NormalEquations equations(grid_);
+            assemble(equations, round % 2 == 1, near_face);
+            move(equations.solve(freedom, {}, kDamping, kCgIterations), {});
+            matches_.update(true, near_face);
+            const std::vector<std::uint32_t> turned = turned_faces(index, near_face);
+            std::vector<std::uint32_t> fresh;
+            std::set_difference(turned.begin(), turned.end(), left.begin(), left.end(), std::back_inserter(fresh));
+            if (fresh.empty() && matches_.rms < rms_) {
+                keep();
+                continue;
+            }
+            grid_.surface.positions = kept_positions_;
+            grid_.surface.update_normals();
+            matches_.update(true, near_face);
+            for (const std::uint32_t f : fresh)
+                for (const std::uint32_t c : grid.faces[f]) freedom[c] = Freedom::kHeld;
+        }
+    }
+
+    /// Puts the classes of grid samples on the lattice of u16 positions, where the fit suffers least. Border samples of
+    /// a free chart are stored as f32 and stay.
+    void put_on_lattice() {
+        grid_.write_positions(chart_);
+        const Lattice lattice = lattice_around(chart_);
+        if (!(lattice.step > 0)) return;
+        LinkedSurface& grid = grid_.surface;
+        const std::vector<Vec3d> start = grid.positions, normals = grid.normals;
+        std::vector<char> on_lattice(start.size()), tight(start.size(), 0);
+        for (std::size_t c = 0; c < on_lattice.size(); ++c) on_lattice[c] = grid_.sample_of[c] < chart_.grid_count();
+        for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
+            const auto q = grid.corners(f);
+            if (2 * face_area(q) < kTightSteps * lattice.step * std::sqrt(longest_squared(q)))
+                for (const std::uint32_t c : grid.faces[f]) tight[c] = 1;
+        }
+        const WeldedGrid::Rings rings = grid_.rings();
+        const auto spoilt = [&](std::uint32_t c) {
+            int count = 0;
+            for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
+                const auto q = grid.corners(rings.faces[k]);
+                const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
+                count += !(dot(n, normals[rings.faces[k]]) > 0.5 * length(n));
+            }
+            return count;
+        };
+        NormalEquations equations(grid_);
+        assemble(equations, false);
+        equations.snap(grid.positions, lattice, rails_.freedom(), on_lattice, tight, spoilt);
+        grid.update_normals();
+        matches_.update(true);
+        rms_ = matches_.rms, largest_ = largest();
+        chart_.lattice = lattice;
     }
 
     /// The chart takes the fitted positions, and for its samples the closest points of the source.
     void finish() {
         grid_.write_positions(chart_);
         for (std::size_t s = 0; s < chart_.samples.size(); ++s) {
-            if (grid_.class_of[s] == kNone || fixed_[grid_.class_of[s]]) continue;
-            const SurfaceHit& hit = matches_.classes[grid_.class_of[s]].hit;
+            const std::uint32_t c = grid_.class_of[s];
+            if (c == kNone) continue;
+            if (fixed_[c]) {
+                if (rails_.has_moved(c)) chart_.samples[s] = rails_.sample(c);
+                continue;
+            }
+            const SurfaceHit& hit = matches_.classes[c].hit;
             chart_.samples[s] = {hit.face, {hit.b[0], hit.b[1], hit.b[2]}};
         }
     }
@@ -146,14 +319,62 @@ class Fitter {
     }
 
     void step(bool worst_only) {
+        NormalEquations equations(grid_);
+        assemble(equations, worst_only);
+        const std::vector<Vec3d> step = equations.solve(rails_.freedom(), rails_.directions(), kDamping, kCgIterations);
+        std::vector<double> ways(rails_.empty() ? 0 : step.size());
+        for (std::size_t c = 0; c < ways.size(); ++c) ways[c] = dot(step[c], rails_.directions()[c]);
+        move(step, ways);
+    }
+
+    /// Samples of the border go to its corners that have none, where the faces around them stay sound.
+    /// @return  true if one moved
+    bool occupy_corners() {
+        if (rails_.empty()) return false;
+        LinkedSurface& grid = grid_.surface;
+        const std::vector<double> ways = rails_.ways_to_corners();
+        const WeldedGrid::Rings rings = grid_.rings();
+        // How well a face stands: its cosine to the source below, if it is not thin.
+        const auto worst = [&](std::uint32_t c) {
+            double least = 1;
+            for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
+                const std::uint32_t f = rings.faces[k];
+                const auto q = grid.corners(f);
+                const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
+                const double l = length(n);
+                if (!(l > kCornerThinnest * longest_squared(q))) return -1.0;
+                least = std::min(least, dot(n, upward_[matches_.middles[f].hit.face]) / l);
+            }
+            return least;
+        };
+        std::vector<std::pair<std::uint32_t, double>> gone;
+        for (std::uint32_t c = 0; c < ways.size(); ++c) {
+            if (ways[c] == 0) continue;
+            const Vec3d old = grid.positions[c];
+            const double before = worst(c);
+            grid.positions[c] = rails_.place_after(c, ways[c]);
+            if (worst(c) >= std::min(kCornerUpright, before))
+                gone.emplace_back(c, ways[c]);
+            else
+                grid.positions[c] = old;
+        }
+        if (gone.empty()) return false;
+        rails_.slide(gone);
+        grid.update_normals();
+        return true;
+    }
+
+    /// @param near  per face of the grid: rows of these alone; all if empty
+    void assemble(NormalEquations& equations, bool worst_only, std::span<const char> near = {}) const {
+        const double farthest = worst_only ? largest() : 0;
         // The last rounds pull hardest where the error is near the largest.
         const auto urgency = [&](double squared) {
-            if (!worst_only || !(matches_.largest > 0)) return 1.0;
-            return 1 + kUrgency * std::max(0.0, std::sqrt(squared) / matches_.largest - kWorstShare);
+            if (!worst_only || !(farthest > 0)) return 1.0;
+            return 1 + kUrgency * std::max(0.0, std::sqrt(squared) / farthest - kWorstShare);
         };
         const LinkedSurface& grid = grid_.surface;
-        NormalEquations equations(grid_);
         for (const Match& m : matches_.points) {
+            if (!near.empty() && !near[m.hit.face]) continue;
             const Vec3d gap = m.position - point_at(grid, m.hit);
             equations.add(m.hit.face, m.hit.b, gap, metric_normal(gap, grid.normals[m.hit.face], m.hit.b),
                           m.weight * urgency(m.hit.squared));
@@ -166,12 +387,14 @@ class Fitter {
         for (std::size_t e = 0; e < matches_.edges.size(); ++e) {
             if (!(urgency(matches_.edges[e].hit.squared) > 1)) continue;
             const auto [face, k] = matches_.edge_place[e];
+            if (!near.empty() && !near[face]) continue;
             std::array<double, 3> b{0, 0, 0};
             b[k] = b[(k + 1) % 3] = 0.5;
             add_back(matches_.edges[e], matches_.middles[face].weight / 2, face, b);
         }
         std::vector<char> done(matches_.classes.size(), 0);
         for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
+            if (!near.empty() && !near[f]) continue;
             add_back(matches_.middles[f], matches_.middles[f].weight, f, {1.0 / 3, 1.0 / 3, 1.0 / 3});
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t c = grid.faces[f][k];
@@ -182,12 +405,13 @@ class Fitter {
                 add_back(matches_.classes[c], matches_.classes[c].weight, f, b);
             }
         }
-        move(equations.solve(fixed_, kDamping, kCgIterations));
+        if (!rails_.empty() && near.empty())
+            rails_.add_rows(equations, kBorderShare * options_.points_per_sample, urgency);
     }
 
-    /// Applies a step: its tangential part is clamped, then halved (and at last the whole step) at the corners of faces
-    /// that it would turn or flatten.
-    void move(const std::vector<Vec3d>& step) {
+    /// Applies a step, and `ways` along the border for classes that slide there: its tangential part is clamped, then
+    /// halved (and at last the whole step) at the corners of faces that it would turn or flatten.
+    void move(const std::vector<Vec3d>& step, std::vector<double> ways) {
         constexpr int kPasses = 12, kWholePass = 5, kStopPass = 9;
         LinkedSurface& grid = grid_.surface;
         const std::size_t count = grid.positions.size();
@@ -209,9 +433,21 @@ class Fitter {
             along[c] = step[c] - across[c];
             const double l = length(along[c]), limit = kMaxSlide * edge[c];
             if (l > limit) along[c] *= limit / l;
+            if (fixed_[c]) across[c] = along[c] = {};
+        }
+        for (std::uint32_t c = 0; c < ways.size(); ++c) {
+            if (rails_.freedom()[c] != Freedom::kSlides) ways[c] = 0;
+            if (ways[c] == 0) continue;
+            const double limit = rails_.reach(c);
+            ways[c] = std::clamp(ways[c], -limit, limit);
         }
         const std::vector<Vec3d> start = grid.positions;
-        for (std::size_t c = 0; c < count; ++c) grid.positions[c] = start[c] + across[c] + along[c];
+        const auto put = [&](std::uint32_t c) {
+            const double way = ways.empty() ? 0 : ways[c] * slide[c] * whole[c];
+            grid.positions[c] =
+                way != 0 ? rails_.place_after(c, way) : start[c] + (across[c] + along[c] * slide[c]) * whole[c];
+        };
+        for (std::uint32_t c = 0; c < count; ++c) put(c);
         std::vector<char> bad(count);
         for (int pass = 0; pass < kPasses; ++pass) {
             std::fill(bad.begin(), bad.end(), 0);
@@ -223,28 +459,28 @@ class Fitter {
                 for (const std::uint32_t c : v) bad[c] = 1;
             }
             if (!any) break;
-            for (std::size_t c = 0; c < count; ++c) {
+            for (std::uint32_t c = 0; c < count; ++c) {
                 if (!bad[c]) continue;
                 slide[c] *= 0.5;
                 if (pass >= kWholePass) whole[c] *= 0.25;
                 if (pass >= kStopPass) whole[c] = 0;
-                grid.positions[c] = start[c] + (across[c] + along[c] * slide[c]) * whole[c];
+                put(c);
             }
         }
+        std::vector<std::pair<std::uint32_t, double>> gone;
+        for (std::uint32_t c = 0; c < ways.size(); ++c)
+            if (const double way = ways[c] * slide[c] * whole[c]; way != 0) gone.emplace_back(c, way);
+        if (!gone.empty()) rails_.slide(gone);
         grid.update_normals();
     }
 
     /// True if a face may go from `was` to `now`: not much smaller, thinner or more tilted against the source below it.
     [[nodiscard]] bool allows(std::uint32_t f, const std::array<Vec3d, 3>& was, const std::array<Vec3d, 3>& now) const {
-        const auto longest = [](const std::array<Vec3d, 3>& q) {
-            const Vec3d a = q[1] - q[0], b = q[2] - q[1], c = q[0] - q[2];
-            return std::max({dot(a, a), dot(b, b), dot(c, c)});
-        };
         const Vec3d n0 = cross(was[1] - was[0], was[2] - was[0]), n1 = cross(now[1] - now[0], now[2] - now[0]);
         const double before = length(n0), after = length(n1);
         if (!(after > kShrink * before)) return false;
-        const double thin = after / longest(now);
-        if (thin < kThinnest && thin < before / longest(was)) return false;
+        const double thin = after / longest_squared(now);
+        if (thin < kThinnest && thin < before / longest_squared(was)) return false;
         Vec3d below = upward_[matches_.middles[f].hit.face];
         if (dot(n1, below) >= kUpright * after) return true;
         // Over a fold the middle's closest wall is a matter of chance; what all corners lie on is not.
@@ -334,11 +570,13 @@ class Fitter {
     LinkedSurface source_;
     WeldedGrid grid_;
     Matches matches_;
-    std::vector<char> fixed_;    // per class
+    std::vector<char> fixed_;  // per class: on the source's border
+    BorderRails rails_;
     std::vector<Vec3d> upward_;  // per face of the source: its normal at the scale of the grid
     double rms_ = 0, largest_ = 0;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;
+    std::vector<double> kept_places_;
 };
 
 }  // namespace

@@ -83,7 +83,7 @@ SurfaceHit Matches::on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t
     return {hit.face, hit.distance * hit.distance, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
 }
 
-void Matches::update(bool with_edges) {
+void Matches::update(bool with_edges, std::span<const char> near) {
     const LinkedSurface& grid = grid_.surface;
     std::vector<Vec3d> normal(source_index_ ? classes.size() : 0);
     if (source_index_) {
@@ -93,16 +93,25 @@ void Matches::update(bool with_edges) {
         }
         for (Vec3d& n : normal) n = normalized(n, Vec3d{});
     }
-    in_chunks(points.size(),
-              [&](std::size_t k) { points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face); });
+    std::vector<char> near_class(near.empty() ? 0 : classes.size(), 0);
+    for (std::size_t f = 0; f < near.size(); ++f)
+        if (near[f])
+            for (const std::uint32_t c : grid.faces[f]) near_class[c] = 1;
+    in_chunks(points.size(), [&](std::size_t k) {
+        if (near.empty() || near[points[k].hit.face])
+            points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face);
+    });
     in_chunks(classes.size(), [&](std::size_t c) {
+        if (!near.empty() && !near_class[c]) return;
         classes[c].position = grid.positions[c];
         classes[c].hit = on_source(classes[c].position, normal.empty() ? Vec3d{} : normal[c], classes[c].hit.face);
     });
-    in_chunks(middles.size(), [&](std::size_t f) { update_middle(f); });
-    edges.clear();
-    if (with_edges) update_edges();
-    look_again_far_off();
+    in_chunks(middles.size(), [&](std::size_t f) {
+        if (near.empty() || near[f]) update_middle(f);
+    });
+    if (!with_edges || edges.size() != grid_.edges.size()) edges.clear();
+    if (with_edges) update_edges(edges.empty() ? std::span<const char>{} : near);
+    look_again_far_off(near);
     weigh();
     measure();
 }
@@ -114,13 +123,14 @@ void Matches::update_middle(std::size_t face) {
     m.hit = on_source(m.position, normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{}), m.hit.face);
 }
 
-void Matches::update_edges() {
+void Matches::update_edges(std::span<const char> near) {
     const LinkedSurface& grid = grid_.surface;
     edges.resize(grid_.edges.size());
     edge_place.resize(edges.size());
     for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
         for (int k = 0; k < 3; ++k) edge_place[grid_.edge_of[f][k]] = {f, k};
     in_chunks(edges.size(), [&](std::size_t e) {
+        if (!near.empty() && !near[edge_place[e].first]) return;
         edges[e].position = (grid.positions[grid_.edges[e].first] + grid.positions[grid_.edges[e].second]) / 2;
         const std::uint32_t face = edge_place[e].first;
         edges[e].hit = on_source(edges[e].position, grid.normals[face], middles[face].hit.face);
@@ -129,7 +139,7 @@ void Matches::update_edges() {
 }
 
 /// The farthest points are few, decide the largest error, and may have been stopped by a local minimum.
-void Matches::look_again_far_off() {
+void Matches::look_again_far_off(std::span<const char> near) {
     constexpr double kFar = 0.3;  // of the largest distance
     constexpr std::size_t kMost = 5000;
     double squared = 0;
@@ -137,9 +147,14 @@ void Matches::look_again_far_off() {
         for (const Match& m : *list) squared = std::max(squared, m.hit.squared);
     std::size_t count = 0;
     for (auto* list : {&points, &classes, &middles, &edges})
-        for (Match& m : *list)
-            if (m.hit.squared > kFar * kFar * squared && ++count <= kMost && (list == &points || !source_index_))
-                m.hit = search_nearby(list == &points ? grid_.surface : source_, m.position, m.hit.face);
+        for (std::size_t k = 0; k < list->size(); ++k) {
+            Match& m = (*list)[k];
+            if (!(m.hit.squared > kFar * kFar * squared) || ++count > kMost) continue;
+            const bool on_grid = list == &points;
+            if (!near.empty() && !(on_grid ? near[m.hit.face] : list == &middles && near[k])) continue;
+            if (on_grid || !source_index_)
+                m.hit = search_nearby(on_grid ? grid_.surface : source_, m.position, m.hit.face);
+        }
 }
 
 /// By area; as much in all as the source's points have, none under a twentieth of the mean: a sample in a crowded part

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -30,7 +31,9 @@ class Matches {
 
     /// Looks everything up for the grid's present shape. `with_edges`: the middles of the edges too, where a chord
     /// across a fold is farthest from it; they have no weight, but count for `largest`.
-    void update(bool with_edges);
+    /// @param near  per face of the grid: look up only what is matched there, since no other face has moved; all if
+    /// empty
+    void update(bool with_edges, std::span<const char> near = {});
     /// The middle of one face again, after a corner of it has moved.
     void update_middle(std::size_t face);
 
@@ -43,8 +46,8 @@ class Matches {
  private:
     void spread(const SampledChart& chart, std::size_t count);
     void start(const SampledChart& chart);
-    void update_edges();
-    void look_again_far_off();
+    void update_edges(std::span<const char> near);
+    void look_again_far_off(std::span<const char> near);
     void weigh();
     void measure();
 

@@ -57,7 +57,8 @@ void NormalEquations::add(std::uint32_t face, const std::array<double, 3>& b, co
     }
 }
 
-std::vector<Vec3d> NormalEquations::solve(std::span<const char> fixed, double damping, int iterations) {
+std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std::span<const Vec3d> rails,
+                                          double damping, int iterations) const {
     const std::size_t count = diagonal_.size();
     std::vector<Vec3d> residual = right_, step(count, Vec3d{}), direction, z(count), product(count);
     double trace = 0;
@@ -66,13 +67,24 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const char> fixed, double da
     // whose rows weigh little, while their neighbours move.
     const double floor = 1e-6 * damping * trace / static_cast<double>(count);
     std::vector<Block> damped = diagonal_, preconditioner(count);
+    const auto confine = [&](std::vector<Vec3d>& v) {
+        for (std::size_t k = 0; k < count; ++k)
+            if (freedom[k] == Freedom::kHeld)
+                v[k] = {};
+            else if (freedom[k] == Freedom::kSlides)
+                v[k] = rails[k] * dot(rails[k], v[k]);
+    };
     for (std::size_t k = 0; k < count; ++k) {
         Block& d = damped[k];
         const double lambda = floor + damping * (d[0] + d[3] + d[5]);
         d[0] += lambda, d[3] += lambda, d[5] += lambda;
         preconditioner[k] = inverse(d);
-        if (fixed[k]) residual[k] = {};
+        if (freedom[k] == Freedom::kSlides) {
+            const double along = dot(rails[k], multiply(d, rails[k])), s = along > 0 ? 1 / along : 1;
+            preconditioner[k] = {s, 0, 0, s, 0, s};
+        }
     }
+    confine(residual);
     const auto precondition = [&] {
         for (std::size_t k = 0; k < count; ++k) z[k] = multiply(preconditioner[k], residual[k]);
     };
@@ -87,8 +99,7 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const char> fixed, double da
             product[a] += multiply(off_[e], direction[b]);
             product[b] += multiply(off_[e], direction[a]);
         }
-        for (std::size_t k = 0; k < count; ++k)
-            if (fixed[k]) product[k] = {};
+        confine(product);
         const double curvature = dot_all(direction, product);
         if (!(curvature > 0)) break;
         const double t = rz / curvature;
@@ -99,6 +110,60 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const char> fixed, double da
         rz = next;
     }
     return step;
+}
+
+void NormalEquations::snap(std::vector<Vec3d>& positions, const Lattice& lattice, std::span<const Freedom> freedom,
+                           std::span<const char> on_lattice, std::span<const char> tight,
+                           const std::function<int(std::uint32_t)>& spoilt) const {
+    constexpr int kPasses = 6;
+    const auto count = static_cast<std::uint32_t>(diagonal_.size());
+    std::vector<std::uint32_t> first(count + 1, 0);
+    for (const auto& [a, b] : grid_.edges) ++first[a + 1], ++first[b + 1];
+    for (std::uint32_t c = 0; c < count; ++c) first[c + 1] += first[c];
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> around(first.back());  // edge, class across
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    for (std::uint32_t e = 0; e < grid_.edges.size(); ++e) {
+        const auto [a, b] = grid_.edges[e];
+        around[next[a]++] = {e, b}, around[next[b]++] = {e, a};
+    }
+    std::vector<Vec3d> residual = right_;
+    const auto go = [&](std::uint32_t c, const Vec3d& to) {
+        const Vec3d by = to - positions[c];
+        residual[c] -= multiply(diagonal_[c], by);
+        for (std::uint32_t k = first[c]; k < first[c + 1]; ++k)
+            residual[around[k].second] -= multiply(off_[around[k].first], by);
+        positions[c] = to;
+    };
+    std::vector<Vec3d> nearest(count);
+    for (std::uint32_t c = 0; c < count; ++c)
+        if (on_lattice[c]) go(c, nearest[c] = lattice.nearest(positions[c]));
+    for (int pass = 0; pass < kPasses; ++pass) {
+        bool moved = false;
+        for (std::uint32_t c = 0; c < count; ++c) {
+            if (!on_lattice[c] || freedom[c] != Freedom::kFree) continue;
+            const Vec3d old = positions[c];
+            Vec3d best = old;
+            int least_spoilt = tight[c] ? spoilt(c) : 0;
+            double least = 0;
+            for (int k = 0; k < 27; ++k) {
+                const Vec3d at =
+                    nearest[c] + Vec3d{double(k % 3 - 1), double(k / 3 % 3 - 1), double(k / 9 - 1)} * lattice.step;
+                const Vec3d by = at - old;
+                const double change = dot(by, multiply(diagonal_[c], by)) - 2 * dot(by, residual[c]);
+                if (!lattice.holds(at) || (!tight[c] && !(change < least))) continue;
+                int now = 0;
+                if (tight[c]) {
+                    positions[c] = at, now = spoilt(c), positions[c] = old;
+                    if (now > least_spoilt || (now == least_spoilt && !(change < least))) continue;
+                }
+                best = at, least = change, least_spoilt = now;
+            }
+            if (best == old) continue;
+            go(c, lattice.nearest(best));
+            moved = true;
+        }
+        if (!moved) break;
+    }
 }
 
 }  // namespace dgm::bake

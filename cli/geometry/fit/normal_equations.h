@@ -4,12 +4,16 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "geometry/fit/welded_grid.h"
 
 namespace dgm::bake {
+
+/// What a class may do: anything, nothing, or go along its rail.
+enum class Freedom : char { kFree, kHeld, kSlides };
 
 /// Sums rows "the surface point at b on this face should move by n . gap along n" into 3x3 blocks per class and per
 /// edge: a step of conjugate gradients then costs one pass over the edges, however many points there are. Sums run in
@@ -21,8 +25,20 @@ class NormalEquations {
     void add(std::uint32_t face, const std::array<double, 3>& b, const Vec3d& gap, const Vec3d& normal, double weight);
 
     /// Minimises the rows + damping * (own diagonal) * |step|^2 by conjugate gradients with 3x3 block Jacobi
-    /// preconditioning; classes marked `fixed` stay 0.
-    [[nodiscard]] std::vector<Vec3d> solve(std::span<const char> fixed, double damping, int iterations);
+    /// preconditioning; classes that are held stay 0, those that slide go along their unit vector in `rails` (which may
+    /// be empty if none does).
+    [[nodiscard]] std::vector<Vec3d> solve(std::span<const Freedom> freedom, std::span<const Vec3d> rails,
+                                           double damping, int iterations) const;
+
+    /// Puts classes on a lattice where the rows suffer least: each goes to its nearest point; those marked kFree then
+    /// take one of the 27 points around it, the one with the smallest sum while all others are held, in passes over all
+    /// classes until none gains. A row asks for no more than its normal, so of 27 points one is nearly in the plane.
+    /// @param on_lattice  per class; the others stay as they are, and the rows count with them so
+    /// @param spoilt      how many faces around a class its present position spoils: asked for classes marked `tight`
+    ///                    alone, and weighs more than the sum
+    void snap(std::vector<Vec3d>& positions, const Lattice& lattice, std::span<const Freedom> freedom,
+              std::span<const char> on_lattice, std::span<const char> tight,
+              const std::function<int(std::uint32_t)>& spoilt) const;
 
  private:
     using Block = std::array<double, 6>;  // symmetric: xx, xy, xz, yy, yz, zz

@@ -10,7 +10,6 @@ namespace dgm::bake {
 namespace {
 
 constexpr double kFar = 8;  // diagonals from the origin; at 8 a float still resolves 5e-7 of the diagonal
-constexpr double kCodes = 65535;
 
 }  // namespace
 
@@ -23,20 +22,10 @@ StoredFrame choose_frame(const Frame& frame, const SampledChart& chart, bool qua
         return out;
     }
     out.quantised = true;
-    double extent = 0;
-    Vec3d lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
-    for (std::size_t s = 0; s < chart.positions.size(); ++s) {
-        if (!chart.on_surface(s)) continue;
-        for (int k = 0; k < 3; ++k) {
-            lo[k] = std::min(lo[k], chart.positions[s][k]);
-            hi[k] = std::max(hi[k], chart.positions[s][k]);
-        }
-    }
-    for (int k = 0; k < 3; ++k) extent = std::max(extent, hi[k] - lo[k]);
-    const double step = extent * frame.diagonal / kCodes;
+    const Lattice lattice = chart.lattice ? *chart.lattice : lattice_around(chart);
     for (int k = 0; k < 3; ++k) {
-        out.offset[k] = frame.centre[k] + frame.diagonal * lo[k];
-        out.scale[k] = step;
+        out.offset[k] = frame.centre[k] + frame.diagonal * lattice.low[k];
+        out.scale[k] = lattice.step * frame.diagonal;
     }
     return out;
 }
@@ -59,13 +48,14 @@ StoredPositions store_positions(const LayerInput& in) {
         }
         for (int k = 0; k < 3; ++k) {
             // source - offset, without forming a large source coordinate first
-            const double relative = (in.frame.centre[k] - stored.offset[k]) + in.frame.diagonal * chart.positions[from][k];
+            const double relative =
+                (in.frame.centre[k] - stored.offset[k]) + in.frame.diagonal * chart.positions[from][k];
             if (s >= grid) {
                 const auto value = static_cast<float>(relative);
                 values<float>(*out.border_geometry)[3 * (s - grid) + k] = value;
                 out.local[s][k] = value;
             } else if (stored.quantised) {
-                const double code = std::clamp(std::round(relative / stored.scale[k]), 0.0, kCodes);
+                const double code = std::clamp(std::round(relative / stored.scale[k]), 0.0, Lattice::kCodes);
                 values<std::uint16_t>(out.geometry)[3 * s + k] = static_cast<std::uint16_t>(code);
                 out.local[s][k] = stored.scale[k] * code;
             } else {

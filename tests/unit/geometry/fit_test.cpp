@@ -5,7 +5,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
@@ -27,13 +31,15 @@ SampledChart one_quad() {
     return chart;
 }
 
+const std::vector<Freedom> kFirstFree{Freedom::kFree, Freedom::kHeld, Freedom::kHeld, Freedom::kHeld};
+
 TEST(NormalEquations, OneUnknownIsTheWeightedMean) {
     const WeldedGrid grid(one_quad());
     NormalEquations equations(grid);
     // Gaps 3 and 6 with weights 2 and 1, no damping to speak of: (2*3 + 1*6) / 3 = 4.
     equations.add(0, {1, 0, 0}, {3, 0, 0}, {1, 0, 0}, 2);
     equations.add(0, {1, 0, 0}, {6, 0, 0}, {1, 0, 0}, 1);
-    const auto step = equations.solve(std::vector<char>{0, 1, 1, 1}, 1e-12, 10);
+    const auto step = equations.solve(kFirstFree, {}, 1e-12, 10);
     EXPECT_NEAR(step[0].x, 4, 1e-9);
     EXPECT_NEAR(step[0].y, 0, 1e-12);
 }
@@ -44,7 +50,7 @@ TEST(NormalEquations, RowsLeaveTheTangentFree) {
     // One row along (1, 1, 0)/sqrt2 with a gap of (2, 0, 0): only the normal part, (1, 1, 0), is asked for.
     const double s = std::sqrt(0.5);
     equations.add(0, {1, 0, 0}, {2, 0, 0}, {s, s, 0}, 1);
-    const auto step = equations.solve(std::vector<char>{0, 1, 1, 1}, 1e-9, 10);
+    const auto step = equations.solve(kFirstFree, {}, 1e-9, 10);
     EXPECT_NEAR(step[0].x, 1, 1e-6);
     EXPECT_NEAR(step[0].y, 1, 1e-6);
 }
@@ -53,9 +59,42 @@ TEST(NormalEquations, FixedClassesStayAndTheOthersCarryTheGap) {
     const WeldedGrid grid(one_quad());
     NormalEquations equations(grid);
     equations.add(0, {0.5, 0.5, 0}, {1, 0, 0}, {1, 0, 0}, 1);
-    const auto step = equations.solve(std::vector<char>{1, 1, 0, 1}, 1e-12, 10);
+    const auto step = equations.solve(
+        std::vector<Freedom>{Freedom::kHeld, Freedom::kHeld, Freedom::kFree, Freedom::kHeld}, {}, 1e-12, 10);
     EXPECT_EQ(step[0], Vec3d{});
     EXPECT_NEAR(step[2].x, 2, 1e-9);  // half of it carries the whole gap
+}
+
+TEST(NormalEquations, RailsAreNotLeft) {
+    const WeldedGrid grid(one_quad());
+    NormalEquations equations(grid);
+    // Wanted: (3, 1, 0), each coordinate by a row of its own. Along (0.6, 0.8, 0) the nearest is (3*0.6 + 0.8) = 2.6.
+    equations.add(0, {1, 0, 0}, {3, 0, 0}, {1, 0, 0}, 1);
+    equations.add(0, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}, 1);
+    const auto step =
+        equations.solve(std::vector<Freedom>{Freedom::kSlides, Freedom::kHeld, Freedom::kHeld, Freedom::kHeld},
+                        std::vector<Vec3d>{{0.6, 0.8, 0}, {}, {}, {}}, 1e-12, 10);
+    EXPECT_NEAR(step[0].x, 2.6 * 0.6, 1e-9);
+    EXPECT_NEAR(step[0].y, 2.6 * 0.8, 1e-9);
+}
+
+TEST(NormalEquations, SnapsIntoThePlaneThatTheRowsAskFor) {
+    const WeldedGrid grid(one_quad());
+    NormalEquations equations(grid);
+    const Vec3d normal = normalized(Vec3d{1, 2, 5});
+    equations.add(0, {1, 0, 0}, {0, 0, 0}, normal, 1);  // stay in the plane through the origin
+    std::vector<Vec3d> at{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}};
+    const Lattice lattice{{-10.4, -10.3, -10.2}, 1};
+    const std::vector<char> first{1, 0, 0, 0}, none(4, 0);
+    equations.snap(at, lattice, kFirstFree, first, none, [](std::uint32_t) { return 0; });
+    // The nearest lattice point is (-0.4, -0.3, -0.2); by trying all around it, another is nearer to the plane.
+    double least = INFINITY;
+    for (int k = 0; k < 27; ++k)
+        least = std::min(least, std::abs(dot(normal, Vec3d{-0.4 + k % 3 - 1, -0.3 + k / 3 % 3 - 1, -0.2 + k / 9 - 1})));
+    EXPECT_NEAR(std::abs(dot(normal, at[0])), least, 1e-12);
+    EXPECT_LT(least, std::abs(dot(normal, Vec3d{-0.4, -0.3, -0.2})));
+    EXPECT_LT(length(at[0] - lattice.nearest(at[0])), 1e-12);
+    EXPECT_EQ(at[3], (Vec3d{1, 1, 0}));
 }
 
 TEST(LinkedSurface, ClosestPointOfATriangleInEachRegion) {
@@ -171,22 +210,112 @@ TEST(Fit, MendsFacesThatTheStartTurns) {
     }
 }
 
-TEST(Fit, RealBordersStay) {
-    TriMesh dome = test::grid_sheet(24, 24);
-    for (Vec3d& p : dome.positions) p.z = 0.3 * std::sin(3 * p.x) * std::cos(2 * p.y);
-    const Case c = square_case(dome, 17);
-    SampledChart fitted = c.chart;
-    fit_chart(fitted, best_fit(), {});
-    std::size_t moved = 0;
-    for (std::uint32_t i = 0; i < 17; ++i)
-        for (std::uint32_t j = 0; j < 17; ++j) {
-            const std::size_t s = i * 17 + j;
-            if (i == 0 || j == 0 || i == 16 || j == 16)
-                ASSERT_EQ(fitted.positions[s], c.chart.positions[s]);
-            else
-                moved += fitted.positions[s] != c.chart.positions[s];
+double to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+    const double squared = dot(b - a, b - a);
+    const double t = squared > 0 ? std::clamp(dot(p - a, b - a) / squared, 0.0, 1.0) : 0.0;
+    return length(p - a - (b - a) * t);
+}
+
+using Segments = std::vector<std::array<Vec3d, 2>>;
+
+/// Edges that one face only has, by their ends' positions.
+Segments border_of(const std::vector<Vec3d>& positions, const std::vector<Face>& faces) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+    for (const Face& f : faces)
+        for (int k = 0; k < 3; ++k) ++uses[std::minmax(f[k], f[(k + 1) % 3])];
+    Segments out;
+    for (const auto& [edge, count] : uses)
+        if (count == 1) out.push_back({positions[edge.first], positions[edge.second]});
+    return out;
+}
+
+Segments border_of(const SampledChart& chart) {
+    std::vector<Face> faces = chart.faces();
+    for (Face& f : faces)
+        for (std::uint32_t& s : f) s = chart.representative[s];
+    return border_of(chart.positions, faces);
+}
+
+/// Largest distance from points along `from` to `to`.
+double farthest(const Segments& from, const Segments& to) {
+    double out = 0;
+    for (const auto& [a, b] : from)
+        for (int k = 0; k <= 8; ++k) {
+            double least = INFINITY;
+            for (const auto& [c, d] : to) least = std::min(least, to_segment(a + (b - a) * (k / 8.0), c, d));
+            out = std::max(out, least);
         }
-    EXPECT_GT(moved, 100u);
+    return out;
+}
+
+/// A sheet whose outline has a sharp notch where no sample of the start is.
+TriMesh notched_sheet() {
+    TriMesh sheet = test::grid_sheet(40, 40);
+    for (Vec3d& p : sheet.positions) {
+        const double notch = std::max(0.0, 0.12 - std::abs(p.x - 0.525)) * (1 - p.y);
+        p = {p.x, p.y + 1.5 * notch, 0.2 * std::sin(3 * p.x) * std::cos(2 * p.y)};
+    }
+    return sheet;
+}
+
+/// Vertices in one face only.
+std::vector<Vec3d> sheet_corners(const TriMesh& mesh) {
+    std::vector<int> uses(mesh.positions.size(), 0);
+    for (const Face& f : mesh.faces)
+        for (const std::uint32_t v : f) ++uses[v];
+    std::vector<Vec3d> out;
+    for (std::size_t v = 0; v < uses.size(); ++v)
+        if (uses[v] == 1) out.push_back(mesh.positions[v]);
+    return out;
+}
+
+TEST(Fit, RealBordersSlideAlongThemselves) {
+    const Case c = square_case(notched_sheet(), 17);
+    const Segments source = border_of(c.component.positions, c.component.faces);
+    const double start = farthest(source, border_of(c.chart));
+    ASSERT_FALSE(sheet_corners(c.component).empty());
+    ASSERT_GT(start, 0.005);  // the notch's tip is cut off
+    for (const FitOptions& options : {l2_fit(), best_fit()}) {
+        SampledChart fitted = c.chart;
+        fit_chart(fitted, options, {});
+        std::size_t moved = 0;
+        for (std::uint32_t i = 0; i < 17; ++i)
+            for (std::uint32_t j = 0; j < 17; ++j) {
+                const std::size_t s = i * 17 + j;
+                if (i != 0 && j != 0 && i != 16 && j != 16) continue;
+                const Vec3d& p = fitted.positions[s];
+                double least = INFINITY;
+                for (const auto& [a, b] : source) least = std::min(least, to_segment(p, a, b));
+                ASSERT_LT(least, 1e-12);
+                ASSERT_LT(length(position_at(fitted.disk.mesh, fitted.samples[s]) - p), 1e-12);
+                moved += p != c.chart.positions[s];
+            }
+        EXPECT_GT(moved, 10u);
+        for (const Vec3d& corner : sheet_corners(c.component)) {
+            const auto here = [&](const Vec3d& p) { return length(p - corner) < 1e-12; };
+            EXPECT_TRUE(std::any_of(fitted.positions.begin(), fitted.positions.end(), here));
+        }
+        const Segments border = border_of(fitted);
+        EXPECT_LT(std::max(farthest(source, border), farthest(border, source)), 0.2 * start) << options.rounds;
+        EXPECT_EQ(welded_topology(fitted), welded_topology(c.chart));
+    }
+}
+
+TEST(Fit, PositionsOnALatticeCostNoAccuracy) {
+    const Case c = square_case(test::icosphere(5), 33);
+    SampledChart free = c.chart, snapped = c.chart;
+    FitOptions options = l2_fit();
+    fit_chart(free, options, {});
+    options.on_lattice = true;
+    fit_chart(snapped, options, {});
+    ASSERT_TRUE(snapped.lattice.has_value());
+    const Lattice& lattice = *snapped.lattice;
+    for (std::size_t s = 0; s < snapped.positions.size(); ++s) {
+        ASSERT_EQ(snapped.positions[s], snapped.positions[snapped.representative[s]]);
+        ASSERT_LT(length(snapped.positions[s] - lattice.nearest(snapped.positions[s])), 1e-6 * lattice.step);
+    }
+    EXPECT_GT(quick_error(c.component, snapped, 20000).psnr(), quick_error(c.component, free, 20000).psnr() - 0.1);
+    EXPECT_EQ(inward_faces(snapped), 0);
 }
 
 TEST(Fit, SameBitsForAnyNumberOfThreads) {
