@@ -336,6 +336,24 @@ inline constexpr Code kImageUnreadable{5005,
                                        "the picture cannot be decoded",
                                        "save it again as PNG or JPEG",
                                        "the texture layer would be wrong without a word"};
+inline constexpr Code kNoSpace{5006,
+                               "NO_SPACE",
+                               ExitCode::kTransient,
+                               "the output's disk is full",
+                               "free some space, then run it again: what is done already is not baked twice",
+                               "nothing half-written is left; the asset is as it was before"};
+inline constexpr Code kIoTrouble{5007,
+                                 "IO_TROUBLE",
+                                 ExitCode::kTransient,
+                                 "the file system failed for the moment",
+                                 "run it again; if it stays so, look at the disk or the network share",
+                                 "the asset may be good, so a batch system should try it again"};
+inline constexpr Code kReportUnreadable{5008,
+                                        "REPORT_UNREADABLE",
+                                        ExitCode::kInvalid,
+                                        "the report cannot be used",
+                                        "write it again with dgm-bake --report; what is up to date is not baked twice",
+                                        "a merged report that leaves out a part would hide its failures"};
 
 // 6xxx usage
 inline constexpr Code kUsage{6001,
@@ -356,6 +374,12 @@ inline constexpr Code kBadBaseline{6003,
                                    "the baseline cannot be read",
                                    "write it again with --write-baseline",
                                    "without its baseline a run would fail for what is known, or pass what is new"};
+inline constexpr Code kSceneInvalid{6004,
+                                    "SCENE_INVALID",
+                                    ExitCode::kUsage,
+                                    "the scene file is wrong",
+                                    "docs/scenes.md has every key; the message tells line and column",
+                                    "a wish that is misread would bake a scene other than the one that was meant"};
 
 // 9xxx internal
 inline constexpr Code kInternal{9001,
@@ -388,20 +412,33 @@ inline constexpr Code kInterrupted{9005,
                                    "the bake was interrupted",
                                    "run it again",
                                    "what was not finished was not written"};
+inline constexpr Code kWorkerKilled{9006,
+                                    "WORKER_KILLED",
+                                    ExitCode::kTransient,
+                                    "the worker process was killed from outside",
+                                    "run it again, with a smaller -j if the machine ran short of memory",
+                                    "the asset may be good, so a batch system should try it again"};
+inline constexpr Code kSystemBusy{9007,
+                                  "SYSTEM_BUSY",
+                                  ExitCode::kTransient,
+                                  "the system has no process, descriptor or memory left for now",
+                                  "run it again when less is running, or with a smaller -j",
+                                  "the asset was not tried, so nothing is known of it"};
 
 inline constexpr const Code* kAll[] = {
-    &kNotDgm,          &kBadVersion,    &kHashMismatch,      &kTruncated,       &kBadIndex,
-    &kHdf5Unreadable,  &kExrUnreadable, &kLayersOverlap,     &kBadAlignment,    &kForeignStorage,
-    &kIndexDiffers,    &kUnknownLayer,  &kBadAttribute,      &kUnknownObject,   &kNotReproducible,
-    &kMissingChannel,  &kMissingLayer,  &kBadLayerShape,     &kNotFinite,       &kSeamGap,
-    &kBadSeamTable,    &kBadTopology,   &kBadValue,          &kBadCollision,    &kBadContact,
-    &kBadBounds,       &kBadReport,     &kBadMetric,         &kFlippedFaces,    &kLooseSamples,
-    &kBadNormal,       &kNoFaces,       &kNonOrientable,     &kMapInvalid,      &kMethodUnsuited,
-    &kImportFailed,    &kGridTooSmall,  &kTooLarge,          &kScaleOutOfRange, &kErrorNotReached,
-    &kBudgetTooSmall,  &kRmsExceeded,   &kHausdorffExceeded, &kSourceDiffers,   &kTurnedFaces,
-    &kTopologyDiffers, &kFileMissing,   &kReadFailed,        &kWriteFailed,     &kNothingToDo,
-    &kImageUnreadable, &kUsage,         &kUnsupported,       &kBadBaseline,     &kInternal,
-    &kWorkerCrashed,   &kWorkerTimeout, &kWorkerMemory,      &kInterrupted,
+    &kNotDgm,          &kBadVersion,    &kHashMismatch,      &kTruncated,        &kBadIndex,
+    &kHdf5Unreadable,  &kExrUnreadable, &kLayersOverlap,     &kBadAlignment,     &kForeignStorage,
+    &kIndexDiffers,    &kUnknownLayer,  &kBadAttribute,      &kUnknownObject,    &kNotReproducible,
+    &kMissingChannel,  &kMissingLayer,  &kBadLayerShape,     &kNotFinite,        &kSeamGap,
+    &kBadSeamTable,    &kBadTopology,   &kBadValue,          &kBadCollision,     &kBadContact,
+    &kBadBounds,       &kBadReport,     &kBadMetric,         &kFlippedFaces,     &kLooseSamples,
+    &kBadNormal,       &kNoFaces,       &kNonOrientable,     &kMapInvalid,       &kMethodUnsuited,
+    &kImportFailed,    &kGridTooSmall,  &kTooLarge,          &kScaleOutOfRange,  &kErrorNotReached,
+    &kBudgetTooSmall,  &kRmsExceeded,   &kHausdorffExceeded, &kSourceDiffers,    &kTurnedFaces,
+    &kTopologyDiffers, &kFileMissing,   &kReadFailed,        &kWriteFailed,      &kNothingToDo,
+    &kImageUnreadable, &kNoSpace,       &kIoTrouble,         &kReportUnreadable, &kUsage,
+    &kUnsupported,     &kBadBaseline,   &kSceneInvalid,      &kInternal,         &kWorkerCrashed,
+    &kWorkerTimeout,   &kWorkerMemory,  &kInterrupted,       &kWorkerKilled,     &kSystemBusy,
 };
 
 }  // namespace dgm::model::codes

@@ -22,8 +22,12 @@ FIXTURES = os.environ.get("DGM_MAKE_VALIDATION_FIXTURES", "")
 NO_INPUT = {
     3003: "needs a mesh on which every method fails; none is known",
     3007: "needs an input beyond the tool's limits: gigabytes",
+    5006: "needs a full disk: test_files.py",
+    5007: "needs a failing disk or network share",
     9001: "stands for errors in the tools themselves",
     9005: "needs a signal at the right moment: test_interrupt.py",
+    9006: "needs a signal at the right moment: test_slurm.py",
+    9007: "needs a machine that has no process left",
 }
 
 
@@ -81,6 +85,7 @@ class Codes(support.Folder):
             (5001, validate, ["absent.dgm"]), (5003, validate, ["good.dgm", "--report", "json=no/such/folder.json"]),
             (5004, bake, ["texts", "-o", "out"]), (5005, bake, ["sheet.obj", *small, "--texture", "broken.png"]),
             (6001, validate, ["--frob"]), (6002, bake, ["sheet.obj", "--report", "r.html", "--report-format", "html"]),
+            (5008, bake, ["--merge-reports", "baseline.json", "-o", "all.json"]),
             (6003, validate, ["good.dgm", "--baseline", "baseline.json"]),
             (9002, faulty, ["segfault.obj", *small]), (9003, faulty, ["hang.obj", *small, "--time-limit", "1"]),
         ]
