@@ -18,7 +18,7 @@ from pathlib import Path
 SYSTEM, XXHASH, PNG, STB = "the operating system", "xxHash", "libpng", "stb"
 EIGEN, CGAL, EMBREE, TBB, BOOST = "Eigen", "CGAL", "Embree", "TBB", "Boost"
 HDF5, OPENEXR, ASSIMP = "HDF5", "OpenEXR", "assimp"
-FMT, JSON, CLI11, GTEST = "fmt", "nlohmann-json", "CLI11", "GoogleTest"
+FMT, JSON, TOML, CLI11, GTEST = "fmt", "nlohmann-json", "toml++", "CLI11", "GoogleTest"
 INTRINSICS, BENCHMARK, NANOFLANN = "processor intrinsics", "Google Benchmark", "nanoflann"
 
 
@@ -35,7 +35,7 @@ RUNTIME = ("libdgm/include",)
 DATA = RUNTIME + ("formats/model", "formats/image")
 GEOMETRY = DATA + ("cli/geometry",)
 CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
-BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cli/pipeline", "cli/tool")
+BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cli/pipeline", "cli/scene", "cli/tool")
 
 PARTS = (
     Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
@@ -52,6 +52,7 @@ PARTS = (
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
     Part("cli/pipeline", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB, SYSTEM),
          "the stages in order; introduces the parameterizers to the geometry"),
+    Part("cli/scene", 5, BELOW_PROGRAMS, (FMT, TOML), "what a scene asks for, and the batch that answers it"),
     Part("cli/bench", 5, BELOW_PROGRAMS, (FMT,), "a program for developers, not installed"),
     Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
     Part("cli/validate", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
@@ -70,7 +71,7 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"CGAL/", CGAL), (r"Eigen/|unsupported/Eigen/", EIGEN), (r"embree3/", EMBREE), (r"(oneapi/)?tbb/", TBB),
     (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
-    (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"[a-z]*mmintrin\.h", INTRINSICS),
+    (r"toml\+\+/", TOML), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"[a-z]*mmintrin\.h", INTRINSICS),
     (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
     (r"(sys|linux|net|netinet|arpa)/|(fcntl|fnmatch|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),

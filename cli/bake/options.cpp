@@ -15,6 +15,7 @@
 #include "bake/raw_options.h"
 #include "model/codes.h"
 #include "pipeline/option_names.h"
+#include "pipeline/option_text.h"
 #include "tool/help.h"
 
 namespace dgm::bake {
@@ -33,13 +34,7 @@ constexpr unsigned kMaxShards = 1'000'000;
 template <class Names>
 [[noreturn]] void unknown_word(std::string_view option, std::string_view what, const std::string& word,
                                const Names& names) {
-    std::string list;
-    for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
-    std::string message = fmt::format("{}: there is no {} \"{}\"", option, what, word);
-    const std::vector<std::string> words(names.begin(), names.end());
-    if (const std::string_view meant = tool::nearest(word, words); !meant.empty())
-        message += fmt::format("; did you mean {}?", meant);
-    wrong(message + fmt::format("\nthere are: {}", list));
+    wrong(fmt::format("{}: {}", option, tool::unknown_word(what, word, {names.begin(), names.end()})));
 }
 
 template <class E, std::size_t N>
@@ -61,22 +56,6 @@ std::vector<std::string> split_list(std::string_view option, std::string_view te
     }
 }
 
-/// "MxN", or "M" for MxM.
-GridSize parse_size(std::string_view option, const std::string& text, std::uint32_t least, std::uint32_t most) {
-    const auto side = [&](std::string_view digits) {
-        std::uint32_t value = 0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (error != std::errc() || end != digits.data() + digits.size() || value < least || value > most)
-            wrong(
-                fmt::format("{}: \"{}\" is not a size; write MxN or N, each from {} to {}", option, text, least, most));
-        return value;
-    };
-    const std::size_t x = text.find_first_of("xX");
-    const std::string_view whole = text;
-    if (x == std::string::npos) return {side(whole), side(whole)};
-    return {side(whole.substr(0, x)), side(whole.substr(x + 1))};
-}
-
 /// "auto:66049": the number.
 std::uint64_t parse_auto_size(const std::string& text) {
     constexpr std::uint64_t kLeast = std::uint64_t{kMinSide} * kMinSide, kMost = std::uint64_t{kMaxSide} * kMaxSide;
@@ -90,42 +69,9 @@ std::uint64_t parse_auto_size(const std::string& text) {
 }
 
 /// "0.05%", or "0.5" in source units.
-ErrorGoal parse_max_error(std::string text) {
-    ErrorGoal goal;
-    const std::string whole = text;
-    goal.percent = text.ends_with('%');
-    if (goal.percent) text.pop_back();
-    while (text.ends_with(' ')) text.pop_back();
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), goal.value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(goal.value) || !(goal.value > 0))
-        wrong(
-            fmt::format("--max-error: \"{}\" is not an error; write for instance 0.05% (of the diagonal) or 0.2 (in "
-                        "the mesh's units)",
-                        whole));
-    return goal;
-}
-
-/// "512MiB", "2G", "800000000"; decimal units end in B alone, the others are powers of 1024.
-std::uint64_t parse_bytes(std::string_view option, const std::string& text, std::string_view example) {
-    constexpr std::string_view kLetters = "KMGT";
-    double value = 0;
-    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
-    std::string unit(rest, text.data() + text.size());
-    for (char& c : unit)
-        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-    double factor = 1;
-    bool good = error == std::errc() && std::isfinite(value) && value >= 0;
-    if (const std::size_t power = unit.empty() ? std::string_view::npos : kLetters.find(unit[0]);
-        power != std::string_view::npos) {
-        const std::string_view tail = std::string_view(unit).substr(1);
-        good = good && (tail.empty() || tail == "B" || tail == "IB");
-        factor = std::pow(tail == "B" ? 1000.0 : 1024.0, static_cast<double>(power + 1));
-    } else {
-        good = good && (unit.empty() || unit == "B");
-    }
-    if (!good || value * factor > 1e18)
-        wrong(fmt::format("{}: \"{}\" is not a size; write for instance {}", option, text, example));
-    return static_cast<std::uint64_t>(value * factor);
+ErrorGoal parse_max_error(const std::string& text) {
+    const Quantity read = parse_quantity("--max-error", text, {"%"}, "0.05% (of the diagonal) or 0.2 (in the mesh's units)");
+    return {read.value, read.unit == "%"};
 }
 
 void set_formats(const Raw& raw, CommandLine& out) {

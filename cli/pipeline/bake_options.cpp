@@ -34,6 +34,8 @@ std::string canonical_settings(const BakeOptions& options) {
         options.texture_size ? fmt::format("{}x{}", options.texture_size->rows, options.texture_size->cols) : "grid");
     // Named only where they are used, so that files without them keep their hash.
     if (options.bump_size) text += fmt::format(";bump_size={}x{}", options.bump_size->rows, options.bump_size->cols);
+    if (options.texture_bytes) text += fmt::format(";texture_bytes={}", *options.texture_bytes);
+    if (options.texel_length) text += fmt::format(";texel_length={}", *options.texel_length);
     for (const std::string_view name : kAblateNames)
         if (options.ablates(name)) text.append(";without=").append(name);
     return text;

@@ -29,6 +29,8 @@ json settings_json(const BakeOptions& options) {
              {"format", json::array()},
              {"exr_layout", name_of(kExrLayoutNames, options.exr_layout)}};
     if (options.bump_size) out["bump_size"] = size_json(*options.bump_size);
+    if (options.texture_bytes) out["texture_bytes"] = *options.texture_bytes;
+    if (options.texel_length) out["texel_length"] = *options.texel_length;
     if (!options.ablate.empty()) out["ablate"] = options.ablate;
     if (options.max_error)
         out["max_error"] = {{options.max_error->percent ? "percent" : "source_units", options.max_error->value},

@@ -19,7 +19,8 @@ struct NamedValue {
 inline constexpr std::array kFitNames{NamedValue<Fit>{"sample", Fit::kSample}, NamedValue<Fit>{"l2", Fit::kL2},
                                       NamedValue<Fit>{"best", Fit::kBest}};
 inline constexpr std::array kPrecisionNames{NamedValue<Precision>{"f32", Precision::kF32},
-                                            NamedValue<Precision>{"u16", Precision::kU16}};
+                                            NamedValue<Precision>{"u16", Precision::kU16},
+                                            NamedValue<Precision>{"auto", Precision::kAuto}};
 inline constexpr std::array kDomainNames{NamedValue<DomainChoice>{"auto", DomainChoice::kAuto},
                                          NamedValue<DomainChoice>{"square", DomainChoice::kSquare},
                                          NamedValue<DomainChoice>{"free", DomainChoice::kFree}};

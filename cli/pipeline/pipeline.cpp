@@ -78,6 +78,7 @@ class AssetBake {
         });
         stage("textures", [&] { load_images(); });
         describe();
+        u16_ = choose_u16();
         GridSize largest = options_.size;
         if (options_.auto_samples) stage("shape", [&] { largest = choose_shapes(); });
         if (options_.max_error || options_.budget_bytes) {
@@ -253,6 +254,17 @@ class AssetBake {
         return bytes;
     }
 
+    /// What Precision::kAuto stands for. Rounding to 65536 steps over the longest side of the bounding box moves a point
+    /// by a twelfth root of a step squared rms along any direction.
+    [[nodiscard]] bool choose_u16() const {
+        if (options_.precision != Precision::kAuto) return options_.precision == Precision::kU16;
+        if (!options_.max_error) return false;
+        const ErrorGoal& goal = *options_.max_error;
+        const double asked = goal.percent ? goal.value / 100 : goal.value / repaired_.frame.diagonal;
+        const double rounding = 1 / (65535.0 * std::sqrt(12.0));
+        return asked >= (goal.kind == ErrorKind::kRms ? 3 : 6) * rounding;
+    }
+
     void use_cuts(CutUse use) {
         for (CutMemory& memory : cuts_) memory.use = use;
     }
@@ -379,7 +391,7 @@ class AssetBake {
     void fit_charts() {
         FitOptions fit = options_.fit == Fit::kBest ? best_fit() : l2_fit();
         fit.split_quads = !options_.ablates("diagonals");
-        fit.on_lattice = options_.precision == Precision::kU16;
+        fit.on_lattice = u16_;
         for (std::size_t c = 0; c < mapped_.size(); ++c)
             fit_chart(mapped_[c].chart, fit, part("fit", c, mapped_.size()));
     }
@@ -388,7 +400,7 @@ class AssetBake {
         for (std::size_t c = 0; c < mapped_.size(); ++c) {
             part("layers", c, mapped_.size()).update("layers", 0);
             const SampledChart& chart = mapped_[c].chart;
-            const StoredFrame stored = choose_frame(repaired_.frame, chart, options_.precision == Precision::kU16);
+            const StoredFrame stored = choose_frame(repaired_.frame, chart, u16_);
             const bool fitted = options_.fit != Fit::kSample;
             SampleGrid fine;  // read by bump and texture alone
             if (wants(layers, "bump") || wants(layers, "texture"))
@@ -397,6 +409,7 @@ class AssetBake {
             LayerInput in{chart, repaired_.frame, stored, images_, fine, std::nullopt, fitted, std::nullopt};
             if (options_.texture_size) in.texture_size = {options_.texture_size->rows, options_.texture_size->cols};
             if (options_.bump_size) in.bump_size = {options_.bump_size->rows, options_.bump_size->cols};
+            in.texture_size = limited_texture(texture_shape(in), c);
             ChartLayers made = make_layers(in, layers);
             worst_quantisation_ = std::max(worst_quantisation_, made.worst_quantisation);
             result_.maps.charts.push_back(std::move(made.chart));
@@ -406,6 +419,30 @@ class AssetBake {
         result_.maps.source_name = result_.report.source_name;
         const std::string settings = canonical_settings(options_);
         result_.maps.settings_hash = formats::hash_bytes(std::as_bytes(std::span(settings)));
+    }
+
+    /// The texture's size within BakeOptions::texture_bytes, which charts share by area, and texel_length.
+    [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> limited_texture(std::pair<std::uint32_t, std::uint32_t> shape,
+                                                                          std::size_t c) const {
+        constexpr double kTexelBytes = 4;
+        const double texels = static_cast<double>(shape.first) * shape.second;
+        double most = texels;
+        if (options_.texture_bytes) {
+            double area = 0;
+            for (const double a : areas_) area += a;
+            const double share = area > 0 ? areas_[c] / area : 1 / static_cast<double>(areas_.size());
+            most = std::min(most, share * static_cast<double>(*options_.texture_bytes) / kTexelBytes);
+        }
+        if (options_.texel_length) {
+            const double side = repaired_.frame.diagonal / *options_.texel_length;
+            most = std::min(most, areas_[c] * side * side);
+        }
+        const double scale = std::sqrt(most / texels);
+        if (!(scale < 1)) return shape;
+        const auto shrunk = [&](std::uint32_t side) {
+            return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(std::floor(side * scale)));
+        };
+        return {shrunk(shape.first), shrunk(shape.second)};
     }
 
     /// Errors of what was stored, in the normalised frame, then scaled to source units.
@@ -496,6 +533,7 @@ class AssetBake {
     MaterialImages images_;
     std::vector<double> areas_;  ///< per component
     std::size_t largest_ = 0;    ///< component
+    bool u16_ = false;           ///< positions are stored as u16
     ComponentShapes shapes_;     ///< aspect 0: that of the largest
     std::vector<CutMemory> cuts_;
     std::string trial_;  ///< "129x129: " while grids are tried

@@ -80,6 +80,8 @@ json to_object(const BakeOptions& options) {
              {"exr_layout", name_of(kExrLayoutNames, options.exr_layout)}};
     if (options.texture_size) out["texture_size"] = to_object(*options.texture_size);
     if (options.bump_size) out["bump_size"] = to_object(*options.bump_size);
+    if (options.texture_bytes) out["texture_bytes"] = *options.texture_bytes;
+    if (options.texel_length) out["texel_length"] = *options.texel_length;
     out["ablate"] = options.ablate;
     if (options.auto_samples) out["auto_samples"] = *options.auto_samples;
     if (options.budget_bytes) out["budget_bytes"] = *options.budget_bytes;
@@ -112,6 +114,8 @@ BakeOptions options_from(const json& object) {
     out.texture = decode_path(text_at(object, "texture"));
     if (object.contains("texture_size")) out.texture_size = size_at(object, "texture_size");
     if (object.contains("bump_size")) out.bump_size = size_at(object, "bump_size");
+    if (object.contains("texture_bytes")) out.texture_bytes = number_at(object, "texture_bytes", kMaxU64);
+    if (object.contains("texel_length")) out.texel_length = real_at(object, "texel_length");
     if (object.contains("auto_samples")) out.auto_samples = number_at(object, "auto_samples", kMaxU64);
     if (object.contains("budget_bytes")) out.budget_bytes = number_at(object, "budget_bytes", kMaxU64);
     if (const auto goal = object.find("max_error"); goal != object.end()) {

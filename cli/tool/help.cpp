@@ -122,6 +122,13 @@ std::string_view nearest(std::string_view word, const std::vector<std::string>& 
     return best;
 }
 
+std::string unknown_word(std::string_view what, std::string_view word, const std::vector<std::string>& words) {
+    std::string message = fmt::format("there is no {} \"{}\"", what, word);
+    if (const std::string_view meant = nearest(word, words); !meant.empty())
+        message += fmt::format("; did you mean {}?", meant);
+    return message + fmt::format("\nthere are: {}", fmt::join(words, ", "));
+}
+
 std::string unknown_option(const CLI::App& app, std::string_view option) {
     const std::string_view name = option.substr(0, option.find('='));
     std::string out = "there is no option " + std::string(name);

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/scene/scene_file.h
+// What a scene asks of its assets, as written down in a TOML file (docs/scenes.md).
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/bake_options.h"
+
+namespace dgm::scene {
+
+/// From where assets are looked at. A length L at distance d takes L * rows / (2 d tan(fov / 2)) pixels.
+struct View {
+    double fov_degrees = 60;    ///< vertical field of view, 1..170
+    std::uint32_t rows = 1080;  ///< pixels of the picture's height
+};
+
+enum class ToleranceUnit { kPercent, kSource, kPixels };
+
+/// The distance that a reconstruction may keep from its source.
+struct Tolerance {
+    double value = 0.05;  ///< > 0; % of the diagonal, source units, or pixels at the asset's nearest distance
+    ToleranceUnit unit = ToleranceUnit::kPercent;
+    bake::ErrorKind kind = bake::ErrorKind::kRms;
+};
+
+/// How far a touch reaches: the radius of the footprint.
+struct Reach {
+    double value = 5;  ///< > 0; % of the diagonal, or source units
+    bool percent = true;
+};
+
+enum class Footprint { kGrid, kMetric, kGeodesic };
+
+/// One asset, with the scene's defaults filled in.
+struct SceneAsset {
+    std::string name;               ///< unique; of the output file, without extension
+    std::filesystem::path source;   ///< taken from the folder of the scene file
+    int line = 0;                   ///< of its [[asset]] in the scene file
+    Tolerance tolerance;
+    std::optional<double> distance; ///< the nearest that a viewer comes, source units
+    View view;
+    bool touched = false;           ///< tools press and pull it
+    Footprint footprint = Footprint::kGrid;
+    Reach reach;
+    bool contact = false;           ///< it is set down on things, or things on it
+    bool lit = true;                ///< normals of the source are needed
+    bool textured = true;           ///< colours are needed
+    bool detail = false;            ///< bump: what the grid misses, for shading
+    std::vector<std::string> layers;  ///< not empty: exactly these, whatever the wishes above say
+    std::optional<std::uint64_t> texture_budget;  ///< bytes of the texture layer
+    std::filesystem::path fabric;                 ///< picture instead of the source's textures
+    std::optional<std::uint64_t> budget;          ///< bytes of its file
+    bake::GridSize largest{1025, 1025};           ///< the largest grid tried
+    std::string method = "auto";
+    bake::DomainChoice domain = bake::DomainChoice::kAuto;
+    bake::Fit fit = bake::Fit::kBest;
+    std::optional<bake::Precision> precision;  ///< nullopt: the smaller one that holds the tolerance
+};
+
+struct Scene {
+    std::string name;
+    std::optional<std::uint64_t> budget;     ///< bytes of all files
+    std::optional<double> tick_budget;       ///< seconds of the haptic tick, of each touched asset
+    std::vector<SceneAsset> assets;          ///< in the order of the file; at least one
+};
+
+/// Reads and checks a scene file. Files named in it are not looked at.
+/// @throws model::Error kFileMissing, kReadFailed; kSceneInvalid with FILE:LINE:COLUMN as its place: no TOML, an unknown
+///         key (with the one that was meant), a value of the wrong type or out of its range, a pixel tolerance without
+///         a distance, two assets of one name, no asset
+[[nodiscard]] Scene read_scene(const std::filesystem::path& file);
+
+/// The same from text; `file` is for messages, and its folder is where sources are taken from. Made for tests and fuzzing.
+[[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& file);
+
+}  // namespace dgm::scene

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/scene/scene_plan.h
+// From what a scene asks to what is baked, and what each choice saves against one size for all.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "model/map_set.h"
+#include "pipeline/bake_options.h"
+#include "pipeline/batch_plan.h"
+#include "scene/scene_file.h"
+
+namespace dgm::scene {
+
+/// The tolerance as the bake is asked for it: pixels become source units, value * 2 d tan(fov / 2) / rows.
+[[nodiscard]] bake::ErrorGoal error_goal(const SceneAsset& asset);
+
+/// Layers of design section 4 that the asset's wishes need, in file order. Geometry always; normal if lit; texture if
+/// textured; bump if detail; collision and deformation if touched; contact if touched or in contact.
+[[nodiscard]] std::vector<std::string> needed_layers(const SceneAsset& asset);
+
+/// The options of the bake: the smallest grid that holds the tolerance, or the largest in the budget if there is only
+/// that, in the smaller precision that the tolerance allows.
+[[nodiscard]] bake::BakeOptions bake_options(const SceneAsset& asset);
+
+/// One job an asset, into `folder`. An asset whose source is not there is a refusal.
+/// @throws model::Error kUsage if an output would overwrite a source
+[[nodiscard]] bake::BatchPlan plan_batch(const Scene& scene, const std::filesystem::path& folder);
+
+/// One line a wish: "tolerance 1.5 px at 20: 0.0321 units rms", "layers geometry, normal: not touched, no contact".
+[[nodiscard]] std::vector<std::string> describe(const SceneAsset& asset);
+
+/// What one step from "everything at 257 x 257, f32" to the asset's file saves. The steps are taken one after the
+/// other, so that they add up.
+struct Saving {
+    std::string choice;      ///< "grid 65x65", "precision u16", "without bump, contact", "texture 128x128"
+    std::int64_t bytes = 0;  ///< negative: it costs
+};
+
+struct Savings {
+    std::uint64_t one_size = 0;  ///< bytes of the baseline's layers
+    std::uint64_t bytes = 0;     ///< of the layers as baked
+    std::vector<Saving> steps;   ///< one_size - bytes in parts; steps of nothing are left out
+};
+
+/// The baseline is computed, not baked: design section 4 says what each layer takes, smaller charts get fewer samples as
+/// they did, textures two pixels a grid step where the asset has a texture, bump (2m-1) x (2n-1).
+[[nodiscard]] Savings savings(const model::MapSet& baked);
+
+}  // namespace dgm::scene
