@@ -479,13 +479,16 @@ class AssetBake {
                 const double truth = six_volume(component);
                 if (truth != 0) report.volume_relative_error = six_volume(map) / truth - 1;
             }
-            report.turned_faces = count_turned_faces(component, map);
+            const ClosestPointIndex index(component.positions, component.faces);
+            report.turned_faces = count_turned_faces(component, map, &index);
             report.candidates = mapped_[c].candidates;
             const double share = area > 0 ? areas_[c] / area : 1;
             const auto samples =
                 static_cast<std::uint64_t>(std::max(2000.0, static_cast<double>(error_samples) * share));
             const std::size_t parts = mapped_.size() > 1 ? mapped_.size() + 1 : 1;
-            SurfaceErrorOptions sampling{samples, 1, {}};
+            SurfaceErrorOptions sampling;
+            sampling.samples = samples;
+            sampling.source_index = &index;
             if (bump) sampling.shading = [&](std::uint32_t face, const double(&b)[3]) { return bump->at(face, b); };
             report.error = measure_surface_error(component, map, sampling, part("measure", c, parts));
             add_normals(report.error, share);
@@ -494,7 +497,7 @@ class AssetBake {
         }
         result_.report.error = result_.report.charts.front().error;
         if (mapped_.size() > 1) {
-            result_.report.error = measure_surface_error(whole_source, whole_map, {error_samples, 1, {}},
+            result_.report.error = measure_surface_error(whole_source, whole_map, {.samples = error_samples},
                                                          part("measure", mapped_.size(), mapped_.size() + 1));
             // Charts are measured with their normals, each as much as its share of the area.
             result_.report.error.normal_rms_degrees = std::sqrt(normals_squared_[0]);

@@ -66,8 +66,10 @@ class Search {
  private:
     /// Loops about handles depend on where they meet: of some places the best of the shortest cuts.
     void begin() {
-        constexpr std::size_t kRoots = 24, kTried = 4;
         if (cut_.genus() == 0 || options_.measured) return cut_.cut_to_disk();
+        // Many handles take long, and one place among them is as good as another.
+        constexpr std::size_t kTried = 4, kLoops = 24 * 16;
+        const std::size_t roots = std::clamp<std::size_t>(kLoops / static_cast<std::size_t>(cut_.genus()), 2, 24);
         const std::size_t n = component_.positions.size();
         std::vector<std::pair<double, std::uint32_t>> by_length;
         const auto length_from = [&](std::uint32_t root) {
@@ -76,7 +78,10 @@ class Search {
             by_length.emplace_back(cut.length(), root);
         };
         length_from(kNone);
-        for (std::size_t k = 0; k < kRoots; ++k) length_from(static_cast<std::uint32_t>(k * n / kRoots));
+        for (std::size_t k = 0; k < roots; ++k) {
+            progress_.update("cut", 0);
+            length_from(static_cast<std::uint32_t>(k * n / roots));
+        }
         std::sort(by_length.begin(), by_length.end());
         by_length.erase(std::unique(by_length.begin(), by_length.end()), by_length.end());
         CutGraph best = cut_;
@@ -143,6 +148,8 @@ class Search {
                 ++idle;
             }
             if (out_.rms < kExact) break;  // a flat panel: what is left is rounding
+            // A border that is too short for its paths is no longer with one more.
+            if (!best_ && !options_.measured && failure_->code().number == model::codes::kGridTooSmall.number) break;
             // While nothing valid was found, keep going: a body with limbs needs its limbs cut first.
             if (idle > options_.patience && best_) break;
             const std::uint32_t vertex = extremity(trial);
@@ -272,12 +279,13 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
     if (options.measured) return search_measured(component, options, wanted, progress);
     CutSearchOptions trial = options;
     const bool simplified = component.faces.size() > options.coarse_faces + options.coarse_faces / 2;
+    Simplified small;
     CompactMesh coarse;
     if (simplified) {
         const std::vector<char> corners = border_corners(component);
         SimplifyOptions simplify_options;
         simplify_options.locked = corners;
-        const Simplified small = simplify(component, options.coarse_faces, simplify_options, progress);
+        small = simplify(component, options.coarse_faces, simplify_options, progress);
         coarse = compact(component.positions, small.faces);
     }
     const TriMesh& mesh = simplified ? coarse.mesh : component;
@@ -285,7 +293,11 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
     const double share = std::sqrt(static_cast<double>(mesh.positions.size()) / component.positions.size());
     const double longest = (std::max(wanted.m, wanted.n) - 1) * share + 1;
     const double largest = options.largest_side;
-    const GridSides grid = shrink(wanted, std::clamp(longest, 0.5 * largest, largest));
+    GridSides grid = shrink(wanted, std::clamp(longest, 0.5 * largest, largest));
+    // A network of 6g - 3 paths about g handles stands twice on the border; a path wants two intervals.
+    const Topology shape = measure_topology(component.positions.size(), component.faces);
+    const double intervals = 4 * (6.0 * static_cast<double>(shape.genus) - 3);
+    if (BorderGrid{grid.m, grid.n}.count() < intervals) grid = wanted;
     trial.m = grid.m, trial.n = grid.n;
     try {
         Search search(mesh, trial, progress);
@@ -295,7 +307,7 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
             return out;
         }
         CutGraph fine(component);
-        if (!transfer_cut(search.best_cut(), coarse.original, fine))
+        if (!transfer_cut(search.best_cut(), coarse.original, small, fine))
             throw model::Error(model::codes::kMapInvalid, "the cut of the simplified mesh could not be carried over");
         const Disk coarse_disk = std::move(out.disk);
         out.disk = fine.open();
@@ -306,6 +318,8 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
         return out;
     } catch (const model::Error& e) {
         if (e.code().number == model::codes::kInterrupted.number) throw;
+        // Where the border has no room for the paths of a simplified mesh, the whole one will find no more.
+        if (e.code().number == model::codes::kGridTooSmall.number && grid.m == wanted.m && grid.n == wanted.n) throw;
     }
     return search_measured(component, options, wanted, progress);
 }

@@ -3,6 +3,7 @@
 #include "geometry/chart/cut_transfer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/chart/cut_carry.h"
 #include "geometry/mesh/union_find.h"
 #include "geometry/parameterize/square_border.h"
 
@@ -25,8 +27,8 @@ class LocalSearch {
  public:
     explicit LocalSearch(const VertexGraph& graph) : graph_(graph) {}
 
-    /// Vertices from `from` to `to`, both included, through vertices for which `open` holds; empty if there is no way
-    /// shorter than `reach`.
+    /// Vertices from `from` to `to`, both included, along arcs for which `open` holds; empty if there is no way shorter
+    /// than `reach`.
     template <class Open>
     std::vector<std::uint32_t> path(std::uint32_t from, std::uint32_t to, double reach, Open open) {
         std::vector<std::uint32_t> out;
@@ -38,7 +40,7 @@ class LocalSearch {
 
     /// Vertices nearer than `reach` to one of `from`.
     [[nodiscard]] std::vector<std::uint32_t> ball(std::span<const std::uint32_t> from, double reach) {
-        run(from, kNone, reach, [](std::uint32_t) { return true; });
+        run(from, kNone, reach, [](const VertexGraph::Arc&) { return true; });
         std::vector<std::uint32_t> out;
         for (const auto& [v, state] : reached_) out.push_back(v);
         return out;
@@ -64,7 +66,7 @@ class LocalSearch {
             for (std::uint32_t a = graph_.first[v]; a < graph_.first[v + 1]; ++a) {
                 const auto& arc = graph_.arcs[a];
                 const double next = d + arc.length;
-                if (next > reach || (arc.to != to && !open(arc.to))) continue;
+                if (next > reach || !open(arc)) continue;
                 const auto [it, fresh] = reached_.try_emplace(arc.to, State{kInfinity, kNone});
                 // Ties go to the lower vertex, so that the order of arcs does not matter.
                 if (next < it->second.distance) {
@@ -90,41 +92,48 @@ std::vector<std::uint32_t> points_of(const Disk& disk, const BorderPath& path) {
     return out;
 }
 
-bool is_one_disk(const Disk& disk) {
-    UnionFind faces(disk.mesh.faces.size());
-    std::size_t border = 0, parts = disk.mesh.faces.size();
-    for (std::uint32_t h = 0; h < disk.opposite.size(); ++h) {
-        if (disk.opposite[h] == kNone)
-            ++border;
-        else if (h < disk.opposite[h] && faces.unite(h / 3, disk.opposite[h] / 3))
-            --parts;
+/// True if what is left of the surface without the cut and the border is one open disk: connected, and of Euler
+/// characteristic 1.
+bool opens_to_disk(const CutGraph& cut) {
+    const std::span<const Face> faces = cut.mesh().faces;
+    UnionFind joined(faces.size());
+    std::size_t parts = faces.size();
+    std::int64_t edges = 0, vertices = 0;
+    std::vector<char> inside(cut.mesh().positions.size(), 0);
+    for (std::uint32_t h = 0; h < cut.opposite().size(); ++h) inside[origin(faces, h)] = 1;
+    for (std::uint32_t h = 0; h < cut.opposite().size(); ++h) {
+        const std::uint32_t across = cut.opposite()[h];
+        if (across == kNone || cut.is_cut(h)) {
+            inside[origin(faces, h)] = inside[target(faces, h)] = 0;
+        } else if (h < across) {
+            ++edges;
+            if (joined.unite(h / 3, across / 3)) --parts;
+        }
     }
-    const auto edges = static_cast<std::int64_t>((disk.opposite.size() + border) / 2);
-    return parts == 1 && boundary_loops(disk.opposite).size() == 1 &&
-           static_cast<std::int64_t>(disk.mesh.positions.size()) - edges +
-                   static_cast<std::int64_t>(disk.mesh.faces.size()) ==
-               1;
+    for (const char v : inside) vertices += v;
+    return parts == 1 && vertices - edges + static_cast<std::int64_t>(faces.size()) == 1;
 }
 
 class Transfer {
  public:
-    Transfer(CutGraph& fine, const Disk& coarse, std::span<const std::uint32_t> original)
-        : fine_(fine), coarse_(coarse), original_(original), search_(fine.graph()) {}
+    Transfer(CutGraph& fine, const CutGraph& coarse, std::span<const std::uint32_t> original,
+             const Simplified& simplified)
+        : fine_(fine),
+          coarse_cut_(coarse),
+          coarse_(coarse.open()),
+          original_(original),
+          simplified_(simplified),
+          search_(fine.graph()) {}
 
     bool run() {
         const std::vector<BorderPath> paths = coarse_.paths();
-        used_.assign(fine_.graph().first.size() - 1, 0);
+        reset();
         for (const BorderPath& path : paths)
             for (std::uint32_t v : points_of(coarse_, path)) used_[original_[v]] = 1;
-        const std::span<const Face> faces = fine_.mesh().faces;
-        for (std::uint32_t h = 0; h < fine_.opposite().size(); ++h)
-            if (fine_.opposite()[h] == kNone) used_[origin(faces, h)] = used_[target(faces, h)] = 1;
-        if (!lay(paths)) return false;
-        const std::vector<Laid> crooked = laid_;
-        for (Laid& laid : laid_) straighten(laid);
-        if (opens(laid_)) return true;
-        // Straight paths may pass a handle on its other side.
-        return opens(crooked);
+        if (!lay(paths) || !mark_all()) carry(paths);
+        if (!opens_to_disk(fine_)) return false;
+        straighten(0, laid_.size());
+        return true;
     }
 
  private:
@@ -134,6 +143,40 @@ class Transfer {
         double step;               ///< mean length of the coarse edges
         std::uint32_t middle = 0;  ///< of a loop: where its halves meet
     };
+
+    void reset() {
+        laid_.clear();
+        used_.assign(fine_.graph().first.size() - 1, 0);
+        const std::span<const Face> faces = fine_.mesh().faces;
+        for (std::uint32_t h = 0; h < fine_.opposite().size(); ++h)
+            if (fine_.opposite()[h] == kNone) used_[origin(faces, h)] = used_[target(faces, h)] = 1;
+    }
+
+    /// False, and nothing marked, if the paths do not open the mesh into one disk.
+    bool mark_all() {
+        for (const Laid& laid : laid_) mark(laid.vertices, true);
+        if (opens_to_disk(fine_)) return true;
+        for (const Laid& laid : laid_) mark(laid.vertices, false);
+        return false;
+    }
+
+    /// Where handles crowd, paths find no room one after the other: all of them come through the collapses together.
+    void carry(const std::vector<BorderPath>& coarse_paths) {
+        reset();
+        for (const auto& [a, b] : carry_cut(coarse_cut_, original_, simplified_, fine_)) mark(std::array{a, b}, true);
+        double length = 0;
+        std::size_t edges = 0;
+        for (const BorderPath& path : coarse_paths)
+            if (path.mate != kNone) length += path.length, edges += path.half_edges.size();
+        const double step = edges > 0 ? length / static_cast<double>(edges) : 0;
+        const Disk disk = fine_.open();
+        const std::vector<BorderPath> paths = disk.paths();
+        for (std::size_t p = 0; p < paths.size(); ++p) {
+            if (paths[p].mate == kNone || paths[p].mate < p) continue;
+            laid_.push_back({points_of(disk, paths[p]), paths[p].is_loop, step});
+            for (const std::uint32_t v : laid_.back().vertices) used_[v] = 1;
+        }
+    }
 
     /// One shortest path per coarse edge, none of them through a vertex that is used. Where paths meet there is little
     /// room: edges at nodes go first, short ones before long ones; if one finds no way it goes before all others.
@@ -164,7 +207,8 @@ class Transfer {
             });
             Edge* stuck = nullptr;
             for (Edge& e : edges) {
-                e.way = search_.path(e.from, e.to, kDetour * e.length, [&](std::uint32_t v) { return !used_[v]; });
+                e.way = search_.path(e.from, e.to, kDetour * e.length,
+                                     [&](const VertexGraph::Arc& arc) { return arc.to == e.to || !used_[arc.to]; });
                 if (e.way.empty()) {
                     stuck = &e;
                     break;
@@ -188,12 +232,35 @@ class Transfer {
         return true;
     }
 
-    /// Marks the paths; takes the marks back if they do not open the mesh into one disk.
-    bool opens(const std::vector<Laid>& paths) {
-        for (const Laid& laid : paths) mark(laid.vertices, true);
-        if (is_one_disk(fine_.open())) return true;
-        for (const Laid& laid : paths) mark(laid.vertices, false);
-        return false;
+    /// Straightens paths [first, last). A straight path may pass a handle on its other side: then half of them are
+    /// tried, down to the one that stays as it is.
+    void straighten(std::size_t first, std::size_t last) {
+        if (first == last) return;
+        const auto begin = laid_.begin() + static_cast<std::ptrdiff_t>(first),
+                   end = laid_.begin() + static_cast<std::ptrdiff_t>(last);
+        const std::vector<Laid> before(begin, end);
+        for (auto it = begin; it != end; ++it) {
+            mark(it->vertices, false);
+            straighten(*it);
+            mark(it->vertices, true);
+        }
+        if (opens_to_disk(fine_)) return;
+        for (auto it = begin; it != end; ++it) {
+            mark(it->vertices, false);
+            use(*it, 0);
+        }
+        std::copy(before.begin(), before.end(), begin);
+        for (auto it = begin; it != end; ++it) {
+            mark(it->vertices, true);
+            use(*it, 1);
+        }
+        if (last - first == 1) return;
+        straighten(first, first + (last - first) / 2);
+        straighten(first + (last - first) / 2, last);
+    }
+
+    void use(const Laid& laid, char used) {
+        for (std::size_t k = 1; k + 1 < laid.vertices.size(); ++k) used_[laid.vertices[k]] = used;
     }
 
     /// Shortens a path within its surroundings, a loop in two halves; it stays as it is where there is no way.
@@ -221,7 +288,10 @@ class Transfer {
         const std::vector<std::uint32_t> corridor = search_.ball(part, laid.step);
         for (std::uint32_t x : corridor) near[x] = 1;
         const std::vector<std::uint32_t> way =
-            search_.path(part.front(), part.back(), kInfinity, [&](std::uint32_t x) { return near[x] && !used_[x]; });
+            search_.path(part.front(), part.back(), kInfinity, [&](const VertexGraph::Arc& arc) {
+                // Another path may join the same two nodes by one edge.
+                return arc.to == part.back() ? !fine_.is_cut(arc.half_edge) : near[arc.to] && !used_[arc.to];
+            });
         for (std::uint32_t x : corridor) near[x] = 0;
         if (way.empty()) {
             for (std::uint32_t x : part) used_[x] = 1;
@@ -243,8 +313,10 @@ class Transfer {
     }
 
     CutGraph& fine_;
-    const Disk& coarse_;
+    const CutGraph& coarse_cut_;
+    const Disk coarse_;
     std::span<const std::uint32_t> original_;
+    const Simplified& simplified_;
     LocalSearch search_;
     std::vector<char> used_;  // per fine vertex: on a path or on the border
     std::vector<char> near_;
@@ -253,9 +325,9 @@ class Transfer {
 
 }  // namespace
 
-bool transfer_cut(const CutGraph& coarse, std::span<const std::uint32_t> original, CutGraph& fine) {
-    const Disk disk = coarse.open();
-    return Transfer(fine, disk, original).run();
+bool transfer_cut(const CutGraph& coarse, std::span<const std::uint32_t> original, const Simplified& simplified,
+                  CutGraph& fine) {
+    return Transfer(fine, coarse, original, simplified).run();
 }
 
 std::optional<std::uint32_t> transfer_rotation(const Disk& coarse, std::uint32_t coarse_m, std::uint32_t coarse_n,

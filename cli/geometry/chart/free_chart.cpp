@@ -177,7 +177,8 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
 
 constexpr double kGoodStretch = 1.25;  // L2 stretch from which a shorter cut is preferred to a better map
 constexpr double kBetter = 0.95;       // of the stretch so far: what a longer cut must reach to be taken
-constexpr int kCutRounds = 8;
+// Loops about so many handles make a cut that is long as it is, and each map of it takes long: no more than two.
+constexpr std::int64_t kManyHandles = 16;
 constexpr int kShrunkPerRound = 2;
 constexpr double kLeastBranch = 0.1;  // of the distance of the farthest vertex: shorter branches are not worth a trial
 constexpr int kTipsPerRound = 6;
@@ -313,7 +314,8 @@ SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uin
     std::optional<Error> failure;
     std::optional<Layout> best, last;
     int idle = 0;
-    for (int round = 0; round < kCutRounds; ++round) {
+    const int rounds = cut.genus() > kManyHandles ? std::min(tools.cut_rounds, 2) : tools.cut_rounds;
+    for (int round = 0; round < rounds; ++round) {
         last = lay_out(cut.open(), method, tools, progress, failure);
         last->cut_length = cut.length();
         // Arms that lie over each other are moved apart; cutting more would give more arms.

@@ -20,6 +20,7 @@ using Triangulate = std::function<std::vector<Face>(
 struct FreeChartTools {
     std::function<bool(std::span<const Vec2d> border)> is_simple;
     Triangulate triangulate;
+    int cut_rounds = 8;  ///< cuts mapped, at most
 };
 
 /// Cuts, solves, checks (finite, flips, degenerate faces, simple border), turns the chart to its smallest rectangle,

@@ -170,7 +170,10 @@ bool holds_topology(const Topology& welded, const Topology& source) {
 }
 
 SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples) {
-    return measure_surface_error(component, chart.surface(), {samples, 1});
+    SurfaceErrorOptions options;
+    options.samples = samples;
+    options.vertices = false;
+    return measure_surface_error(component, chart.surface(), options);
 }
 
 }  // namespace dgm::bake

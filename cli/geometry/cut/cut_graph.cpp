@@ -3,6 +3,7 @@
 #include "geometry/cut/cut_graph.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <queue>
 
@@ -175,6 +176,15 @@ void CutGraph::cut_handles(std::uint32_t root) {
     prune();
 }
 
+/// What a search for another way needs, kept from path to path: numbers per half-edge, valid where `stamp` is current.
+struct CutGraph::Detours {
+    explicit Detours(std::size_t half_edges)
+        : distance(half_edges), arc(half_edges), from(half_edges), stamp(half_edges, 0), goal(half_edges, 0) {}
+    std::vector<double> distance;
+    std::vector<std::uint32_t> arc, from, stamp, goal;
+    std::uint32_t now = 0;
+};
+
 /// Without one of its paths a cut leaves an annulus (or, without a dead end, a disk still), and every path between the
 /// annulus' two borders opens it again. The shortest one may end anywhere on them, so that nodes wander to where the
 /// network is short: each exchange lowers the length, none can break the topology.
@@ -183,6 +193,7 @@ void CutGraph::shorten() {
         30'000'000;  // faces visited: some seconds; only huge bodies with many handles feel it
     const std::size_t most = std::max<std::size_t>(kWork / mesh_->faces.size(), 8);
     std::size_t tried = 0;
+    Detours detours(opposite_.size());
     for (bool shorter = true; shorter;) {
         shorter = false;
         std::vector<BorderPath> paths = open().paths();
@@ -195,57 +206,84 @@ void CutGraph::shorten() {
             // its parts have their turn in the next round.
             if (path.mate == kNone || !stands || path.half_edges.front() > opposite_[path.half_edges.back()]) continue;
             if (++tried > most) return;
-            shorter = reroute(path.half_edges, path.length) || shorter;
+            shorter = reroute(path.half_edges, path.length, detours) || shorter;
         }
     }
 }
 
-bool CutGraph::reroute(std::span<const std::uint32_t> half_edges, double old_length) {
-    for (const std::uint32_t h : half_edges) mark(h, false);
-    const auto keep = [&] {
-        for (const std::uint32_t h : half_edges) mark(h, true);
-        return false;
+/// The search runs on the opened surface without making it: a vertex of that is a sector between cut edges about a
+/// vertex, and is called by its first half-edge, clockwise (by its lowest, if nothing is cut there).
+bool CutGraph::reroute(std::span<const std::uint32_t> half_edges, double old_length, Detours& detours) {
+    const auto blocked = [&](std::uint32_t h) { return opposite_[h] == kNone || cut_[h]; };
+    const auto next_border = [&](std::uint32_t h) {
+        std::uint32_t g = next_half_edge(h);
+        while (!blocked(g)) g = next_half_edge(opposite_[g]);
+        return g;
     };
-    const Disk annulus = open();
-    const std::vector<std::uint32_t> loops = bake::boundary_loops(annulus.opposite);
-    if (loops.size() != 2) return keep();
-    const VertexGraph graph = build_graph(annulus.mesh, annulus.opposite);
-    if (annulus.mesh.positions.size() + annulus.mesh.faces.size() != graph.arcs.size() / 2) return keep();
-    std::vector<char> side(annulus.mesh.positions.size(), 0);
-    std::vector<std::uint32_t> sources;
-    for (std::size_t k = 0; k < 2; ++k)
-        for (std::uint32_t h = loops[k];;) {
-            side[origin(annulus.mesh.faces, h)] = k == 0 ? 1 : 2;
-            if (k == 0) sources.push_back(origin(annulus.mesh.faces, h));
-            h = next_border_half_edge(annulus.opposite, h);
-            if (h == loops[k]) break;
+    const auto sector = [&](std::uint32_t h) {
+        std::uint32_t lowest = h;
+        for (std::uint32_t g = h; !blocked(g);) {
+            g = next_half_edge(opposite_[g]);
+            if (g == h) return lowest;
+            lowest = blocked(g) ? g : std::min(lowest, g);
         }
-    std::vector<double> distance(side.size(), kInfinity);
-    std::vector<std::uint32_t> arc_to(side.size(), kNone), from(side.size(), kNone);
+        return blocked(h) ? h : lowest;
+    };
+    // Both sides of the path must be whole, and something must lie between them on either way round the border.
+    for (std::size_t k = 0; k + 1 < half_edges.size(); ++k)
+        if (next_border(half_edges[k]) != half_edges[k + 1] ||
+            next_border(opposite_[half_edges[k + 1]]) != opposite_[half_edges[k]])
+            return false;
+    const std::array<std::uint32_t, 2> loops{next_border(half_edges.back()),
+                                             next_border(opposite_[half_edges.front()])};
+    if (loops[0] == opposite_[half_edges.back()] || loops[1] == half_edges.front()) return false;
+    for (const std::uint32_t h : half_edges) mark(h, false);
+
+    std::array<std::vector<std::uint32_t>, 2> sides;
+    for (std::size_t k = 0; k < 2; ++k) {
+        std::uint32_t h = loops[k];
+        do sides[k].push_back(h), h = next_border(h);
+        while (h != loops[k]);
+    }
+    if (sides[1].size() < sides[0].size()) sides[0].swap(sides[1]);
+    Detours& d = detours;
+    ++d.now;
+    for (const std::uint32_t h : sides[1]) d.goal[h] = d.now;
     using Entry = std::pair<double, std::uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    for (const std::uint32_t v : sources) distance[v] = 0, queue.emplace(0.0, v);
+    for (const std::uint32_t h : sides[0]) {
+        d.distance[h] = 0, d.arc[h] = kNone, d.stamp[h] = d.now;
+        queue.emplace(0.0, h);
+    }
+    const double limit = (1 - 1e-6) * old_length;
     while (!queue.empty()) {
-        const auto [d, v] = queue.top();
+        const auto [distance, at] = queue.top();
         queue.pop();
-        if (d > distance[v]) continue;
-        constexpr double kShorter = 1 - 1e-6;
-        if (!(d < kShorter * old_length)) break;
-        if (side[v] == 2) {
-            for (std::uint32_t w = v; arc_to[w] != kNone; w = from[w]) mark(arc_to[w], true);
+        if (distance > d.distance[at]) continue;
+        if (!(distance < limit)) break;
+        if (d.goal[at] == d.now) {
+            for (std::uint32_t w = at; d.arc[w] != kNone; w = d.from[w]) mark(d.arc[w], true);
             prune();
             return true;
         }
-        for (std::uint32_t a = graph.first[v]; a < graph.first[v + 1]; ++a) {
-            const VertexGraph::Arc& arc = graph.arcs[a];
-            if (annulus.opposite[arc.half_edge] == kNone || !(d + arc.length < distance[arc.to])) continue;
-            distance[arc.to] = d + arc.length;
-            arc_to[arc.to] = arc.half_edge;
-            from[arc.to] = v;
-            queue.emplace(d + arc.length, arc.to);
+        for (std::uint32_t h = at;;) {
+            if (!blocked(h)) {
+                const std::uint32_t to = sector(opposite_[h]);
+                const double along = distance + dgm::model::length(mesh_->positions[origin(mesh_->faces, h)] -
+                                                                   mesh_->positions[target(mesh_->faces, h)]);
+                if (d.stamp[to] != d.now || along < d.distance[to]) {
+                    d.distance[to] = along, d.arc[to] = h, d.from[to] = at, d.stamp[to] = d.now;
+                    if (along < limit) queue.emplace(along, to);
+                }
+            }
+            const std::uint32_t before = previous_half_edge(h);
+            if (blocked(before)) break;
+            h = opposite_[before];
+            if (h == at) break;
         }
     }
-    return keep();
+    for (const std::uint32_t h : half_edges) mark(h, true);
+    return false;
 }
 
 void CutGraph::join_boundary_loops() {

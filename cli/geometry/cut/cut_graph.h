@@ -65,9 +65,10 @@ class CutGraph {
     [[nodiscard]] std::uint32_t middle() const;
     void cut_handles(std::uint32_t root);
     void join_boundary_loops();
+    struct Detours;
     void shorten();
     /// Replaces the cut path `half_edges` by the shortest one that opens the same surface; false if that is no shorter.
-    bool reroute(std::span<const std::uint32_t> half_edges, double length);
+    bool reroute(std::span<const std::uint32_t> half_edges, double length, Detours& detours);
     void prune();
     [[nodiscard]] std::vector<std::uint32_t> cut_vertices() const;
 

@@ -10,14 +10,15 @@
 namespace dgm::bake {
 
 struct MapMetrics {
-    double stretch_l2 = 0;             ///< [Sander 2001], normalised so that 1 is isometric up to scale
-    double stretch_linf = 0;           ///< worst larger singular value, same normalisation
-    double symmetric_dirichlet = 0;    ///< mean of (s1^2 + s2^2 + s1^-2 + s2^-2) / 4 after the best global scale; 1 = isometric
-    double angle = 0;                  ///< mean of (s1/s2 + s2/s1) / 2, by surface area; 1 = conformal
-    double area = 0;                   ///< mean of (r + 1/r) / 2, r = map area / surface area after the best scale; 1 = authalic
-    std::uint64_t flips = 0;           ///< faces with negative orientation, exact predicate
-    std::uint64_t degenerate = 0;      ///< faces with zero orientation, exact predicate
-    std::uint64_t not_finite = 0;      ///< vertices with a NaN or infinite coordinate
+    double stretch_l2 = 0;    ///< [Sander 2001], normalised so that 1 is isometric up to scale
+    double stretch_linf = 0;  ///< worst larger singular value, same normalisation
+    double symmetric_dirichlet =
+        0;                    ///< mean of (s1^2 + s2^2 + s1^-2 + s2^-2) / 4 after the best global scale; 1 = isometric
+    double angle = 0;         ///< mean of (s1/s2 + s2/s1) / 2, by surface area; 1 = conformal
+    double area = 0;          ///< mean of (r + 1/r) / 2, r = map area / surface area after the best scale; 1 = authalic
+    std::uint64_t flips = 0;  ///< faces with negative orientation, exact predicate
+    std::uint64_t degenerate = 0;  ///< faces with zero orientation, exact predicate
+    std::uint64_t not_finite = 0;  ///< vertices with a NaN or infinite coordinate
 };
 
 /// Flipped and degenerate faces are counted and left out of the norms.
@@ -30,10 +31,10 @@ struct MapMetrics {
 
 struct Topology {
     std::uint64_t components = 0, boundary_loops = 0;
-    std::int64_t genus = 0;             ///< sum over the components; 0 unless manifold and oriented
-    bool manifold = false;              ///< every edge has one or two faces, every vertex one fan
-    bool oriented = false;              ///< neighbours agree in winding
-    std::uint64_t degenerate_faces = 0; ///< faces that name a vertex twice or out of range; not part of the rest
+    std::int64_t genus = 0;              ///< sum over the components; 0 unless manifold and oriented
+    bool manifold = false;               ///< every edge has one or two faces, every vertex one fan
+    bool oriented = false;               ///< neighbours agree in winding
+    std::uint64_t degenerate_faces = 0;  ///< faces that name a vertex twice or out of range; not part of the rest
     friend bool operator==(const Topology&, const Topology&) = default;
 };
 /// Vertices that no face names do not count. Components are joined through shared vertices.

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -153,7 +154,9 @@ class Direction {
                      double progress_to) {
         const std::vector<double> areas = face_areas(from_, unit_);
         const std::vector<Sample> surface = area_samples(from_, areas, options.samples, options.seed);
-        const std::vector<Sample> vertices = vertex_samples(from_);
+        // A mesh without any area has only its vertices to speak for it.
+        const std::vector<Sample> vertices =
+            options.vertices || surface.empty() ? vertex_samples(from_) : std::vector<Sample>{};
         std::vector<double> squared(surface.size()), vertex_squared(vertices.size());
         if (with_normals_) angles_squared_.assign(surface.size(), kNoAngles);
         shading_ = &options.shading;
@@ -183,7 +186,6 @@ class Direction {
         for (const double d : squared) worst = std::max(worst, d);
         for (const double d : vertex_squared) worst = std::max(worst, d);
         result.hausdorff = std::sqrt(worst) * unit_;
-        // A mesh without any area has only its vertices to speak for it.
         const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
         if (!weighted.empty())
             result.rms = std::sqrt(pairwise_sum(weighted) / static_cast<double>(weighted.size())) * unit_;
@@ -278,7 +280,9 @@ SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, co
         forward = Direction(source, map, index, unit, true).measure(options, progress, 0, 0.5);
     }
     {
-        const ClosestPointIndex index(source.positions, source.faces);
+        std::optional<ClosestPointIndex> own;
+        const ClosestPointIndex& index =
+            options.source_index != nullptr ? *options.source_index : own.emplace(source.positions, source.faces);
         backward = Direction(map, source, index, unit, false).measure(options, progress, 0.5, 1);
     }
     out.rms_forward = forward.rms;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "geometry/spatial/closest_point.h"
 #include "model/progress.h"
 #include "model/tri_mesh.h"
 
@@ -28,6 +29,9 @@ struct SurfaceError {
 struct SurfaceErrorOptions {
     std::uint64_t samples = 400'000;  ///< area-weighted random points each way, beside every vertex
     std::uint64_t seed = 1;
+    bool vertices = true;  ///< without them `hausdorff` is of the random points alone; rms is the same
+    /// The closest points of the source, if there is an index already; must be built of the mesh measured.
+    const ClosestPointIndex* source_index = nullptr;
     /// Unit normal at a point of a face of the map (index, barycentric coordinates) as drawn with the layer `bump`;
     /// empty: none. Called from several threads.
     std::function<model::Vec3d(std::uint32_t, const double (&)[3])> shading = {};

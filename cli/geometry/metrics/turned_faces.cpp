@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace dgm::bake {
 using model::Face;
@@ -26,6 +27,7 @@ std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, con
             const ClosestPoint any = index.query(centre, hint);
             if (any.face == ClosestPointIndex::kNoFace) continue;
             hint = any.face;
+            if (dot(index.unit_normal(any.face), normal) > 0) continue;
             const ClosestPoint facing = index.query_facing(centre, normal, 0.0, any.face);
             turned[f] = facing.face == ClosestPointIndex::kNoFace || facing.distance > any.distance + tie;
         }
@@ -36,7 +38,7 @@ std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, con
     return out;
 }
 
-std::size_t count_turned_faces(const TriMesh& source, const TriMesh& map) {
+std::size_t count_turned_faces(const TriMesh& source, const TriMesh& map, const ClosestPointIndex* index) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
     for (const Vec3d& p : source.positions) {
@@ -44,8 +46,9 @@ std::size_t count_turned_faces(const TriMesh& source, const TriMesh& map) {
         for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
     }
     if (!is_finite(low)) return 0;
-    const ClosestPointIndex index(source.positions, source.faces);
-    return find_turned_faces(index, map, kTurnedTie * length(high - low)).size();
+    std::optional<ClosestPointIndex> own;
+    if (index == nullptr) index = &own.emplace(source.positions, source.faces);
+    return find_turned_faces(*index, map, kTurnedTie * length(high - low)).size();
 }
 
 }  // namespace dgm::bake

@@ -25,7 +25,9 @@ inline constexpr double kTurnedTie = 1e-5;
                                                            double tie);
 
 /// How many there are, with a tie of kTurnedTie diagonals of the source.
+/// @param index  of the source, if there is one already
 /// @throws model::Error kInternal if the index cannot be built
-[[nodiscard]] std::size_t count_turned_faces(const model::TriMesh& source, const model::TriMesh& map);
+[[nodiscard]] std::size_t count_turned_faces(const model::TriMesh& source, const model::TriMesh& map,
+                                             const ClosestPointIndex* index = nullptr);
 
 }  // namespace dgm::bake

@@ -68,10 +68,27 @@ struct Rest {
     double inverse_det = 0;  ///< 1 / (2 area)
 };
 
-/// F = R(phi) diag(s1, s2) R(theta).
 struct SingularValues {
-    double s1 = 0, s2 = 0, phi = 0, theta = 0;
+    double s1 = 0, s2 = 0;
 };
+
+/// F = R(phi) diag(s1, s2) R(theta); of both angles cosine and sine.
+struct Decomposition : SingularValues {
+    Vec2d phi, theta;
+};
+
+/// Cosine and sine of half the angle, between -90 and 90 degrees, of the vector d with length l; of 0 if l is 0.
+/// Square roots are rounded alike everywhere, a library's sines are not.
+inline Vec2d half_angle(Vec2d d, double l) {
+    if (!(l > 0)) return {1, 0};
+    const double c = d.x / l, s = d.y / l;
+    if (c >= 0) {
+        const double x = std::sqrt(0.5 * (1 + c));
+        return {x, 0.5 * s / x};
+    }
+    const double y = std::copysign(std::sqrt(0.5 * (1 - c)), s);
+    return {0.5 * s / y, y};
+}
 
 /// a*d - b*c to nearly full precision (Kahan).
 inline double difference_of_products(double a, double d, double b, double c) {
@@ -110,20 +127,21 @@ class Problem {
         area_ *= s * s;
     }
 
-    [[nodiscard]] SingularValues singular_values(const std::vector<Vec2d>& x, std::size_t f) const {
+    [[nodiscard]] Decomposition decompose(const std::vector<Vec2d>& x, std::size_t f) const {
         const Face& face = disk_.faces[f];
         const Rest& r = rest_[f];
         const Vec2d e1 = x[face[1]] - x[face[0]], e2 = x[face[2]] - x[face[0]];
         const double a = e1.x * r.b[1].x, b = e1.x * r.b[1].y + e2.x * r.b[2].y;
         const double c = e1.y * r.b[1].x, d = e1.y * r.b[1].y + e2.y * r.b[2].y;
-        const double E = 0.5 * (a + d), F = 0.5 * (a - d), G = 0.5 * (c + b), H = 0.5 * (c - b);
-        SingularValues out;
-        out.s1 = std::hypot(E, H) + std::hypot(F, G);
+        const Vec2d turn{0.5 * (a + d), 0.5 * (c - b)}, mirror{0.5 * (a - d), 0.5 * (c + b)};
+        const double turned = length(turn), mirrored = length(mirror);
+        Decomposition out;
+        out.s1 = turned + mirrored;
         // Not the difference of the two: it cancels for needles.
         out.s2 = twice_area(x, face) * r.inverse_det / out.s1;
-        const double refl = std::atan2(G, F), rot = std::atan2(H, E);
-        out.phi = 0.5 * (rot + refl);
-        out.theta = 0.5 * (rot - refl);
+        const Vec2d h = half_angle(turn, turned), g = half_angle(mirror, mirrored);
+        out.phi = {h.x * g.x - h.y * g.y, h.y * g.x + h.x * g.y};
+        out.theta = {h.x * g.x + h.y * g.y, h.y * g.x - h.x * g.y};
         return out;
     }
 
@@ -137,7 +155,7 @@ class Problem {
             if (!(det > 0)) return kInfinity;
             const double a = e1.x * r.b[1].x, b = e1.x * r.b[1].y + e2.x * r.b[2].y;
             const double c = e1.y * r.b[1].x, d = e1.y * r.b[1].y + e2.y * r.b[2].y;
-            const double s1 = 0.5 * (std::hypot(a + d, c - b) + std::hypot(a - d, c + b));
+            const double s1 = 0.5 * (length(Vec2d{a + d, c - b}) + length(Vec2d{a - d, c + b}));
             sum += r.weight * (density_.value(s1) + density_.value(det / s1));
         }
         return std::isfinite(sum) ? sum : kInfinity;
@@ -147,7 +165,7 @@ class Problem {
     [[nodiscard]] double best_scale(const std::vector<Vec2d>& x) const {
         double squares = 0, inverses = 0;
         for (std::size_t f = 0; f < rest_.size(); ++f) {
-            const SingularValues s = singular_values(x, f);
+            const SingularValues s = decompose(x, f);
             squares += rest_[f].weight * (s.s1 * s.s1 + s.s2 * s.s2);
             inverses += rest_[f].weight * (1 / (s.s1 * s.s1) + 1 / (s.s2 * s.s2));
         }
@@ -160,8 +178,9 @@ class Problem {
     void each_face(const std::vector<Vec2d>& x, const Sink& sink) const {
         for (std::size_t f = 0; f < rest_.size(); ++f) {
             const Rest& r = rest_[f];
-            const SingularValues s = singular_values(x, f);
-            const double cp = std::cos(s.phi), sp = std::sin(s.phi), ct = std::cos(s.theta), st = std::sin(s.theta);
+            const Decomposition s = decompose(x, f);
+            const auto [cp, sp] = s.phi;
+            const auto [ct, st] = s.theta;
             // R(phi) M R(theta) b for M = e_i e_j^T: column i of R(phi) times (row j of R(theta)) . b.
             const Vec2d u1{cp, sp}, u2{-sp, cp};
             const double g1 = density_.slope(s.s1), g2 = density_.slope(s.s2);

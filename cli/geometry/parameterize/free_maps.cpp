@@ -371,7 +371,7 @@ double arap_energy(const DiskView& disk, std::span<const Vec2d> uv) {
     for (std::size_t f = 0; f < rest.size(); ++f) {
         const Jacobian j = jacobian(rest[f], disk.faces[f], u.data(), v.data());
         sum +=
-            rest[f].area * (j.a * j.a + j.b * j.b + j.c * j.c + j.d * j.d + 2 - 2 * std::hypot(j.a + j.d, j.c - j.b));
+            rest[f].area * (j.a * j.a + j.b * j.b + j.c * j.c + j.d * j.d + 2 - 2 * length(Vec2d{j.a + j.d, j.c - j.b}));
         total += rest[f].area;
     }
     return sum / total;

@@ -67,7 +67,7 @@ class Ring {
                 yy += first * (a - 2 * b * dn.y * turn.y + c * turn.y * turn.y) + second * dq.y * dq.y;
             }
             // Shift the smaller eigenvalue to at least a hundredth of the larger one: the energy need not be convex.
-            const double mean = 0.5 * (xx + yy), radius = std::hypot(0.5 * (xx - yy), xy);
+            const double mean = 0.5 * (xx + yy), radius = length(Vec2d{0.5 * (xx - yy), xy});
             const double shift = std::max(0.0, 0.01 * (mean + radius) - (mean - radius));
             const double a = xx + shift, c = yy + shift, det = a * c - xy * xy;
             if (!(det > 0)) return x;

@@ -406,12 +406,16 @@ ClosestPoint ClosestPointIndex::query_facing(const Vec3d& point, const Vec3d& no
     return impl_->run(search, point, hint);
 }
 
+Vec3d ClosestPointIndex::unit_normal(std::uint32_t face) const {
+    const std::uint32_t triangle = impl_->triangle_of_face[face];
+    return triangle == kNone ? Vec3d{} : impl_->unit_normals[triangle];
+}
+
 ClosestPoint ClosestPointIndex::query_preferring(const Vec3d& point, const Vec3d& normal, double slack,
                                                  std::uint32_t hint) const {
     constexpr double kMinCosine = 0.3;
     const ClosestPoint any = query(point, hint);
-    if (any.face == kNoFace || dot(impl_->unit_normals[impl_->triangle_of_face[any.face]], normal) > kMinCosine)
-        return any;
+    if (any.face == kNoFace || dot(unit_normal(any.face), normal) > kMinCosine) return any;
     const ClosestPoint same = query_facing(point, normal, kMinCosine);
     return same.face != kNoFace && same.distance <= 2 * any.distance + slack ? same : any;
 }

@@ -41,6 +41,9 @@ class ClosestPointIndex {
     [[nodiscard]] ClosestPoint query_facing(const model::Vec3d& point, const model::Vec3d& normal, double min_cosine,
                                             std::uint32_t hint = kNoFace) const;
 
+    /// Zero for a face without area, or left out.
+    [[nodiscard]] model::Vec3d unit_normal(std::uint32_t face) const;
+
     /// The closest point whose face looks the same way, n . normal > 0.3, if it is at most twice as far as the closest
     /// of all, plus `slack`; else the closest of all: a sliver's normal says little, and may agree with the far side
     /// only.

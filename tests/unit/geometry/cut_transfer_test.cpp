@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/chart/cut_carry.h"
 #include "geometry/chart/cut_search.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/simplify/simplify.h"
@@ -33,7 +34,7 @@ TEST(CutTransfer, OpensTheFineMeshAlongTheCoarseCut) {
         coarse_cut.cut_to_disk();
         coarse_cut.join(0);
         coarse_cut.join(static_cast<std::uint32_t>(coarse.mesh.positions.size() / 2));
-        ASSERT_TRUE(transfer_cut(coarse_cut, coarse.original, fine_cut));
+        ASSERT_TRUE(transfer_cut(coarse_cut, coarse.original, small, fine_cut));
         const Disk coarse_disk = coarse_cut.open(), fine_disk = fine_cut.open();
         test::expect_links(fine_disk);
         test::expect_disk(fine_disk);
@@ -47,6 +48,33 @@ TEST(CutTransfer, OpensTheFineMeshAlongTheCoarseCut) {
     }
 }
 
+TEST(CutCarry, TakesTheSameNetworkThroughTheCollapses) {
+    for (const Surface& s : surfaces()) {
+        SCOPED_TRACE(s.name);
+        const Simplified small = simplify(s.mesh, s.mesh.faces.size() / 8, {}, {});
+        const CompactMesh coarse = compact(s.mesh.positions, small.faces);
+        CutGraph coarse_cut(coarse.mesh), fine_cut(s.mesh);
+        coarse_cut.cut_to_disk();
+        coarse_cut.join(0);
+        coarse_cut.join(static_cast<std::uint32_t>(coarse.mesh.positions.size() / 2));
+        const std::vector<std::pair<std::uint32_t, std::uint32_t>> edges =
+            carry_cut(coarse_cut, coarse.original, small, fine_cut);
+        const VertexGraph& graph = fine_cut.graph();
+        for (const auto& [a, b] : edges) {
+            bool found = false;
+            for (std::uint32_t k = graph.first[a]; k < graph.first[a + 1]; ++k)
+                if (graph.arcs[k].to == b) fine_cut.mark(graph.arcs[k].half_edge, true), found = true;
+            ASSERT_TRUE(found) << a << " and " << b << " are no neighbours";
+        }
+        const Disk coarse_disk = coarse_cut.open(), fine_disk = fine_cut.open();
+        test::expect_links(fine_disk);
+        test::expect_disk(fine_disk);
+        // Nodes of more than three paths may part, and each one more is one pair of mates more.
+        EXPECT_GE(fine_disk.paths().size(), coarse_disk.paths().size());
+        EXPECT_LT(fine_cut.length(), 2 * coarse_cut.length());
+    }
+}
+
 TEST(CutTransfer, KeepsWhereTheBorderStarts) {
     // The cut of a closed ball is one path from a to b: with the start of the coarse border on sample 0 the same end of
     // the fine cut must lie there.
@@ -55,7 +83,7 @@ TEST(CutTransfer, KeepsWhereTheBorderStarts) {
     const CompactMesh coarse = compact(ball.positions, small.faces);
     CutGraph coarse_cut(coarse.mesh), fine_cut(ball);
     coarse_cut.cut_to_disk();
-    ASSERT_TRUE(transfer_cut(coarse_cut, coarse.original, fine_cut));
+    ASSERT_TRUE(transfer_cut(coarse_cut, coarse.original, small, fine_cut));
     const Disk coarse_disk = coarse_cut.open();
     Disk fine_disk = fine_cut.open();
     const std::vector<BorderPath> coarse_paths = coarse_disk.paths();
