@@ -284,6 +284,8 @@ class Fitter {
             for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
                 const auto q = grid.corners(rings.faces[k]);
                 const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
+                const Vec3d below = source_.normals[matches_.middles[rings.faces[k]].hit.face];
+                count += !(dot(n, below) > kStartUpright * length(n));
                 count += !(dot(n, normals[rings.faces[k]]) > 0.5 * length(n));
             }
             return count;
