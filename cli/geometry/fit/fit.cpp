@@ -284,6 +284,8 @@ class Fitter {
             for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
                 const auto q = grid.corners(rings.faces[k]);
                 const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
+                const Vec3d below = source_.normals[matches_.middles[rings.faces[k]].hit.face];
+                count += !(dot(n, below) > kStartUpright * length(n));
                 count += !(dot(n, normals[rings.faces[k]]) > 0.5 * length(n));
             }
             return count;
@@ -291,6 +293,31 @@ class Fitter {
         NormalEquations equations(grid_);
         assemble(equations, false);
         equations.snap(grid.positions, lattice, rails_.freedom(), on_lattice, tight, spoilt);
+        grid.update_normals();
+        matches_.update(true);
+        // Faces as high as a step or two: the corner that stands them up best moves, by two steps at most.
+        for (const std::uint32_t f : turned_faces(ClosestPointIndex(source_.positions, source_.faces)))
+            for (const std::uint32_t c : grid.faces[f]) {
+                if (!on_lattice[c] || fixed_[c]) continue;
+                const auto least = [&] {
+                    double out = 1;
+                    for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
+                        const auto q = grid.corners(rings.faces[k]);
+                        const Vec3d n = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+                        out = std::min(out, dot(n, source_.normals[matches_.middles[rings.faces[k]].hit.face]));
+                    }
+                    return out;
+                };
+                const Vec3d old = grid.positions[c];
+                Vec3d best = old;
+                double most = least();
+                for (int k = 0; k < 125; ++k) {
+                    const Vec3d by{k % 5 - 2.0, k / 5 % 5 - 2.0, k / 25 - 2.0};
+                    grid.positions[c] = lattice.nearest(old + by * lattice.step);
+                    if (const double now = least(); now > most) most = now, best = grid.positions[c];
+                }
+                grid.positions[c] = best;
+            }
         grid.update_normals();
         matches_.update(true);
         rms_ = matches_.rms, largest_ = largest();
