@@ -131,13 +131,16 @@ class Batch {
         return next_ < plan_.assets.size() && !(batch_.stop_on_error && any_failed_);
     }
 
+    [[nodiscard]] std::uint64_t expected_peak(std::size_t k) const {
+        const std::uint64_t peak = estimate_peak(plan_.assets[k].source, plan_.assets[k].options);
+        return batch_.memory_bytes != 0 ? std::min(peak, batch_.memory_bytes) : peak;
+    }
+
     /// True if the next asset fits beside those that run, when they have grown as far as they are expected to.
     [[nodiscard]] bool has_memory() {
         if (running_.empty()) return true;
         if (estimated_ != next_) {
-            const PlannedAsset& asset = plan_.assets[next_];
-            estimate_ = estimate_peak(asset.source, asset.options);
-            if (batch_.memory_bytes != 0) estimate_ = std::min(estimate_, batch_.memory_bytes);
+            estimate_ = expected_peak(next_);  // asked again and again while it waits
             estimated_ = next_;
         }
         const std::uint64_t available = available_memory();
@@ -186,9 +189,8 @@ class Batch {
                 check_writable(*final_path);
                 *temporary = temporary_for(*final_path);
             }
-            const std::uint64_t expected = estimated_ == k ? estimate_ : estimate_peak(asset.source, asset.options);
             running_.push_back(
-                {k, ChildProcess(encode(job)), Clock::now(), job.dgm, job.exr, expected, {}, 0, {}, {}, {}});
+                {k, ChildProcess(encode(job)), Clock::now(), job.dgm, job.exr, expected_peak(k), {}, 0, {}, {}, {}});
         } catch (const model::Error& error) { fail(k, error); }
     }
 

@@ -227,10 +227,8 @@ std::string bash_completion(const CLI::App& app) {
         cases += "; return ;;\n";
     }
     return "# Completion of " + name + " for bash; for zsh after `autoload -U bashcompinit && bashcompinit`.\n" +
-           function +
-           "() {\n    local current=\"${COMP_WORDS[COMP_CWORD]}\" previous=\"${COMP_WORDS[COMP_CWORD-1]}\"\n" +
-           "    case \"$previous\" in\n" + cases + "    esac\n" +
-           "    if [[ \"$current\" == -* ]]; then\n        COMPREPLY=($(compgen -W \"" + words +
+           function + "() {\n    local current=\"$2\" previous=\"$3\"\n" + "    case \"$previous\" in\n" + cases +
+           "    esac\n" + "    if [[ \"$current\" == -* ]]; then\n        COMPREPLY=($(compgen -W \"" + words +
            "\" -- \"$current\"))\n    else\n        local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\"))\n" +
            "        compopt -o filenames 2>/dev/null\n    fi\n}\ncomplete -F " + function + " " + name + "\n";
 }

@@ -42,12 +42,19 @@ class Manual(support.Folder):
     def complete(self, name, *words, shell="bash"):
         """What TAB offers at the end of the last word."""
         start = "autoload -U compinit bashcompinit; compinit -u -D; bashcompinit; " if shell == "zsh" else ""
-        line = " ".join(words)
-        script = (f"{start}source '{MANUAL}/{name}.bash'; COMP_WORDS=({' '.join(repr(w) for w in words)}); "
-                  f"COMP_CWORD={len(words) - 1}; COMP_LINE={line!r}; COMP_POINT={len(line)}; "
-                  f"_{name.replace('-', '_')}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
+        script = (f"{start}source '{MANUAL}/{name}.bash'; _{name.replace('-', '_')} {name} '{words[-1]}' '{words[-2]}'; "
+                  "printf '%s\\n' \"${COMPREPLY[@]}\"")
         result = subprocess.run([shell, "-c", script], cwd=self.folder, capture_output=True, text=True, check=False)
-        return [word.strip() for word in result.stdout.splitlines() if word.strip()]
+        # Of what it is offered, zsh itself drops what does not begin with the word.
+        return [word.strip() for word in result.stdout.splitlines()
+                if word.strip() and (shell == "bash" or word.startswith(words[-1]))]
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_completion_in_zsh(self):
+        (self.folder / "two words.obj").write_text("")
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--fit", "", shell="zsh"), ["sample", "l2", "best"])
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--rep", shell="zsh"), ["--report", "--report-format"])
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "tw", shell="zsh"), ["two words.obj"])
 
     def test_completion(self):
         (self.folder / "two words.obj").write_text("")
