@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/export/main.cpp
 // dgm-export: from .dgm or .exr to meshes, pictures and each other.
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <string>
@@ -27,6 +28,21 @@ std::pair<Number, Number> parse_pair(const std::string& option, std::string_view
         throw CLI::ValidationError(option, "\"" + std::string(text) + "\" is not like " + example);
     return out;
 }
+
+constexpr std::array kExamples{
+    dgm::tool::Example{"dgm-export stomach.dgm -o stomach.ply", "the surface as a mesh; .obj brings MTL and textures"},
+    dgm::tool::Example{"dgm-export stomach.dgm -o stomach.exr", "lossless, and back again: -o stomach.dgm"},
+    dgm::tool::Example{"dgm-export stomach.dgm -o layers.png --sheet", "all layers as pictures on one sheet"},
+    dgm::tool::Example{"dgm-export stomach.dgm -o compare.png --source stomach.obj",
+                       "source, reconstruction, grid and error side by side"}};
+const dgm::tool::Manual kManual{"dgm-export FILE -o OUTPUT [OPTIONS]", kExamples,
+                                "0    the file is written\n"
+                                "1    the command line is wrong\n"
+                                "2    a file cannot be read or written\n"
+                                "3    the input is damaged, or no geometry map\n"
+                                "4    internal error\n"
+                                "5    the input is of a newer version, or the output of an unknown kind",
+                                "dgm-bake(1), dgm-info(1), dgm-validate(1)"};
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -49,7 +65,7 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"auto", "multipart"}))
         ->capture_default_str();
 
-    return dgm::tool::run_tool("dgm-export", argc, argv, app, [&](std::string& subject) {
+    return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {
         try {
             if (chart_option->count() > 0) options.chart = chart;
             options.up = up == "z" ? dgm::render::UpAxis::kZ : dgm::render::UpAxis::kY;

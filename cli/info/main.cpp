@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/info/main.cpp
 // dgm-info: what is in a .dgm.
+#include <array>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "info/file_info.h"
 #include "tool/tool.h"
+
+namespace {
+constexpr std::array kExamples{
+    dgm::tool::Example{"dgm-info stomach.dgm", "charts, layers, and the measured errors"},
+    dgm::tool::Example{"dgm-info baked/*.dgm --json", "the same of many files, for programs"}};
+const dgm::tool::Manual kManual{"dgm-info FILE... [--json]", kExamples,
+                                "0    all files were read\n"
+                                "1    the command line is wrong\n"
+                                "2    a file cannot be read\n"
+                                "3    a file is no .dgm, or damaged\n"
+                                "4    internal error\n"
+                                "5    a file is of a newer version",
+                                "dgm-bake(1), dgm-validate(1), dgm-export(1)"};
+}  // namespace
 
 int main(int argc, char** argv) {
     CLI::App app("Prints what a .dgm holds: charts, layers, measured errors.");
@@ -15,7 +30,7 @@ int main(int argc, char** argv) {
     app.add_option("FILE", files, "The .dgm files to read")->required();
     app.add_flag("--json", json, "Print JSON");
 
-    return dgm::tool::run_tool("dgm-info", argc, argv, app, [&](std::string& subject) {
+    return dgm::tool::run_tool("dgm-info", argc, argv, app, kManual, [&](std::string& subject) {
         std::vector<dgm::info::FileInfo> infos;
         dgm::model::ExitCode worst = dgm::model::ExitCode::kOk;
         for (const std::string& file : files) {

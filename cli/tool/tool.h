@@ -7,8 +7,11 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "model/codes.h"
+#include "tool/help.h"
 
 namespace dgm::tool {
 
@@ -32,15 +35,26 @@ inline void print_error(const std::string& program, const std::string& subject, 
 
 /// Parses the command line and runs `body`, which gets a string to name the file it works on and returns an exit code.
 /// Turns what is thrown into a message and a code: model::Error its own, a wrong command line 1, no memory and
-/// everything else 4.
+/// everything else 4. --help shows the manual's examples; with --print-man or --print-completion alone, prints that.
 template <class Body>
-int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, Body body) noexcept {
+int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, const Manual& manual,
+             Body body) noexcept {
     std::string subject;
     try {
         app.name(program);
         app.set_version_flag("-V,--version", version_line(program), "Print the version and exit");
+        app.formatter(help_formatter());
+        if (!manual.examples.empty()) app.footer(help_footer(manual));
+        if (print_manual(argc, argv, app, manual, kVersion)) return 0;
         try {
             app.parse(argc, argv);
+        } catch (const CLI::ExtrasError& error) {
+            const std::vector<std::string> unknown = app.remaining();
+            const bool is_option = !unknown.empty() && unknown.front().starts_with('-');
+            print_error(program, {},
+                        model::Error(model::codes::kUsage,
+                                     is_option ? unknown_option(app, unknown.front()) : std::string(error.what())));
+            return static_cast<int>(model::ExitCode::kUsage);
         } catch (const CLI::ParseError& error) {
             if (error.get_exit_code() == 0) {
                 app.exit(error);  // --help, --version
@@ -59,6 +73,12 @@ int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, B
         print_error(program, subject, model::Error(model::codes::kInternal, error.what()));
     } catch (...) { std::fputs("internal error\n", stderr); }
     return static_cast<int>(model::ExitCode::kInternal);
+}
+
+/// The same for a program without a manual.
+template <class Body>
+int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, Body body) noexcept {
+    return run_tool(program, argc, argv, app, Manual{}, std::move(body));
 }
 
 }  // namespace dgm::tool

@@ -2,6 +2,7 @@
 // cli/validate/main.cpp
 // dgm-validate: is this file what it says it is, and as near to its source as it claims?
 #include <CLI/CLI.hpp>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <optional>
@@ -22,6 +23,21 @@ struct CommandLine {
     std::string source, format = "text", explain, max_rms, max_hausdorff;
     bool quiet = false, verbose = false;
 };
+
+constexpr std::array kExamples{
+    tool::Example{"dgm-validate stomach.dgm", "is the file whole, and are its values sound?"},
+    tool::Example{"dgm-validate stomach.dgm --source stomach.obj", "is it as near to the mesh as it claims?"},
+    tool::Example{"dgm-validate baked/*.dgm -q", "errors only; the exit code tells the rest"},
+    tool::Example{"dgm-validate --explain DGM1003", "what a code means, and what to do"}};
+const tool::Manual kManual{"dgm-validate [OPTIONS] FILE...\ndgm-validate --explain CODE", kExamples,
+                           "0    all files are valid\n"
+                           "1    the command line is wrong\n"
+                           "2    a file cannot be read\n"
+                           "3    a file is not valid\n"
+                           "4    internal error\n"
+                           "5    a file is of a newer version\n"
+                           "With several files, that of the worst.",
+                           "dgm-bake(1), dgm-info(1), dgm-export(1)"};
 
 /// "0.05%" or "0.05" to 0.05, whatever the locale.
 std::optional<double> parse_percent(std::string_view text) {
@@ -56,9 +72,6 @@ void declare(CLI::App& app, CommandLine& line) {
     app.add_option("--explain", line.explain, "Print what a code such as DGM1003 means, and stop")->type_name("CODE");
     auto* quiet = app.add_flag("-q,--quiet", line.quiet, "Print errors only");
     app.add_flag("-v,--verbose", line.verbose, "Print what was measured, too")->excludes(quiet);
-    app.footer(
-        "Exit codes: 0 valid, 1 usage, 2 a file cannot be read, 3 invalid, 4 internal error, 5 unsupported.\n"
-        "With several files: that of the worst.");
 }
 
 /// Writes to stdout; a full disk is an error like any other. @throws model::Error kWriteFailed
@@ -109,7 +122,7 @@ int main(int argc, char** argv) {
     dgm::validate::CommandLine line;
     CLI::App app;
     dgm::validate::declare(app, line);
-    return dgm::tool::run_tool("dgm-validate", argc, argv, app, [&](std::string& subject) {
+    return dgm::tool::run_tool("dgm-validate", argc, argv, app, dgm::validate::kManual, [&](std::string& subject) {
         return static_cast<int>(dgm::validate::run(line, subject));
     });
 }

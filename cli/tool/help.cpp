@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/tool/help.cpp
+#include "tool/help.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+#include <utility>
+
+namespace dgm::tool {
+namespace {
+
+/// "-o", "--output": as they are typed.
+std::vector<std::string> typed_names(const CLI::Option& option) {
+    std::vector<std::string> out;
+    for (const std::string& name : option.get_snames()) out.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) out.push_back("--" + name);
+    return out;
+}
+
+std::vector<const CLI::Option*> shown_options(const CLI::App& app) {
+    std::vector<const CLI::Option*> out;
+    for (const CLI::Option* option : app.get_options())
+        if (!option->get_group().empty() && !option->get_positional()) out.push_back(option);
+    return out;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+    std::vector<std::string> out;
+    for (const CLI::Option* option : shown_options(app))
+        for (std::string& name : typed_names(*option)) out.push_back(std::move(name));
+    return out;
+}
+
+bool takes_value(const CLI::Option& option) {
+    return option.get_items_expected_max() > 0;
+}
+
+/// "sample|l2|best": three words. Types in capitals ("FILE|DIR") stand for something else.
+std::vector<std::string> listed_words(const std::string& type) {
+    std::vector<std::string> out;
+    if (type.find('|') == std::string::npos) return out;
+    std::string_view rest = type;
+    for (;;) {
+        const std::size_t bar = rest.find('|');
+        const std::string_view word = rest.substr(0, bar);
+        if (word.empty() || std::any_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
+            return {};
+        out.emplace_back(word);
+        if (bar == std::string_view::npos) return out;
+        rest.remove_prefix(bar + 1);
+    }
+}
+
+/// Text for roff: no escapes, no requests by accident; a hyphen that stays one when copied.
+std::string roff(std::string_view text) {
+    std::string out;
+    bool line_start = true;
+    for (const char c : text) {
+        if (line_start && (c == '.' || c == '\'')) out += "\\&";
+        if (c == '\\')
+            out += "\\e";
+        else if (c == '-')
+            out += "\\-";
+        else
+            out += c;
+        line_start = c == '\n';
+    }
+    return out;
+}
+
+constexpr std::size_t kHelpColumns = 100, kNameColumns = 30;
+
+class Formatter : public CLI::Formatter {
+ public:
+    Formatter() { column_width(kNameColumns); }
+    [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override {
+        const std::string whole = CLI::Formatter::make_option_desc(option);
+        std::string out;
+        std::size_t column = 0, begin = 0;
+        while (begin < whole.size()) {
+            const std::size_t end = std::min(whole.find(' ', begin), whole.size());
+            const bool breaks = column > 0 && column + 1 + end - begin > kHelpColumns - kNameColumns;
+            if (column > 0) out += breaks ? '\n' : ' ';
+            column = (breaks || column == 0 ? 0 : column + 1) + end - begin;
+            out.append(whole, begin, end - begin);
+            begin = end + 1;
+        }
+        return out;
+    }
+};
+
+}  // namespace
+
+std::shared_ptr<CLI::FormatterBase> help_formatter() {
+    return std::make_shared<Formatter>();
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i + 1);
+        for (std::size_t j = 0; j < b.size(); ++j)
+            diagonal =
+                std::exchange(row[j + 1], std::min({row[j] + 1, row[j + 1] + 1, diagonal + (a[i] == b[j] ? 0 : 1)}));
+    }
+    return row.back();
+}
+
+std::string_view nearest(std::string_view word, const std::vector<std::string>& words) {
+    constexpr std::size_t kLongest = 64;
+    std::string_view best;
+    std::size_t best_distance = 3;  // more than two slips is another word
+    if (word.size() > kLongest) return best;
+    for (const std::string& other : words) {
+        const std::size_t distance = edit_distance(word, other);
+        if (distance >= best_distance || distance >= std::max(word.size(), other.size())) continue;
+        best = other;
+        best_distance = distance;
+    }
+    return best;
+}
+
+std::string unknown_option(const CLI::App& app, std::string_view option) {
+    const std::string_view name = option.substr(0, option.find('='));
+    std::string out = "there is no option " + std::string(name);
+    const std::vector<std::string> names = option_names(app);
+    std::string_view meant = nearest(name, names);
+    if (meant.empty() && name.size() > 4)  // a beginning, or a word of a longer name: --report-fmt, --error
+        for (const std::string& other : names)
+            if (other.starts_with(name) || other.find(name.substr(2)) != std::string::npos) {
+                meant = other;
+                break;
+            }
+    if (!meant.empty()) out += "; did you mean " + std::string(meant) + "?";
+    return out;
+}
+
+std::string help_footer(const Manual& manual) {
+    std::string out = "Examples:\n";
+    for (const Example& example : manual.examples)
+        out += "  " + std::string(example.command) + "\n      " + std::string(example.what) + "\n";
+    out += "\nExit codes:\n";
+    std::string_view rest = manual.exit_codes;
+    while (!rest.empty()) {
+        const std::size_t end = std::min(rest.find('\n'), rest.size());
+        out += "  " + std::string(rest.substr(0, end)) + "\n";
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    return out;
+}
+
+std::string man_page(const CLI::App& app, const Manual& manual, std::string_view version) {
+    const std::string& name = app.get_name();
+    std::string title = name;
+    for (char& c : title)
+        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    // No date: the page is the same whenever it is made.
+    std::string out = ".TH " + roff(title) + " 1 \"\" \"dgm " + roff(version) + "\" \"Deformable geometry maps\"\n";
+    std::string brief = app.get_description();
+    if (brief.ends_with('.')) brief.pop_back();
+    if (!brief.empty() && brief[0] >= 'A' && brief[0] <= 'Z') brief[0] = static_cast<char>(brief[0] - 'A' + 'a');
+    out += ".SH NAME\n" + roff(name) + " \\- " + roff(brief) + "\n";
+    out += ".SH SYNOPSIS\n.nf\n" + roff(manual.synopsis) + "\n.fi\n";
+    out += ".SH OPTIONS\n";
+    for (const CLI::Option* option : app.get_options())
+        if (option->get_positional() && !option->get_group().empty())
+            out += ".TP\n.I " + roff(option->get_name(true)) + "\n" + roff(option->get_description()) + "\n";
+    std::vector<std::string> groups;
+    const std::vector<const CLI::Option*> options = shown_options(app);
+    for (const CLI::Option* option : options)
+        if (std::find(groups.begin(), groups.end(), option->get_group()) == groups.end())
+            groups.push_back(option->get_group());
+    for (const std::string& group : groups) {
+        out += ".SS " + roff(group) + "\n";
+        for (const CLI::Option* option : options) {
+            if (option->get_group() != group) continue;
+            std::string names;
+            for (const std::string& typed : typed_names(*option))
+                names += (names.empty() ? "" : ", ") + ("\\fB" + roff(typed) + "\\fR");
+            if (takes_value(*option)) names += " \\fI" + roff(option->get_type_name()) + "\\fR";
+            out += ".TP\n" + names + "\n" + roff(option->get_description()) + "\n";
+        }
+    }
+    out += ".SH EXAMPLES\n";
+    for (const Example& example : manual.examples)
+        out += ".TP\n.B " + roff(example.command) + "\n" + roff(example.what) + "\n";
+    out += ".SH EXIT STATUS\n.nf\n" + roff(manual.exit_codes) + "\n.fi\n";
+    out += ".SH SEE ALSO\n" + roff(manual.see_also) + "\n";
+    return out;
+}
+
+std::string bash_completion(const CLI::App& app) {
+    const std::string& name = app.get_name();
+    std::string function = "_" + name;
+    std::replace(function.begin(), function.end(), '-', '_');
+    std::string words, cases;
+    for (const CLI::Option* option : shown_options(app)) {
+        std::string pattern;
+        for (const std::string& typed : typed_names(*option)) {
+            words += (words.empty() ? "" : " ") + typed;
+            pattern += (pattern.empty() ? "" : "|") + typed;
+        }
+        if (!takes_value(*option)) continue;
+        const std::vector<std::string> listed = listed_words(option->get_type_name());
+        const bool is_file = option->get_type_name().find("FILE") != std::string::npos ||
+                             option->get_type_name().find("MESH") != std::string::npos;
+        cases += "        " + pattern + ") ";
+        if (!listed.empty()) {
+            std::string list;
+            for (const std::string& word : listed) list += (list.empty() ? "" : " ") + word;
+            cases += "COMPREPLY=($(compgen -W \"" + list + "\" -- \"$current\"))";
+        } else {
+            cases +=
+                is_file
+                    ? "local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\")); compopt -o filenames 2>/dev/null"
+                    : "COMPREPLY=()";
+        }
+        cases += "; return ;;\n";
+    }
+    return "# Completion of " + name + " for bash; for zsh after `autoload -U bashcompinit && bashcompinit`.\n" +
+           function + "() {\n    local current=\"$2\" previous=\"$3\"\n" + "    case \"$previous\" in\n" + cases +
+           "    esac\n" + "    if [[ \"$current\" == -* ]]; then\n        COMPREPLY=($(compgen -W \"" + words +
+           "\" -- \"$current\"))\n    else\n        local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\"))\n" +
+           "        compopt -o filenames 2>/dev/null\n    fi\n}\ncomplete -F " + function + " " + name + "\n";
+}
+
+bool print_manual(int argc, const char* const* argv, const CLI::App& app, const Manual& manual,
+                  std::string_view version) {
+    if (argc != 2) return false;
+    const std::string_view argument = argv[1];
+    if (argument != "--print-man" && argument != "--print-completion") return false;
+    std::fputs((argument == "--print-man" ? man_page(app, manual, version) : bash_completion(app)).c_str(), stdout);
+    return true;
+}
+
+}  // namespace dgm::tool
