@@ -70,7 +70,7 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
     (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"[a-z]*mmintrin\.h", INTRINSICS),
     (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
-    (r"(sys|linux|net|netinet|arpa)/|(fcntl|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
+    (r"(sys|linux|net|netinet|arpa)/|(fcntl|fnmatch|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),
 )
 STANDARD = re.compile(r"[a-z_0-9]+|(assert|ctype|errno|float|inttypes|limits|locale|math|stdarg|stddef|stdint|stdio|"

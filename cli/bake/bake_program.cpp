@@ -2,28 +2,38 @@
 // cli/bake/bake_program.cpp
 #include "bake/bake_program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
+#include <iterator>
 #include <new>
+#include <utility>
 
 #include "bake/options.h"
 #include "bake/progress_view.h"
+#include "bake/raw_options.h"
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
+#include "pipeline/dependency_file.h"
+#include "pipeline/memory_budget.h"
+#include "pipeline/merge_reports.h"
 #include "pipeline/output_files.h"
 #include "pipeline/report_text.h"
+#include "pipeline/up_to_date.h"
 
 namespace dgm::bake {
 namespace {
 
 namespace fs = std::filesystem;
 namespace codes = model::codes;
-
-constexpr const char* kGenerator = "dgm-bake " DGM_VERSION;
 
 void say(std::FILE* to, const std::string& text) {
     std::fputs(text.c_str(), to);
@@ -37,6 +47,7 @@ fs::path spelled_out(const fs::path& path) {
 /// Finds out at the start what would otherwise be found out after hours.
 void check_files(const CommandLine& line, const BatchPlan& plan) {
     std::error_code ignored;
+    const std::array further{std::pair(line.report, "report"), std::pair(line.depfile, "depfile")};
     if (!line.bake.texture.empty() && !fs::is_regular_file(line.bake.texture, ignored))
         throw model::Error(codes::kFileMissing, "there is no such texture image", line.bake.texture.string());
     for (const PlannedAsset& asset : plan.assets)
@@ -44,28 +55,75 @@ void check_files(const CommandLine& line, const BatchPlan& plan) {
             if (output.empty()) continue;
             if (!line.bake.texture.empty() && spelled_out(output) == spelled_out(line.bake.texture))
                 throw model::Error(codes::kUsage, "the output would overwrite the texture", output.string());
-            if (!line.report.empty() && spelled_out(output) == spelled_out(line.report))
-                throw model::Error(codes::kUsage, "the report would overwrite an output", output.string());
+            for (const auto& [file, what] : further)
+                if (!file.empty() && spelled_out(output) == spelled_out(file))
+                    throw model::Error(codes::kUsage, fmt::format("the {} would overwrite an output", what),
+                                       output.string());
         }
-    if (line.report.empty()) return;
-    for (const PlannedAsset& asset : plan.assets)
-        if (spelled_out(asset.source) == spelled_out(line.report))
-            throw model::Error(codes::kUsage, "the report would overwrite an input", line.report.string());
+    for (const auto& [file, what] : further)
+        for (const PlannedAsset& asset : plan.assets)
+            if (!file.empty() && spelled_out(asset.source) == spelled_out(file))
+                throw model::Error(codes::kUsage, fmt::format("the {} would overwrite an input", what), file.string());
 }
 
-void write_report(const fs::path& path, const std::string& text) {
+void write_whole(const fs::path& path, const std::string& text) {
     const fs::path temporary = temporary_for(path);
     std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
     out << text;
     out.close();
     try {
-        if (!out) throw model::Error(codes::kWriteFailed, "the report cannot be written", path.string());
+        if (!out) throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
         formats::publish_file(temporary, path);
-    } catch (const model::Error&) {
+    } catch (const model::Error& error) {
+        const model::Error failure = explained(error, temporary);
         std::error_code ignored;
         fs::remove(temporary, ignored);
-        throw;
+        throw failure;
     }
+}
+
+std::string read_whole(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) throw model::Error(codes::kFileMissing, "there is no such report", path.string());
+    if (!in || fs::is_directory(path, ignored))
+        throw model::Error(codes::kReadFailed, "the report cannot be read", path.string());
+    return text;
+}
+
+int merge(const CommandLine& line) {
+    std::vector<NamedReport> reports;
+    for (const fs::path& path : line.to_merge) reports.push_back({path.string(), read_whole(path)});
+    const MergedReport merged = merge_reports(reports);
+    if (line.report.empty())
+        say(stdout, merged.text);
+    else
+        write_whole(line.report, merged.text);
+    return static_cast<int>(merged.exit);
+}
+
+/// Build systems go by times: what is up to date by content must not look older than what it was made from.
+void touch_outputs(const std::vector<AssetResult>& results) {
+    for (const AssetResult& result : results)
+        if (result.outcome == Outcome::kUpToDate)
+            for (const OutputFile& file : result.files)
+                if (utimensat(AT_FDCWD, file.path.c_str(), nullptr, 0) != 0)
+                    throw model::Error(codes::kWriteFailed,
+                                       std::string("its time cannot be set: ") + std::strerror(errno),
+                                       file.path.string());
+}
+
+/// What was baked or was there already; others have no files that a build could use.
+std::vector<DependencyRule> rules_of(const BatchPlan& plan, const std::vector<AssetResult>& results) {
+    std::vector<DependencyRule> rules;
+    for (std::size_t k = 0; k < results.size(); ++k) {
+        if (results[k].files.empty()) continue;
+        DependencyRule& rule = rules.emplace_back();
+        for (const OutputFile& file : results[k].files) rule.outputs.push_back(file.path);
+        rule.inputs = input_files(plan.assets[k].source, plan.assets[k].options);
+    }
+    return rules;
 }
 
 int print_plan(const BatchPlan& plan) {
@@ -85,11 +143,14 @@ int print_plan(const BatchPlan& plan) {
 class Conversation {
  public:
     Conversation(const CommandLine& line, const BatchPlan& plan)
-        : line_(line), plan_(plan), view_(line.quiet ? ProgressStyle::kNone : line.progress, names(plan)) {
+        : line_(line),
+          plan_(plan),
+          view_(line.quiet ? ProgressStyle::kNone : line.progress, names(plan), weights(plan)) {
         observer_.on_start = [this](std::size_t k) { view_.start(k); };
         observer_.on_progress = [this](std::size_t k, std::string_view stage, double share) {
             view_.update(k, printable(stage), share);
         };
+        observer_.on_notice = [this](std::size_t k, std::string_view text) { notice(k, text); };
         observer_.on_end = [this](std::size_t k) { view_.end(k); };
         observer_.on_finish = [this](std::size_t k, const AssetResult& result) { finished(k, result); };
         observer_.on_tick = [this] { view_.tick(); };
@@ -99,7 +160,7 @@ class Conversation {
         view_.clear();
         if (worst_exit(results) == model::ExitCode::kInterrupted)
             say(stderr, failure_story({}, model::Error(codes::kInterrupted, summary_line(results))));
-        else if (results.size() > 1 && !line_.quiet)
+        else if (results.size() != 1 && !line_.quiet)
             say(stdout, summary_line(results) + '\n');
     }
 
@@ -109,13 +170,26 @@ class Conversation {
         for (const PlannedAsset& asset : plan.assets) out.push_back(printable(asset.source.filename().string()));
         return out;
     }
+    /// What takes memory takes time.
+    static std::vector<double> weights(const BatchPlan& plan) {
+        std::vector<double> out;
+        for (const PlannedAsset& asset : plan.assets)
+            out.push_back(static_cast<double>(estimate_peak(asset.source, asset.options)));
+        return out;
+    }
+    void notice(std::size_t k, std::string_view text) {
+        if (line_.quiet) return;
+        view_.clear();
+        say(stderr, fmt::format("dgm-bake: {}: {}\n", printable(plan_.assets[k].source.string()), printable(text)));
+    }
     void finished(std::size_t k, const AssetResult& result) {
         view_.clear();
         if (result.error)
             say(stderr, failure_story(plan_.assets[k].source.string(), *result.error, result.worker_output));
-        if (result.outcome != Outcome::kBaked || line_.quiet) return;
-        say(stdout, result_line(result) + '\n');
-        if (result.report.search && !line_.verbose)
+        const bool is_new = result.outcome == Outcome::kBaked;
+        if (line_.quiet || !(is_new || result.outcome == Outcome::kUpToDate)) return;
+        say(stdout, (is_new ? result_line(result) : up_to_date_line(result)) + '\n');
+        if (is_new && result.report.search && !line_.verbose)
             say(stdout, "  " + search_story(*result.report.search, result.report.error.diagonal) + '\n');
         if (line_.verbose)
             for (const std::string& detail : detail_lines(result.report)) say(stdout, detail + '\n');
@@ -145,20 +219,30 @@ class SignalsAround {
 
 int run(const CommandLine& line) {
     SignalsAround signals;
-    const BatchPlan plan = plan_batch(line.plan);
+    if (!line.to_merge.empty()) return merge(line);
+    BatchPlan plan = plan_batch(line.plan, line.bake);
     check_files(line, plan);
+    if (line.shard) keep_shard(plan, *line.shard);
     if (line.dry_run) return print_plan(plan);
-    if (!line.report.empty()) check_writable(line.report);
+    for (const fs::path& file : {line.report, line.depfile})
+        if (!file.empty()) check_writable(file);
     Conversation conversation(line, plan);
-    const std::vector<AssetResult> results = run_batch(plan, line.bake, line.batch, conversation.observer());
+    const std::vector<AssetResult> results = run_batch(plan, line.batch, conversation.observer());
     signals.batch_done();
     conversation.end(results);
-    if (!line.report.empty())
-        write_report(line.report, batch_report_json(plan, line.bake, line.batch, results, kGenerator));
+    if (!line.report.empty()) write_whole(line.report, batch_report_json(plan, line.batch, results, generator()));
+    if (!line.depfile.empty()) {
+        touch_outputs(results);
+        write_whole(line.depfile, dependency_file(rules_of(plan, results)));
+    }
     return static_cast<int>(worst_exit(results));
 }
 
 int run_command_line(int argc, const char* const* argv) {
+    CLI::App app;
+    Raw raw;
+    describe(app, raw);
+    if (tool::print_manual(argc, argv, app, manual(), DGM_VERSION)) return static_cast<int>(model::ExitCode::kOk);
     const auto line = parse_command_line(argc, argv);
     if (const Answer* answer = std::get_if<Answer>(&line)) {
         say(stdout, *answer);

@@ -10,11 +10,12 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <thread>
 
+#include "bake/raw_options.h"
 #include "model/codes.h"
 #include "pipeline/option_names.h"
+#include "tool/help.h"
 
 namespace dgm::bake {
 namespace {
@@ -23,40 +24,21 @@ namespace codes = model::codes;
 
 constexpr std::uint32_t kMaxTextureSide = 16384;
 constexpr double kMaxSeconds = 1e7;
+constexpr unsigned kMaxShards = 1'000'000;
 
 [[noreturn]] void wrong(const std::string& message) {
     throw model::Error(codes::kUsage, message);
-}
-
-/// Edits (insert, delete, replace) from one word to the other [Levenshtein 1966].
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j)
-            diagonal =
-                std::exchange(row[j + 1], std::min({row[j] + 1, row[j + 1] + 1, diagonal + (a[i] == b[j] ? 0 : 1)}));
-    }
-    return row.back();
 }
 
 template <class Names>
 [[noreturn]] void unknown_word(std::string_view option, std::string_view what, const std::string& word,
                                const Names& names) {
     std::string list;
-    std::string_view nearest;
-    std::size_t nearest_distance = 3;  // more than two slips is another word
-    for (const std::string_view name : names) {
-        list += (list.empty() ? "" : ", ") + std::string(name);
-        const std::size_t distance = word.size() > 64 ? nearest_distance : edit_distance(word, name);
-        if (distance < nearest_distance) {
-            nearest = name;
-            nearest_distance = distance;
-        }
-    }
+    for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
     std::string message = fmt::format("{}: there is no {} \"{}\"", option, what, word);
-    if (!nearest.empty()) message += fmt::format("; did you mean {}?", nearest);
+    const std::vector<std::string> words(names.begin(), names.end());
+    if (const std::string_view meant = tool::nearest(word, words); !meant.empty())
+        message += fmt::format("; did you mean {}?", meant);
     wrong(message + fmt::format("\nthere are: {}", list));
 }
 
@@ -146,88 +128,6 @@ std::uint64_t parse_bytes(std::string_view option, const std::string& text, std:
     return static_cast<std::uint64_t>(value * factor);
 }
 
-std::string joined(const auto& names) {
-    std::string out;
-    for (const std::string_view name : names) out += (out.empty() ? "" : ", ") + std::string(name);
-    return out;
-}
-
-/// What CLI11 fills in: plain text, checked afterwards with messages of ours.
-struct Raw {
-    std::vector<std::string> inputs;
-    std::string output, size, max_error, max_error_kind, budget, method = "auto", domain = "auto", fit = "l2",
-                        precision = "f32", layers, texture, texture_size, bump_size, ablate, format,
-                        exr_layout = "auto", report, report_format = "json", memory_limit = "8GiB", progress = "auto";
-    int jobs = 0;
-    double time_limit = 600;
-    bool keep_going = false, stop_on_error = false, dry_run = false, verbose = false, quiet = false;
-};
-
-void describe(CLI::App& app, Raw& raw) {
-    app.option_defaults()->always_capture_default(false);
-    app.set_help_flag("-h,--help", "show this and stop");
-    app.set_version_flag("-V,--version", "dgm-bake " DGM_VERSION "\n", "show the version and stop");
-    app.add_option("INPUT", raw.inputs,
-                   "mesh files of any format the importer reads, and folders, searched recursively for OBJ and 3DS")
-        ->type_name("");
-    app.add_option("-o,--output", raw.output, "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]")
-        ->type_name("FILE|DIR");
-    const auto group = [&](const char* name, const char* option, const char* type, std::string& target,
-                           const std::string& help) {
-        app.add_option(option, target, help)->group(name)->type_name(type);
-    };
-    const char* bake = "What is baked";
-    group(bake, "--size", "MxN", raw.size,
-          "samples of the largest chart, MxN or N; auto:N: the best m x n with at most N samples [257x257]");
-    group(bake, "--max-error", "X", raw.max_error,
-          "the smallest grid whose measured error is at most X% of the diagonal, or X in the mesh's units; --size is "
-          "the largest grid tried then [auto:4198401]");
-    group(bake, "--max-error-kind", "K", raw.max_error_kind, "the error meant: rms or hausdorff [rms]");
-    group(bake, "--budget", "SIZE", raw.budget,
-          "the grid with the least error whose .dgm is not larger than SIZE, such as 256KiB; --size is the largest "
-          "grid tried then [auto:4198401]");
-    group(bake, "--method", "M", raw.method,
-          "parameterization: " + joined(kMethodNames) + " [auto: the smallest error]");
-    group(bake, "--domain", "D", raw.domain,
-          "square: every sample on the surface; free: any shape, with a mask [auto]");
-    group(bake, "--fit", "F", raw.fit,
-          "sample: samples lie on the surface; l2: least-squares fit; best: samples slide to where the error is "
-          "[sample]");
-    group(bake, "--layers", "L,...", raw.layers,
-          "comma-separated: " + joined(kLayerNames) + " [all that have data]; geometry is always there");
-    group(bake, "--precision", "P", raw.precision, "of positions: f32 or u16 [f32]");
-    group(bake, "--texture", "FILE", raw.texture, "image that replaces the materials' textures");
-    group(bake, "--texture-size", "MxN", raw.texture_size,
-          "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
-    group(bake, "--bump-size", "MxN", raw.bump_size, "heights of the bump layer, MxN or N [two a grid step]");
-    group(bake, "--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
-    group(bake, "--exr-layout", "X", raw.exr_layout,
-          "auto: one part where sizes agree; multipart: one part a layer [auto]");
-    group("Experiments", "--ablate", "PART,...", raw.ablate,
-          "leave parts out, to see what they are worth: " + joined(kAblateNames) + "; the result is worse");
-    const char* run = "How it runs";
-    app.add_option("-j,--jobs", raw.jobs, "assets baked at a time [one a core]")->group(run)->type_name("N");
-    app.add_option("--time-limit", raw.time_limit, "seconds one asset may take [600]")->group(run)->type_name("S");
-    group(run, "--memory-limit", "SIZE", raw.memory_limit,
-          "memory one asset may take, such as 4GiB; 0: no limit [8GiB]");
-    app.add_flag("--keep-going", raw.keep_going, "bake the others after a failure [the default]")->group(run);
-    app.add_flag("--stop-on-error", raw.stop_on_error, "start no other asset after a failure")->group(run);
-    app.add_flag("--dry-run", raw.dry_run, "print which mesh would become which file, and bake nothing")->group(run);
-    const char* tell = "What it tells";
-    group(tell, "--report", "FILE", raw.report,
-          "write what happened to each asset, with all errors measured, to this file");
-    group(tell, "--report-format", "F", raw.report_format, "json [json]");
-    group(tell, "--progress", "P", raw.progress, "bar, plain lines, none [auto: a bar on a terminal, else plain]");
-    app.add_flag("-v,--verbose", raw.verbose, "repairs, warnings, charts and times too")->group(tell);
-    app.add_flag("-q,--quiet", raw.quiet, "failures only")->group(tell);
-    app.get_formatter()->column_width(26);
-    app.footer(
-        "Each mesh is baked in a process of its own: one that crashes or runs out of time or memory is one failed "
-        "mesh.\n"
-        "Exit code: 0 ok, 1 usage, 2 input/output, 3 mesh refused, 4 internal, 5 unsupported, 130 interrupted; of a\n"
-        "batch the worst, in the order 130, 4, 2, 3, 5.");
-}
-
 void set_formats(const Raw& raw, CommandLine& out) {
     std::string text = raw.format;
     const std::string extension = std::filesystem::path(raw.output).extension().string();
@@ -279,6 +179,29 @@ void set_grid(const Raw& raw, BakeOptions& bake) {
         bake.auto_samples = kLargestSearched;
 }
 
+/// "2/8"
+Shard parse_shard(const std::string& text) {
+    Shard out{0, 0};
+    const char* const end = text.data() + text.size();
+    const auto number = std::from_chars(text.data(), end, out.number);
+    const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
+    const auto count = slash ? std::from_chars(number.ptr + 1, end, out.count) : number;
+    if (!slash || count.ec != std::errc() || count.ptr != end || out.number < 1 || out.number > out.count ||
+        out.count > kMaxShards)
+        wrong(fmt::format("--shard: \"{}\" is no part of a batch; write I/N, such as 1/8 up to 8/8, N at most {}", text,
+                          kMaxShards));
+    return out;
+}
+
+CommandLine to_merge(const Raw& raw) {
+    CommandLine out;
+    if (raw.inputs.empty())
+        wrong("--merge-reports: name the reports, for instance: --merge-reports a.json b.json -o all.json");
+    for (const std::string& input : raw.inputs) out.to_merge.emplace_back(input);
+    out.report = raw.output.empty() ? raw.report : raw.output;
+    return out;
+}
+
 CommandLine checked(const Raw& raw) {
     CommandLine out;
     for (const std::string& input : raw.inputs) {
@@ -287,7 +210,12 @@ CommandLine checked(const Raw& raw) {
     }
     if (raw.keep_going && raw.stop_on_error) wrong("--keep-going and --stop-on-error contradict each other");
     if (raw.verbose && raw.quiet) wrong("-v and -q contradict each other");
-    if (raw.inputs.empty()) wrong("no input: name mesh files or folders");
+    if (raw.merge_reports) return to_merge(raw);
+    if (raw.inputs.empty()) wrong("no input: name mesh files or folders, for instance: dgm-bake stomach.obj");
+    if (!raw.shard.empty()) out.shard = parse_shard(raw.shard);
+    out.batch.shares_folders = out.shard.has_value();
+    out.batch.force = raw.force;
+    out.depfile = raw.depfile;
     out.plan.output = raw.output;
     out.plan.output_is_folder = !raw.output.empty() && raw.output.back() == '/';
     set_formats(raw, out);
@@ -296,8 +224,7 @@ CommandLine checked(const Raw& raw) {
         unknown_word("--method", "method", raw.method, kMethodNames);
     out.bake.method = raw.method;
     out.bake.domain = choice("--domain", kDomainNames, raw.domain);
-    const bool lays_free =
-        raw.method == "lscm" || raw.method == "arap" || raw.method == "slim" || raw.method == "uv";
+    const bool lays_free = raw.method == "lscm" || raw.method == "arap" || raw.method == "slim" || raw.method == "uv";
     if (raw.method != "auto" && out.bake.domain != DomainChoice::kAuto &&
         lays_free != (out.bake.domain == DomainChoice::kFree))
         wrong(fmt::format("--method {} lays charts out in the {} domain only; leave out --domain {}", raw.method,
@@ -341,12 +268,18 @@ CommandLine checked(const Raw& raw) {
 
 std::variant<CommandLine, Answer> parse_command_line(int argc, const char* const* argv) {
     Raw raw;
-    CLI::App app("Bakes meshes into deformable geometry maps.", "dgm-bake");
+    CLI::App app;
     describe(app, raw);
+    // -MF is how compilers call it, and build files therefore; CLI11 would read it as -M with the value F.
+    std::vector<const char*> arguments(argv, argv + argc);
+    for (std::size_t k = 1; k < arguments.size() && std::string_view(arguments[k]) != "--"; ++k)
+        if (std::string_view(arguments[k]) == "-MF") arguments[k] = "--depfile";
     try {
-        app.parse(argc, argv);
+        app.parse(argc, arguments.data());
     } catch (const CLI::CallForHelp&) { return app.help(); } catch (const CLI::CallForVersion& version) {
         return std::string(version.what());
+    } catch (const CLI::ExtrasError&) {
+        wrong(tool::unknown_option(app, app.remaining().front()) + "\nsee all with: dgm-bake --help");
     } catch (const CLI::ParseError& error) { wrong(error.what()); }
     return checked(raw);
 }

@@ -3,8 +3,10 @@
 // The command line of dgm-bake.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "pipeline/batch_plan.h"
 #include "pipeline/batch_runner.h"
@@ -17,7 +19,10 @@ struct CommandLine {
     PlanRequest plan;
     BakeOptions bake;
     BatchOptions batch;
-    std::filesystem::path report;  ///< empty: none
+    std::optional<Shard> shard;
+    std::filesystem::path report;                 ///< empty: none
+    std::filesystem::path depfile;                ///< -MF; empty: none
+    std::vector<std::filesystem::path> to_merge;  ///< --merge-reports: the reports; then nothing is baked
     ProgressStyle progress = ProgressStyle::kAuto;
     bool dry_run = false, verbose = false, quiet = false;
 };

@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <string_view>
 
 namespace dgm::bake {
 namespace {
@@ -35,16 +37,37 @@ std::string minutes(double seconds) {
     return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
+/// How much of an asset is done where a stage begins and ends, as measured on organs and garments at 257x257. The
+/// grids of a search repeat these stages under names of their own: they count as the middle.
+struct StageSpan {
+    std::string_view stage;
+    double begin, end;
+};
+constexpr std::array kStages{
+    StageSpan{"import", 0, 0.03},   StageSpan{"repair", 0.03, 0.06},  StageSpan{"textures", 0.06, 0.08},
+    StageSpan{"cut", 0.08, 0.35},   StageSpan{"map", 0.08, 0.6},      StageSpan{"fit", 0.6, 0.8},
+    StageSpan{"layers", 0.8, 0.87}, StageSpan{"measure", 0.87, 0.96}, StageSpan{"write", 0.96, 1}};
+
+double share_of_asset(std::string_view stage, double share) {
+    for (const StageSpan& span : kStages)
+        if (span.stage == stage) return span.begin + share * (span.end - span.begin);
+    return 0.08;
+}
+
 }  // namespace
 
-ProgressView::ProgressView(ProgressStyle style, std::vector<std::string> names)
+ProgressView::ProgressView(ProgressStyle style, std::vector<std::string> names, std::vector<double> weights)
     : style_(style != ProgressStyle::kAuto ? style
              : isatty(STDERR_FILENO) != 0  ? ProgressStyle::kBar
                                            : ProgressStyle::kPlain),
-      names_(std::move(names)) {}
+      names_(std::move(names)),
+      weights_(std::move(weights)) {
+    weights_.resize(names_.size(), 1);
+    for (const double weight : weights_) total_ += weight;
+}
 
 void ProgressView::start(std::size_t asset) {
-    active_[asset] = {"start", 0, Clock::now()};
+    active_[asset] = {"start", 0, 0, Clock::now()};
     if (style_ == ProgressStyle::kPlain)
         std::fputs(fmt::format("[{}/{}] {}\n", asset + 1, names_.size(), names_[asset]).c_str(), stderr);
 }
@@ -53,17 +76,32 @@ void ProgressView::update(std::size_t asset, std::string_view stage, double shar
     Active& active = active_[asset];
     active.stage = stage;
     active.share = share;
+    active.done = std::max(active.done, share_of_asset(stage, share));
     const auto now = Clock::now();
     if (style_ != ProgressStyle::kPlain || now - active.said < kPlainPause) return;
     active.said = now;
     std::fputs(
-        fmt::format("[{}/{}] {}: {} {:.0f} %\n", asset + 1, names_.size(), names_[asset], stage, 100 * share).c_str(),
+        fmt::format("[{}/{}] {}: {} {:.0f} %{}\n", asset + 1, names_.size(), names_[asset], stage, 100 * share, to_go())
+            .c_str(),
         stderr);
 }
 
 void ProgressView::end(std::size_t asset) {
-    active_.erase(asset);
+    if (active_.erase(asset) > 0)
+        done_ += weights_[asset];
+    else
+        total_ -= weights_[asset];
     ++ended_;
+}
+
+std::string ProgressView::to_go() const {
+    double done = done_;
+    for (const auto& [asset, active] : active_) done += active.done * weights_[asset];
+    const double share = total_ > 0 ? done / total_ : 0;
+    // The first seconds promise anything.
+    constexpr double kLeast = 0.02;
+    const double elapsed = std::chrono::duration<double>(Clock::now() - begun_).count();
+    return share < kLeast ? std::string() : fmt::format(", {} to go", minutes(elapsed * (1 - share) / share));
 }
 
 std::string ProgressView::bar_line(std::size_t columns) const {
@@ -72,7 +110,7 @@ std::string ProgressView::bar_line(std::size_t columns) const {
     std::string head = fmt::format("[{:#>{}}{:.>{}}] {}/{}", "", filled, "", kBarWidth - filled, ended_, names_.size());
     const double elapsed = std::chrono::duration<double>(Clock::now() - begun_).count();
     head += fmt::format("  {}", minutes(elapsed));
-    if (ended_ > 0) head += fmt::format(", {} to go", minutes(elapsed * (1 - done) / done));
+    head += to_go();
     for (const auto& [asset, active] : active_)
         head += fmt::format("  {}: {} {:.0f} %", names_[asset], active.stage, 100 * active.share);
     return shortened(head, columns - 1);

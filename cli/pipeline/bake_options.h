@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,7 +42,8 @@ struct BakeOptions {
     std::optional<std::uint64_t> budget_bytes;  ///< the largest grid whose .dgm is not larger; with max_error: a limit
     std::string method = "auto";                ///< auto stretch mvc authalic conformal tutte lscm arap slim uv
     DomainChoice domain = DomainChoice::kAuto;
-    Fit fit = Fit::kL2;  ///< measured: +9 to +15 dB at 257x257 for about as much time again as without (docs/accuracy.md)
+    Fit fit =
+        Fit::kL2;  ///< measured: +9 to +15 dB at 257x257 for about as much time again as without (docs/accuracy.md)
     Precision precision = Precision::kF32;
     std::vector<std::string> layers;       ///< empty: all that have data
     std::filesystem::path texture;         ///< fabric image that replaces the materials' textures
@@ -54,6 +56,8 @@ struct BakeOptions {
     [[nodiscard]] bool ablates(std::string_view part) const;
     /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
     std::filesystem::path scratch;
+    /// Told each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.
+    std::function<void(const std::string& line)> on_notice;
 };
 
 /// 3..8193 a side, of any chart.

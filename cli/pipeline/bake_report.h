@@ -69,6 +69,7 @@ struct GridSearch {
 
 struct BakeReport {
     std::string source_name;
+    std::string inputs_hash;  ///< of what the mesh names (up_to_date.h); empty: unknown
     std::uint64_t source_vertices = 0, source_faces = 0;
     SurfaceError error;             ///< whole asset: all charts against all components
     double worst_quantisation = 0;  ///< u16: half a step, source units; 0 for f32

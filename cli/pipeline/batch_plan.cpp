@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 #include <system_error>
 
+#include "dgm/hash.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "pipeline/file_pattern.h"
 
 namespace dgm::bake {
 namespace {
@@ -40,6 +43,10 @@ struct Found {
         fs::path out = relative;
         if (level >= 1) out += source.extension();
         return level >= 2 ? group / out : out;
+    }
+    [[nodiscard]] std::string name() const {
+        fs::path out = level >= 2 ? group / relative : relative;
+        return (out += source.extension()).generic_string();
     }
 };
 
@@ -82,13 +89,14 @@ fs::path true_path(const fs::path& path) {
 
 class Planner {
  public:
-    explicit Planner(const PlanRequest& request) : request_(request) {}
+    Planner(const PlanRequest& request, const BakeOptions& options) : request_(request), options_(options) {}
 
     BatchPlan plan() {
         for (const fs::path& input : request_.inputs) add(input);
         find_target();
         settle_collisions();
-        for (const Found& f : found_) out_.assets.push_back({f.source, target(f, ".dgm"), target(f, ".exr"), {}});
+        for (const Found& f : found_)
+            out_.assets.push_back({f.source, target(f, ".dgm"), target(f, ".exr"), {}, f.name(), options_});
         for (PlannedAsset& asset : out_.assets) {
             if (!request_.write_dgm) asset.dgm.clear();
             if (!request_.write_exr) asset.exr.clear();
@@ -103,6 +111,7 @@ class Planner {
     void add(const fs::path& input) {
         std::error_code error;
         const fs::file_status status = fs::status(input, error);
+        if (!fs::exists(status) && is_pattern(input.native())) return add_pattern(input);
         if (!fs::exists(status)) return refuse(input, codes::kFileMissing, "there is no such file or folder");
         if (fs::is_regular_file(status)) return add_file(input);
         if (!fs::is_directory(status)) return refuse(input, codes::kReadFailed, "it is neither a file nor a folder");
@@ -121,6 +130,19 @@ class Planner {
                                              others, others == 1 ? "" : "s", others == 1 ? "it" : "them"));
     }
 
+    void add_pattern(const fs::path& pattern) {
+        has_folder_ = true;
+        const auto [folder, matches] = files_matching(pattern);
+        std::size_t taken = 0;
+        for (const fs::path& relative : matches) {
+            if (!formats::has_mesh_extension(relative)) continue;
+            ++taken;
+            fs::path stem = relative;
+            add_unique({folder / relative, stem.replace_extension(), folder_name(folder)});
+        }
+        if (taken == 0) refuse(pattern, codes::kNothingToDo, "no mesh file matches the pattern");
+    }
+
     void add_file(const fs::path& input) {
         add_unique({input, input.stem(), folder_name(fs::absolute(input).parent_path())});
     }
@@ -132,7 +154,7 @@ class Planner {
     void refuse(const fs::path& input, const model::Code& code, const std::string& message) {
         // Each refusal stands where its assets would have stood; those before it have moved it on already.
         refused_.emplace_back(found_.size() + refused_.size(),
-                              PlannedAsset{input, {}, {}, model::Error(code, message)});
+                              PlannedAsset{input, {}, {}, model::Error(code, message), input.string(), options_});
     }
 
     /// Is -o the one output file, or the folder of outputs?
@@ -195,6 +217,7 @@ class Planner {
     }
 
     const PlanRequest& request_;
+    const BakeOptions& options_;
     BatchPlan out_;
     std::vector<Found> found_;
     std::vector<std::pair<std::size_t, PlannedAsset>> refused_;
@@ -205,8 +228,26 @@ class Planner {
 
 }  // namespace
 
-BatchPlan plan_batch(const PlanRequest& request) {
-    return Planner(request).plan();
+BatchPlan plan_batch(const PlanRequest& request, const BakeOptions& options) {
+    return Planner(request, options).plan();
+}
+
+unsigned shard_of(std::string_view name, unsigned count) {
+    unsigned best = 1;
+    formats::Hash128 largest{};
+    for (unsigned shard = 1; shard <= count; ++shard) {
+        const std::string text = fmt::format("{}/{}", shard, name);
+        const formats::Hash128 hash = formats::hash_bytes(std::as_bytes(std::span(text)));
+        if (shard > 1 && hash <= largest) continue;
+        best = shard;
+        largest = hash;
+    }
+    return best;
+}
+
+void keep_shard(BatchPlan& plan, Shard shard) {
+    std::erase_if(plan.assets,
+                  [&](const PlannedAsset& asset) { return shard_of(asset.name, shard.count) != shard.number; });
 }
 
 }  // namespace dgm::bake

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/pipeline/batch_report_json.cpp
-#include <nlohmann/json.hpp>
+#include "pipeline/batch_report_json.h"
+
+#include <algorithm>
 
 #include "pipeline/option_names.h"
 #include "pipeline/report_text.h"
@@ -14,7 +16,7 @@ json size_json(const GridSize& size) {
     return {{"rows", size.rows}, {"cols", size.cols}};
 }
 
-json settings_json(const BakeOptions& options, const BatchOptions& batch) {
+json settings_json(const BakeOptions& options) {
     json out{{"size",
               options.auto_samples ? json("auto:" + std::to_string(*options.auto_samples)) : size_json(options.size)},
              {"method", options.method},
@@ -25,10 +27,7 @@ json settings_json(const BakeOptions& options, const BatchOptions& batch) {
              {"texture", options.texture.empty() ? json(nullptr) : json(options.texture.string())},
              {"texture_size", options.texture_size ? size_json(*options.texture_size) : json("grid")},
              {"format", json::array()},
-             {"exr_layout", name_of(kExrLayoutNames, options.exr_layout)},
-             {"time_limit_seconds", batch.time_limit_seconds},
-             {"memory_limit_bytes", batch.memory_bytes},
-             {"jobs", batch.jobs}};
+             {"exr_layout", name_of(kExrLayoutNames, options.exr_layout)}};
     if (options.bump_size) out["bump_size"] = size_json(*options.bump_size);
     if (!options.ablate.empty()) out["ablate"] = options.ablate;
     if (options.max_error)
@@ -52,30 +51,51 @@ json error_json(const model::Error& error, const std::string& worker_output) {
     return out;
 }
 
+std::string shown(const std::filesystem::path& path) {
+    return path.lexically_normal().string();
+}
+
 json asset_json(const PlannedAsset& asset, const AssetResult& result) {
-    json out{{"source", asset.source.string()}, {"outcome", name_of(result.outcome)}, {"seconds", result.seconds}};
+    json out{{"source", asset.source.string()},
+             {"name", asset.name},
+             {"outcome", name_of(result.outcome)},
+             {"seconds", result.seconds},
+             {"settings", settings_json(asset.options)}};
+    out["outputs"] = json::array();
+    for (const std::filesystem::path& output : {asset.dgm, asset.exr})
+        if (!output.empty()) out["outputs"].push_back(shown(output));
     out["files"] = json::array();
     for (const OutputFile& file : result.files)
-        out["files"].push_back({{"path", file.path.lexically_normal().string()}, {"bytes", file.bytes}});
+        out["files"].push_back({{"path", shown(file.path)}, {"bytes", file.bytes}});
     if (result.outcome == Outcome::kBaked) out["report"] = json::parse(to_json(result.report, true));
+    if (result.outcome == Outcome::kUpToDate) out["report"] = json::parse(to_json(result.report, false));
     if (result.error) out["error"] = error_json(*result.error, result.worker_output);
     return out;
 }
 
 }  // namespace
 
-std::string batch_report_json(const BatchPlan& plan, const BakeOptions& options, const BatchOptions& batch,
-                              const std::vector<AssetResult>& results, std::string_view generator) {
-    json out{{"generator", generator},
-             {"report_version", 1},
-             {"settings", settings_json(options, batch)},
-             {"exit_code", static_cast<int>(worst_exit(results))}};
+json report_frame(std::string_view generator, model::ExitCode exit) {
+    return {{"generator", generator}, {"report_version", kReportVersion}, {"exit_code", static_cast<int>(exit)}};
+}
+
+void set_count(json& report, Outcome outcome, std::uint64_t count) {
+    std::string key(name_of(outcome));
+    std::replace(key.begin(), key.end(), ' ', '_');
+    report["summary"][key] = count;
+}
+
+std::string batch_report_json(const BatchPlan& plan, const BatchOptions& batch, const std::vector<AssetResult>& results,
+                              std::string_view generator) {
+    json out = report_frame(generator, worst_exit(results));
+    out["run"] = {{"time_limit_seconds", batch.time_limit_seconds},
+                  {"memory_limit_bytes", batch.memory_bytes},
+                  {"jobs", batch.jobs}};
     out["summary"] = {{"assets", results.size()}};
-    for (const Outcome outcome :
-         {Outcome::kBaked, Outcome::kRefused, Outcome::kFailed, Outcome::kInterrupted, Outcome::kNotStarted}) {
-        std::uint64_t count = 0;
-        for (const AssetResult& result : results) count += result.outcome == outcome ? 1 : 0;
-        out["summary"][outcome == Outcome::kNotStarted ? "not_started" : std::string(name_of(outcome))] = count;
+    for (const Outcome outcome : kOutcomes) {
+        const auto count = std::count_if(results.begin(), results.end(),
+                                         [&](const AssetResult& result) { return result.outcome == outcome; });
+        set_count(out, outcome, static_cast<std::uint64_t>(count));
     }
     out["assets"] = json::array();
     for (std::size_t k = 0; k < results.size(); ++k) out["assets"].push_back(asset_json(plan.assets[k], results[k]));

@@ -10,13 +10,16 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 #include <list>
 #include <thread>
 
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "pipeline/child_process.h"
+#include "pipeline/memory_budget.h"
 #include "pipeline/output_files.h"
+#include "pipeline/up_to_date.h"
 #include "pipeline/worker_protocol.h"
 
 namespace dgm::bake {
@@ -29,6 +32,9 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kTick = std::chrono::milliseconds(200);
 /// A worker has said all it has to say: how often to look whether it has gone.
 constexpr auto kEndTick = std::chrono::milliseconds(2);
+
+/// A mesh may have thousands of faults; nobody reads more than some.
+constexpr std::size_t kMaxNotices = 20, kMaxNoticeBytes = 400;
 
 /// Interrupted, the program ends within a second, workers with gigabytes to give back on a busy machine or not.
 constexpr auto kLastWait = std::chrono::milliseconds(500);
@@ -79,8 +85,10 @@ struct Running {
     std::size_t asset;
     ChildProcess child;
     Clock::time_point started;
-    fs::path dgm, exr;  ///< temporary names
+    fs::path dgm, exr;           ///< temporary names
+    std::uint64_t expected = 0;  ///< bytes at its peak
     std::string stage;
+    std::size_t notices = 0;
     bool out_of_memory = false;
     std::optional<WorkerMessage> last_word;  ///< ResultMessage or ErrorMessage
     std::optional<model::Error> verdict;     ///< set by us: time, nonsense
@@ -88,8 +96,12 @@ struct Running {
 
 class Batch {
  public:
-    Batch(const BatchPlan& plan, const BakeOptions& options, const BatchOptions& batch, const BatchObserver& observer)
-        : plan_(plan), options_(options), batch_(batch), observer_(observer), results_(plan.assets.size()) {
+    Batch(const BatchPlan& plan, const BatchOptions& batch, const BatchObserver& observer)
+        : plan_(plan),
+          batch_(batch),
+          observer_(observer),
+          results_(plan.assets.size()),
+          folders_(batch.shares_folders) {
         const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
         const auto at_once = static_cast<unsigned>(std::clamp<std::size_t>(plan.assets.size(), 1, batch.jobs));
         threads_ = std::max(1U, cores / at_once);
@@ -100,7 +112,8 @@ class Batch {
             std::any_of(plan_.assets.begin(), plan_.assets.end(), [](const PlannedAsset& a) { return !a.refusal; });
         if (any_outputs) folders_.make(plan_.folder);
         while (!signals_.stop_requested() && (can_start() || !running_.empty())) {
-            while (can_start() && running_.size() < batch_.jobs) start(next_++);
+            skipped_ = false;  // after each one that is up to date, signals are heard and results are told
+            while (can_start() && running_.size() < batch_.jobs && !skipped_ && has_memory()) start(next_++);
             wait();
             for (auto it = running_.begin(); it != running_.end();)
                 it = advance(*it) ? running_.erase(it) : std::next(it);
@@ -118,13 +131,54 @@ class Batch {
         return next_ < plan_.assets.size() && !(batch_.stop_on_error && any_failed_);
     }
 
+    [[nodiscard]] std::uint64_t expected_peak(std::size_t k) const {
+        const std::uint64_t peak = estimate_peak(plan_.assets[k].source, plan_.assets[k].options);
+        return batch_.memory_bytes != 0 ? std::min(peak, batch_.memory_bytes) : peak;
+    }
+
+    /// True if the next asset fits beside those that run, when they have grown as far as they are expected to.
+    [[nodiscard]] bool has_memory() {
+        if (running_.empty()) return true;
+        if (estimated_ != next_) {
+            estimate_ = expected_peak(next_);  // asked again and again while it waits
+            estimated_ = next_;
+        }
+        const std::uint64_t available = available_memory();
+        if (available == 0) return true;
+        std::uint64_t needed = estimate_;
+        for (const Running& r : running_) needed += r.expected - std::min(r.expected, resident_memory(r.child.pid()));
+        return needed <= available;
+    }
+
+    /// Nothing to do where the same bytes would be written again.
+    bool skip(std::size_t k) {
+        const PlannedAsset& asset = plan_.assets[k];
+        std::vector<fs::path> outputs;
+        for (const fs::path& output : {asset.dgm, asset.exr})
+            if (!output.empty()) outputs.push_back(output);
+        if (batch_.force || outputs.empty()) return false;
+        std::optional<BakeReport> report = up_to_date(asset.source, outputs, asset.options);
+        if (!report) return false;
+        AssetResult& result = results_[k];
+        for (const fs::path& output : outputs) {
+            std::error_code ignored;
+            result.files.push_back({output, fs::file_size(output, ignored)});
+        }
+        result.report = std::move(*report);
+        result.outcome = Outcome::kUpToDate;
+        skipped_ = true;
+        mark_ended(k);
+        return true;
+    }
+
     void start(std::size_t k) {
         const PlannedAsset& asset = plan_.assets[k];
         if (asset.refusal) return fail(k, *asset.refusal);
+        if (skip(k)) return;
         if (observer_.on_start) observer_.on_start(k);
         WorkerJob job;
         job.source = asset.source;
-        job.options = options_;
+        job.options = asset.options;
         job.memory_bytes = batch_.memory_bytes;
         job.threads = threads_;
         try {
@@ -135,14 +189,15 @@ class Batch {
                 check_writable(*final_path);
                 *temporary = temporary_for(*final_path);
             }
-            running_.push_back({k, ChildProcess(encode(job)), Clock::now(), job.dgm, job.exr, {}, {}, {}, {}});
+            running_.push_back(
+                {k, ChildProcess(encode(job)), Clock::now(), job.dgm, job.exr, expected_peak(k), {}, 0, {}, {}, {}});
         } catch (const model::Error& error) { fail(k, error); }
     }
 
     void wait() const {
         std::vector<pollfd> descriptors;
-        auto longest =
-            std::chrono::duration_cast<std::chrono::nanoseconds>(running_.empty() ? Clock::duration{0} : kTick);
+        auto longest = std::chrono::duration_cast<std::chrono::nanoseconds>(
+            running_.empty() || skipped_ ? Clock::duration{0} : kTick);
         for (const Running& r : running_) {
             if (r.child.messages() >= 0) descriptors.push_back({r.child.messages(), POLLIN, 0});
             if (r.child.errors() >= 0) descriptors.push_back({r.child.errors(), POLLIN, 0});
@@ -180,6 +235,9 @@ class Batch {
         if (const auto* progress = std::get_if<ProgressMessage>(&*message)) {
             r.stage = progress->stage.substr(0, 64);
             if (observer_.on_progress) observer_.on_progress(r.asset, r.stage, progress->share);
+        } else if (const auto* notice = std::get_if<NoticeMessage>(&*message)) {
+            if (r.notices++ < kMaxNotices && observer_.on_notice)
+                observer_.on_notice(r.asset, std::string_view(notice->text).substr(0, kMaxNoticeBytes));
         } else if (std::holds_alternative<OutOfMemoryMessage>(*message)) {
             r.out_of_memory = true;
         } else {
@@ -216,9 +274,8 @@ class Batch {
         if (r.verdict) return r.verdict;
         const bool has_result = r.last_word && std::holds_alternative<ResultMessage>(*r.last_word);
         if (has_result && end.signal == 0 && end.exit_code == 0) return std::nullopt;
-        // Whatever a library made of a failed allocation, the shortage is the cause. The kernel's own killer gives no
-        // notice but SIGKILL, which nobody else sends.
-        if (r.out_of_memory || end.signal == SIGKILL) {
+        // Whatever a library made of a failed allocation, the shortage is the cause.
+        if (r.out_of_memory) {
             const bool told = r.last_word && std::holds_alternative<ErrorMessage>(*r.last_word) &&
                               std::get<ErrorMessage>(*r.last_word).error.code().number == codes::kWorkerMemory.number;
             if (told) return std::get<ErrorMessage>(*r.last_word).error;
@@ -227,6 +284,12 @@ class Batch {
                                                           : fmt::format("it needs more than the {} MiB it may take",
                                                                         batch_.memory_bytes >> 20));
         }
+        // Not by us, and not by itself: the kernel where memory ran out, a scheduler, or a person.
+        if (end.signal == SIGKILL || end.signal == SIGTERM)
+            return model::Error(codes::kWorkerKilled,
+                                fmt::format("the worker process was ended by signal {} ({}) from outside, as the "
+                                            "system does where memory runs out",
+                                            end.signal, strsignal(end.signal)));
         if (end.signal != 0)
             return model::Error(codes::kWorkerCrashed, fmt::format("the worker process was ended by signal {} ({})",
                                                                    end.signal, strsignal(end.signal)));
@@ -243,7 +306,9 @@ class Batch {
             if (error)
                 throw model::Error(codes::kWriteFailed, "the written file is gone: " + error.message(),
                                    final_path->string());
-            formats::publish_file(*temporary, *final_path);
+            try {
+                formats::publish_file(*temporary, *final_path);
+            } catch (const model::Error& failure) { throw explained(failure, *temporary); }
             result.files.push_back({*final_path, bytes});
         }
     }
@@ -285,14 +350,15 @@ class Batch {
     }
 
     const BatchPlan& plan_;
-    const BakeOptions& options_;
     const BatchOptions& batch_;
     const BatchObserver& observer_;
     std::vector<AssetResult> results_;
     std::vector<bool> done_ = std::vector<bool>(results_.size());
     std::size_t next_ = 0, reported_ = 0;
-    bool any_failed_ = false;
+    bool any_failed_ = false, skipped_ = false;
     unsigned threads_ = 1;
+    std::uint64_t estimate_ = 0;  ///< of asset `estimated_`
+    std::size_t estimated_ = std::numeric_limits<std::size_t>::max();
     OutputFolders folders_;
     SignalScope signals_;
     std::list<Running> running_;  ///< last: its workers are killed before the folders are cleared
@@ -304,6 +370,8 @@ std::string_view name_of(Outcome outcome) {
     switch (outcome) {
         case Outcome::kBaked:
             return "baked";
+        case Outcome::kUpToDate:
+            return "up to date";
         case Outcome::kRefused:
             return "refused";
         case Outcome::kFailed:
@@ -316,9 +384,8 @@ std::string_view name_of(Outcome outcome) {
     return {};
 }
 
-std::vector<AssetResult> run_batch(const BatchPlan& plan, const BakeOptions& options, const BatchOptions& batch,
-                                   const BatchObserver& observer) {
-    return Batch(plan, options, batch, observer).run();
+std::vector<AssetResult> run_batch(const BatchPlan& plan, const BatchOptions& batch, const BatchObserver& observer) {
+    return Batch(plan, batch, observer).run();
 }
 
 model::ExitCode worst_exit(const std::vector<AssetResult>& results) {

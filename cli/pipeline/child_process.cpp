@@ -26,7 +26,8 @@ constexpr std::size_t kMaxErrorText = 16384;
 constexpr int kCannotStart = 127;
 
 [[noreturn]] void fail(const char* what) {
-    throw model::Error(model::codes::kInternal,
+    const bool is_short = errno == EAGAIN || errno == ENOMEM || errno == EMFILE || errno == ENFILE || errno == ENOSPC;
+    throw model::Error(is_short ? model::codes::kSystemBusy : model::codes::kInternal,
                        std::string("the worker process cannot be started: ") + what + ": " + std::strerror(errno));
 }
 

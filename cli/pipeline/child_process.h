@@ -39,12 +39,13 @@ struct ChildEnd {
 /// owner. Not thread-safe; create it on the thread that lives as long as the batch (the child is told of its death).
 class ChildProcess {
  public:
-    /// @throws model::Error kInternal if the system has no process or descriptor left
+    /// @throws model::Error kSystemBusy if the system has no process, memory or descriptor left
     explicit ChildProcess(std::string_view job);
     ChildProcess(ChildProcess&&) noexcept;
     ChildProcess& operator=(ChildProcess&&) = delete;
     ~ChildProcess();
 
+    [[nodiscard]] pid_t pid() const { return pid_; }                ///< -1 once it has ended
     [[nodiscard]] int messages() const { return messages_.get(); }  ///< -1 once at its end
     [[nodiscard]] int errors() const { return errors_.get(); }      ///< -1 once at its end
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "model/error.h"
 #include "model/map_set.h"
 #include "pipeline/bake_options.h"
 
@@ -14,9 +15,18 @@ namespace dgm::bake {
 enum class OutputFormat { kDgm, kExr };
 
 /// Writes `maps` to `path`, reads the file back and compares every layer to the bit.
-/// @throws model::Error kWriteFailed; kInternal if the file reads back differently; what the writers and readers throw
+/// @throws model::Error kWriteFailed; kNoSpace or kIoTrouble where that is why; kInternal if the file reads back
+///         differently; what the writers and readers throw
 void write_verified(const std::filesystem::path& path, const model::MapSet& maps, OutputFormat format,
                     ExrLayout exr_layout);
+
+/// kNoSpace for a full disk or quota, kIoTrouble for a disk or network that failed for the moment, else kWriteFailed.
+[[nodiscard]] const model::Code& write_failure(int error_number);
+
+/// The same failure with the reason that writing `bytes` to `temporary` meets, where that passes (write_failure). The
+/// file is of no use afterwards.
+[[nodiscard]] model::Error explained(const model::Error& error, const std::filesystem::path& temporary,
+                                     std::uint64_t bytes = 0);
 
 /// `.NAME.<pid>.tmp` beside `final_path`, so that the rename stays within one file system.
 [[nodiscard]] std::filesystem::path temporary_for(const std::filesystem::path& final_path);
@@ -25,7 +35,8 @@ void write_verified(const std::filesystem::path& path, const model::MapSet& maps
 /// leaves nothing behind.
 class OutputFolders {
  public:
-    OutputFolders() = default;
+    /// `shared`: other programs bake into the same folders, which must not go away under them.
+    explicit OutputFolders(bool shared = false) : shared_(shared) {}
     OutputFolders(const OutputFolders&) = delete;
     OutputFolders& operator=(const OutputFolders&) = delete;
     ~OutputFolders();
@@ -37,6 +48,7 @@ class OutputFolders {
     void make_below(const std::filesystem::path& root, const std::filesystem::path& file);
 
  private:
+    bool shared_;
     std::vector<std::filesystem::path> made_;
 };
 

@@ -22,7 +22,9 @@
 #include "pipeline/component_shapes.h"
 #include "pipeline/cpu_clock.h"
 #include "pipeline/grid_search.h"
+#include "pipeline/notices.h"
 #include "pipeline/size_search.h"
+#include "pipeline/up_to_date.h"
 
 namespace dgm::bake {
 namespace {
@@ -280,8 +282,11 @@ class AssetBake {
     }
 
     void import() {
-        imported_ = formats::read_mesh(source_);
         BakeReport& report = result_.report;
+        // Before anything is read: what changes while it is read makes the output stale, not wrong.
+        result_.maps.source_hash = formats::hash_file(source_);
+        report.inputs_hash = hash_inputs(source_);
+        imported_ = formats::read_mesh(source_);
         report.source_name = source_.filename().string();
         report.source_vertices = imported_.mesh.positions.size();
         report.source_faces = imported_.mesh.faces.size();
@@ -325,6 +330,8 @@ class AssetBake {
         cuts_.resize(components);
         if (components > 1)
             result_.report.warnings.push_back(std::to_string(components) + " components: one chart each");
+        if (options_.on_notice)
+            for (const std::string& line : notices(result_.report, repaired_)) options_.on_notice(line);
     }
 
     /// The grid of component c where the largest one has `largest`, as if it were as large; see component_size.
@@ -394,9 +401,8 @@ class AssetBake {
             result_.maps.charts.push_back(std::move(made.chart));
         }
         result_.report.worst_quantisation = worst_quantisation_;
-        result_.maps.generator = "dgm-bake " DGM_VERSION;
+        result_.maps.generator = generator();
         result_.maps.source_name = result_.report.source_name;
-        result_.maps.source_hash = formats::hash_file(source_);
         const std::string settings = canonical_settings(options_);
         result_.maps.settings_hash = formats::hash_bytes(std::as_bytes(std::span(settings)));
     }

@@ -85,7 +85,8 @@ void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, RepairCo
 
 template <class A, class T>
 void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, BakeReport> {
-    a("source_name", r.source_name), a("source_vertices", r.source_vertices), a("source_faces", r.source_faces);
+    a("source_name", r.source_name), a("inputs_hash", r.inputs_hash), a("source_vertices", r.source_vertices),
+        a("source_faces", r.source_faces);
     a("error", r.error), a("worst_quantisation", r.worst_quantisation), a("repairs", r.repairs),
         a("warnings", r.warnings), a("charts", r.charts);
     a("search", r.search);

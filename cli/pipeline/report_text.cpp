@@ -43,6 +43,16 @@ std::string error_text(double value, double diagonal, int digits = 2) {
     return fmt::format("{:.{}g} ({:.{}g} %)", value, digits, diagonal > 0 ? 100 * value / diagonal : 0.0, digits);
 }
 
+/// The names of the files, and their bytes together.
+std::pair<std::string, std::uint64_t> files_text(const AssetResult& result) {
+    std::pair<std::string, std::uint64_t> out;
+    for (const OutputFile& file : result.files) {
+        out.first += (out.first.empty() ? "" : ", ") + printable(file.path.lexically_normal().string());
+        out.second += file.bytes;
+    }
+    return out;
+}
+
 std::vector<std::string> lines_of(std::string_view text) {
     std::vector<std::string> out;
     while (!text.empty()) {
@@ -132,20 +142,22 @@ std::string search_story(const GridSearch& s, double diagonal) {
     return out;
 }
 
+std::string up_to_date_line(const AssetResult& result) {
+    const auto [names, bytes] = files_text(result);
+    const SurfaceError& error = result.report.error;
+    return fmt::format("{}: up to date, rms {}, {}", names, error_text(error.rms, error.diagonal), bytes_text(bytes));
+}
+
 std::string result_line(const AssetResult& result) {
     const BakeReport& report = result.report;
-    std::uint64_t flips = 0, turned = 0, bytes = 0;
+    std::uint64_t flips = 0, turned = 0;
     double seam_gap = 0;
     for (const ChartReport& chart : report.charts) {
         flips += chart.map.flips;
         turned += chart.turned_faces;
         seam_gap = std::max(seam_gap, chart.seam_gap);
     }
-    std::string names;
-    for (const OutputFile& file : result.files) {
-        names += (names.empty() ? "" : ", ") + printable(file.path.lexically_normal().string());
-        bytes += file.bytes;
-    }
+    const auto [names, bytes] = files_text(result);
     std::string out = fmt::format("{}: {}, {:.1f} dB, rms {}, max {}, {}, seam gap {:g}, {}, {:.1f} s", names,
                                   charts_text(report.charts), report.error.psnr(),
                                   error_text(report.error.rms, report.error.diagonal),
@@ -207,8 +219,7 @@ std::string failure_story(std::string_view subject, const model::Error& error, s
 std::string summary_line(const std::vector<AssetResult>& results) {
     std::string out = plural(results.size(), "asset") + ":";
     const char* separator = " ";
-    for (const Outcome outcome :
-         {Outcome::kBaked, Outcome::kRefused, Outcome::kFailed, Outcome::kInterrupted, Outcome::kNotStarted}) {
+    for (const Outcome outcome : kOutcomes) {
         const auto count = std::count_if(results.begin(), results.end(),
                                          [outcome](const AssetResult& r) { return r.outcome == outcome; });
         if (count == 0) continue;

@@ -123,8 +123,11 @@ BakeReport bake_and_write(const WorkerJob& job, const BakeFunction& bake, Progre
     return std::move(result.report);
 }
 
-WorkerMessage outcome_of(const WorkerJob& job, const BakeFunction& bake) {
+WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
     ProgressSender sender;
+    job.options.on_notice = [](const std::string& line) {
+        write_all(kMessageDescriptor, encode(WorkerMessage{NoticeMessage{line}}));
+    };
     try {
         return ResultMessage{bake_and_write(job, bake, sender)};
     } catch (model::Error& error) {

@@ -36,6 +36,10 @@ struct ProgressMessage {
     std::string stage;
     double share = 0;  ///< of the stage, 0..1
 };
+/// A warning or note about the mesh, in plain language, as soon as it is known.
+struct NoticeMessage {
+    std::string text;
+};
 struct ResultMessage {
     BakeReport report;  ///< the files are written, read back and equal
 };
@@ -45,7 +49,7 @@ struct ErrorMessage {
 /// An allocation failed. Sent at once, without allocating, since what follows may be a crash.
 struct OutOfMemoryMessage {};
 
-using WorkerMessage = std::variant<ProgressMessage, ResultMessage, ErrorMessage, OutOfMemoryMessage>;
+using WorkerMessage = std::variant<ProgressMessage, NoticeMessage, ResultMessage, ErrorMessage, OutOfMemoryMessage>;
 
 /// The line for OutOfMemoryMessage, ready to write from an allocation failure handler.
 inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\"}\n";

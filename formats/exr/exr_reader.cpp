@@ -61,6 +61,31 @@ class Reader {
         return std::move(maps_);
     }
 
+    ExrHead head() {
+        ExrHead out;
+        out.multipart = true;
+        if (file_.parts() < 1 || file_.parts() > limits_.max_parts) refuse("impossible number of parts");
+        for (int k = 0; k < file_.parts(); ++k) {
+            // The table of rows stands in front: whether the file ends early is seen at the last row alone.
+            const char* row = nullptr;
+            int bytes = 0;
+            Imf::InputPart(file_, k).rawPixelData(file_.header(k).dataWindow().max.y, row, bytes);
+            if (!file_.partComplete(k)) refuse("part " + std::to_string(k) + " lacks rows");
+            const auto* list = file_.header(k).findTypedAttribute<Imf::StringAttribute>("dgmLayers");
+            std::string_view rest = list == nullptr ? std::string_view() : std::string_view(list->value());
+            while (!rest.empty()) {
+                const std::size_t end = std::min(rest.find('\n'), rest.size());
+                const auto entry = parse_manifest_line(rest.substr(0, end));
+                rest.remove_prefix(std::min(end + 1, rest.size()));
+                if (entry && entry->storage == Storage::kGrid) out.multipart = false;
+            }
+        }
+        read_set(file_.header(0));
+        maps_.charts.clear();
+        out.maps = std::move(maps_);
+        return out;
+    }
+
  private:
     [[noreturn]] void refuse(const std::string& message) const {
         throw model::Error(codes::kExrUnreadable, message, path_.string());
@@ -271,7 +296,10 @@ class Reader {
 
 }  // namespace
 
-MapSet read_exr(const fs::path& path, const ExrReadLimits& limits) {
+namespace {
+
+template <class Read>
+auto reading(const fs::path& path, const ExrReadLimits& limits, Read read) {
     std::error_code error;
     const auto status = fs::status(path, error);
     if (!fs::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
@@ -279,12 +307,23 @@ MapSet read_exr(const fs::path& path, const ExrReadLimits& limits) {
     if (!fs::is_regular_file(status) || error)
         throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
     try {
-        return Reader(path, limits, bytes).run();
+        Reader reader(path, limits, bytes);
+        return read(reader);
     } catch (const model::Error&) { throw; } catch (const std::bad_alloc&) {
         throw model::Error(codes::kExrUnreadable, "the file needs more memory than there is", path.string());
     } catch (const std::exception& e) {
         throw model::Error(codes::kExrUnreadable, std::string("OpenEXR: ") + e.what(), path.string());
     }
+}
+
+}  // namespace
+
+MapSet read_exr(const fs::path& path, const ExrReadLimits& limits) {
+    return reading(path, limits, [](Reader& reader) { return reader.run(); });
+}
+
+ExrHead read_exr_head(const fs::path& path, const ExrReadLimits& limits) {
+    return reading(path, limits, [](Reader& reader) { return reader.head(); });
 }
 
 }  // namespace dgm::formats

@@ -19,4 +19,14 @@ struct ExrReadLimits {
 /// @throws model::Error kFileMissing, kReadFailed, kExrUnreadable (not an EXR, not one of ours, damaged, or too large)
 [[nodiscard]] model::MapSet read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
 
+/// What the headers say, without any pixel.
+struct ExrHead {
+    model::MapSet maps;      ///< no charts
+    bool multipart = false;  ///< written with ExrLayout::kMultipart: no part holds several layers
+};
+
+/// Reads the headers alone, and looks whether all rows are there; the pixels themselves are not looked at. Thread-safe.
+/// @throws model::Error as read_exr, also for a file that lost its end
+[[nodiscard]] ExrHead read_exr_head(const std::filesystem::path& path, const ExrReadLimits& limits = {});
+
 }  // namespace dgm::formats

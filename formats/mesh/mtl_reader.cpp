@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "mesh/text_input.h"
 
@@ -171,6 +172,33 @@ class MtlReader {
 void read_mtl(const fs::path& path, FileFinder& finder, MtlLibrary& library, std::vector<std::string>& warnings,
               std::vector<fs::path>& dependencies) {
     MtlReader(finder, library, warnings, dependencies).read(read_text_file(path, kMaxMtlBytes));
+}
+
+void read_mtl_libraries(std::span<const std::string> statements, FileFinder& finder, MtlLibrary& library,
+                        std::vector<std::string>& warnings, std::vector<fs::path>& dependencies) {
+    const auto read_library = [&](std::string_view name) {
+        const auto found = finder.find(name);
+        if (!found) return false;
+        dependencies.push_back(*found);
+        read_mtl(*found, finder, library, warnings, dependencies);
+        return true;
+    };
+    std::set<std::string_view> seen;
+    for (const std::string& statement : statements) {
+        if (!seen.insert(statement).second || read_library(statement)) continue;
+        // Not one name with spaces: then several names.
+        std::string_view rest = statement;
+        std::size_t words = 0, found = 0;
+        for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest)) {
+            ++words;
+            if (read_library(name)) {
+                ++found;
+            } else if (words > 1 || !trim(rest).empty()) {
+                warnings.push_back("material library missing: " + std::string(name));
+            }
+        }
+        if (words == 1 && found == 0) warnings.push_back("material library missing: " + statement);
+    }
 }
 
 bool is_normal_map_name(const fs::path& file) {

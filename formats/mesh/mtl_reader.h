@@ -4,6 +4,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,12 @@ using MtlLibrary = std::map<std::string, MtlMaterial, std::less<>>;
 /// @throws model::Error kReadFailed, kTooLarge
 void read_mtl(const std::filesystem::path& path, FileFinder& finder, MtlLibrary& library,
               std::vector<std::string>& warnings, std::vector<std::filesystem::path>& dependencies);
+
+/// Reads what the `mtllib` statements of an OBJ name, each once: the rest of the line as one name with spaces, or several
+/// names. Libraries that are found go to `dependencies`, those that are missing to `warnings`.
+/// @throws as read_mtl
+void read_mtl_libraries(std::span<const std::string> statements, FileFinder& finder, MtlLibrary& library,
+                        std::vector<std::string>& warnings, std::vector<std::filesystem::path>& dependencies);
 
 /// True if a bump picture's name says that it is a normal map ("..._normal.png", "..._nrm.jpg").
 [[nodiscard]] bool is_normal_map_name(const std::filesystem::path& file);

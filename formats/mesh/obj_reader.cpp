@@ -202,35 +202,8 @@ class ObjReader {
 
     // Materials -----------------------------------------------------------------------------------------------------
 
-    void read_libraries() {
-        std::set<std::string_view> seen;
-        for (const std::string& statement : libraries_) {
-            if (!seen.insert(statement).second || read_library(statement)) continue;
-            // Not one name with spaces: then several names.
-            std::string_view rest = statement;
-            std::size_t words = 0, found = 0;
-            for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest)) {
-                ++words;
-                if (read_library(name)) {
-                    ++found;
-                } else if (words > 1 || !trim(rest).empty()) {
-                    out_.warnings.push_back("material library missing: " + std::string(name));
-                }
-            }
-            if (words == 1 && found == 0) out_.warnings.push_back("material library missing: " + statement);
-        }
-    }
-
-    bool read_library(std::string_view name) {
-        const auto found = finder_.find(name);
-        if (!found) return false;
-        out_.dependencies.push_back(*found);
-        read_mtl(*found, finder_, library_, out_.warnings, out_.dependencies);
-        return true;
-    }
-
     void resolve_materials() {
-        read_libraries();
+        read_mtl_libraries(libraries_, finder_, library_, out_.warnings, out_.dependencies);
         for (const std::string& name : material_names_) {
             const auto found = library_.find(name);
             if (found == library_.end()) {

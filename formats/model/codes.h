@@ -93,6 +93,13 @@ inline constexpr Code kNothingToDo{5004, "NOTHING_TO_BAKE", ExitCode::kIo, "no m
                                    "name a mesh file, or a folder that holds OBJ or 3DS files"};
 inline constexpr Code kImageUnreadable{5005, "IMAGE_UNREADABLE", ExitCode::kInvalid, "the picture cannot be decoded",
                                        "save it again as PNG or JPEG"};
+inline constexpr Code kNoSpace{5006, "NO_SPACE", ExitCode::kTransient, "the output's disk is full",
+                               "free some space, then run it again: what is done already is not baked twice"};
+inline constexpr Code kIoTrouble{5007, "IO_TROUBLE", ExitCode::kTransient, "the file system failed for the moment",
+                                 "run it again; if it stays so, look at the disk or the network share"};
+
+inline constexpr Code kReportUnreadable{5008, "REPORT_UNREADABLE", ExitCode::kInvalid, "the report cannot be used",
+                                        "write it again with dgm-bake --report; what is up to date is not baked twice"};
 
 // 6xxx usage
 inline constexpr Code kUsage{6001, "USAGE", ExitCode::kUsage, "the command line is wrong", "see --help"};
@@ -106,6 +113,12 @@ inline constexpr Code kWorkerTimeout{9003, "WORKER_TIMEOUT", ExitCode::kInvalid,
                                      "raise --time-limit, or decimate the mesh"};
 inline constexpr Code kWorkerMemory{9004, "WORKER_MEMORY", ExitCode::kInvalid, "the worker ran out of memory",
                                     "raise --memory-limit, or decimate the mesh"};
+inline constexpr Code kWorkerKilled{9006, "WORKER_KILLED", ExitCode::kTransient,
+                                    "the worker process was killed from outside",
+                                    "run it again, with a smaller -j if the machine ran short of memory"};
+inline constexpr Code kSystemBusy{9007, "SYSTEM_BUSY", ExitCode::kTransient,
+                                  "the system has no process, descriptor or memory left for now",
+                                  "run it again when less is running, or with a smaller -j"};
 inline constexpr Code kInterrupted{9005, "INTERRUPTED", ExitCode::kInterrupted, "the bake was interrupted", "run it again"};
 
 inline constexpr const Code* kAll[] = {
@@ -115,9 +128,10 @@ inline constexpr const Code* kAll[] = {
     &kNoFaces, &kNonOrientable, &kMapInvalid, &kMethodUnsuited, &kImportFailed, &kGridTooSmall, &kTooLarge, &kScaleOutOfRange,
     &kErrorNotReached, &kBudgetTooSmall,
     &kRmsExceeded, &kHausdorffExceeded, &kSourceDiffers, &kTurnedFaces,
-    &kFileMissing, &kReadFailed, &kWriteFailed, &kNothingToDo, &kImageUnreadable,
+    &kFileMissing, &kReadFailed, &kWriteFailed, &kNothingToDo, &kImageUnreadable, &kNoSpace, &kIoTrouble,
+    &kReportUnreadable,
     &kUsage, &kUnsupported,
-    &kInternal, &kWorkerCrashed, &kWorkerTimeout, &kWorkerMemory, &kInterrupted,
+    &kInternal, &kWorkerCrashed, &kWorkerTimeout, &kWorkerMemory, &kInterrupted, &kWorkerKilled, &kSystemBusy,
 };
 
 }  // namespace dgm::model::codes

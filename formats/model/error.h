@@ -23,8 +23,9 @@ enum class ExitCode : int {
     kInterrupted = 130,
 };
 
-/// The more serious of two, what a run over several files returns: interrupted, internal, I/O, invalid, unsupported,
-/// ok. Codes that only one program uses (usage, differs, transient) rank with internal.
+/// The more serious of two, what a run over several files returns: interrupted, transient, internal, I/O, invalid,
+/// unsupported, ok. Transient stands before what running again cannot mend, so that a cluster does run it again; codes
+/// that only one program uses (usage, differs) rank with internal.
 [[nodiscard]] constexpr ExitCode worse(ExitCode a, ExitCode b) {
     constexpr auto rank = [](ExitCode exit) {
         switch (exit) {
@@ -36,8 +37,10 @@ enum class ExitCode : int {
                 return 2;
             case ExitCode::kIo:
                 return 3;
-            case ExitCode::kInterrupted:
+            case ExitCode::kTransient:
                 return 5;
+            case ExitCode::kInterrupted:
+                return 6;
             default:
                 return 4;
         }

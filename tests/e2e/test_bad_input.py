@@ -113,7 +113,7 @@ class BadInput(support.Folder):
 
     def test_no_input_and_unknown_option(self):
         self.refuse(1, 6001, ["no input"])
-        self.refuse(1, 6001, ["--shard"], "sheet.obj", "--shard", "1/2")
+        self.refuse(1, 6001, ["--frobnicate"], "sheet.obj", "--frobnicate", "1/2")
 
     def test_html_report_is_unsupported(self):
         self.sheet()
@@ -163,8 +163,8 @@ class Batch(support.Folder):
 
         report = json.loads((self.folder / "report.json").read_text())
         self.assertEqual(report["exit_code"], 2)
-        self.assertEqual(report["summary"], {"assets": 4, "baked": 2, "refused": 1, "failed": 1, "interrupted": 0,
-                                             "not_started": 0})
+        self.assertEqual(report["summary"], {"assets": 4, "baked": 2, "up_to_date": 0, "refused": 1, "failed": 1,
+                                             "interrupted": 0, "not_started": 0})
         self.assertEqual([asset["source"] for asset in report["assets"]],
                          ["in/a.obj", "in/b_moebius.obj", "in/sub/c.OBJ", "gone.obj"])
         baked = report["assets"][0]
@@ -205,10 +205,13 @@ class Batch(support.Folder):
         meshes.write_obj(self.folder / "x.obj", meshes.sheet(4))
         quiet = self.bake_well("x.obj", "--size", "9", "-q")
         self.assertEqual((quiet.stdout, quiet.stderr), ("", ""))
-        verbose = self.bake_well("x.obj", "--size", "9", "-v")
+        verbose = self.bake_well("x.obj", "--size", "9", "-v", "--force")
         self.assertRegex(verbose.stdout.splitlines()[0],
                          r"^x\.dgm: \w+ 9x9, \d+\.\d dB, rms \S+ \(\S+ %\), max \S+ \(\S+ %\), 0 flips, seam gap 0, \S+ kB, \d+\.\d s")
         self.assertIn("chart 0: ", verbose.stdout)
+        again = self.bake_well("x.obj", "--size", "9", "-v")
+        self.assertRegex(again.stdout, r"^x\.dgm: up to date, rms \S+ \(\S+ %\), \S+ kB\n")
+        self.assertIn("chart 0: ", again.stdout)
 
     def test_help_and_version(self):
         version = self.bake_well("--version")

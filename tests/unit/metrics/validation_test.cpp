@@ -367,6 +367,8 @@ TEST(Validation, WorseFollowsTheBatchRule) {
     EXPECT_EQ(worse(kIo, kInvalid), kIo);
     EXPECT_EQ(worse(kIo, kInternal), kInternal);
     EXPECT_EQ(worse(kInterrupted, kInternal), kInterrupted);
+    EXPECT_EQ(worse(kTransient, kInternal), kTransient);
+    EXPECT_EQ(worse(kTransient, kInterrupted), kInterrupted);
 }
 
 }  // namespace

@@ -88,6 +88,10 @@ TEST(WorkerProtocol, MessagesComeBack) {
     ASSERT_TRUE(result && std::holds_alternative<ResultMessage>(*result));
     EXPECT_EQ(std::get<ResultMessage>(*result).report.error.rms, 0.1);
 
+    const auto notice = decode_message(encode(WorkerMessage{NoticeMessage{"texture missing: a\nb.png"}}));
+    ASSERT_TRUE(notice && std::holds_alternative<NoticeMessage>(*notice));
+    EXPECT_EQ(std::get<NoticeMessage>(*notice).text, "texture missing: a\nb.png");
+
     const auto memory = decode_message(kOutOfMemoryLine);
     EXPECT_TRUE(memory && std::holds_alternative<OutOfMemoryMessage>(*memory));
 }

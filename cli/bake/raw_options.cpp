@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bake/raw_options.cpp
+#include "bake/raw_options.h"
+
+#include <array>
+#include <string_view>
+
+#include "pipeline/option_names.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr std::array kExamples{
+    tool::Example{"dgm-bake stomach.obj", "bakes stomach.dgm, 257 x 257 samples"},
+    tool::Example{"dgm-bake models/ -o baked/ --report baked/report.json",
+                  "bakes a whole folder overnight; run again, it bakes only what has changed"},
+    tool::Example{"dgm-bake 'models/**/*.obj' -o baked/ -j2", "the same for the files that match, two at a time"},
+    tool::Example{"dgm-bake stomach.obj --max-error 0.02%", "takes the smallest grid that is as near to the mesh"},
+    tool::Example{"dgm-bake chair.obj --texture denim.png --budget 256KiB",
+                  "the most accurate chair in denim whose file is not larger"},
+    tool::Example{"dgm-bake models/ -o baked/ --shard 2/8 --report part2.json",
+                  "bakes the second of eight parts of the folder, on one of eight machines"},
+    tool::Example{"dgm-bake --merge-reports part*.json -o all.json", "puts the parts' reports together"}};
+
+template <class E, std::size_t N>
+std::string words(const std::array<NamedValue<E>, N>& table) {
+    std::string out;
+    for (const auto& row : table) out += (out.empty() ? "" : "|") + std::string(row.name);
+    return out;
+}
+
+std::string words(const auto& names, const char* separator = "|") {
+    std::string out;
+    for (const std::string_view name : names) out += (out.empty() ? "" : separator) + std::string(name);
+    return out;
+}
+
+}  // namespace
+
+tool::Manual manual() {
+    return {"dgm-bake [OPTIONS] INPUT... [-o FILE|DIR]\ndgm-bake --merge-reports REPORT... [-o REPORT]", kExamples,
+            "0    all is baked, or was up to date\n"
+            "1    the command line is wrong\n"
+            "2    a file cannot be read or written\n"
+            "3    a mesh was refused, or took too much time or memory\n"
+            "4    internal error, or a library crashed\n"
+            "5    something asked for is not supported\n"
+            "75   trouble that may pass (full disk, killed worker): run it again\n"
+            "130  interrupted: run it again, it goes on where it stopped\n"
+            "A batch bakes all it can and returns its worst, in the order 130, 75, 4, 2, 3, 5.",
+            "dgm-info(1), dgm-validate(1), dgm-export(1)"};
+}
+
+void describe(CLI::App& app, Raw& raw) {
+    app.name("dgm-bake");
+    app.description("Bakes meshes into deformable geometry maps.");
+    app.option_defaults()->always_capture_default(false);
+    const auto text = [&](const char* group, const char* option, const std::string& type, std::string& target,
+                          const std::string& help) {
+        app.add_option(option, target, help)->group(group)->type_name(type);
+    };
+    const auto flag = [&](const char* group, const char* option, bool& target, const std::string& help) {
+        app.add_flag(option, target, help)->group(group);
+    };
+    app.add_option("INPUT", raw.inputs,
+                   "mesh files of any format the importer reads; folders, searched recursively for OBJ and 3DS; "
+                   "patterns in quotes, such as 'models/**/*.obj'")
+        ->type_name("");
+
+    const char* files = "Where things go";
+    text(files, "-o,--output", "FILE|DIR", raw.output,
+         "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]");
+    text(files, "--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
+    text(files, "--report", "FILE", raw.report,
+         "write what happened to each mesh, with all errors measured, to this file");
+    text(files, "--report-format", "json", raw.report_format, "of that file [json]");
+    text(files, "-M,--depfile", "FILE", raw.depfile,
+         "(also -MF FILE) write which files each output was made from, for Make and Ninja");
+
+    const char* grid = "How fine";
+    text(grid, "--size", "MxN", raw.size,
+         "samples of the largest chart, MxN or N; auto:N: the best m x n with at most N samples [257x257]");
+    text(grid, "--max-error", "X", raw.max_error,
+         "the smallest grid whose measured error is at most X% of the diagonal, or X in the mesh's units; --size is "
+         "the largest grid tried then [auto:4198401]");
+    text(grid, "--max-error-kind", words(kErrorKindNames), raw.max_error_kind, "the error meant [rms]");
+    text(grid, "--budget", "SIZE", raw.budget,
+         "the grid with the least error whose .dgm is not larger than SIZE, such as 256KiB; --size is the largest "
+         "grid tried then [auto:4198401]");
+    text(grid, "--precision", words(kPrecisionNames), raw.precision, "of positions; u16 takes half the space [f32]");
+
+    const char* layers = "Layers and textures";
+    text(layers, "--layers", "L,...", raw.layers,
+         "comma-separated: " + words(kLayerNames, ", ") + " [all that have data]; geometry is always there");
+    text(layers, "--texture", "FILE", raw.texture, "image that replaces the materials' textures");
+    text(layers, "--texture-size", "MxN", raw.texture_size,
+         "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
+    text(layers, "--bump-size", "MxN", raw.bump_size, "heights of the bump layer, MxN or N [two a grid step]");
+    text(layers, "--exr-layout", words(kExrLayoutNames), raw.exr_layout,
+         "auto: one part where sizes agree; multipart: one part a layer [auto]");
+
+    const char* map = "How the surface is laid out";
+    text(map, "--method", words(kMethodNames), raw.method, "auto tries those that fit and keeps the best [auto]");
+    text(map, "--domain", words(kDomainNames), raw.domain,
+         "square: every sample on the surface; free: any shape, with a mask [auto]");
+    text(map, "--fit", words(kFitNames), raw.fit,
+         "sample: samples lie on the surface; l2: they slide to where the error is least; best: more rounds of that, "
+         "then for the largest error [l2]");
+    text("Experiments", "--ablate", "PART,...", raw.ablate,
+         "leave parts out, to see what they are worth: " + words(kAblateNames, ", ") + "; the result is worse");
+
+    const char* run = "How it runs";
+    app.add_option("-j,--jobs", raw.jobs, "meshes baked at a time, as far as memory reaches [one a core]")
+        ->group(run)
+        ->type_name("N");
+    flag(run, "--force", raw.force, "bake what is up to date, too");
+    app.add_option("--time-limit", raw.time_limit, "seconds one mesh may take [600]")->group(run)->type_name("S");
+    text(run, "--memory-limit", "SIZE", raw.memory_limit, "memory one mesh may take, such as 4GiB; 0: no limit [8GiB]");
+    flag(run, "--keep-going", raw.keep_going, "bake the others after a failure [the default]");
+    flag(run, "--stop-on-error", raw.stop_on_error, "start no other mesh after a failure");
+    flag(run, "--dry-run", raw.dry_run, "print which mesh would become which file, and bake nothing");
+    text(run, "--shard", "I/N", raw.shard,
+         "bake only part I of N, for N machines; a mesh stays in its part when others are added");
+    flag(run, "--merge-reports", raw.merge_reports,
+         "put the reports named as INPUT together into -o FILE; bake nothing");
+
+    const char* tell = "What it tells";
+    text(tell, "--progress", "auto|bar|plain|none", raw.progress, "auto: a bar on a terminal, else plain lines [auto]");
+    flag(tell, "-v,--verbose", raw.verbose, "repairs, warnings, charts and times, too");
+    flag(tell, "-q,--quiet", raw.quiet, "failures only");
+    app.set_help_flag("-h,--help", "show this and stop")->group(tell);
+    app.set_version_flag("-V,--version", "dgm-bake " DGM_VERSION "\n", "show the version and stop")->group(tell);
+    app.formatter(tool::help_formatter());
+    app.footer(tool::help_footer(manual()));
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bake/raw_options.h
+// What the options of dgm-bake are called and what they are for; options.cpp says what they mean.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "tool/help.h"
+
+namespace dgm::bake {
+
+/// What CLI11 fills in: plain text, checked afterwards with messages of ours.
+struct Raw {
+    std::vector<std::string> inputs;
+    std::string output, size, max_error, max_error_kind, budget,
+        method = "auto", domain = "auto", fit = "l2", precision = "f32", layers, texture, texture_size, bump_size,
+        ablate, format, exr_layout = "auto", report, report_format = "json", memory_limit = "8GiB", progress = "auto",
+        shard, depfile;
+    int jobs = 0;
+    double time_limit = 600;
+    bool merge_reports = false, force = false, keep_going = false, stop_on_error = false, dry_run = false,
+         verbose = false, quiet = false;
+};
+
+/// Declares every option, in groups. `raw` must outlive `app`.
+void describe(CLI::App& app, Raw& raw);
+
+/// What the man page says beside the options.
+[[nodiscard]] tool::Manual manual();
+
+}  // namespace dgm::bake

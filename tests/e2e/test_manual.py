@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Help, man pages and completion tell of the same options, and of those that are there; errors name the next step."""
+import os
+import re
+import shutil
+import subprocess
+import unittest
+from pathlib import Path
+
+import support
+
+MANUAL = Path(os.environ.get("DGM_MANUAL", "."))
+PROGRAMS = {"dgm-bake": support.BAKE, "dgm-validate": support.VALIDATE, "dgm-info": os.environ.get("DGM_INFO", ""),
+            "dgm-export": support.EXPORT}
+
+
+class Manual(support.Folder):
+    def options_in_help(self, program):
+        text = self.run_program(program, "--help").stdout
+        return text, set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", text, re.MULTILINE))
+
+    def test_the_page_has_what_help_has(self):
+        for name, program in PROGRAMS.items():
+            text, options = self.options_in_help(program)
+            self.assertIn("--version", options, name)
+            self.assertIn("Examples:", text)
+            self.assertIn("Exit codes:", text)
+            page = (MANUAL / f"{name}.1").read_text()
+            in_page = set(re.findall(r"\\fB(--[a-z-]+)\\fR", page.replace("\\-", "-")))
+            self.assertEqual(in_page, options, name)
+            for line in text.splitlines():  # each example as it stands in the help
+                if line.startswith(f"  {name} "):
+                    self.assertIn(line.strip(), page.replace("\\-", "-").replace("\\e", "\\"))
+
+    @unittest.skipUnless(shutil.which("groff"), "groff is not installed")
+    def test_groff_has_nothing_to_complain_about(self):
+        for name in PROGRAMS:
+            result = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-z", MANUAL / f"{name}.1"], capture_output=True,
+                                    text=True, check=False)
+            self.assertEqual((result.returncode, result.stderr), (0, ""), name)
+
+    def complete(self, name, *words, shell="bash"):
+        """What TAB offers at the end of the last word."""
+        start = "autoload -U compinit bashcompinit; compinit -u -D; bashcompinit; " if shell == "zsh" else ""
+        script = (f"{start}source '{MANUAL}/{name}.bash'; _{name.replace('-', '_')} {name} '{words[-1]}' '{words[-2]}'; "
+                  "printf '%s\\n' \"${COMPREPLY[@]}\"")
+        result = subprocess.run([shell, "-c", script], cwd=self.folder, capture_output=True, text=True, check=False)
+        # Of what it is offered, zsh itself drops what does not begin with the word.
+        return [word.strip() for word in result.stdout.splitlines()
+                if word.strip() and (shell == "bash" or word.startswith(words[-1]))]
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_completion_in_zsh(self):
+        (self.folder / "two words.obj").write_text("")
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--fit", "", shell="zsh"), ["sample", "l2", "best"])
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--rep", shell="zsh"), ["--report", "--report-format"])
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "tw", shell="zsh"), ["two words.obj"])
+
+    def test_completion(self):
+        (self.folder / "two words.obj").write_text("")
+        (self.folder / "twins.json").write_text("")
+        for name, program in PROGRAMS.items():
+            offered = set(self.complete(name, name, "--"))
+            self.assertEqual(offered, self.options_in_help(program)[1], name)
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--fit", ""), ["sample", "l2", "best"])
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--method", "sl"), ["slim"])
+        self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--rep"), ["--report", "--report-format"])
+        self.assertEqual(sorted(self.complete("dgm-bake", "dgm-bake", "-o", "tw")), ["twins.json", "two words.obj"])
+        self.assertEqual(sorted(self.complete("dgm-bake", "dgm-bake", "tw")), ["twins.json", "two words.obj"])
+
+    def test_what_was_meant(self):
+        for program, wrong, right in [("dgm-bake", "--siez", "--size"), ("dgm-bake", "--max-eror=1%", "--max-error"),
+                                      ("dgm-bake", "--fource", "--force"), ("dgm-validate", "--sorce", "--source"),
+                                      ("dgm-info", "--jsn", "--json"), ("dgm-export", "--shet", "--sheet")]:
+            needed = ["-o", "x.ply"] if program == "dgm-export" else []
+            result = self.run_program(PROGRAMS[program], "x.dgm", wrong, *needed)
+            self.assertEqual(result.returncode, 1, wrong)
+            self.assertIn(f"there is no option {wrong.split('=')[0]}; did you mean {right}?", result.stderr)
+            self.assertIn("next: ", result.stderr)
+        result = self.bake("x.obj", "--entirely-different")
+        self.assertIn("there is no option --entirely-different\n", result.stderr)
+        self.assertIn("dgm-bake --help", result.stderr)
+
+    def test_lines_fit_a_terminal(self):
+        for name, program in PROGRAMS.items():
+            page = subprocess.run(["groff", "-man", "-Tutf8", MANUAL / f"{name}.1"], capture_output=True, text=True,
+                                  check=False) if shutil.which("groff") else None
+            if page is not None:
+                self.assertIn("EXIT STATUS", re.sub(r".\x08|\x1b\[[0-9;]*m", "", page.stdout))
+
+
+if __name__ == "__main__":
+    unittest.main()
