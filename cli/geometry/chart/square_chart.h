@@ -11,12 +11,14 @@ namespace dgm::bake {
 
 /// Lays the border, solves, checks and resamples. Every map is checked for finite values, flips and degenerate faces
 /// (exact predicates) and coverage before it is believed.
+/// A map of which more than a few quads fold is levelled, as far as the method can.
 /// @throws model::Error kMapInvalid with what was wrong, kGridTooSmall, kInterrupted
 [[nodiscard]] SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                              const Parameterizer& method, const model::Progress& progress);
 
 /// `stretch`: multilevel_map.h, and where that crowds or has no start, stretch_map.h with so many Newton steps for an
-/// ordinary map. The one with the lower stretch is taken.
+/// ordinary map. The one with the lower stretch is taken, and levelled by a few Newton steps on an energy that minds
+/// shear too. 0 steps: a trial, stretch_map.h alone.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps);
 
 /// The reweighted convex map [Yoshizawa 2004] alone: crowds limbs about as the named convex methods do, so that a cut
