@@ -128,8 +128,8 @@ void sample_map(SampledChart& chart, const SquareBorder& border) {
 }  // namespace
 
 SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
-                               const Parameterizer& method, const model::Progress& progress) {
-    const SquareBorder border = lay_square_border(disk, m, n, rotation);
+                               const Parameterizer& method, const model::Progress& progress, BorderShares shares) {
+    const SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
     SampledChart chart;
     chart.m = m, chart.n = n;
     chart.method = method.name();
