@@ -75,6 +75,7 @@ class ComponentBaker {
             failure_ = e;  // no square map at all: a free chart may still do
         }
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
+        if (options_.method == "auto" && !best_ && tried("sphere")) add("stretch", [&] { return make_without_star(); });
         if (options_.method == "auto" && may_be_free() && !tried("arap") &&
             (!best_ || result_.candidates.front().psnr < poor()))
             add("arap", [&] { return make("arap"); });
@@ -129,6 +130,13 @@ class ComponentBaker {
             make_square_chart(cut_.disk, size_.rows, size_.cols, cut_.rotation, *parameterizer, progress_, cut_.shares);
         chart.method = method;
         return chart;
+    }
+
+    /// A star that served the simplified component need not serve the component itself.
+    SampledChart make_without_star() {
+        search_.stars = 0;
+        cut_ = search_cut(component_, search_, progress_);
+        return make("stretch");
     }
 
     static FreeChartTools tools() { return {border_is_simple, constrained_triangulation}; }

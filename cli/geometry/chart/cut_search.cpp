@@ -58,7 +58,7 @@ class Search {
             drop_branches();
             try_rotations();
         }
-        if (options_.stars > 0 && cut_.genus() == 0 && cut_.boundary_loop_count() == 0) try_stars();
+        if (options_.stars > 0 && !(best_ && out_.rms < kExact)) try_stars();
         if (!best_) throw *failure_;
         out_.disk = best_->open();
         out_.cut_length = best_->length();
@@ -223,8 +223,10 @@ class Search {
         constexpr std::size_t kFew = 3;
         constexpr double kFar = 1.1;
         double least = kInfinity;
+        model::Progress silent;  // the stages below have shares of their own
+        silent.cancelled = progress_.cancelled;
         try {
-            const std::vector<CutGraph> cuts = star_cuts(component_, options_.stars, progress_);
+            const std::vector<CutGraph> cuts = star_cuts(component_, options_.stars, silent);
             for (std::size_t k = 0; k < cuts.size(); ++k) {
                 if (k >= kFew && !options_.only_stars && least > kFar * out_.rms) break;
                 const Trial trial = attempt(cuts[k], 0, BorderShares::kEqualArms);
@@ -294,6 +296,11 @@ std::vector<char> border_corners(const TriMesh& mesh) {
     return corners;
 }
 
+bool is_sphere(const TriMesh& mesh) {
+    const Topology topology = measure_topology(mesh.positions.size(), mesh.faces);
+    return topology.boundary_loops == 0 && topology.genus == 0;
+}
+
 void check_stars(const TriMesh& component, GridSides wanted) {
     if (wanted.m % 2 == 0 || wanted.n % 2 == 0)
         throw model::Error(model::codes::kMethodUnsuited,
@@ -329,7 +336,7 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
     const double longest = (std::max(wanted.m, wanted.n) - 1) * share + 1;
     const double largest = options.largest_side;
     GridSides grid = shrink(wanted, std::clamp(longest, 0.5 * largest, largest));
-    if (wanted.m % 2 == 0 || wanted.n % 2 == 0) trial.stars = 0;
+    if (wanted.m % 2 == 0 || wanted.n % 2 == 0 || !is_sphere(mesh)) trial.stars = 0;
     if (trial.stars > 0) grid.m |= 1u, grid.n |= 1u;
     trial.m = grid.m, trial.n = grid.n;
     try {
@@ -353,6 +360,11 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
         return out;
     } catch (const model::Error& e) {
         if (e.code().number == model::codes::kInterrupted.number || options.only_stars) throw;
+    }
+    if (trial.stars > 0) {  // a star may come to nothing where another cut does not
+        CutSearchOptions others = options;
+        others.stars = 0;
+        return search_cut(component, others, progress);
     }
     return search_measured(component, options, wanted, progress);
 }
