@@ -301,24 +301,15 @@ bool is_sphere(const TriMesh& mesh) {
     return topology.boundary_loops == 0 && topology.genus == 0;
 }
 
-void check_stars(const TriMesh& component, GridSides wanted) {
-    if (wanted.m % 2 == 0 || wanted.n % 2 == 0)
-        throw model::Error(model::codes::kMethodUnsuited,
-                           "sphere: each side of the square folds at its middle sample, which even numbers of samples "
-                           "do not have");
-    const Topology topology = measure_topology(component.positions.size(), component.faces);
-    if (topology.boundary_loops != 0 || topology.genus != 0)
-        throw model::Error(model::codes::kMethodUnsuited,
-                           "sphere: only closed surfaces without handles unfold as a sphere; this one has " +
-                               std::to_string(topology.boundary_loops) + " borders and genus " +
-                               std::to_string(topology.genus));
-}
-
 }  // namespace
 
 CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress) {
     const GridSides wanted{options.m, options.n};
-    if (options.only_stars) check_stars(component, wanted);
+    const bool even = wanted.m % 2 == 0 || wanted.n % 2 == 0;
+    if (options.only_stars && even)
+        throw model::Error(model::codes::kMethodUnsuited,
+                           "sphere: each side of the square folds at its middle sample, which even numbers of samples "
+                           "do not have");
     if (options.measured) return search_measured(component, options, wanted, progress);
     CutSearchOptions trial = options;
     const bool simplified = component.faces.size() > options.coarse_faces + options.coarse_faces / 2;
@@ -336,7 +327,7 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
     const double longest = (std::max(wanted.m, wanted.n) - 1) * share + 1;
     const double largest = options.largest_side;
     GridSides grid = shrink(wanted, std::clamp(longest, 0.5 * largest, largest));
-    if (wanted.m % 2 == 0 || wanted.n % 2 == 0 || !is_sphere(mesh)) trial.stars = 0;
+    if (!options.only_stars && (even || !is_sphere(mesh))) trial.stars = 0;
     if (trial.stars > 0) grid.m |= 1u, grid.n |= 1u;
     trial.m = grid.m, trial.n = grid.n;
     try {
