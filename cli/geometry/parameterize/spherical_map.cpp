@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "geometry/mesh/vertex_corners.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/simplify/simplify.h"
 #include "model/codes.h"
@@ -126,20 +127,15 @@ std::array<double, 4> shape(std::span<const Vec3d> positions, const Face& f) {
 void relax(const TriMesh& mesh, std::vector<Vec3d>& sphere, int sweeps, const model::Progress& progress) {
     const std::span<const Face> faces = mesh.faces;
     const std::size_t n = sphere.size();
-    std::vector<std::uint32_t> first(n + 1, 0), corner(3 * faces.size());
-    for (const Face& f : faces)
-        for (std::uint32_t v : f) ++first[v + 1];
-    for (std::size_t v = 0; v < n; ++v) first[v + 1] += first[v];
-    std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
-    for (std::uint32_t h = 0; h < 3 * faces.size(); ++h) corner[fill[origin(faces, h)]++] = h;
+    const VertexCorners corners(faces, n);
     SphereRing ring;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         progress.update("cut", 0);
         for (std::uint32_t i = 0; i < n; ++i) {
             const std::uint32_t v = sweep % 2 == 0 ? i : static_cast<std::uint32_t>(n - 1 - i);
             ring.wedges.clear();
-            for (std::uint32_t k = first[v]; k < first[v + 1]; ++k) {
-                const std::uint32_t h = corner[k], a = target(faces, h), b = origin(faces, previous_half_edge(h));
+            for (std::uint32_t k = corners.first[v]; k < corners.first[v + 1]; ++k) {
+                const std::uint32_t h = corners.of[k], a = target(faces, h), b = origin(faces, previous_half_edge(h));
                 const auto [area, l0, l1, l2] = shape(mesh.positions, {v, a, b});
                 ring.wedges.push_back({sphere[a], sphere[b], area, l0, l1, l2});
             }
@@ -238,7 +234,8 @@ std::vector<Vec3d> spherical_map(const TriMesh& mesh, const SphericalOptions& op
         put_back(ladder[l], finer);
         sphere = std::move(finer);
         // The coarsest levels cost nothing and decide the shape.
-        relax(ladder[l].mesh, sphere, ladder[l].mesh.faces.size() <= 400 ? 3 * options.sweeps : options.sweeps, progress);
+        relax(ladder[l].mesh, sphere, ladder[l].mesh.faces.size() <= 400 ? 3 * options.sweeps : options.sweeps,
+              progress);
     }
     for (const Face& f : mesh.faces)
         if (!surely_outward(sphere[f[0]], sphere[f[1]], sphere[f[2]])) fail("a face is too thin on the sphere");
