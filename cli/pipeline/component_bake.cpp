@@ -23,8 +23,9 @@ using model::Error;
 namespace codes = model::codes;
 
 constexpr std::size_t kNewtonSteps = 8;
-constexpr double kGain = 0.99;    // a later candidate must be 1 % better, and the earlier not exact but for rounding
-constexpr double kExact = 1e-10;  // normalised units
+constexpr std::size_t kStars = 12;  // octahedra tried for a sphere
+constexpr double kGain = 0.99;      // a later candidate must be 1 % better, and the earlier not exact but for rounding
+constexpr double kExact = 1e-10;    // normalised units
 // dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
 constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
 // A free chart beside a square one must not take longer than all the rest: it gets few cuts.
@@ -67,6 +68,8 @@ class ComponentBaker {
             search_.measured = search_.reweighted = true;
         if (options_.ablates("cut-search"))  // the first cut that can be mapped at all
             search_.patience = -1, search_.rotations = 1, search_.drops = 0, search_.measured = true;
+        if (options_.method == "auto") search_.stars = kStars;
+        if (options_.method == "sphere") search_.measured = false, search_.stars = kStars, search_.only_stars = true;
         try {
             cut_ = cuts_.search(component_, search_, progress_);
         } catch (const Error& e) {
@@ -74,6 +77,7 @@ class ComponentBaker {
             failure_ = e;  // no square map at all: a free chart may still do
         }
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
+        if (options_.method == "auto" && !best_ && tried("sphere")) add("stretch", [&] { return make_without_star(); });
         if (options_.method == "auto" && may_be_free() && !tried("arap") && (!best_ || free_may_help())) {
             if (best_) cut_rounds_ = kSecondRounds;
             add("arap", [&] { return make("arap"); });
@@ -87,7 +91,7 @@ class ComponentBaker {
         if (options_.method != "auto") return {options_.method};
         const bool square = options_.domain != DomainChoice::kFree, free = options_.domain != DomainChoice::kSquare;
         std::vector<std::string> out;
-        if (square && !failure_) out.push_back("stretch");
+        if (square && !failure_) out.push_back(cut_.shares == BorderShares::kEqualArms ? "sphere" : "stretch");
         // A free chart earns its unused samples only where the surface is a panel: flat pieces of cloth above all.
         if (free && (!square || is_panel())) out.push_back("arap");
         if (free && !square) out.insert(out.end(), {"slim", "lscm"});
@@ -128,10 +132,21 @@ class ComponentBaker {
             return make_free_chart(component_, size_.rows, size_.cols, *make_free_parameterizer(method), tools(),
                                    progress_);
         const std::unique_ptr<Parameterizer> parameterizer =
-            method == "stretch" ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps)
-                                : make_cgal_parameterizer(method);
+            method == "stretch" || method == "sphere"
+                ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps)
+                : make_cgal_parameterizer(method);
         if (!parameterizer) throw Error(codes::kUsage, "unknown method: " + method);
-        return make_square_chart(cut_.disk, size_.rows, size_.cols, cut_.rotation, *parameterizer, progress_);
+        SampledChart chart =
+            make_square_chart(cut_.disk, size_.rows, size_.cols, cut_.rotation, *parameterizer, progress_, cut_.shares);
+        chart.method = method;
+        return chart;
+    }
+
+    /// A star that served the simplified component need not serve the component itself.
+    SampledChart make_without_star() {
+        search_.stars = 0;
+        cut_ = search_cut(component_, search_, progress_);
+        return make("stretch");
     }
 
     [[nodiscard]] FreeChartTools tools() const { return {border_is_simple, constrained_triangulation, cut_rounds_}; }

@@ -77,7 +77,8 @@ CutSearchResult CutMemory::best_of(const Candidates& candidates, const TriMesh& 
                 if (std::find(rotations.begin(), rotations.end(), r) == rotations.end()) rotations.push_back(r);
         for (const std::uint32_t rotation : rotations) {
             try {
-                const SampledChart chart = make_square_chart(f.cut->disk, grid.m, grid.n, rotation, *stretch, {});
+                const SampledChart chart =
+                    make_square_chart(f.cut->disk, grid.m, grid.n, rotation, *stretch, {}, f.cut->shares);
                 if (!holds_topology(welded_topology(chart), source))
                     throw model::Error(codes::kGridTooSmall, "the grid does not hold the topology of the cut");
                 const double rms = quick_error(component, chart, options.samples).rms;

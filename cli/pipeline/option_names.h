@@ -29,8 +29,8 @@ inline constexpr std::array kErrorKindNames{NamedValue<ErrorKind>{"rms", ErrorKi
 inline constexpr std::array kExrLayoutNames{NamedValue<ExrLayout>{"auto", ExrLayout::kAuto},
                                             NamedValue<ExrLayout>{"multipart", ExrLayout::kMultipart}};
 
-inline constexpr std::array<std::string_view, 10> kMethodNames{"auto",  "stretch", "mvc",  "authalic", "conformal",
-                                                              "tutte", "lscm",    "arap", "slim",     "uv"};
+inline constexpr std::array<std::string_view, 11> kMethodNames{
+    "auto", "stretch", "sphere", "mvc", "authalic", "conformal", "tutte", "lscm", "arap", "slim", "uv"};
 /// What --layers may name, in file order. `collision` brings `cover`; the tables beside the layers (seams, diagonals,
 /// mask, border_*) belong to the geometry and are always there.
 inline constexpr std::array<std::string_view, 7> kLayerNames{"geometry",  "normal",      "texture", "bump",

@@ -216,7 +216,7 @@ class Batch(support.Folder):
     def test_help_and_version(self):
         version = self.bake_well("--version")
         self.assertRegex(version.stdout, r"^dgm-bake \d+\.\d+\.\d+\n$")
-        for method in ["stretch", "mvc", "authalic", "conformal", "tutte", "lscm", "arap", "slim", "uv"]:
+        for method in ["stretch", "sphere", "mvc", "authalic", "conformal", "tutte", "lscm", "arap", "slim", "uv"]:
             self.assertIn(method, self.bake_well("--help").stdout)
 
 

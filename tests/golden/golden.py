@@ -12,6 +12,7 @@ CASES = {
     "auto": ["stomach/stomach.obj", "stomach/stomach.3ds", "liver/liver.obj", "cushion/cushion.obj",
              "cushion/cover.obj", "sheet/sheet.obj", "chair/seat.obj", "chair/back.obj", "chair/chair.obj"],
     "stretch": ["stomach/stomach.obj", "cushion/cover.obj"],
+    "sphere": ["stomach/stomach.obj", "liver/liver.obj"],
     "mvc": ["stomach/stomach.obj", "cushion/cover.obj"],
     "authalic": ["stomach/stomach.obj", "cushion/cover.obj"],
     "tutte": ["stomach/stomach.obj", "cushion/cover.obj"],

@@ -9,6 +9,7 @@
 
 #include "geometry/chart/cut_transfer.h"
 #include "geometry/chart/square_chart.h"
+#include "geometry/chart/star_cut.h"
 #include "geometry/chart/trial_map.h"
 #include "geometry/simplify/simplify.h"
 #include "model/codes.h"
@@ -50,11 +51,15 @@ class Search {
           source_(measure_topology(component.positions.size(), component.faces)) {}
 
     CutSearchResult run() {
-        begin();
-        augment();
+        if (!options_.only_stars) {
+            begin();
+            augment();
+            if (!best_) throw *failure_;
+            drop_branches();
+            try_rotations();
+        }
+        if (options_.stars > 0 && !(best_ && out_.rms < kExact)) try_stars();
         if (!best_) throw *failure_;
-        drop_branches();
-        try_rotations();
         out_.disk = best_->open();
         out_.cut_length = best_->length();
         return std::move(out_);
@@ -96,7 +101,8 @@ class Search {
     }
 
     /// One map and one measurement of a cut; keeps the first failure's reason.
-    Trial attempt(const CutGraph& cut, std::optional<std::uint32_t> rotation) {
+    Trial attempt(const CutGraph& cut, std::optional<std::uint32_t> rotation,
+                  BorderShares shares = BorderShares::kByLength) {
         progress_.update("cut", share());
         ++out_.trials;
         Trial trial;
@@ -104,8 +110,8 @@ class Search {
             Disk disk = cut.open();
             trial.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
             if (!options_.measured) {
-                TrialMap map =
-                    make_trial_map(std::move(disk), options_.m, options_.n, trial.rotation, trial_options(), {});
+                TrialMap map = make_trial_map(std::move(disk), options_.m, options_.n, trial.rotation, trial_options(),
+                                              {}, shares);
                 trial.rms = map.rms;
                 trial.split = std::move(map.disk);
                 trial.uv = std::move(map.uv);
@@ -129,10 +135,11 @@ class Search {
         return std::min(0.95, out_.trials / (2.0 * options_.patience + options_.rotations + 6.0));
     }
 
-    void keep(const CutGraph& cut, const Trial& trial) {
+    void keep(const CutGraph& cut, const Trial& trial, BorderShares shares = BorderShares::kByLength) {
         best_.emplace(cut);
         out_.rms = trial.rms;
         out_.rotation = trial.rotation;
+        out_.shares = shares;
     }
 
     void augment() {
@@ -218,6 +225,29 @@ class Search {
         }
     }
 
+    /// Bodies with limbs are far from a sphere: there the first stars tell, and the others are not worth their time.
+    void try_stars() {
+        constexpr std::size_t kFew = 3;
+        constexpr double kFar = 1.1;
+        double least = kInfinity;
+        model::Progress silent;  // the stages below have shares of their own
+        silent.cancelled = progress_.cancelled;
+        try {
+            const std::vector<CutGraph> cuts = star_cuts(component_, options_.stars, silent);
+            for (std::size_t k = 0; k < cuts.size(); ++k) {
+                if (k >= kFew && !options_.only_stars && least > kFar * out_.rms) break;
+                const Trial trial = attempt(cuts[k], 0, BorderShares::kEqualArms);
+                least = std::min(least, trial.rms);
+                if (trial.rms < (best_ ? kGain * out_.rms : kInfinity)) keep(cuts[k], trial, BorderShares::kEqualArms);
+            }
+        } catch (const model::Error& e) {
+            if (e.code().number == model::codes::kInterrupted.number) throw;
+            if (!failure_) failure_ = e;
+        }
+        if (!failure_)
+            failure_.emplace(model::codes::kMapInvalid, "sphere: no star of arms can be laid on the surface");
+    }
+
     const TriMesh& component_;
     const CutSearchOptions& options_;
     const model::Progress& progress_;
@@ -249,6 +279,7 @@ CutSearchResult search_measured(const TriMesh& component, const CutSearchOptions
                                 const model::Progress& progress) {
     CutSearchOptions on_itself = options;
     on_itself.measured = true;
+    on_itself.stars = 0;
     // The cut hardly depends on the resolution from here on, its cost does.
     const GridSides grid = shrink(wanted, 257);
     on_itself.m = grid.m, on_itself.n = grid.n;
@@ -272,10 +303,20 @@ std::vector<char> border_corners(const TriMesh& mesh) {
     return corners;
 }
 
+bool is_sphere(const TriMesh& mesh) {
+    const Topology topology = measure_topology(mesh.positions.size(), mesh.faces);
+    return topology.boundary_loops == 0 && topology.genus == 0;
+}
+
 }  // namespace
 
 CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress) {
     const GridSides wanted{options.m, options.n};
+    const bool even = wanted.m % 2 == 0 || wanted.n % 2 == 0;
+    if (options.only_stars && even)
+        throw model::Error(model::codes::kMethodUnsuited,
+                           "sphere: each side of the square folds at its middle sample, which even numbers of samples "
+                           "do not have");
     if (options.measured) return search_measured(component, options, wanted, progress);
     CutSearchOptions trial = options;
     const bool simplified = component.faces.size() > options.coarse_faces + options.coarse_faces / 2;
@@ -298,12 +339,15 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
     const Topology shape = measure_topology(component.positions.size(), component.faces);
     const double intervals = 4 * (6.0 * static_cast<double>(shape.genus) - 3);
     if (BorderGrid{grid.m, grid.n}.count() < intervals) grid = wanted;
+    if (!options.only_stars && (even || !is_sphere(mesh))) trial.stars = 0;
+    if (trial.stars > 0) grid.m |= 1u, grid.n |= 1u;
     trial.m = grid.m, trial.n = grid.n;
     try {
         Search search(mesh, trial, progress);
         CutSearchResult out = search.run();
+        const bool star = out.shares == BorderShares::kEqualArms;
         if (!simplified) {
-            out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
+            if (!star) out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
             return out;
         }
         CutGraph fine(component);
@@ -312,14 +356,22 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
         const Disk coarse_disk = std::move(out.disk);
         out.disk = fine.open();
         out.cut_length = fine.length();
+        if (star) return out;
         const auto rotation =
             transfer_rotation(coarse_disk, grid.m, grid.n, out.rotation, coarse.original, out.disk, wanted.m, wanted.n);
         out.rotation = rotation ? *rotation : candidate_rotations(out.disk, wanted.m, wanted.n, 1).front();
         return out;
     } catch (const model::Error& e) {
-        if (e.code().number == model::codes::kInterrupted.number) throw;
+        if (e.code().number == model::codes::kInterrupted.number || options.only_stars) throw;
         // Where the border has no room for the paths of a simplified mesh, the whole one will find no more.
-        if (e.code().number == model::codes::kGridTooSmall.number && grid.m == wanted.m && grid.n == wanted.n) throw;
+        if (trial.stars == 0 && e.code().number == model::codes::kGridTooSmall.number && grid.m == wanted.m &&
+            grid.n == wanted.n)
+            throw;
+    }
+    if (trial.stars > 0) {  // a star may come to nothing where another cut does not
+        CutSearchOptions others = options;
+        others.stars = 0;
+        return search_cut(component, others, progress);
     }
     return search_measured(component, options, wanted, progress);
 }

@@ -4,6 +4,7 @@
 #pragma once
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/cut/cut_graph.h"
+#include "geometry/parameterize/square_border.h"
 #include "model/progress.h"
 
 namespace dgm::bake {
@@ -19,11 +20,14 @@ struct CutSearchOptions {
     int patience = 8;  ///< extremities tried in a row without a gain of 1 %
     std::size_t rotations = 4;
     std::size_t drops = 12;  ///< branches tried without, at most
+    std::size_t stars = 0;   ///< octahedra tried on a closed component without handles (star_cut.h), for odd m and n
+    bool only_stars = false;
 };
 
 struct CutSearchResult {
     Disk disk;                   ///< opened along the best cut, border not yet laid
     std::uint32_t rotation = 0;  ///< on the m x n grid
+    BorderShares shares = BorderShares::kByLength;
     double rms = 0;              ///< of the best trial, as predicted or measured, normalised units
     double cut_length = 0;       ///< normalised units
     int trials = 0, extremities = 0;
@@ -35,7 +39,8 @@ struct CutSearchResult {
 /// The error is predicted (trial_map.h), and a large component is searched in simplified form and the cut carried back
 /// (cut_transfer.h); where that comes to nothing, and if `measured` asks for it, every trial is baked on the component
 /// itself.
-/// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map
+/// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map; kMethodUnsuited if stars alone are asked
+///     of a surface or a grid that has none
 [[nodiscard]] CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options,
                                          const model::Progress& progress);
 

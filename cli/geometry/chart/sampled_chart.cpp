@@ -137,6 +137,24 @@ Lattice lattice_around(const SampledChart& chart) {
     return {lo, extent / Lattice::kCodes};
 }
 
+std::size_t count_folded(const SampledChart& chart) {
+    std::vector<Vec3d> normals;  // of the source, not normalised
+    normals.reserve(chart.disk.mesh.faces.size());
+    for (std::size_t f = 0; f < chart.disk.mesh.faces.size(); ++f) {
+        const auto q = chart.disk.mesh.corners(f);
+        normals.push_back(cross(q[1] - q[0], q[2] - q[0]));
+    }
+    const std::vector<Face> faces = chart.faces();
+    return static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), [&](const Face& f) {
+        const Vec3d own =
+            cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
+        return std::all_of(f.begin(), f.end(), [&](std::uint32_t s) {
+            const std::uint32_t face = chart.samples[s].face;
+            return face != kNone && dot(own, normals[face]) < 0;
+        });
+    }));
+}
+
 void place_samples(SampledChart& chart) {
     chart.positions.assign(chart.samples.size(), Vec3d{});
     for (std::size_t s = 0; s < chart.samples.size(); ++s) {

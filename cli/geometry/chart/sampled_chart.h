@@ -69,6 +69,10 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres);
 /// The smallest lattice around all samples on the surface.
 [[nodiscard]] Lattice lattice_around(const SampledChart& chart);
 
+/// Triangles of the grid that look against the surface at all their corners: what shear in the map does to quads on a
+/// bent surface. A quick stand-in for turned_faces.h while samples lie where the map put them.
+[[nodiscard]] std::size_t count_folded(const SampledChart& chart);
+
 /// Positions of all samples from their surface points, classes from their representative.
 void place_samples(SampledChart& chart);
 

@@ -3,6 +3,7 @@
 #include "geometry/chart/square_chart.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -19,7 +20,9 @@ namespace {
 
 constexpr double kCrowded = 2;  // L2 stretch, of 1 at least
 constexpr std::size_t kLevelSteps = 5;
-constexpr double kLevelEpsilon = 0.6;
+// The square of an error grows with the fourth power of the stretch, as in multilevel_map.h.
+constexpr double kLevelPower = 4, kLevelEpsilon = 2;
+constexpr std::size_t kFewFolds = 2;  // of a thousand triangles
 
 class StretchParameterizer final : public Parameterizer {
  public:
@@ -36,21 +39,37 @@ class StretchParameterizer final : public Parameterizer {
         for (const Face& f : disk.faces)
             area += face_area({disk.positions[f[0]], disk.positions[f[1]], disk.positions[f[2]]});
         // Normalised stretch: the square has area 1.
-        if (map && std::sqrt(energy(*map)) <= kCrowded * area) {
-            // Faces sheared into slivers cost no stretch, but their samples fold; the other half of the energy levels
-            // them.
-            SlimOptions options;
-            options.energy = FlipFreeEnergy::kStretch;
-            options.border_fixed = true;
-            options.iterations = kLevelSteps;
-            options.stretch_epsilon = kLevelEpsilon;
-            return descend_flip_free(disk, std::move(*map), options, progress);
+        if (!map || std::sqrt(energy(*map)) > kCrowded * area) {
+            std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
+            if (!map || energy(other) < energy(*map)) map = std::move(other);
         }
-        std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
-        return map && energy(*map) <= energy(other) ? std::move(*map) : other;
+        if (count_not_positive(disk.faces, *map) > 0) return std::move(*map);  // the caller refuses it
+        return descend(disk, std::move(*map), kLevelSteps, kLevelEpsilon, progress);
+    }
+
+    [[nodiscard]] std::optional<std::vector<Vec2d>> level(const DiskView& disk, const std::vector<Vec2d>& uv,
+                                                          std::size_t step,
+                                                          const model::Progress& progress) const override {
+        constexpr std::array<double, 3> kEpsilons{6, 20, 60};
+        constexpr std::size_t kSteps = 12;
+        if (newton_steps_ == 0 || step >= kEpsilons.size()) return std::nullopt;
+        return descend(disk, uv, kSteps, kEpsilons[step], progress);
     }
 
  private:
+    /// Faces sheared into slivers cost no stretch, but their samples fold; the half of the energy that epsilon weighs
+    /// levels them.
+    static std::vector<Vec2d> descend(const DiskView& disk, std::vector<Vec2d> uv, std::size_t steps, double epsilon,
+                                      const model::Progress& progress) {
+        SlimOptions options;
+        options.energy = FlipFreeEnergy::kStretch;
+        options.border_fixed = true;
+        options.iterations = steps;
+        options.stretch_power = kLevelPower;
+        options.stretch_epsilon = epsilon;
+        return descend_flip_free(disk, std::move(uv), options, progress);
+    }
+
     std::size_t newton_steps_;
 };
 
@@ -83,19 +102,16 @@ void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view 
     if (metrics.degenerate > 0) fail(std::to_string(metrics.degenerate) + " faces have no area in the map");
 }
 
-SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
-                               const Parameterizer& method, const model::Progress& progress) {
-    const SquareBorder border = lay_square_border(disk, m, n, rotation);
-    SampledChart chart;
-    chart.m = m, chart.n = n;
-    chart.method = method.name();
-    chart.uv = method.solve({disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv}, progress);
-    check_map(disk, chart.uv, method.name());
-    const SampleGrid fine = rasterize(disk.mesh.faces, chart.uv, 2 * m - 1, 2 * n - 1);
+namespace {
+
+/// Samples the map of `chart`, and places and splits the quads.
+void sample_map(SampledChart& chart, const SquareBorder& border) {
+    check_map(chart.disk, chart.uv, chart.method);
+    const SampleGrid fine = rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
     if (fine.missing > 0)
-        throw model::Error(model::codes::kMapInvalid, std::string(method.name()) + ": " + std::to_string(fine.missing) +
-                                                          " grid points are covered by no face");
-    chart.samples = coarsen(fine, m, n);
+        throw model::Error(model::codes::kMapInvalid,
+                           chart.method + ": " + std::to_string(fine.missing) + " grid points are covered by no face");
+    chart.samples = coarsen(fine, chart.m, chart.n);
     chart.representative.resize(chart.samples.size());
     for (std::uint32_t s = 0; s < chart.representative.size(); ++s) chart.representative[s] = s;
     // The representative of a class is its lowest flat index, whichever place that has in the border cycle.
@@ -105,9 +121,38 @@ SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std:
         chart.samples[s.index] = s.at;
         chart.representative[s.index] = lowest[s.same_as];
     }
-    chart.disk = std::move(disk);
     place_samples(chart);
     choose_diagonals(chart, fine);
+}
+
+}  // namespace
+
+SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
+                               const Parameterizer& method, const model::Progress& progress, BorderShares shares) {
+    const SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
+    SampledChart chart;
+    chart.m = m, chart.n = n;
+    chart.method = method.name();
+    chart.disk = std::move(disk);
+    const DiskView view{chart.disk.mesh.positions, chart.disk.mesh.faces, border.vertices, border.uv};
+    chart.uv = method.solve(view, progress);
+    sample_map(chart, border);
+    // What few folds are left the fit mends.
+    const std::size_t few = kFewFolds * 2 * std::size_t{m - 1} * (n - 1) / 1000;
+    std::size_t folded = count_folded(chart);
+    for (std::size_t step = 0; folded > few; ++step) {
+        std::optional<std::vector<Vec2d>> uv = method.level(view, chart.uv, step, progress);
+        if (!uv) break;
+        chart.uv.swap(*uv);
+        sample_map(chart, border);
+        const std::size_t left = count_folded(chart);
+        if (left >= folded) {
+            chart.uv.swap(*uv);
+            sample_map(chart, border);
+            break;
+        }
+        folded = left;
+    }
     return chart;
 }
 

@@ -80,9 +80,9 @@ class Prediction {
 }  // namespace
 
 TrialMap make_trial_map(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
-                        const MultilevelOptions& options, const model::Progress& progress) {
+                        const MultilevelOptions& options, const model::Progress& progress, BorderShares shares) {
     TrialMap map;
-    const SquareBorder border = lay_square_border(disk, m, n, rotation);
+    const SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
     const DiskView view{disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv};
     if (std::optional<std::vector<Vec2d>> uv = multilevel_stretch_map(view, options, progress))
         map.uv = std::move(*uv);

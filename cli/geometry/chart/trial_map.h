@@ -7,6 +7,7 @@
 
 #include "geometry/cut/disk.h"
 #include "geometry/parameterize/multilevel_map.h"
+#include "geometry/parameterize/square_border.h"
 #include "model/progress.h"
 
 namespace dgm::bake {
@@ -24,6 +25,7 @@ struct TrialMap {
 ///
 /// @throws model::Error kGridTooSmall, kMapInvalid if faces are flipped or samples uncovered, kInterrupted
 [[nodiscard]] TrialMap make_trial_map(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
-                                      const MultilevelOptions& options, const model::Progress& progress);
+                                      const MultilevelOptions& options, const model::Progress& progress,
+                                      BorderShares shares = BorderShares::kByLength);
 
 }  // namespace dgm::bake

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/mesh/vertex_corners.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/damped_reweight.h"
 #include "geometry/parameterize/slim.h"
@@ -266,12 +267,7 @@ class Multilevel {
     void relax(const Level& level, std::vector<Vec2d>& uv, std::size_t number, int sweeps) {
         const std::span<const Face> faces = level.mesh.faces;
         const std::size_t n = uv.size();
-        std::vector<std::uint32_t> first(n + 1, 0), corner(3 * faces.size());
-        for (const Face& f : faces)
-            for (std::uint32_t v : f) ++first[v + 1];
-        for (std::size_t v = 0; v < n; ++v) first[v + 1] += first[v];
-        std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
-        for (std::uint32_t h = 0; h < 3 * faces.size(); ++h) corner[fill[origin(faces, h)]++] = h;
+        const VertexCorners corners(faces, n);
         std::vector<char> fixed(n, 0);
         for (std::uint32_t v = 0; v < n; ++v) {
             std::uint32_t at = v;
@@ -287,10 +283,10 @@ class Multilevel {
                 const std::uint32_t v = sweep % 2 == 0 ? i : static_cast<std::uint32_t>(n - 1 - i);
                 if (fixed[v]) continue;
                 ring.wedges.clear();
-                for (std::uint32_t k = first[v]; k < first[v + 1]; ++k) {
-                    const Face& f = faces[corner[k] / 3];
-                    const std::array<double, 4>& l = shapes[corner[k] / 3];
-                    const std::uint32_t i0 = corner[k] % 3, i1 = (i0 + 1) % 3, i2 = (i0 + 2) % 3;
+                for (std::uint32_t k = corners.first[v]; k < corners.first[v + 1]; ++k) {
+                    const Face& f = faces[corners.of[k] / 3];
+                    const std::array<double, 4>& l = shapes[corners.of[k] / 3];
+                    const std::uint32_t i0 = corners.of[k] % 3, i1 = (i0 + 1) % 3, i2 = (i0 + 2) % 3;
                     ring.wedges.push_back({uv[f[i1]], uv[f[i2]], l[0], l[1 + i0], l[1 + i1], l[1 + i2]});
                 }
                 uv[v] = ring.relax(uv[v], 1);

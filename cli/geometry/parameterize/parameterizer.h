@@ -3,6 +3,7 @@
 // What a parameterization method promises. dgm_cgal and dgm_geometry implement it; the pipeline introduces the two.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,12 @@ class Parameterizer {
     /// oriented. Finite always; flips are for the caller to count with exact predicates.
     /// @throws model::Error kMapInvalid if the solver fails, kInterrupted
     [[nodiscard]] virtual std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const = 0;
+    /// The map `uv` of `solve` with less shear and more stretch, `step` = 0, 1, ... ever more so; nothing if the method
+    /// has no further step. For maps that are so sheared that quads of the grid fold over on the surface.
+    [[nodiscard]] virtual std::optional<std::vector<Vec2d>> level(const DiskView&, const std::vector<Vec2d>& /*uv*/,
+                                                                  std::size_t /*step*/, const model::Progress&) const {
+        return std::nullopt;
+    }
 };
 
 }  // namespace dgm::bake

@@ -58,14 +58,47 @@ bool has_four_real_sides(const std::vector<BorderPath>& paths) {
            std::all_of(paths.begin(), paths.end(), [](const BorderPath& p) { return p.mate == kNone; });
 }
 
+bool is_star_of_four(const std::vector<BorderPath>& paths) {
+    if (paths.size() != 8) return false;
+    // Each arm runs out and back; the first path of the cycle may be either.
+    const std::size_t out = paths[0].mate == 1 ? 0 : 1;
+    for (std::size_t p = out; p < 8; p += 2)
+        if (paths[p].mate != (p + 1) % 8) return false;
+    return true;
+}
+
+struct Shares {
+    std::vector<std::uint32_t> intervals;  // per path
+    std::uint32_t start;                   // border sample where the first path begins
+};
+
+Shares equal_arms(const std::vector<BorderPath>& paths, BorderGrid grid) {
+    if (!is_star_of_four(paths))
+        throw Error(codes::kMethodUnsuited, "the cut is no star of four arms, and cannot be laid as one");
+    if (grid.m % 2 == 0 || grid.n % 2 == 0 || grid.m < 3 || grid.n < 3)
+        throw Error(codes::kMethodUnsuited,
+                    "each side of the square folds at its middle sample, which even numbers of samples do not have");
+    const std::uint32_t half[2] = {(grid.m - 1) / 2, (grid.n - 1) / 2};
+    const bool outwards = paths[0].mate == 1;
+    Shares out{{}, outwards ? 0 : half[0]};
+    for (std::uint32_t p = 0; p < 8; ++p) out.intervals.push_back(half[(p + (outwards ? 0 : 1)) / 2 % 2]);
+    return out;
+}
+
 class BorderLayout {
  public:
-    BorderLayout(Disk& disk, BorderGrid grid, std::uint32_t rotation) : disk_(disk), grid_(grid) {
+    BorderLayout(Disk& disk, BorderGrid grid, std::uint32_t rotation, BorderShares shares) : disk_(disk), grid_(grid) {
         const std::vector<BorderPath> paths = disk.paths();
-        const std::vector<std::uint32_t> intervals =
-            has_four_real_sides(paths) ? std::vector<std::uint32_t>{grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1}
-                                       : allocate_intervals(paths, grid.count());
         std::uint32_t start = rotation % grid.count();
+        std::vector<std::uint32_t> intervals;
+        if (shares == BorderShares::kEqualArms) {
+            const Shares arms = equal_arms(paths, grid);
+            intervals = arms.intervals, start = arms.start;
+        } else if (has_four_real_sides(paths)) {
+            intervals = {grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1};
+        } else {
+            intervals = allocate_intervals(paths, grid.count());
+        }
         for (std::size_t p = 0; p < paths.size(); ++p) {
             Laid l;
             l.start = start;
@@ -267,8 +300,9 @@ std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& pat
     return {};
 }
 
-SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation) {
-    return BorderLayout(disk, {m, n}, rotation).run();
+SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
+                               BorderShares shares) {
+    return BorderLayout(disk, {m, n}, rotation, shares).run();
 }
 
 namespace {

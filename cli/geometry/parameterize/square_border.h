@@ -44,15 +44,24 @@ struct BorderGrid {
     [[nodiscard]] Vec2d uv(double t) const;
 };
 
+/// How the intervals of the square's border are shared out.
+enum class BorderShares {
+    kByLength,   ///< to each path by its length
+    kEqualArms,  ///< the cut is a star of four arms: its middle on the four corners, each side folds at its middle
+};
+
 /// Lays the disk's border on the square (methods.md section 2): path p gets a whole number of sample intervals, the
 /// same for both mates, nearest its share of the length; inside a path vertices follow arc length; the square's corners
 /// fall on samples, and an edge (with its mate) is split where one falls inside it. Then every interior edge that joins
 /// two points of the border is split, so that no triangle can collapse onto a side and no part of the surface is locked
 /// up behind a straight edge.
 ///
-/// Changes `disk` by those splits. `rotation` moves the first path's start to border sample `rotation`.
-/// @throws model::Error kGridTooSmall if the paths need more intervals than the grid has
-[[nodiscard]] SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation);
+/// Changes `disk` by those splits. `rotation` moves the first path's start to border sample `rotation`; equal arms have
+/// but one, and do not look at it.
+/// @throws model::Error kGridTooSmall if the paths need more intervals than the grid has; kMethodUnsuited if equal arms
+///     are asked of another cut than a star of four, or of even m or n
+[[nodiscard]] SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
+                                             BorderShares shares = BorderShares::kByLength);
 
 /// Whole numbers of intervals for each path (mates equal), all together `total`; by largest remainder, at least
 /// `least(path)`. Exposed for its test. @throws kGridTooSmall
