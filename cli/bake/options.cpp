@@ -70,7 +70,8 @@ std::uint64_t parse_auto_size(const std::string& text) {
 
 /// "0.05%", or "0.5" in source units.
 ErrorGoal parse_max_error(const std::string& text) {
-    const Quantity read = parse_quantity("--max-error", text, {"%"}, "0.05% (of the diagonal) or 0.2 (in the mesh's units)");
+    const Quantity read =
+        parse_quantity("--max-error", text, {"%"}, "0.05% (of the diagonal) or 0.2 (in the mesh's units)");
     return {read.value, read.unit == "%"};
 }
 

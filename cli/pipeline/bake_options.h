@@ -44,16 +44,16 @@ struct BakeOptions {
     DomainChoice domain = DomainChoice::kAuto;
     Fit fit =
         Fit::kL2;  ///< measured: +9 to +15 dB at 257x257 for about as much time again as without (docs/accuracy.md)
-    /// kAuto: u16 where max_error is at least three times (hausdorff: six times) the error that rounding alone makes, so
-    /// that it costs no more than a few samples; f32 elsewhere.
+    /// kAuto: u16 where max_error is at least three times (hausdorff: six times) the error that rounding alone makes,
+    /// so that it costs no more than a few samples; f32 elsewhere.
     Precision precision = Precision::kF32;
-    std::vector<std::string> layers;       ///< empty: all that have data
-    std::filesystem::path texture;         ///< fabric image that replaces the materials' textures
-    std::optional<GridSize> texture_size;  ///< default: the grid's size
+    std::vector<std::string> layers;             ///< empty: all that have data
+    std::filesystem::path texture;               ///< fabric image that replaces the materials' textures
+    std::optional<GridSize> texture_size;        ///< default: the grid's size
     std::optional<std::uint64_t> texture_bytes;  ///< most of all charts' textures together; they get smaller
     std::optional<double> texel_length;          ///< source units; textures are not made finer than this
-    std::optional<GridSize> bump_size;     ///< default: (2m-1) x (2n-1)
-    std::vector<std::string> ablate;       ///< of kAblateNames: what is left out, to see what it is worth
+    std::optional<GridSize> bump_size;           ///< default: (2m-1) x (2n-1)
+    std::vector<std::string> ablate;             ///< of kAblateNames: what is left out, to see what it is worth
     bool write_dgm = true, write_exr = false;
     ExrLayout exr_layout = ExrLayout::kAuto;
 

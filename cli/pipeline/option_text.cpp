@@ -23,8 +23,7 @@ GridSize parse_size(std::string_view name, const std::string& text, std::uint32_
         std::uint32_t value = 0;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
         if (error != std::errc() || end != digits.data() + digits.size() || value < least || value > most)
-            wrong(
-                fmt::format("{}: \"{}\" is not a size; write MxN or N, each from {} to {}", name, text, least, most));
+            wrong(fmt::format("{}: \"{}\" is not a size; write MxN or N, each from {} to {}", name, text, least, most));
         return value;
     };
     const std::size_t x = text.find_first_of("xX");

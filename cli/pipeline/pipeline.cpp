@@ -254,8 +254,8 @@ class AssetBake {
         return bytes;
     }
 
-    /// What Precision::kAuto stands for. Rounding to 65536 steps over the longest side of the bounding box moves a point
-    /// by a twelfth root of a step squared rms along any direction.
+    /// What Precision::kAuto stands for. Rounding to 65536 steps over the longest side of the bounding box moves a
+    /// point by a twelfth root of a step squared rms along any direction.
     [[nodiscard]] bool choose_u16() const {
         if (options_.precision != Precision::kAuto) return options_.precision == Precision::kU16;
         if (!options_.max_error) return false;

@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "model/codes.h"
 #include "pipeline/option_names.h"
@@ -23,9 +23,6 @@ namespace {
 namespace codes = model::codes;
 namespace fs = std::filesystem;
 
-constexpr std::array kFootprintNames{bake::NamedValue<Footprint>{"grid", Footprint::kGrid},
-                                     bake::NamedValue<Footprint>{"metric", Footprint::kMetric},
-                                     bake::NamedValue<Footprint>{"geodesic", Footprint::kGeodesic}};
 constexpr std::size_t kMaxAssets = 100'000, kMaxFileBytes = std::size_t{16} << 20;
 
 class Table;
@@ -145,10 +142,11 @@ auto Say::parsed(Parse parse) const {
 /// "0.05 %", "1.5 px", or "0.2" in source units.
 Tolerance parse_tolerance(const std::string& text, const Say& say) {
     Tolerance out;
-    const bake::Quantity read =
-        say.parsed([&] { return bake::parse_quantity("tolerance", text, {"%", "px"}, "0.05%, 0.2 or 1px"); });
+    const bake::Quantity read = say.parsed([&] {
+        return bake::parse_quantity("tolerance", text, {"%", "px"}, "0.05%, 0.2 or 1px");
+    });
     out.value = read.value;
-    out.unit = read.unit == "%" ? ToleranceUnit::kPercent
+    out.unit = read.unit == "%"    ? ToleranceUnit::kPercent
                : read.unit == "px" ? ToleranceUnit::kPixels
                                    : ToleranceUnit::kSource;
     return out;
@@ -204,11 +202,11 @@ void read_wishes(Table& table, SceneAsset& asset, const fs::path& folder) {
         if (text.empty()) say("the name is empty");
         asset.fabric = (folder / text).lexically_normal();
     });
-    table.get<std::string>("largest", "a size in quotes, such as \"513x513\"",
-                           [&](const std::string& text, const Say& say) {
-                               asset.largest = say.parsed(
-                                   [&] { return bake::parse_size("largest", text, bake::kMinSide, bake::kMaxSide); });
-                           });
+    table.get<std::string>(
+        "largest", "a size in quotes, such as \"513x513\"", [&](const std::string& text, const Say& say) {
+            asset.largest =
+                say.parsed([&] { return bake::parse_size("largest", text, bake::kMinSide, bake::kMaxSide); });
+        });
     table.get<std::string>("method", "a word in quotes", [&](const std::string& text, const Say& say) {
         if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), text) == bake::kMethodNames.end())
             say(tool::unknown_word("method", text, {bake::kMethodNames.begin(), bake::kMethodNames.end()}));
@@ -247,7 +245,8 @@ Scene read(const toml::table& root, const fs::path& file) {
     Table top(root, file, "scene file");
     if (const toml::table* scene = top.table("scene")) {
         Table table(*scene, file, "[scene]");
-        table.get<std::string>("name", "a name in quotes", [&](const std::string& text, const Say&) { out.name = text; });
+        table.get<std::string>("name", "a name in quotes",
+                               [&](const std::string& text, const Say&) { out.name = text; });
         read_bytes(table, "budget", out.budget);
         table.get<double>("tick_budget", "a number of microseconds", [&](double value, const Say& say) {
             if (!(value > 0)) say("a time is above zero");
@@ -276,8 +275,8 @@ Scene read(const toml::table& root, const fs::path& file) {
         out.assets.push_back(read_asset(wishes, defaults, folder));
         out.assets.back().line = line;
         if (!names.insert(out.assets.back().name).second)
-            wishes.wrong_here(fmt::format("another asset is called {}, too; give this one a name = \"...\"",
-                                          out.assets.back().name));
+            wishes.wrong_here(
+                fmt::format("another asset is called {}, too; give this one a name = \"...\"", out.assets.back().name));
     }
     return out;
 }
@@ -290,9 +289,7 @@ Scene parse_scene(std::string_view text, const fs::path& file) {
     toml::table root;
     try {
         root = toml::parse(text, file.string());
-    } catch (const toml::parse_error& e) {
-        Table::fail(file, e.source(), std::string(e.description()));
-    }
+    } catch (const toml::parse_error& e) { Table::fail(file, e.source(), std::string(e.description())); }
     return read(root, file);
 }
 

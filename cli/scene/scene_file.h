@@ -2,13 +2,16 @@
 // cli/scene/scene_file.h
 // What a scene asks of its assets, as written down in a TOML file (docs/scenes.md).
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pipeline/bake_options.h"
+#include "pipeline/option_names.h"
 
 namespace dgm::scene {
 
@@ -34,23 +37,26 @@ struct Reach {
 };
 
 enum class Footprint { kGrid, kMetric, kGeodesic };
+inline constexpr std::array kFootprintNames{bake::NamedValue<Footprint>{"grid", Footprint::kGrid},
+                                            bake::NamedValue<Footprint>{"metric", Footprint::kMetric},
+                                            bake::NamedValue<Footprint>{"geodesic", Footprint::kGeodesic}};
 
 /// One asset, with the scene's defaults filled in.
 struct SceneAsset {
-    std::string name;               ///< unique; of the output file, without extension
-    std::filesystem::path source;   ///< taken from the folder of the scene file
-    int line = 0;                   ///< of its [[asset]] in the scene file
+    std::string name;              ///< unique; of the output file, without extension
+    std::filesystem::path source;  ///< taken from the folder of the scene file
+    int line = 0;                  ///< of its [[asset]] in the scene file
     Tolerance tolerance;
-    std::optional<double> distance; ///< the nearest that a viewer comes, source units
+    std::optional<double> distance;  ///< the nearest that a viewer comes, source units
     View view;
-    bool touched = false;           ///< tools press and pull it
+    bool touched = false;  ///< tools press and pull it
     Footprint footprint = Footprint::kGrid;
     Reach reach;
-    bool contact = false;           ///< it is set down on things, or things on it
-    bool lit = true;                ///< normals of the source are needed
-    bool textured = true;           ///< colours are needed
-    bool detail = false;            ///< bump: what the grid misses, for shading
-    std::vector<std::string> layers;  ///< not empty: exactly these, whatever the wishes above say
+    bool contact = false;                         ///< it is set down on things, or things on it
+    bool lit = true;                              ///< normals of the source are needed
+    bool textured = true;                         ///< colours are needed
+    bool detail = false;                          ///< bump: what the grid misses, for shading
+    std::vector<std::string> layers;              ///< not empty: exactly these, whatever the wishes above say
     std::optional<std::uint64_t> texture_budget;  ///< bytes of the texture layer
     std::filesystem::path fabric;                 ///< picture instead of the source's textures
     std::optional<std::uint64_t> budget;          ///< bytes of its file
@@ -63,18 +69,20 @@ struct SceneAsset {
 
 struct Scene {
     std::string name;
-    std::optional<std::uint64_t> budget;     ///< bytes of all files
-    std::optional<double> tick_budget;       ///< seconds of the haptic tick, of each touched asset
-    std::vector<SceneAsset> assets;          ///< in the order of the file; at least one
+    std::optional<std::uint64_t> budget;  ///< bytes of all files
+    std::optional<double> tick_budget;    ///< seconds of the haptic tick, of each touched asset
+    std::vector<SceneAsset> assets;       ///< in the order of the file; at least one
 };
 
 /// Reads and checks a scene file. Files named in it are not looked at.
-/// @throws model::Error kFileMissing, kReadFailed; kSceneInvalid with FILE:LINE:COLUMN as its place: no TOML, an unknown
+/// @throws model::Error kFileMissing, kReadFailed; kSceneInvalid with FILE:LINE:COLUMN as its place: no TOML, an
+/// unknown
 ///         key (with the one that was meant), a value of the wrong type or out of its range, a pixel tolerance without
 ///         a distance, two assets of one name, no asset
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file);
 
-/// The same from text; `file` is for messages, and its folder is where sources are taken from. Made for tests and fuzzing.
+/// The same from text; `file` is for messages, and its folder is where sources are taken from. Made for tests and
+/// fuzzing.
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& file);
 
 }  // namespace dgm::scene

@@ -128,9 +128,10 @@ bake::BatchPlan plan_batch(const Scene& scene, const fs::path& folder) {
         job.name = asset.name;
         job.options = bake_options(asset);
         if (!fs::is_regular_file(asset.source, error))
-            job.refusal = model::Error(codes::kFileMissing, fmt::format("there is no such file (asset {}, line {} of "
-                                                                        "the scene)",
-                                                                        asset.name, asset.line),
+            job.refusal = model::Error(codes::kFileMissing,
+                                       fmt::format("there is no such file (asset {}, line {} of "
+                                                   "the scene)",
+                                                   asset.name, asset.line),
                                        asset.source.string());
         if (sources.contains(fs::weakly_canonical(job.dgm, error)))
             throw model::Error(codes::kUsage, "the output would overwrite a source of the scene", job.dgm.string());
@@ -143,12 +144,12 @@ std::vector<std::string> describe(const SceneAsset& asset) {
     const bake::ErrorGoal goal = error_goal(asset);
     const std::string kind(bake::name_of(bake::kErrorKindNames, goal.kind));
     std::vector<std::string> out;
-    out.push_back(asset.tolerance.unit == ToleranceUnit::kPixels
-                      ? fmt::format("tolerance {:g} px at distance {:g} ({} rows over {:g} degrees): {:.3g} units {}",
-                                    asset.tolerance.value, *asset.distance, asset.view.rows, asset.view.fov_degrees,
-                                    goal.value, kind)
-                      : fmt::format("tolerance {:.3g}{} {}", goal.value, goal.percent ? " % of the diagonal" : " units",
-                                    kind));
+    out.push_back(
+        asset.tolerance.unit == ToleranceUnit::kPixels
+            ? fmt::format("tolerance {:g} px at distance {:g} ({} rows over {:g} degrees): {:.3g} units {}",
+                          asset.tolerance.value, *asset.distance, asset.view.rows, asset.view.fov_degrees, goal.value,
+                          kind)
+            : fmt::format("tolerance {:.3g}{} {}", goal.value, goal.percent ? " % of the diagonal" : " units", kind));
     const std::vector<std::string> layers = needed_layers(asset);
     std::string why = "as named";
     if (asset.layers.empty())
@@ -156,10 +157,10 @@ std::vector<std::string> describe(const SceneAsset& asset) {
                           asset.touched || asset.contact ? "contact" : "no contact", asset.lit ? "lit" : "not lit",
                           asset.textured ? "textured" : "no texture");
     out.push_back(fmt::format("layers {} ({})", joined(layers), why));
-    const std::string precision =
-        asset.precision ? std::string(bake::name_of(bake::kPrecisionNames, *asset.precision)) : "as the tolerance allows";
-    out.push_back(fmt::format("grid at most {}, precision {}", size_text(asset.largest.rows, asset.largest.cols),
-                              precision));
+    const std::string precision = asset.precision ? std::string(bake::name_of(bake::kPrecisionNames, *asset.precision))
+                                                  : "as the tolerance allows";
+    out.push_back(
+        fmt::format("grid at most {}, precision {}", size_text(asset.largest.rows, asset.largest.cols), precision));
     if (asset.texture_budget) out.push_back(fmt::format("texture at most {} bytes", *asset.texture_budget));
     if (asset.touched)
         out.push_back(fmt::format("touched with a {} footprint of {:g}{} radius",
@@ -173,7 +174,8 @@ Savings savings(const model::MapSet& baked) {
     Savings out;
     std::uint64_t largest = 1;
     for (const model::Chart& chart : baked.charts) largest = std::max<std::uint64_t>({largest, chart.rows, chart.cols});
-    const double grow = static_cast<double>(kOneSize - 1) / static_cast<double>(std::max<std::uint64_t>(1, largest - 1));
+    const double grow =
+        static_cast<double>(kOneSize - 1) / static_cast<double>(std::max<std::uint64_t>(1, largest - 1));
     const auto scaled = [&](std::uint32_t side) {
         return std::max<std::uint64_t>(3, 1 + static_cast<std::uint64_t>(std::lround((side - 1) * grow)));
     };
@@ -196,7 +198,8 @@ Savings savings(const model::MapSet& baked) {
         at_layers += sum(bytes);
         if (chart.rows == largest || chart.cols == largest) {
             grid = size_text(chart.rows, chart.cols);
-            if (picture != nullptr && picture->shape.size() >= 2) texture = size_text(picture->shape[0], picture->shape[1]);
+            if (picture != nullptr && picture->shape.size() >= 2)
+                texture = size_text(picture->shape[0], picture->shape[1]);
         }
         for (const model::Layer& layer : chart.layers) out.bytes += layer.bytes.size();
     }

@@ -45,8 +45,8 @@ struct Savings {
     std::vector<Saving> steps;   ///< one_size - bytes in parts; steps of nothing are left out
 };
 
-/// The baseline is computed, not baked: design section 4 says what each layer takes, smaller charts get fewer samples as
-/// they did, textures two pixels a grid step where the asset has a texture, bump (2m-1) x (2n-1).
+/// The baseline is computed, not baked: design section 4 says what each layer takes, smaller charts get fewer samples
+/// as they did, textures two pixels a grid step where the asset has a texture, bump (2m-1) x (2n-1).
 [[nodiscard]] Savings savings(const model::MapSet& baked);
 
 }  // namespace dgm::scene

@@ -58,8 +58,8 @@ TickTime measure_tick(const std::filesystem::path& dgm, Footprint footprint, Rea
     State state = value_of(State::create(chart, options), dgm);
     out.state_bytes = state.usage().bytes;
     const float width = static_cast<float>(out.reach) / 2.5F;
-    const DeformTable table = value_of(
-        DeformTable::create({.end = KernelEnd::Compact, .sigma = width * width, .reach = out.reach}), dgm);
+    const DeformTable table =
+        value_of(DeformTable::create({.end = KernelEnd::Compact, .sigma = width * width, .reach = out.reach}), dgm);
     TickOptions tick_options;
     tick_options.d_max = static_cast<float>(mean_step) * 2;
     tick_options.footprint = runtime_footprint(footprint);
@@ -70,7 +70,8 @@ TickTime measure_tick(const std::filesystem::path& dgm, Footprint footprint, Rea
     for (std::uint32_t t = 0; t < kTicks; ++t) {
         // A step of at most three samples either way, at a sample that is on the surface.
         const auto cols = static_cast<std::int64_t>(state.cols());
-        const std::int64_t step = (static_cast<std::int64_t>(random() % 7) - 3) * cols + static_cast<int>(random() % 7) - 3;
+        const std::int64_t step =
+            (static_cast<std::int64_t>(random() % 7) - 3) * cols + static_cast<int>(random() % 7) - 3;
         const std::int64_t next = std::clamp<std::int64_t>(at + step, 0, std::int64_t{state.sample_count()} - 1);
         if (state.on_surface(static_cast<std::uint32_t>(next))) at = static_cast<std::uint32_t>(next);
         const Vec3 p = state.rest_positions()[at], n = state.normal(at);

@@ -10,10 +10,10 @@
 namespace dgm::scene {
 
 struct TickTime {
-    double median = 0, p99 = 0;   ///< seconds, compute time of dgm::tick()
-    std::uint32_t ticks = 0;      ///< how many were measured
-    std::uint32_t samples = 0;    ///< in reach of the tool, most of all ticks
-    std::uint32_t reach = 0;      ///< b, grid steps
+    double median = 0, p99 = 0;  ///< seconds, compute time of dgm::tick()
+    std::uint32_t ticks = 0;     ///< how many were measured
+    std::uint32_t samples = 0;   ///< in reach of the tool, most of all ticks
+    std::uint32_t reach = 0;     ///< b, grid steps
     std::uint64_t state_bytes = 0;
 };
 

@@ -31,7 +31,8 @@ struct Manual {
 /// The word of `words` that was meant by a mistyped one: at most two slips away. Empty if there is none.
 [[nodiscard]] std::string_view nearest(std::string_view word, const std::vector<std::string>& words);
 
-/// For a word that is not one of `words`: `there is no method "lcsm"; did you mean lscm?`, then a line with all of them.
+/// For a word that is not one of `words`: `there is no method "lcsm"; did you mean lscm?`, then a line with all of
+/// them.
 [[nodiscard]] std::string unknown_word(std::string_view what, std::string_view word,
                                        const std::vector<std::string>& words);
 

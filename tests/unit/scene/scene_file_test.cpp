@@ -109,12 +109,31 @@ TEST(SceneFile, SaysWhereAndWhatIsWrong) {
 
 TEST(SceneFile, RefusesValuesOutOfRange) {
     const std::string asset = "[[asset]]\nsource = \"a.obj\"\n";
-    for (const char* line :
-         {"tolerance = \"0%\"", "tolerance = \"-1\"", "tolerance = \"nan%\"", "tolerance = \"1 elephant\"",
-          "tolerance = 0.1", "distance = 0", "distance = nan", "distance = inf", "fov = 180", "fov = 0", "resolution = 1",
-          "resolution = 1080.5", "reach = \"0%\"", "largest = \"2x2\"", "largest = \"9000x9\"", "budget = \"lots\"",
-          "texture_budget = 12", "name = \"../out\"", "name = \"/out\"", "name = \"\"", "name = \"a/../..\"",
-          "source = \"\"", "fabric = \"\"", "method = \"lcsm\"", "lit = 1"})
+    for (const char* line : {"tolerance = \"0%\"",
+                             "tolerance = \"-1\"",
+                             "tolerance = \"nan%\"",
+                             "tolerance = \"1 elephant\"",
+                             "tolerance = 0.1",
+                             "distance = 0",
+                             "distance = nan",
+                             "distance = inf",
+                             "fov = 180",
+                             "fov = 0",
+                             "resolution = 1",
+                             "resolution = 1080.5",
+                             "reach = \"0%\"",
+                             "largest = \"2x2\"",
+                             "largest = \"9000x9\"",
+                             "budget = \"lots\"",
+                             "texture_budget = 12",
+                             "name = \"../out\"",
+                             "name = \"/out\"",
+                             "name = \"\"",
+                             "name = \"a/../..\"",
+                             "source = \"\"",
+                             "fabric = \"\"",
+                             "method = \"lcsm\"",
+                             "lit = 1"})
         EXPECT_NE(refusal(asset + line), "taken") << line;
 }
 
