@@ -70,7 +70,9 @@ model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, c
     // In source units where half precision holds them; else in units of `scale`, so that a mesh of 1e-9 keeps its
     // relief.
     const double diagonal = in.frame.diagonal;
-    const double scale = largest > model::kHalfMax || diagonal < 1 ? std::exp2(std::floor(std::log2(diagonal))) : 1.0;
+    double scale = largest > model::kHalfMax || diagonal < 1 ? std::exp2(std::floor(std::log2(diagonal))) : 1.0;
+    if (largest / scale > model::kHalfMax)  // a height map beyond all measure
+        scale = std::exp2(std::ceil(std::log2(largest / model::kHalfMax)));
     layer.attributes["scale"] = std::vector<double>{scale};
     const auto out = values<std::uint16_t>(layer);
     for (std::size_t t = 0; t < height.size(); ++t) out[t] = model::half_bits(static_cast<float>(height[t] / scale));

@@ -66,7 +66,16 @@ void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const 
         gaps.push_back({local_position(in, p.at) - grid, normalized(normal)});
     }
     const auto step = grid_least_squares<1>(equations, heights.size(), kDamping, kIterations);
-    for (std::size_t t = 0; t < heights.size(); ++t) heights[t] += step[classes[t]][0];
+    // A texel that points touch by a hair of weight may be sent anywhere: none goes farther than what is missed there.
+    std::vector<double> reach(heights.size(), 0.0);
+    for (std::size_t k = 0; k < equations.size(); ++k)
+        for (const std::uint32_t texel : equations[k].unknown)
+            reach[texel] = std::max(reach[texel], 2 * length(gaps[k].to_source));
+    for (std::size_t t = 0; t < heights.size(); ++t) {
+        const double limit = std::max(reach[classes[t]], std::abs(heights[t]));
+        heights[t] = std::clamp(heights[t] + step[classes[t]][0], -limit, limit);
+        if (!std::isfinite(heights[t])) heights[t] = 0;
+    }
     // Where the grid is sheared or its normals lean, heights along them may lead away from the source, and
     // texels that no point touches may hold anything: none is better.
     for (int pass = 0; pass < kJudgements; ++pass) {
