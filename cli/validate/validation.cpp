@@ -80,7 +80,10 @@ void check_source(const MapSet& maps, const TriMesh& surface, const ClaimedError
                          fmt::format("the file was baked from `{}` with hash {}, `{}` has {}", maps.source_name,
                                      formats::to_hex(maps.source_hash), options.source->path.filename().string(),
                                      formats::to_hex(options.source->hash)));
-    const bake::SurfaceError error = bake::measure_surface_error(options.source->mesh, surface, options.sampling);
+    // The repaired source, as the bake measured: a face that stands twice there must not count twice here.
+    const model::TriMesh& reference =
+        options.source->oriented.faces.empty() ? options.source->mesh : options.source->oriented;
+    const bake::SurfaceError error = bake::measure_surface_error(reference, surface, options.sampling);
     out.error = error;
     const Limits limits = limits_for(options, claimed, error.diagonal);
     const auto percent = [&](double x) { return error.diagonal > 0 ? 100 * x / error.diagonal : 0; };
