@@ -7,7 +7,11 @@
 
 namespace dgm::model {
 
+#if defined(__clang__) && __clang_major__ < 15
+using Half = __fp16;  // it has _Float16 on fewer processors; this one converts alike
+#else
 __extension__ using Half = _Float16;
+#endif
 
 [[nodiscard]] inline std::uint16_t half_bits(float value) { return std::bit_cast<std::uint16_t>(static_cast<Half>(value)); }
 [[nodiscard]] inline float half_value(std::uint16_t bits) { return static_cast<float>(std::bit_cast<Half>(bits)); }

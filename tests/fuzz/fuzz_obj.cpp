@@ -23,8 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (const model::Face& face : mesh.faces)
             for (const std::uint32_t v : face) test::require(v < mesh.positions.size());
         const std::size_t corners = 3 * mesh.faces.size();
-        for (const std::size_t count :
-             {mesh.corner_uvs.size(), mesh.corner_normals.size(), mesh.corner_colours.size()})
+        for (const std::size_t count : {mesh.corner_uvs.size(), mesh.corner_normals.size(), mesh.corner_colours.size()})
             test::require(count == 0 || count == corners);
         for (const model::TriMesh& component : bake::repair(imported.mesh).components)
             for (const model::Vec3d& p : component.positions)

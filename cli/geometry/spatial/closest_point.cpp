@@ -221,7 +221,8 @@ bool on_candidate(RTCPointQueryFunctionArguments* args) {
 void on_bounds(const RTCBoundsFunctionArguments* args) {
     const Held& held = *static_cast<const Held*>(args->geometryUserPtr);
     const Piece& piece = held.pieces[args->primID];
-    const auto [p, q, r] = from_longest_edge(held.triangles[piece.triangle]);
+    const std::array<Vec3d, 3> from_edge = from_longest_edge(held.triangles[piece.triangle]);
+    const Vec3d &p = from_edge[0], &q = from_edge[1], &r = from_edge[2];
     std::array<Vec3d, 5> corners{p, q, r, r, r};
     if (piece.from > 0 || piece.to < 1) {
         const Vec3d edge = q - p;
