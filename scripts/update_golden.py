@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes the samples with a built tree and writes tests/golden/golden.json anew. Read the difference before committing.
+"""Bakes the samples with a built tree and writes tests/golden/golden.json and hashes.json anew. Read the difference before
+committing.
 
-    scripts/update_golden.py [BUILD]      BUILD: the build folder [build/release]
+    scripts/update_golden.py [--hashes] [BUILD]     --hashes: hashes.json only; BUILD: the build folder [build/release]
 """
 import json
 import subprocess
@@ -16,6 +17,8 @@ import golden  # noqa: E402  (found through the line above)
 
 
 def main(arguments):
+    hashes_only = "--hashes" in arguments
+    arguments = [a for a in arguments if a != "--hashes"]
     if len(arguments) > 1 or any(a.startswith("-") for a in arguments):
         print(__doc__, file=sys.stderr)
         return 1
@@ -25,6 +28,12 @@ def main(arguments):
         if not needed.exists():
             print(f"update_golden: {needed} is not there; build first", file=sys.stderr)
             return 2
+    text = json.dumps({"platform": golden.this_platform(), "size": golden.HASH_SIZE,
+                       "hashes": golden.hashes(bake, samples)}, indent=1)
+    golden.HASHES.write_text(text + "\n", encoding="utf-8")
+    print(f"update_golden: {golden.HASHES} written", flush=True)
+    if hashes_only:
+        return 0
     bakes = {}
     for method in golden.CASES:
         print(f"update_golden: {method} ...", flush=True)

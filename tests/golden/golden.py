@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking the samples at 129 x 129 and picking from the report what golden.json keeps."""
+import hashlib
 import json
+import platform
 import subprocess
 import tempfile
 from pathlib import Path
 
 FILE = Path(__file__).resolve().parent / "golden.json"
+HASHES = Path(__file__).resolve().parent / "hashes.json"
+HASH_SIZE = "33x33"
 SIZE = "129x129"
 # method: samples. `auto` bakes all of them in one batch; the others keep an eye on one closed and one open mesh.
 CASES = {
@@ -53,3 +57,27 @@ def measure(bake, samples, method):
     return {Path(asset["source"]).resolve().relative_to(root).as_posix():
             asset["error"]["code"] if "error" in asset else [chart_values(chart) for chart in asset["report"]["charts"]]
             for asset in assets}
+
+
+def this_platform():
+    """What the bytes of a bake may depend on: the processor's instructions (libraries choose their loops by them), the
+    compiler and the maths library."""
+    flags = set()
+    for line in Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").splitlines():
+        if line.startswith("flags"):
+            flags = set(line.split())
+            break
+    gcc = subprocess.run(["c++", "-dumpfullversion"], capture_output=True, text=True, check=False).stdout.strip()
+    return " ".join([platform.machine(), "avx512" if "avx512f" in flags else "avx2" if "avx2" in flags else "baseline",
+                     f"c++ {gcc}", " ".join(platform.libc_ver())])
+
+
+def hashes(bake, samples):
+    """{sample: SHA-256 of its .dgm at HASH_SIZE}"""
+    with tempfile.TemporaryDirectory(prefix="dgm-hashes-") as folder:
+        out = {}
+        for name in CASES["auto"]:
+            file = Path(folder) / "x.dgm"
+            subprocess.run([bake, Path(samples) / name, "-o", file, "--size", HASH_SIZE, "-q"], check=True)
+            out[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+    return out
