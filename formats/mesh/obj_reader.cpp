@@ -322,7 +322,7 @@ class ObjReader {
             ring.pop_back();
             repeated_.add(polygon.line);
         }
-        while (ring.size() < 3) ring.push_back(ring.back());
+        while (!ring.empty() && ring.size() < 3) ring.push_back(ring.back());
     }
 
     [[noreturn]] void no_faces() const {

@@ -2,8 +2,8 @@
 // formats/model/half.h
 // IEEE 754 binary16, by the compiler's own type (round to nearest even).
 #pragma once
-#include <bit>
 #include <cstdint>
+#include <cstring>
 
 namespace dgm::model {
 
@@ -13,8 +13,18 @@ using Half = __fp16;  // it has _Float16 on fewer processors; this one converts 
 __extension__ using Half = _Float16;
 #endif
 
-[[nodiscard]] inline std::uint16_t half_bits(float value) { return std::bit_cast<std::uint16_t>(static_cast<Half>(value)); }
-[[nodiscard]] inline float half_value(std::uint16_t bits) { return static_cast<float>(std::bit_cast<Half>(bits)); }
+// By memcpy: __fp16 cannot be passed to std::bit_cast.
+[[nodiscard]] inline std::uint16_t half_bits(float value) {
+    const Half half = static_cast<Half>(value);
+    std::uint16_t bits;
+    std::memcpy(&bits, &half, sizeof bits);
+    return bits;
+}
+[[nodiscard]] inline float half_value(std::uint16_t bits) {
+    Half half;
+    std::memcpy(&half, &bits, sizeof half);
+    return static_cast<float>(half);
+}
 
 inline constexpr double kHalfMax = 65504.0;
 inline constexpr double kHalfMinNormal = 6.103515625e-05;
