@@ -51,6 +51,7 @@ using WorkerMessage = std::variant<ProgressMessage, ResultMessage, ErrorMessage,
 inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\"}\n";
 
 /// Paths travel with every byte outside printable ASCII as %XX: file names need not be UTF-8, JSON must be.
+/// decode_path throws model::Error kInternal for a % without two digits.
 [[nodiscard]] std::string encode_path(const std::filesystem::path& path);
 [[nodiscard]] std::filesystem::path decode_path(std::string_view text);
 

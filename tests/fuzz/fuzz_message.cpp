@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/fuzz/fuzz_message.cpp
 // What a worker may say to its parent after a stranger's mesh took it over. Promises: nonsense is nullopt; what is
-// understood can be said again and is understood alike; nothing is thrown.
+// understood can be said again and is understood alike; paths that make no sense throw model::Error, nothing else does.
 #include <string_view>
 
 #include "pipeline/worker_protocol.h"
@@ -16,7 +16,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const auto again = bake::decode_message(std::string_view(line).substr(0, line.size() - 1));
         test::require(again && again->index() == message->index() && bake::encode(*again) == line);
     }
-    const std::filesystem::path path = bake::decode_path(text);
-    test::require(bake::decode_path(bake::encode_path(path)) == path);
+    try {
+        const std::filesystem::path path = bake::decode_path(text);
+        test::require(bake::decode_path(bake::encode_path(path)) == path);
+    } catch (const model::Error&) {
+        // A per cent sign without two digits.
+    }
     return 0;
 }

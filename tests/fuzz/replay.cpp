@@ -41,7 +41,8 @@ int main(int argc, char** argv) {
     if (argc != 2 && argc != 3) return 1;
     const std::size_t most = argc == 3 ? std::strtoul(argv[2], nullptr, 10) : 4000;
     std::vector<std::filesystem::path> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(argv[1])) paths.push_back(entry.path());
+    std::error_code missing;
+    for (const auto& entry : std::filesystem::directory_iterator(argv[1], missing)) paths.push_back(entry.path());
     std::sort(paths.begin(), paths.end());
     for (const auto& path : paths) {
         std::ifstream in(path, std::ios::binary);
