@@ -92,7 +92,7 @@ class Batch {
         : plan_(plan), options_(options), batch_(batch), observer_(observer), results_(plan.assets.size()) {
         const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
         const auto at_once = static_cast<unsigned>(std::clamp<std::size_t>(plan.assets.size(), 1, batch.jobs));
-        threads_ = std::max(1U, cores / at_once);
+        threads_ = batch.threads > 0 ? batch.threads : std::max(1U, cores / at_once);
     }
 
     std::vector<AssetResult> run() {
