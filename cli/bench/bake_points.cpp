@@ -60,7 +60,7 @@ std::vector<BakePoint> plan_points(const BakeSweepOptions& o) {
         vary(points, o.methods, &BakePoint::method, some);
         vary(points, o.fits, &BakePoint::fit, some);
         vary(points, o.precisions, &BakePoint::precision, some);
-        vary(points, o.layers, &BakePoint::layers, {some.back()});
+        vary(points, o.layers, &BakePoint::layers, {some.front()});
     }
     add(points, paper_point());
     return points;

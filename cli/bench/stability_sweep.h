@@ -14,7 +14,7 @@ struct StabilityOptions {
     std::vector<std::string> methods, families;  ///< families: empty for all
     std::uint32_t side = 33;
     unsigned jobs = 1;
-    double time_limit_seconds = 120;  ///< of one bake: what takes longer has failed
+    double time_limit_seconds = 60;  ///< of one bake: what takes longer has failed
 };
 
 /// @throws model::Error kUsage for an unknown word, kInterrupted

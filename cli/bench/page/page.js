@@ -176,11 +176,13 @@
       "where another run is expected with 95 %; (once) was not repeated, and no ratio can be had from it.");
     const element = section.append("div").attr("class", "scroll").append("table");
     const is_text = table.columns.map((c, k) => table.rows.every(cells => cells[k] === null || typeof cells[k] === "string"));
+    const stage = /^(import|repair|textures|map|fit|layers|measure|write)_seconds$/;  // too much for paper
+    const kind = k => is_text[k] ? "text" : stage.test(table.columns[k].key) ? "stage" : null;
     const head = element.append("thead").append("tr").selectAll("th").data(table.columns).enter().append("th")
-      .attr("class", (c, k) => is_text[k] ? "text" : null).attr("scope", "col");
+      .attr("class", (c, k) => kind(k)).attr("scope", "col");
     const rows = element.append("tbody").selectAll("tr").data(table.rows.map((cells, row) => ({cells, row}))).enter()
       .append("tr").attr("class", d => fronts.has(d.row) ? "front" : null);
-    rows.selectAll("td").data(d => d.cells).enter().append("td").attr("class", (c, k) => is_text[k] ? "text" : null)
+    rows.selectAll("td").data(d => d.cells).enter().append("td").attr("class", (c, k) => kind(k))
       .each(function (cell) {
         const [value, spread] = shown(cell).split(/(?= [±(])/);
         const here = d3.select(this).text(is_text_cell(cell) ? cell : value);
