@@ -2,7 +2,7 @@
 // cli/bench/bake_sweep.cpp
 #include "bench/bake_sweep.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include "bench/file_times.h"
 #include "bench/machine_facts.h"
 #include "bench/recommend.h"
+#include "bench/result_figures.h"
 #include "bench/temporary_folder.h"
 #include "model/codes.h"
 #include "pipeline/option_names.h"
@@ -106,22 +107,6 @@ std::string series_of(const BakePoint& point) {
     return out;
 }
 
-std::string outcome_of(const AssetResult& result) {
-    if (result.error) return result.error->code().id() + " " + result.error->code().name;
-    std::string methods;
-    for (const bake::ChartReport& chart : result.report.charts)
-        if (methods.find(chart.method) == std::string::npos) methods += (methods.empty() ? "" : ", ") + chart.method;
-    return methods;
-}
-
-/// A stage may stand several times, once a grid that was tried; only the written one has the plain name. Writing has
-/// wall time alone.
-double stage_seconds(const AssetResult& result, const char* stage) {
-    for (const bake::StageTime& time : result.report.times)
-        if (time.stage == stage) return time.cpu_seconds > 0 ? time.cpu_seconds : time.seconds;
-    return 0;
-}
-
 class BakeRow : public RowBuilder {
  public:
     BakeRow(const Table& table, const BakePoint& point) : RowBuilder(table) {
@@ -141,25 +126,22 @@ class BakeRow : public RowBuilder {
         set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
         set("psnr", exactly(error.psnr()));
         set("normal_degrees", exactly(error.normal_rms_degrees));
-        double stretch = 0, flips = 0, turned = 0, samples = 0, used = 0;
+        double flips = 0, turned = 0, samples = 0, used = 0;
         for (const bake::ChartReport& chart : report.charts) {
             const double here = static_cast<double>(chart.rows) * chart.cols;
-            stretch = std::max(stretch, chart.map.stretch_l2);
             flips += static_cast<double>(chart.map.flips + chart.map.degenerate);
             turned += static_cast<double>(chart.turned_faces);
             samples += here, used += here * chart.utilisation;
         }
-        set("stretch_l2", exactly(stretch));
+        set("stretch_l2", exactly(worst_stretch(results.front())));
         set("flips", exactly(flips));
         set("turned_faces", exactly(turned));
         set("utilisation", exactly(used / samples));
         set("bytes", exactly(static_cast<double>(file.bytes)));
         set("geometry_bytes", exactly(static_cast<double>(file.geometry_bytes)));
-        set("cpu_seconds", figure_of(results, [](const AssetResult& r) { return r.report.cpu_seconds; }));
-        set("wall_seconds", figure_of(results, [](const AssetResult& r) { return r.seconds; }));
-        set("memory_mib", figure_of(results, [](const AssetResult& r) {
-                return static_cast<double>(r.report.peak_memory_bytes) / (1U << 20U);
-            }));
+        set("cpu_seconds", figure_of(results, cpu_seconds));
+        set("wall_seconds", figure_of(results, wall_seconds));
+        set("memory_mib", figure_of(results, peak_mib));
         set("load_ms", scaled(file.load_seconds, 1e3));
         set("reconstruct_ms", scaled(file.reconstruct_seconds, 1e3));
         for (const char* stage : kStages)
@@ -217,7 +199,8 @@ Run sweep_bakes(const BakeSweepOptions& options, bool quiet) {
                       work_of(point, repeats.repetitions));
             const std::vector<AssetResult> results = bake_repeatedly({options.assets[a]}, options_of(point), repeats,
                                                                      folder.path(), [&](double s) { bar.update(s); });
-            row.set("outcome", outcome_of(results.front()));
+            const std::optional<model::Error>& error = results.front().error;
+            row.set("outcome", error ? error_name(*error) : methods_of(results.front()));
             if (results.front().outcome == bake::Outcome::kBaked)
                 row.set_measured(results, measure_file(results.front().files.front().path));
             table.rows.push_back(row.row());

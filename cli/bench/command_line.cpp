@@ -13,6 +13,7 @@
 
 #include "bench/bake_sweep.h"
 #include "bench/compare.h"
+#include "bench/interrupt.h"
 #include "bench/machine_facts.h"
 #include "bench/run_files.h"
 #include "bench/run_sweep.h"
@@ -39,8 +40,9 @@ struct Common {
     bool quiet = false;
 
     void add_to(CLI::App& app) {
-        app.add_option("-o,--output", output,
-                       "Folder for COMMAND.json, .html and a .csv for each table; made if need be [dgm-bench-out]");
+        app.add_option(
+            "-o,--output", output,
+            "Folder for COMMAND.json, .html and a .csv for each table and the facts; made if need be [dgm-bench-out]");
         app.add_option("--compare", compare, "JSON file of an earlier run: what got faster, slower, better, worse");
         app.add_flag("-q,--quiet", quiet, "No progress, no results on the screen");
     }
@@ -64,6 +66,7 @@ void write_text(const fs::path& path, const std::string& text) {
 void write_run(const Run& run, const fs::path& folder) {
     write_text(folder / (run.command + ".json"), to_json(run));
     write_text(folder / (run.command + ".html"), to_html(run));
+    write_text(folder / (run.command + "-facts.csv"), facts_csv(run));
     for (const Table& table : run.tables)
         write_text(folder / (table.key == run.command ? table.key + ".csv" : run.command + "-" + table.key + ".csv"),
                    to_csv(table));
@@ -110,14 +113,30 @@ std::optional<Run> prepare(Common& common, const std::string& command, const std
     return then;
 }
 
+template <class Sweep>
+int measure(Common& common, const std::string& command, const std::vector<fs::path>& assets, const Sweep& sweep) {
+    const std::optional<Run> then = prepare(common, command, assets);
+    return finish(sweep(), common, then);
+}
+
+void add_time_limit(CLI::App& app, double& seconds) {
+    app.add_option("--time-limit", seconds, "Seconds that one bake may take")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+}
+
+void add_side(CLI::App& app, std::uint32_t& side) {
+    app.add_option("--size", side, "Samples a side of the meshes' maps")
+        ->check(CLI::Range(bake::kMinSide, bake::kMaxSide))
+        ->capture_default_str();
+}
+
 void add_repeats(CLI::App& app, BakeRepeats& repeats) {
     app.add_option("--repeat", repeats.repetitions, "Times each bake is made; fewer than 3: no ratios")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
     app.add_option("-j,--jobs", repeats.jobs, "Bakes at a time [one a core]")->check(CLI::Range(1, 1024));
-    app.add_option("--time-limit", repeats.time_limit_seconds, "Seconds that one bake may take")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+    add_time_limit(app, repeats.time_limit_seconds);
 }
 
 /// A subcommand: its options, and what it does.
@@ -149,8 +168,7 @@ struct BakeCommand {
     }
     int run() {
         std::sort(sweep.sizes.begin(), sweep.sizes.end());
-        const std::optional<Run> then = prepare(common, "bake", sweep.assets);
-        return finish(sweep_bakes(sweep, common.quiet), common, then);
+        return measure(common, "bake", sweep.assets, [&] { return sweep_bakes(sweep, common.quiet); });
     }
 };
 
@@ -174,8 +192,7 @@ struct RunCommand {
         common.add_to(*app);
     }
     int run() {
-        const std::optional<Run> then = prepare(common, "run", sweep.assets);
-        return finish(sweep_runtime(sweep, common.quiet), common, then);
+        return measure(common, "run", sweep.assets, [&] { return sweep_runtime(sweep, common.quiet); });
     }
 };
 
@@ -190,18 +207,13 @@ struct StabilityCommand {
         sweep.families = family_names();
         app->add_option("--methods", sweep.methods, "Methods, comma-separated")->delimiter(',')->capture_default_str();
         app->add_option("--families", sweep.families, "Families of meshes")->delimiter(',')->capture_default_str();
-        app->add_option("--size", sweep.side, "Samples a side")
-            ->check(CLI::Range(bake::kMinSide, bake::kMaxSide))
-            ->capture_default_str();
+        add_side(*app, sweep.side);
         app->add_option("-j,--jobs", sweep.jobs, "Bakes at a time [one a core]")->check(CLI::Range(1, 1024));
-        app->add_option("--time-limit", sweep.time_limit_seconds, "Seconds that one bake may take")
-            ->check(CLI::PositiveNumber)
-            ->capture_default_str();
+        add_time_limit(*app, sweep.time_limit_seconds);
         common.add_to(*app);
     }
     int run() {
-        const std::optional<Run> then = prepare(common, "stability", {});
-        return finish(sweep_stability(sweep, common.quiet), common, then);
+        return measure(common, "stability", {}, [&] { return sweep_stability(sweep, common.quiet); });
     }
 };
 
@@ -224,17 +236,12 @@ struct ScaleCommand {
             ->delimiter(',')
             ->check(CLI::Range(1, 1024))
             ->capture_default_str();
-        app->add_option("--size", sweep.side, "Samples a side of the larger meshes")
-            ->check(CLI::Range(bake::kMinSide, bake::kMaxSide))
-            ->capture_default_str();
-        app->add_option("--time-limit", sweep.time_limit_seconds, "Seconds that one bake may take")
-            ->check(CLI::PositiveNumber)
-            ->capture_default_str();
+        add_side(*app, sweep.side);
+        add_time_limit(*app, sweep.time_limit_seconds);
         common.add_to(*app);
     }
     int run() {
-        const std::optional<Run> then = prepare(common, "scale", {});
-        return finish(sweep_scale(sweep, common.quiet), common, then);
+        return measure(common, "scale", {}, [&] { return sweep_scale(sweep, common.quiet); });
     }
 };
 
@@ -244,6 +251,7 @@ int bench_program(int argc, char** argv) noexcept {
     CLI::App app("Measures speed against error on your own assets, and says what it advises.");
     app.require_subcommand(1);
     signal(SIGPIPE, SIG_IGN);
+    listen_for_interrupts();
     BakeCommand bake_command(app);
     RunCommand run_command(app);
     StabilityCommand stability_command(app);

@@ -58,4 +58,11 @@ std::string to_csv(const Table& table) {
     return out;
 }
 
+std::string facts_csv(const Run& run) {
+    std::string out = "kind,name,value\n";
+    for (const auto& [name, value] : run.machine) out += "machine," + quoted(name) + "," + quoted(value) + "\n";
+    for (const auto& [name, value] : run.settings) out += "setting," + quoted(name) + "," + quoted(value) + "\n";
+    return out;
+}
+
 }  // namespace dgm::bench

@@ -20,6 +20,9 @@ namespace dgm::bench {
 /// RFC 4180. A column with a spread becomes four: KEY, KEY_low, KEY_high, KEY_n.
 [[nodiscard]] std::string to_csv(const Table& table);
 
+/// Machine facts and settings: kind, name, value.
+[[nodiscard]] std::string facts_csv(const Run& run);
+
 /// One page that needs nothing else: plots, sortable tables, light and dark.
 [[nodiscard]] std::string to_html(const Run& run);
 

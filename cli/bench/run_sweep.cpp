@@ -2,10 +2,11 @@
 // cli/bench/run_sweep.cpp
 #include "bench/run_sweep.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
+#include "bench/interrupt.h"
 #include "bench/machine_facts.h"
 #include "bench/runtime_error.h"
 #include "bench/temporary_folder.h"
@@ -91,14 +92,17 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
             const Asset asset = take(Asset::open(file.c_str()));
             const Subject subject = subject_of(asset, name);
             add_tick_rows(run.tables[0], subject, options, bar);
+            stop_if_interrupted();
             add_tracking_rows(run.tables[1], subject, options.ticks);
             add_contact_rows(run.tables[2], subject);
+            stop_if_interrupted();
             add_level_rows(run.tables[3], subject);
             add_findings(run, subject, run.findings);
         }
     }
     run.tables.push_back(kernel_table());
-    run.settings = {{"ticks", std::to_string(options.ticks)},
+    run.settings = {{"sizes", fmt::format("{}", fmt::join(sizes, ", "))},
+                    {"ticks", std::to_string(options.ticks)},
                     {"warm-up", "500 ticks, 200 searches, 3 contacts"},
                     {"blocks", "5; p50 to p99.9 are the median of the blocks'"},
                     {"kernel", "sigma 16 at b = 11; b^2 / sigma is the same for every b"},

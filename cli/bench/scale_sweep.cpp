@@ -2,7 +2,7 @@
 // cli/bench/scale_sweep.cpp
 #include "bench/scale_sweep.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +13,7 @@
 #include "bench/machine_facts.h"
 #include "bench/progress_bar.h"
 #include "bench/repeat.h"
+#include "bench/result_figures.h"
 #include "bench/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
@@ -60,12 +61,6 @@ Table asset_table() {
     return t;
 }
 
-double seconds_of(const AssetResult& r, const char* stage) {
-    for (const bake::StageTime& time : r.report.times)
-        if (time.stage == stage) return time.cpu_seconds;
-    return 0;
-}
-
 Figure once(double value) {
     return {value, value, value, 1, false};
 }
@@ -91,14 +86,13 @@ void add_mesh_rows(Table& table, const ScaleOptions& options, const fs::path& fo
             row.set("faces", exactly(static_cast<double>(faces)));
             row.set("mesh", std::to_string(faces));
             const AssetResult& first = results.front();
-            row.set("outcome", first.error ? first.error->code().id() : first.report.charts.front().method);
+            row.set("outcome", first.error ? error_name(*first.error) : methods_of(first));
             if (first.outcome == bake::Outcome::kBaked) {
-                row.set("cpu_seconds", figure_of(results, [](const AssetResult& r) { return r.report.cpu_seconds; }));
-                row.set("wall_seconds", figure_of(results, [](const AssetResult& r) { return r.seconds; }));
-                row.set("map_seconds", figure_of(results, [](const AssetResult& r) { return seconds_of(r, "map"); }));
-                row.set("memory_mib", figure_of(results, [](const AssetResult& r) {
-                            return static_cast<double>(r.report.peak_memory_bytes) / (1U << 20U);
-                        }));
+                row.set("cpu_seconds", figure_of(results, cpu_seconds));
+                row.set("wall_seconds", figure_of(results, wall_seconds));
+                row.set("map_seconds",
+                        figure_of(results, [](const AssetResult& r) { return stage_seconds(r, "map"); }));
+                row.set("memory_mib", figure_of(results, peak_mib));
                 row.set("rms_percent", exactly(100 * first.report.error.rms / first.report.error.diagonal));
             }
             table.rows.push_back(row.row());
@@ -126,7 +120,7 @@ void add_batch_rows(Table& table, const ScaleOptions& options, const fs::path& f
             double cpu = 0, memory = 0;
             for (const AssetResult& r : results) {
                 cpu += r.report.cpu_seconds;
-                memory = std::max(memory, static_cast<double>(r.report.peak_memory_bytes) / (1U << 20U));
+                memory = std::max(memory, peak_mib(r));
             }
             RowBuilder row(table);
             row.set("threads", std::to_string(threads));
@@ -171,7 +165,10 @@ Run sweep_scale(const ScaleOptions& options, bool quiet) {
     add_exponents(run.tables[0], "faces", "wall_seconds", "wall time of a bake", run.findings);
     add_exponents(run.tables[0], "faces", "memory_mib", "peak memory of a bake", run.findings);
     add_exponents(run.tables[1], "assets", "wall_seconds", "wall time of a batch", run.findings);
-    run.settings = {{"grid", fmt::format("{0}x{0}", options.side)},
+    run.settings = {{"faces", fmt::format("{}", fmt::join(options.faces, ", "))},
+                    {"assets", fmt::format("{}", fmt::join(options.assets, ", "))},
+                    {"threads", fmt::format("{}", fmt::join(options.threads, ", "))},
+                    {"grid", fmt::format("{0}x{0}", options.side)},
                     {"repetitions", fmt::format("{} up to {} faces, else 1", kRepetitions, options.repeated_faces)},
                     {"exponents", "least squares on logarithms, +- twice the standard error"}};
     return run;

@@ -2,7 +2,7 @@
 // cli/bench/stability_sweep.cpp
 #include "bench/stability_sweep.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include "bench/machine_facts.h"
 #include "bench/progress_bar.h"
 #include "bench/repeat.h"
+#include "bench/result_figures.h"
 #include "bench/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
@@ -86,18 +87,6 @@ Table empty_table() {
     return t;
 }
 
-std::string maps_of(const AssetResult& result) {
-    std::string out;
-    for (const bake::ChartReport& chart : result.report.charts)
-        if (out.find(chart.method) == std::string::npos) out += (out.empty() ? "" : ", ") + chart.method;
-    return out;
-}
-
-/// "ok", or "DGM3003 MAP_INVALID".
-std::string outcome_of(const AssetResult& result) {
-    return result.error ? result.error->code().id() + " " + result.error->code().name : "ok";
-}
-
 }  // namespace
 
 std::vector<std::string> family_names() {
@@ -142,21 +131,16 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
                 row.set("hardness", exactly(family.levels[k]));
                 row.set("level", fmt::format("{:g}", family.levels[k]));
                 row.set("method", method);
-                row.set("outcome", outcome_of(result));
+                row.set("outcome", result.error ? error_name(*result.error) : "ok");
                 if (result.outcome == bake::Outcome::kBaked) {
                     const bake::SurfaceError& error = result.report.error;
-                    double stretch = 0;
-                    for (const bake::ChartReport& chart : result.report.charts)
-                        stretch = std::max(stretch, chart.map.stretch_l2);
-                    row.set("maps", maps_of(result));
+                    row.set("maps", methods_of(result));
                     row.set("rms_percent", exactly(100 * error.rms / error.diagonal));
                     row.set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
-                    row.set("stretch_l2", exactly(stretch));
+                    row.set("stretch_l2", exactly(worst_stretch(result)));
                     const std::vector<AssetResult> only{result};
-                    row.set("cpu_seconds", figure_of(only, [](const AssetResult& r) { return r.report.cpu_seconds; }));
-                    row.set("memory_mib", figure_of(only, [](const AssetResult& r) {
-                                return static_cast<double>(r.report.peak_memory_bytes) / (1U << 20U);
-                            }));
+                    row.set("cpu_seconds", figure_of(only, cpu_seconds));
+                    row.set("memory_mib", figure_of(only, peak_mib));
                 }
                 table.rows.push_back(row.row());
             }
@@ -165,6 +149,7 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
     run.findings = failure_lines(table);
     for (const Family& family : asked)
         run.settings.emplace_back("hardness of " + std::string(family.name), family.meaning);
+    run.settings.emplace_back("methods", fmt::format("{}", fmt::join(options.methods, ", ")));
     run.settings.emplace_back("grid", fmt::format("{0}x{0}", options.side));
     run.settings.emplace_back("time limit", fmt::format("{} s a bake", options.time_limit_seconds));
     run.settings.emplace_back("repetitions", "1");

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <vector>
 
+#include "bench/interrupt.h"
+
 namespace dgm::bench {
 namespace {
 
@@ -34,6 +36,7 @@ TickTimes time_ticks(std::size_t warm_up, std::size_t ticks, const std::function
         turn(k);
     }
     for (std::size_t block = 0, k = warm_up; block < kBlocks; ++block) {
+        stop_if_interrupted();
         std::vector<double> times;
         for (const std::size_t end = warm_up + (block + 1) * ticks / kBlocks; k < end; ++k) {
             if (set_up) set_up(k);

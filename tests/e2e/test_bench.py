@@ -30,7 +30,7 @@ class Bench(Folder):
     def test_bake_leaves_csv_json_and_page(self):
         said = self.sweep("out")
         self.assertRegex(said.stdout, r"sheet\.obj: for .* % rms use \d+x\d+ \w+ f32 fit \w+: ")
-        self.assertEqual(self.names(self.folder / "out"), ["bake.csv", "bake.html", "bake.json"])
+        self.assertEqual(self.names(self.folder / "out"), ["bake-facts.csv", "bake.csv", "bake.html", "bake.json"])
         run = self.read("out/bake.json")
         self.assertNotIn(socket.gethostname(), json.dumps(run["machine"]).split('"'))
         self.assertGreater(int(run["machine"]["cores"]), 0)

@@ -81,8 +81,8 @@
     svg.append("title").text(plot.title + (facet ? ": " + facet : ""));
     svg.append("style").text(style);
     const zeros = here.filter(p => p.x === 0 || p.y === 0).length;
-    if (zeros) figure.append("p").attr("class", "note").text(zeros + " points are exactly 0, where a logarithmic axis " +
-      "does not go; the table has them.");
+    if (zeros) figure.append("p").attr("class", "note")
+      .text(zeros + " points are exactly 0, where a logarithmic axis does not go; the table has them.");
     if (!points.length) {
       svg.append("text").attr("x", 20).attr("y", 40).text("nothing to draw");
       return;
@@ -124,11 +124,13 @@
       .attr("data-series", p => p.series).attr("d", p => symbol(p.series))
       .attr("transform", p => "translate(" + across(p.x) + "," + up(p.y) + ")")
       .on("mousemove", p => tip.text(story(p)).style("visibility", "visible")
-        .style("left", Math.min(d3.event.clientX + 14, innerWidth - 320) + "px").style("top", d3.event.clientY + 14 + "px"))
+        .style("left", Math.min(d3.event.clientX + 14, innerWidth - 320) + "px")
+        .style("top", d3.event.clientY + 14 + "px"))
       .on("mouseout", () => tip.style("visibility", "hidden"))
       .append("title").text(story);
 
-    const legend = svg.append("g").attr("transform", "translate(" + (width - margin.right + 16) + "," + (margin.top + 8) + ")");
+    const legend = svg.append("g")
+      .attr("transform", "translate(" + (width - margin.right + 16) + "," + (margin.top + 8) + ")");
     names.forEach((name, k) => {
       const entry = legend.append("g").attr("transform", "translate(0," + 19 * k + ")").style("cursor", "pointer")
         .on("click", function () {
@@ -172,10 +174,12 @@
     const fronts = new Set();
     for (const plot of table.plots) if (!plot.joined)
       for (const rows of Object.values(plot.pareto_rows)) rows.forEach(row => fronts.add(row));
-    if (fronts.size) section.append("p").attr("class", "note").text("Bold: on the Pareto front of one of the plots. ± is " +
-      "where another run is expected with 95 %; (once) was not repeated, and no ratio can be had from it.");
+    if (fronts.size) section.append("p").attr("class", "note")
+      .text("Bold: on the Pareto front of one of the plots. ± is where another run is expected with 95 %; (once) was not " +
+        "repeated, and no ratio can be had from it.");
     const element = section.append("div").attr("class", "scroll").append("table");
-    const is_text = table.columns.map((c, k) => table.rows.every(cells => cells[k] === null || typeof cells[k] === "string"));
+    const is_text = table.columns.map((c, k) =>
+      table.rows.every(cells => cells[k] === null || typeof cells[k] === "string"));
     const stage = /^(import|repair|textures|map|fit|layers|measure|write)_seconds$/;  // too much for paper
     const kind = k => is_text[k] ? "text" : stage.test(table.columns[k].key) ? "stage" : null;
     const head = element.append("thead").append("tr").selectAll("th").data(table.columns).enter().append("th")
