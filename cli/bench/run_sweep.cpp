@@ -10,6 +10,7 @@
 #include "bench/machine_facts.h"
 #include "bench/runtime_error.h"
 #include "bench/temporary_folder.h"
+#include "bench/tool_path.h"
 
 namespace dgm::bench {
 namespace {
@@ -76,6 +77,8 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
     Run run;
     run.command = "run";
     run.machine = machine_facts();
+    // A path that cannot be read is told before it is needed.
+    if (!options.path.empty()) (void)recorded_path(options.path, {0, 0, 0}, 1);
     run.tables = {tick_table(), tracking_table(), contact_table(), level_table()};
     std::vector<std::uint32_t> sizes = options.sizes;
     if (std::find(sizes.begin(), sizes.end(), kPaperSide) == sizes.end()) sizes.insert(sizes.begin(), kPaperSide);

@@ -85,9 +85,13 @@ class Bench(Folder):
         (self.folder / "bad.json").write_text("{}", encoding="utf-8")
         self.bench("bake", SHEET, "--compare", "bad.json", code=1)
         self.bench("stability", "--families", "nonsense", code=1)
+        (self.folder / "bad.path").write_text("1 2 3\n4 5\n", encoding="utf-8")
+        said = self.bench("run", SHEET, "--path", "bad.path", "--ticks", "1000", code=2).stderr
+        self.assertIn("bad.path:2", said)
 
     def test_run_compares_with_exact_answers(self):
-        self.bench("run", SHEET, "--sizes", "81", "--ticks", "2000", "-o", "out")
+        (self.folder / "strokes").write_text("# x y z\n10 10 0.5\n11 10 -0.5\n12 10 -1\n", encoding="utf-8")
+        self.bench("run", SHEET, "--sizes", "81", "--ticks", "2000", "--path", "strokes", "-o", "out")
         tables = {t["key"]: [dict(zip([c["key"] for c in t["columns"]], row)) for row in t["rows"]]
                   for t in self.read("out/run.json")["tables"]}
         ticks = {row["setting"]: row for row in tables["ticks"]}
@@ -98,6 +102,8 @@ class Bench(Folder):
         # On a flat sheet the grid's distance is the surface's: what is left is the end at b, exp(-121/16) = 5e-4.
         self.assertLess(ticks["paper"]["surface_error_max"], 2e-3)
         self.assertLess(ticks["smooth force"]["force_jump"], ticks["paper"]["force_jump"])
+        recorded = ticks["recorded path"]
+        self.assertAlmostEqual(recorded["hit_share"], 2 / 3, delta=0.01)  # two of its three points are below the sheet
         tracking = {(row["search"], row["a"], row["path"]): row["missed_share"] for row in tables["tracking"]}
         self.assertEqual(tracking["window, certified", "4", "random"], 0)
         self.assertEqual(tracking["pyramid", "", "random"], 0)
