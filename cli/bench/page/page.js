@@ -63,7 +63,7 @@
       return wanted ? short(Number(value.toPrecision(6))) : "";
     };
     const out = d3.svg.axis().scale(scale).orient(orient).tickFormat(label).outerTickSize(0);
-    return decades > 12 ? out.tickValues(d3.range(Math.ceil(Math.log10(low)), Math.log10(high), every)
+    return decades > 12 ? out.tickValues(d3.range(every * Math.ceil(Math.log10(low) / every), Math.log10(high), every)
       .map(power => Math.pow(10, power))) : out;
   }
 
@@ -175,8 +175,8 @@
     for (const plot of table.plots) if (!plot.joined)
       for (const rows of Object.values(plot.pareto_rows)) rows.forEach(row => fronts.add(row));
     if (fronts.size) section.append("p").attr("class", "note")
-      .text("Bold: on the Pareto front of one of the plots. ± is where another run is expected with 95 %; (once) was not " +
-        "repeated, and no ratio can be had from it.");
+      .text("Bold: on the Pareto front of one of the plots. ± is where another run is expected with 95 %; (once) was " +
+        "not repeated, and no ratio can be had from it.");
     const element = section.append("div").attr("class", "scroll").append("table");
     const is_text = table.columns.map((c, k) =>
       table.rows.every(cells => cells[k] === null || typeof cells[k] === "string"));
