@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -30,6 +31,19 @@ std::string size_of(double bytes) {
     return bytes >= 1e5 ? fmt::format("{:.2f} MB", bytes / 1e6) : fmt::format("{:.1f} kB", bytes / 1e3);
 }
 
+int side_of(const Table& table, std::size_t row) {
+    return std::atoi(table.text(row, "grid").c_str());
+}
+
+/// Whether a grid of half the side or more, but smaller, was tried among `rows`: it does not hold, or it would be
+/// cheaper.
+bool knows_smaller(const Table& table, const std::vector<std::size_t>& rows, std::size_t row) {
+    const int side = side_of(table, row);
+    return std::any_of(rows.begin(), rows.end(), [&](std::size_t other) {
+        return side_of(table, other) < side && 2 * side_of(table, other) >= side;
+    });
+}
+
 /// A method is asked by the grid it needs with the settings that most methods were swept with.
 std::string others(const Table& table, const std::map<std::string, std::vector<std::size_t>>& methods,
                    const std::string& used, double rms) {
@@ -38,7 +52,8 @@ std::string others(const Table& table, const std::map<std::string, std::vector<s
     for (const auto& [method, rows] : methods) {
         if (method == used) continue;
         if (const auto row = cheapest(table, rows, rms))
-            needs += fmt::format("; {} needs {}", method, table.text(*row, "grid"));
+            needs += fmt::format("; {} needs {}{}", method, knows_smaller(table, rows, *row) ? "" : "at most ",
+                                 table.text(*row, "grid"));
         else
             never.push_back(method);
     }

@@ -28,6 +28,7 @@ Table sweep() {
     row("stretch", "257x257", "f32", "all", 0.015, 2.4e6, 3);
     row("arap", "129x129", "f32", "all", 0.3, 6e5, 1);
     row("arap", "257x257", "f32", "all", 0.05, 2.4e6, 4);
+    row("slim", "257x257", "f32", "all", 0.15, 2.5e6, 9);  // and no other grid
     row("lscm", "257x257", "f32", "all", 3, 2.4e6, 2);
     row("stretch", "65x65", "f32", "geometry", 0.001, 10, 0.1);  // cheaper, but not what was asked for
     row("tutte", "65x65", "f32", "all", std::nan(""), 1, 0.1);   // refused
@@ -35,14 +36,15 @@ Table sweep() {
 }
 
 TEST(Recommend, NamesTheCheapestThatHoldsAndWhatOthersNeed) {
-    EXPECT_EQ(recommend(sweep(), "x.obj"),
-              (std::vector<std::string>{
-                  "x.obj: for 0.2 % rms use 65x65 stretch f32 fit l2: 0.30 MB, 0.500 s CPU; arap needs 257x257; lscm "
-                  "does not reach it on the grids tried",
-                  "x.obj: for 0.05 % rms use 129x129 stretch u16 fit l2: 0.31 MB, 0.900 s CPU; arap needs 257x257; "
-                  "lscm does not reach it on the grids tried",
-                  "x.obj: for 0.02 % rms use 257x257 stretch f32 fit l2: 2.40 MB, 3.00 s CPU; arap and lscm do not "
-                  "reach it on the grids tried"}));
+    EXPECT_EQ(
+        recommend(sweep(), "x.obj"),
+        (std::vector<std::string>{
+            "x.obj: for 0.2 % rms use 65x65 stretch f32 fit l2: 0.30 MB, 0.500 s CPU; arap needs 257x257; slim "
+            "needs at most 257x257; lscm does not reach it on the grids tried",
+            "x.obj: for 0.05 % rms use 129x129 stretch u16 fit l2: 0.31 MB, 0.900 s CPU; arap needs 257x257; "
+            "lscm and slim do not reach it on the grids tried",
+            "x.obj: for 0.02 % rms use 257x257 stretch f32 fit l2: 2.40 MB, 3.00 s CPU; arap, lscm and slim do not "
+            "reach it on the grids tried"}));
     EXPECT_TRUE(recommend(sweep(), "y.obj").empty());
 }
 
