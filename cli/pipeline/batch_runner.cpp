@@ -104,7 +104,7 @@ class Batch {
           folders_(batch.shares_folders) {
         const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
         const auto at_once = static_cast<unsigned>(std::clamp<std::size_t>(plan.assets.size(), 1, batch.jobs));
-        threads_ = std::max(1U, cores / at_once);
+        threads_ = batch.threads > 0 ? batch.threads : std::max(1U, cores / at_once);
     }
 
     std::vector<AssetResult> run() {

@@ -22,6 +22,7 @@ struct BatchOptions {
     unsigned jobs = 1;                                    ///< worker processes at a time; >= 1
     double time_limit_seconds = 600;                      ///< wall clock of one asset; > 0
     std::uint64_t memory_bytes = std::uint64_t{8} << 30;  ///< address space of one worker; 0: no limit
+    unsigned threads = 0;                                 ///< of one worker; 0: the cores, shared out among `jobs`
     bool stop_on_error = false;                           ///< start nothing new after an asset that was not baked
     bool shares_folders = false;                          ///< others bake into the output folder at the same time
     bool force = false;                                   ///< bake what is up to date, too

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/bake_sweep.cpp
+#include "bench/bake_sweep.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "bench/columns.h"
+#include "bench/file_times.h"
+#include "bench/machine_facts.h"
+#include "bench/recommend.h"
+#include "bench/result_figures.h"
+#include "bench/temporary_folder.h"
+#include "model/codes.h"
+#include "pipeline/option_names.h"
+#include "pipeline/pipeline.h"
+
+namespace dgm::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::AssetResult;
+
+/// dgm-validate allows the same: other random points on the same surfaces (grid_search.h).
+constexpr double kRmsTolerance = 0.01, kMaxTolerance = 0.05;
+
+template <class Table>
+auto value_for(const Table& table, const std::string& word, const char* what) {
+    const auto value = bake::value_of(table, word);
+    if (!value) throw model::Error(model::codes::kUsage, std::string("no such ") + what + ": " + word);
+    return *value;
+}
+
+bake::BakeOptions options_of(const BakePoint& point) {
+    bake::BakeOptions out;
+    out.size = {point.side, point.side};
+    out.method = point.method;
+    if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), point.method) == bake::kMethodNames.end())
+        throw model::Error(model::codes::kUsage, "no such method: " + point.method);
+    out.fit = value_for(bake::kFitNames, point.fit, "fit");
+    out.precision = value_for(bake::kPrecisionNames, point.precision, "precision");
+    if (point.layers == "all") return out;
+    std::stringstream words(point.layers);
+    for (std::string word; std::getline(words, word, '+');) {
+        if (std::find(bake::kLayerNames.begin(), bake::kLayerNames.end(), word) == bake::kLayerNames.end())
+            throw model::Error(model::codes::kUsage, "no such layer: " + word);
+        out.layers.push_back(word);
+    }
+    return out;
+}
+
+constexpr const char* kStages[] = {"import", "repair", "textures", "map", "fit", "layers", "measure", "write"};
+
+Table empty_table() {
+    Table t;
+    t.key = "bake";
+    t.title = "Bakes";
+    t.note =
+        "Each bake is a process of its own, as dgm-bake runs it. Errors are measured on what was stored, in % of the "
+        "diagonal; CPU is user and system time of the whole process, wall the time until the file is in place. Load: "
+        "open and check every layer's hash; reconstruct: vertices, normals and triangles; both on one thread with warm "
+        "pages. The row 'paper' is the paper's setting: 81x81, samples on the surface.";
+    t.columns = {key_column("asset", "asset"),
+                 key_column("point", "point"),
+                 key_column("method", "method"),
+                 key_column("grid", "grid"),
+                 key_column("precision", "precision"),
+                 key_column("fit", "fit"),
+                 key_column("layers", "layers"),
+                 text_column("outcome", "outcome"),
+                 text_column("series", "drawn as"),
+                 exact_column("rms_percent", "rms", "%", Sense::kLower, kRmsTolerance),
+                 exact_column("hausdorff_percent", "max", "%", Sense::kLower, kMaxTolerance),
+                 exact_column("psnr", "PSNR", "dB", Sense::kHigher, 0.001),
+                 exact_column("normal_degrees", "normals", "degrees", Sense::kLower, kRmsTolerance),
+                 exact_column("stretch_l2", "stretch", "", Sense::kLower, 1e-6),
+                 exact_column("flips", "flips", "", Sense::kLower),
+                 exact_column("turned_faces", "turned faces", "", Sense::kLower),
+                 exact_column("utilisation", "utilisation", "", Sense::kHigher, 1e-6),
+                 exact_column("bytes", "file", "bytes", Sense::kLower),
+                 exact_column("geometry_bytes", "geometry", "bytes", Sense::kLower),
+                 time_column("cpu_seconds", "bake CPU", "s"),
+                 time_column("wall_seconds", "bake wall", "s"),
+                 time_column("memory_mib", "peak memory", "MiB"),
+                 time_column("load_ms", "load", "ms"),
+                 time_column("reconstruct_ms", "reconstruct", "ms")};
+    for (const char* stage : kStages) t.columns.push_back(time_column(std::string(stage) + "_seconds", stage, "s"));
+    t.plots = {{"Error against bake time", "cpu_seconds", "rms_percent", "series", "asset", false},
+               {"Error against file size", "bytes", "rms_percent", "series", "asset", false},
+               {"Largest error against file size", "bytes", "hausdorff_percent", "series", "asset", false},
+               {"Error of normals against file size", "bytes", "normal_degrees", "series", "asset", false},
+               {"Error against load time", "load_ms", "rms_percent", "series", "asset", false},
+               {"Error against reconstruct time", "reconstruct_ms", "rms_percent", "series", "asset", false}};
+    return t;
+}
+
+/// What sets the point apart from the default, the grid aside: the colour it is drawn in.
+std::string series_of(const BakePoint& point) {
+    const BakePoint usual = default_point();
+    std::string out = point.method;
+    if (point.precision != usual.precision) out += " " + point.precision;
+    if (point.fit != usual.fit) out += " fit " + point.fit;
+    if (point.layers != usual.layers) out += " " + point.layers;
+    return out;
+}
+
+class BakeRow : public RowBuilder {
+ public:
+    BakeRow(const Table& table, const BakePoint& point) : RowBuilder(table) {
+        set("point", point == paper_point() ? "paper" : point == default_point() ? "default" : "");
+        set("method", point.method);
+        set("grid", fmt::format("{0}x{0}", point.side));
+        set("precision", point.precision);
+        set("fit", point.fit);
+        set("layers", point.layers);
+        set("series", series_of(point));
+    }
+
+    void set_measured(const std::vector<AssetResult>& results, const FileTimes& file) {
+        const bake::BakeReport& report = results.front().report;
+        const bake::SurfaceError& error = report.error;
+        set("rms_percent", exactly(100 * error.rms / error.diagonal));
+        set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
+        set("psnr", exactly(error.psnr()));
+        set("normal_degrees", exactly(error.normal_rms_degrees));
+        double flips = 0, turned = 0, samples = 0, used = 0;
+        for (const bake::ChartReport& chart : report.charts) {
+            const double here = static_cast<double>(chart.rows) * chart.cols;
+            flips += static_cast<double>(chart.map.flips + chart.map.degenerate);
+            turned += static_cast<double>(chart.turned_faces);
+            samples += here, used += here * chart.utilisation;
+        }
+        set("stretch_l2", exactly(worst_stretch(results.front())));
+        set("flips", exactly(flips));
+        set("turned_faces", exactly(turned));
+        set("utilisation", exactly(used / samples));
+        set("bytes", exactly(static_cast<double>(file.bytes)));
+        set("geometry_bytes", exactly(static_cast<double>(file.geometry_bytes)));
+        set("cpu_seconds", figure_of(results, cpu_seconds));
+        set("wall_seconds", figure_of(results, wall_seconds));
+        set("memory_mib", figure_of(results, peak_mib));
+        set("load_ms", scaled(file.load_seconds, 1e3));
+        set("reconstruct_ms", scaled(file.reconstruct_seconds, 1e3));
+        for (const char* stage : kStages)
+            set(std::string(stage) + "_seconds",
+                figure_of(results, [&](const AssetResult& r) { return stage_seconds(r, stage); }));
+    }
+};
+
+/// Names of the assets as rows show them: the file's, with its folder where two are alike.
+std::vector<std::string> names_of(const std::vector<fs::path>& assets) {
+    std::vector<std::string> out;
+    for (const fs::path& asset : assets) {
+        const bool twice = std::count_if(assets.begin(), assets.end(), [&](const fs::path& other) {
+                               return other.filename() == asset.filename();
+                           }) > 1;
+        out.push_back(((twice ? asset.parent_path().filename() : fs::path()) / asset.filename()).string());
+    }
+    return out;
+}
+
+}  // namespace
+
+Run sweep_bakes(const BakeSweepOptions& options, bool quiet) {
+    const std::vector<BakePoint> points = plan_points(options);
+    for (const BakePoint& point : points) (void)options_of(point);  // a wrong word is told before an hour of bakes
+    Run run;
+    run.command = "bake";
+    run.machine = machine_facts();
+    run.tables.push_back(empty_table());
+    Table& table = run.tables.front();
+
+    const auto repetitions = [&](const BakePoint& point) {
+        return point.side > options.large ? std::min(options.repeats_of_large, options.repeats.repetitions)
+                                          : options.repeats.repetitions;
+    };
+    double work = 0;
+    for (const BakePoint& point : points) work += work_of(point, repetitions(point));
+    ProgressBar bar(quiet, work * static_cast<double>(options.assets.size()));
+    const std::vector<std::string> names = names_of(options.assets);
+    const TemporaryFolder folder;
+    for (std::size_t a = 0; a < options.assets.size(); ++a) {
+        // Brings the mesh and the program into memory.
+        BakeRepeats warm_up = options.repeats;
+        warm_up.repetitions = 1;
+        BakePoint cheap = paper_point();
+        cheap.side = 17;
+        bar.begin(names[a] + " warm-up", 0);
+        (void)bake_repeatedly({options.assets[a]}, options_of(cheap), warm_up, folder.path(), [](double) {});
+        for (const BakePoint& point : points) {
+            BakeRow row(table, point);
+            row.set("asset", names[a]);
+            BakeRepeats repeats = options.repeats;
+            repeats.repetitions = repetitions(point);
+            bar.begin(fmt::format("{} {} {}x{}", names[a], series_of(point), point.side, point.side),
+                      work_of(point, repeats.repetitions));
+            const std::vector<AssetResult> results = bake_repeatedly({options.assets[a]}, options_of(point), repeats,
+                                                                     folder.path(), [&](double s) { bar.update(s); });
+            const std::optional<model::Error>& error = results.front().error;
+            row.set("outcome", error ? error_name(*error) : methods_of(results.front()));
+            if (results.front().outcome == bake::Outcome::kBaked)
+                row.set_measured(results, measure_file(results.front().files.front().path));
+            table.rows.push_back(row.row());
+        }
+        for (const std::string& line : recommend(table, names[a])) run.findings.push_back(line);
+    }
+    run.settings = {
+        {"repetitions", std::to_string(options.repeats.repetitions)},
+        {"repetitions of large grids", fmt::format("{} above {} a side", options.repeats_of_large, options.large)},
+        {"warm-up", "one bake at 17x17 of each asset, not counted"},
+        {"bakes at a time", std::to_string(options.repeats.jobs)},
+        {"threads of a bake", std::to_string(options.repeats.threads)},
+        {"combinations", options.full ? "all" : "one choice at a time"},
+        {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
+    return run;
+}
+
+}  // namespace dgm::bench

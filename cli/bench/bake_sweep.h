@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/bake_sweep.h
+// dgm-bench bake: what each choice of dgm-bake costs on the user's meshes, and what it is worth.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/progress_bar.h"
+#include "bench/repeat.h"
+#include "bench/table.h"
+
+namespace dgm::bench {
+
+struct BakeSweepOptions {
+    std::vector<std::filesystem::path> assets;
+    std::vector<std::string> methods, precisions, fits, layers;  ///< layers: names joined by '+', or "all"
+    std::vector<std::uint32_t> sizes;                            ///< samples a side, ascending
+    /// All combinations; else the default (auto, f32, l2, all) at every size, and at every other size from the second
+    /// on one thing changed at a time.
+    bool full = false;
+    BakeRepeats repeats;
+    std::uint32_t large = 513;  ///< grids above this side are baked `repeats_of_large` times
+    unsigned repeats_of_large = 2;
+};
+
+/// One point of the sweep.
+struct BakePoint {
+    std::string method;
+    std::uint32_t side = 0;
+    std::string precision, fit, layers;
+    friend bool operator==(const BakePoint&, const BakePoint&) = default;
+};
+
+/// What every point costs less or more than: the defaults of dgm-bake.
+[[nodiscard]] BakePoint default_point();
+
+/// The grid of the paper, sampled and not fitted.
+[[nodiscard]] BakePoint paper_point();
+
+/// The points that are baked for one asset, the paper's among them; no point twice.
+[[nodiscard]] std::vector<BakePoint> plan_points(const BakeSweepOptions& options);
+
+/// Time to be expected, in any unit: what a progress bar counts.
+[[nodiscard]] double work_of(const BakePoint& point, unsigned repetitions);
+
+/// Bakes all points of all assets. A point that is refused is a row that says why.
+/// @throws model::Error kUsage for a word that dgm-bake does not know, kInterrupted
+[[nodiscard]] Run sweep_bakes(const BakeSweepOptions& options, bool quiet);
+
+}  // namespace dgm::bench

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/interrupt.h
+#pragma once
+
+namespace dgm::bench {
+
+/// From now on SIGINT, SIGTERM and SIGHUP are heard by stop_if_interrupted(), so that temporary files are removed.
+/// (While bakes run, run_batch hears them.)
+void listen_for_interrupts();
+
+/// @throws model::Error kInterrupted once such a signal has come
+void stop_if_interrupted();
+
+}  // namespace dgm::bench

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/repeat.h
+// Doing the same thing several times, so that something can be said about its time.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "bench/statistics.h"
+#include "pipeline/batch_runner.h"
+
+namespace dgm::bench {
+
+struct BakeRepeats {
+    unsigned repetitions = 4;
+    unsigned jobs = 1;     ///< bakes at a time, each in a process of its own
+    unsigned threads = 1;  ///< of one bake
+    double time_limit_seconds = 600;
+    std::uint64_t memory_bytes = std::uint64_t{8} << 30;
+};
+
+/// Bakes `sources` one after the other, each as often as asked, as dgm-bake does: in worker processes, files read back.
+/// Results in the order of the sources, repetitions of one together; files land in `folder`.
+/// @throws model::Error kInterrupted when a signal says so
+[[nodiscard]] std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem::path>& sources,
+                                                             const bake::BakeOptions& options,
+                                                             const BakeRepeats& repeats,
+                                                             const std::filesystem::path& folder,
+                                                             const std::function<void(double)>& on_share);
+
+/// Figure of one quantity of those results that were baked.
+[[nodiscard]] Figure figure_of(const std::vector<bake::AssetResult>& results,
+                               const std::function<double(const bake::AssetResult&)>& quantity);
+
+/// Wall seconds of one call of `body`: after a call to warm up, five times the mean of as many calls as fill 10 ms (at
+/// least one).
+[[nodiscard]] Figure time_of_call(const std::function<void()>& body);
+
+}  // namespace dgm::bench

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/run_sweep.cpp
+#include "bench/run_sweep.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "bench/interrupt.h"
+#include "bench/machine_facts.h"
+#include "bench/runtime_error.h"
+#include "bench/temporary_folder.h"
+#include "bench/tool_path.h"
+
+namespace dgm::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t kPaperSide = 81;
+
+/// Bakes a mesh with the defaults. @throws the bake's error
+fs::path baked(const fs::path& mesh, std::uint32_t side, const fs::path& folder, double time_limit) {
+    bake::BakeOptions options;
+    options.size = {side, side};
+    BakeRepeats once;
+    once.repetitions = 1;
+    once.time_limit_seconds = time_limit;
+    const auto results = bake_repeatedly({mesh}, options, once, folder, [](double) {});
+    if (results.front().error) throw model::Error(*results.front().error);
+    return results.front().files.front().path;
+}
+
+Subject subject_of(const Asset& asset, const std::string& name) {
+    std::uint32_t best = 0;
+    for (std::uint32_t k = 1; k < asset.chart_count(); ++k)
+        if (take(asset.chart(k)).sample_count() > take(asset.chart(best)).sample_count()) best = k;
+    const Chart chart = take(asset.chart(best));
+    return {name, fmt::format("{}x{}", chart.rows(), chart.cols()), chart,
+            chart.rows() == kPaperSide && chart.cols() == kPaperSide};
+}
+
+/// What the rows of one subject say in a sentence each.
+void add_findings(const Run& run, const Subject& subject, std::vector<std::string>& out) {
+    const auto find = [&](const Table& table, const std::string& key, const std::string& value) -> std::ptrdiff_t {
+        for (std::size_t row = 0; row < table.rows.size(); ++row)
+            if (table.text(row, "asset") == subject.asset && table.text(row, "grid") == subject.grid &&
+                table.text(row, key) == value)
+                return static_cast<std::ptrdiff_t>(row);
+        return -1;
+    };
+    const Table& ticks = run.tables.front();
+    const auto figure = [&](std::ptrdiff_t row, const char* key) {
+        return three_digits(ticks.number(static_cast<std::size_t>(row), key));
+    };
+    const auto paper = find(ticks, "rule", "printed"), smooth = find(ticks, "setting", "smooth force");
+    const auto geodesic = find(ticks, "setting", "geodesic"), compact = find(ticks, "setting", "compact end");
+    const std::string who = subject.asset + " " + subject.grid + ": ";
+    out.push_back(who + "a tick in the paper's setting takes " + figure(paper, "p50_us") + " us (p99.9 " +
+                  figure(paper, "p999_us") + " us); the force jumps by up to " + figure(paper, "force_jump") +
+                  " of f_max, with the smooth rule by " + figure(smooth, "force_jump") + " at " +
+                  figure(smooth, "p50_us") + " us");
+    out.push_back(who + "a grid footprint is off the exact geodesic dent by " + figure(compact, "surface_error_rms") +
+                  " rms of its depth at " + figure(compact, "p50_us") + " us, a geodesic one by " +
+                  figure(geodesic, "surface_error_rms") + " at " + figure(geodesic, "p50_us") + " us");
+}
+
+}  // namespace
+
+State Subject::state() const {
+    StateOptions options;
+    options.metric = true;
+    return take(State::create(chart, options));
+}
+
+Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
+    Run run;
+    run.command = "run";
+    run.machine = machine_facts();
+    // A path that cannot be read is told before it is needed.
+    if (!options.path.empty()) (void)recorded_path(options.path, {0, 0, 0}, 1);
+    run.tables = {tick_table(), tracking_table(), contact_table(), level_table()};
+    std::vector<std::uint32_t> sizes = options.sizes;
+    if (std::find(sizes.begin(), sizes.end(), kPaperSide) == sizes.end()) sizes.insert(sizes.begin(), kPaperSide);
+
+    const TemporaryFolder folder;
+    ProgressBar bar(quiet, static_cast<double>(options.assets.size() * sizes.size()));
+    for (const fs::path& asset_path : options.assets) {
+        const bool is_map = asset_path.extension() == ".dgm";
+        for (const std::uint32_t side : is_map ? std::vector<std::uint32_t>{0} : sizes) {
+            const std::string name = asset_path.filename().string();
+            bar.begin(name + (is_map ? "" : fmt::format(" {}x{}", side, side)), 1);
+            const fs::path file =
+                is_map ? asset_path : baked(asset_path, side, folder.path(), options.time_limit_seconds);
+            const Asset asset = take(Asset::open(file.c_str()));
+            const Subject subject = subject_of(asset, name);
+            add_tick_rows(run.tables[0], subject, options, bar);
+            stop_if_interrupted();
+            add_tracking_rows(run.tables[1], subject, options.ticks);
+            add_contact_rows(run.tables[2], subject);
+            stop_if_interrupted();
+            add_level_rows(run.tables[3], subject);
+            add_findings(run, subject, run.findings);
+        }
+    }
+    run.tables.push_back(kernel_table());
+    run.settings = {{"sizes", fmt::format("{}", fmt::join(sizes, ", "))},
+                    {"ticks", std::to_string(options.ticks)},
+                    {"warm-up", "500 ticks, 200 searches, 3 contacts"},
+                    {"blocks", "5; p50 to p99.9 are the median of the blocks'"},
+                    {"kernel", "sigma 16 at b = 11; b^2 / sigma is the same for every b"},
+                    {"tool", "d_max 4 mean steps; strokes of 0.15 steps a tick, up to 2.5 steps deep"},
+                    {"recorded path", options.path.filename().string()},
+                    {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
+    return run;
+}
+
+}  // namespace dgm::bench

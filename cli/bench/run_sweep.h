@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/run_sweep.h
+// dgm-bench run: what each choice of the runtime costs a tick, and how far it is from the exact answer.
+#pragma once
+#include <dgm/asset.h>
+#include <dgm/state.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/progress_bar.h"
+#include "bench/repeat.h"
+#include "bench/table.h"
+
+namespace dgm::bench {
+
+struct RunSweepOptions {
+    std::vector<std::filesystem::path> assets;  ///< meshes, which are baked first, or .dgm files
+    std::vector<std::uint32_t> sizes{81, 257};  ///< of the meshes; the paper's 81 is added if it is not there
+    std::size_t ticks = 100'000;
+    std::filesystem::path path;  ///< recorded positions (tool_path.h); empty: strokes and random walks alone
+    double time_limit_seconds = 600;
+};
+
+/// One chart that is touched, the largest of its file.
+struct Subject {
+    std::string asset, grid;
+    Chart chart;
+    bool paper_grid = false;
+
+    /// A fresh state with metric, max_reach 65. @throws model::Error kReadFailed with what the runtime says
+    [[nodiscard]] State state() const;
+};
+
+/// @throws model::Error kInterrupted; what bakes and reads throw
+[[nodiscard]] Run sweep_runtime(const RunSweepOptions& options, bool quiet);
+
+/// The parts of the sweep. Each makes its table once and adds rows for each subject.
+[[nodiscard]] Table tick_table();
+void add_tick_rows(Table& table, const Subject& subject, const RunSweepOptions& options, ProgressBar& bar);
+[[nodiscard]] Table tracking_table();
+void add_tracking_rows(Table& table, const Subject& subject, std::size_t ticks);
+[[nodiscard]] Table contact_table();
+void add_contact_rows(Table& table, const Subject& subject);
+[[nodiscard]] Table level_table();
+void add_level_rows(Table& table, const Subject& subject);
+/// Tables of exp of several sizes against exp itself: the same for every asset.
+[[nodiscard]] Table kernel_table();
+
+}  // namespace dgm::bench

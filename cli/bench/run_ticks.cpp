@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/run_ticks.cpp
+// Whole haptic ticks: footprint, reach, end of the kernel, rule of the force, path of the tool.
+//
+// Exact references, worked out outside the clock: weights exp(-s^2 / sigma) with s the exact geodesic distance in mean
+// grid steps; the kernel's own formula by exp in double precision; the nearest sample by looking at all of them.
+#include <dgm/tick.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "bench/columns.h"
+#include "bench/run_sweep.h"
+#include "bench/runtime_error.h"
+#include "bench/tick_times.h"
+#include "bench/tool_path.h"
+#include "bench/welded_surface.h"
+#include "geometry/cgal/exact_geodesics.h"
+
+namespace dgm::bench {
+namespace {
+
+constexpr std::uint32_t kPaperReach = 11;
+constexpr std::uint32_t kReaches[] = {6, 21, 33};  ///< beside the paper's
+constexpr std::uint32_t kReferenceReach = 21;      ///< beyond it exact geodesics take longer than all the ticks
+constexpr float kPaperSigma = 16;  ///< at reach 11 the step at the rim is exp(-121/16), 5e-4 of the dent
+constexpr std::size_t kWarmUp = 500, kContacts = 4, kCheckEvery = 997;
+
+enum class Path { kStroke, kRandom, kRecorded };
+
+struct Setting {
+    std::string name;
+    Footprint footprint = Footprint::Grid;
+    std::uint32_t reach = kPaperReach;
+    KernelEnd end = KernelEnd::Printed;
+    ContactRule rule = ContactRule::Smooth;
+    Path path = Path::kStroke;
+
+    [[nodiscard]] KernelOptions kernel() const {
+        KernelOptions out;
+        out.reach = reach;
+        const float scale = static_cast<float>(reach) / kPaperReach;
+        out.sigma = kPaperSigma * scale * scale;
+        out.end = end;
+        return out;
+    }
+};
+
+const char* name_of(Footprint f) {
+    return f == Footprint::Grid ? "grid" : f == Footprint::Metric ? "metric" : "geodesic";
+}
+const char* name_of(Path p) {
+    return p == Path::kStroke ? "stroke" : p == Path::kRandom ? "random" : "recorded";
+}
+
+/// The paper's setting, then one change at a time.
+std::vector<Setting> settings_for(bool paper_grid, bool recorded) {
+    std::vector<Setting> out;
+    Setting paper{paper_grid ? "paper" : "paper's, finer grid"};
+    paper.rule = ContactRule::Printed;
+    out.push_back(paper);
+    const Setting smooth{"smooth force"};
+    out.push_back(smooth);
+    const auto with = [&](const char* name, auto change) {
+        Setting s = smooth;
+        s.name = name;
+        change(s);
+        out.push_back(s);
+    };
+    with("compact end", [](Setting& s) { s.end = KernelEnd::Compact; });
+    with("metric", [](Setting& s) { s.footprint = Footprint::Metric, s.end = KernelEnd::Compact; });
+    with("geodesic", [](Setting& s) { s.footprint = Footprint::Geodesic, s.end = KernelEnd::Compact; });
+    for (const std::uint32_t reach : kReaches)
+        with(reach < kPaperReach ? "smaller reach" : "larger reach", [&](Setting& s) { s.reach = reach; });
+    with("random path", [](Setting& s) { s.path = Path::kRandom; });
+    with("random path, geodesic",
+         [](Setting& s) { s.path = Path::kRandom, s.footprint = Footprint::Geodesic, s.end = KernelEnd::Compact; });
+    if (recorded) with("recorded path", [](Setting& s) { s.path = Path::kRecorded; });
+    return out;
+}
+
+/// Largest distance of the table in use from exp(-r^2 / sigma) in double precision, over what a tick reads of it.
+double table_error(const DeformTable& table, const Setting& s) {
+    const double sigma = s.kernel().sigma;
+    const auto reach = static_cast<int>(s.reach);
+    double worst = 0;
+    if (s.footprint == Footprint::Grid) {
+        for (int i = 1 - reach; i < reach; ++i)
+            for (int j = 1 - reach; j < reach; ++j)
+                worst = std::max(worst, std::fabs(table.weight(static_cast<float>(i), static_cast<float>(j)) -
+                                                  std::exp(-(double(i) * i + double(j) * j) / sigma)));
+        return worst;
+    }
+    constexpr int kParts = 4096;
+    for (int k = 0; k < kParts; ++k) {
+        const auto r = static_cast<float>(static_cast<double>(reach) * k / kParts);
+        worst = std::max(worst, std::fabs(table.profile(r) - std::exp(-double(r) * r / sigma)));
+    }
+    return worst;
+}
+
+struct WeightError {
+    double rms = 0, worst = 0;  ///< share of the dent's depth, over samples the dent or the exact one moves
+};
+
+/// Dents at samples spread over the chart, against exact geodesics. The exact weights go on beyond the reach.
+class GeodesicReference {
+ public:
+    explicit GeodesicReference(const State& state) : mesh_(surface_of(state, 1, true)), step_(state.mean_step()) {
+        std::mt19937 random(7);
+        while (contacts_.size() < kContacts) {
+            const auto s = static_cast<std::uint32_t>(random() % state.sample_count());
+            if (!state.on_surface(s)) continue;
+            contacts_.push_back(representative(state, s));
+            // exp(-r^2 / sigma) at 1.25 b is 7e-6.
+            distances_.push_back(
+                bake::exact_geodesics(mesh_.positions, mesh_.faces, contacts_.back(), 1.25 * kReferenceReach * step_));
+        }
+    }
+    WeightError of(State& state, const DeformTable& table, const Setting& setting) {
+        const double sigma = setting.kernel().sigma;
+        double squares = 0, count = 0;
+        WeightError out;
+        for (std::size_t c = 0; c < contacts_.size(); ++c) {
+            state.reset();
+            Touch touch;
+            touch.sample = contacts_[c];
+            touch.d_max = 1e3f * static_cast<float>(step_);  // large beside the coordinates' rounding
+            touch.displacement = {0, 0, touch.d_max};
+            touch.footprint = setting.footprint;
+            (void)take(deform(state, table, touch));
+            for (std::uint32_t k = 0; k < state.sample_count(); ++k) {
+                if (!state.on_surface(k)) continue;
+                const double s = distances_[c][representative(state, k)] / step_;
+                const double exact = std::isfinite(s) ? std::exp(-s * s / sigma) : 0;
+                const double got = (state.positions()[k].z - state.rest_positions()[k].z) / touch.d_max;
+                if (exact < 1e-4 && got < 1e-4) continue;
+                squares += (got - exact) * (got - exact), count += 1;
+                out.worst = std::max(out.worst, std::fabs(got - exact));
+            }
+        }
+        state.reset();
+        out.rms = std::sqrt(squares / std::max(count, 1.0));
+        return out;
+    }
+
+ private:
+    model::TriMesh mesh_;
+    double step_;
+    std::vector<std::uint32_t> contacts_;
+    std::vector<std::vector<double>> distances_;  ///< of each contact
+};
+
+std::uint32_t nearest_of_all(const PointView& points, const State& state, Vec3 tool) {
+    std::uint32_t best = kNone;
+    float least = 0;
+    for (std::uint32_t k = 0; k < state.sample_count(); ++k) {
+        const Vec3 d = points[k] - tool;
+        if (state.on_surface(k) && (best == kNone || dot(d, d) < least)) best = k, least = dot(d, d);
+    }
+    return best;
+}
+
+struct TickOutcome {
+    TickTimes times;
+    double force_jump = 0, hits = 0, lost = 0, wrong = 0, samples = 0;
+};
+
+double norm(Vec3 v) {
+    return std::sqrt(static_cast<double>(dot(v, v)));
+}
+
+/// The part of the force's change in a tick that falls to what twice the tool's own step does not explain of the change
+/// of d, the displacement that the force is a function of: what tick.h promises of ContactRule::Smooth.
+double jump(const ToolOutput& before, const ToolOutput& now, Vec3 tool_step) {
+    const double moved = norm(now.displacement - before.displacement), explained = 2 * norm(tool_step);
+    return moved > explained ? norm(now.force - before.force) * (1 - explained / moved) : 0;
+}
+
+TickOutcome run_ticks(const Subject& subject, const Setting& setting, const std::vector<Vec3>& path) {
+    State state = subject.state();
+    const DeformTable table = take(DeformTable::create(setting.kernel()));
+    TickOptions options;
+    options.d_max = 4 * state.mean_step();
+    options.rule = setting.rule;
+    options.footprint = setting.footprint;
+    ToolInput in;
+    ToolOutput out;
+    TickReport report;
+    TickOutcome result;
+    ToolOutput before;
+    double checked = 0;
+    result.times = time_ticks(
+        kWarmUp, path.size() - kWarmUp,
+        [&](std::size_t k) {  // looks at the turn before
+            if (k > kWarmUp) {
+                result.force_jump = std::max(result.force_jump, jump(before, out, path[k - 1] - path[k - 2]));
+                result.hits += out.hit ? 1 : 0, result.lost += out.lost ? 1 : 0;
+                result.samples = std::max(result.samples, double(report.samples));
+                if (k % kCheckEvery == 0) {
+                    checked += 1;
+                    const std::uint32_t exact = nearest_of_all(state.rest_positions(), state, in.position);
+                    result.wrong += representative(state, exact) == representative(state, out.sample) ? 0 : 1;
+                }
+            }
+            before = out;
+            in.position = path[k];
+        },
+        [&](std::size_t) {
+            report = take(tick(state, table, options, {&in, 1}, {&out, 1}));
+        });
+    const auto ticks = static_cast<double>(path.size() - kWarmUp);
+    result.hits /= ticks, result.lost /= ticks, result.wrong /= std::max(checked, 1.0);
+    return result;
+}
+
+std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options) {
+    const State state = subject.state();
+    const std::size_t ticks = options.ticks + kWarmUp;
+    if (kind == Path::kStroke) return stroke_path(state, ticks);
+    if (kind == Path::kRandom) return random_path(state, ticks);
+    const auto offset = subject.chart.offset();
+    return recorded_path(options.path, {offset[0], offset[1], offset[2]}, ticks);
+}
+
+}  // namespace
+
+Table tick_table() {
+    Table t;
+    t.key = "ticks";
+    t.title = "Ticks";
+    t.note =
+        "One turn of the haptic loop: track, hit, force, deform, normals; one thread. p50 to p99.9 are of a fifth "
+        "of the ticks each, ticks in which the thread lost its processor left out; max is of all. 'Paper' is the "
+        "paper's own setting: 81x81, eq. 7, eqs. 8-10 as printed. Errors of weights are shares of the dent's "
+        "depth: table, against the kernel by exp; surface, against exp of exact geodesic distances, around four "
+        "contacts, up to b = 21. Force jump: largest part of the force's change in a tick, as a share of f_max, "
+        "that twice the tool's own step does not explain. Wrong nearest: share of ticks, of those looked at by "
+        "search of all samples.";
+    t.columns = {key_column("asset", "asset"),
+                 key_column("grid", "grid"),
+                 key_column("setting", "setting"),
+                 key_column("footprint", "footprint"),
+                 key_column("b", "b"),
+                 key_column("end", "kernel's end"),
+                 key_column("rule", "force"),
+                 key_column("path", "path"),
+                 time_column("p50_us", "p50", "us"),
+                 time_column("p99_us", "p99", "us"),
+                 time_column("p999_us", "p99.9", "us"),
+                 time_column("max_us", "max", "us"),
+                 exact_column("samples", "samples in reach", "", Sense::kNone),
+                 exact_column("table_error", "table error", "", Sense::kLower, 1e-3),
+                 exact_column("surface_error_rms", "surface error, rms", "", Sense::kLower, 1e-3),
+                 exact_column("surface_error_max", "surface error, max", "", Sense::kLower, 1e-3),
+                 exact_column("force_jump", "force jump", "", Sense::kLower, 1e-3),
+                 exact_column("hit_share", "ticks with hit", "", Sense::kNone),
+                 exact_column("lost_share", "ticks that searched", "", Sense::kLower, 1e-3),
+                 exact_column("wrong_nearest", "wrong nearest", "", Sense::kLower),
+                 time_column("preempted", "preempted ticks", "")};
+    t.columns.back().sense = Sense::kNone;
+    t.plots = {{"Error of the dent against tick time", "p50_us", "surface_error_rms", "setting", "asset", false},
+               {"Force jump against tick time", "p50_us", "force_jump", "setting", "asset", false},
+               {"Slow ticks against typical ones", "p50_us", "p999_us", "setting", "asset", false}};
+    return t;
+}
+
+void add_tick_rows(Table& table, const Subject& subject, const RunSweepOptions& options, ProgressBar& bar) {
+    State state = subject.state();
+    GeodesicReference reference(state);
+    const std::vector<Setting> settings = settings_for(subject.paper_grid, !options.path.empty());
+    for (std::size_t k = 0; k < settings.size(); ++k) {
+        const Setting& s = settings[k];
+        bar.update(static_cast<double>(k) / static_cast<double>(settings.size()));
+        RowBuilder row(table);
+        row.set("asset", subject.asset);
+        row.set("grid", subject.grid);
+        row.set("setting", s.name);
+        row.set("footprint", std::string(name_of(s.footprint)));
+        row.set("b", std::to_string(s.reach));
+        row.set("end", std::string(s.end == KernelEnd::Printed ? "printed" : "compact"));
+        row.set("rule", std::string(s.rule == ContactRule::Printed ? "printed" : "smooth"));
+        row.set("path", std::string(name_of(s.path)));
+        const TickOutcome ticks = run_ticks(subject, s, path_for(subject, s.path, options));
+        row.set("p50_us", ticks.times.median);
+        row.set("p99_us", ticks.times.p99);
+        row.set("p999_us", ticks.times.p999);
+        row.set("max_us", ticks.times.longest);
+        const auto preempted = static_cast<double>(ticks.times.preempted);
+        row.set("preempted", Figure{preempted, preempted, preempted, 1, false});
+        row.set("samples", exactly(ticks.samples));
+        row.set("force_jump", exactly(ticks.force_jump));
+        row.set("hit_share", exactly(ticks.hits));
+        row.set("lost_share", exactly(ticks.lost));
+        row.set("wrong_nearest", exactly(ticks.wrong));
+        const DeformTable kernel = take(DeformTable::create(s.kernel()));
+        row.set("table_error", exactly(table_error(kernel, s)));
+        if (s.reach <= kReferenceReach) {
+            const WeightError error = reference.of(state, kernel, s);
+            row.set("surface_error_rms", exactly(error.rms));
+            row.set("surface_error_max", exactly(error.worst));
+        }
+        table.rows.push_back(row.row());
+    }
+}
+
+}  // namespace dgm::bench

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/stability_sweep.cpp
+#include "bench/stability_sweep.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "bench/columns.h"
+#include "bench/hard_meshes.h"
+#include "bench/machine_facts.h"
+#include "bench/progress_bar.h"
+#include "bench/repeat.h"
+#include "bench/result_figures.h"
+#include "bench/temporary_folder.h"
+#include "mesh/mesh_writer.h"
+#include "model/codes.h"
+#include "pipeline/option_names.h"
+
+namespace dgm::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::AssetResult;
+
+struct Family {
+    const char* name;
+    const char* meaning;
+    std::vector<double> levels;  ///< ever harder
+    std::function<model::TriMesh(double)> make;
+};
+
+const std::vector<Family>& families() {
+    static const std::vector<Family> all{
+        {"sliver", "width of one strip of triangles, of the others'", {1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15}, sliver_dome},
+        {"offset", "distance from the origin, in diagonals", {0, 1e3, 1e5, 1e7, 1e9}, offset_dome},
+        {"scale", "size, source units", {1, 1e-3, 1e-6, 1e-9, 1e-12}, scaled_dome},
+        {"scale up", "size, source units", {1, 1e3, 1e6, 1e9, 1e12}, scaled_dome},
+        {"grading", "widest cell / narrowest", {1, 1e2, 1e4, 1e6, 1e9, 1e12}, graded_dome},
+        {"valence",
+         "neighbours of one vertex",
+         {6, 100, 1000, 10000},
+         [](double v) { return fan_cone(static_cast<std::uint32_t>(v)); }},
+        {"aspect", "length / circumference of a tube", {1, 10, 100, 1000}, tube},
+        {"genus", "holes through a slab", {0, 1, 2, 4, 8, 16}, [](double g) {
+             return pierced_slab(static_cast<std::uint32_t>(g));
+         }}};
+    return all;
+}
+
+std::vector<Family> chosen(const std::vector<std::string>& names) {
+    if (names.empty()) return families();
+    std::vector<Family> out;
+    for (const std::string& name : names) {
+        const auto found =
+            std::find_if(families().begin(), families().end(), [&](const Family& f) { return f.name == name; });
+        if (found == families().end()) throw model::Error(model::codes::kUsage, "no such family of meshes: " + name);
+        out.push_back(*found);
+    }
+    return out;
+}
+
+Table empty_table() {
+    Table t;
+    t.key = "stability";
+    t.title = "Harder and harder meshes";
+    t.note =
+        "Each family of meshes gets harder by one number. A method that refuses, or that a limit stopped, has no "
+        "figures; "
+        "the outcome says why. Errors in % of the diagonal; one bake each, so times have no spread and no ratio can be "
+        "had from them.";
+    t.columns = {key_column("family", "family"),
+                 exact_column("hardness", "hardness", "", Sense::kNone),
+                 key_column("level", "level"),
+                 key_column("method", "method"),
+                 text_column("outcome", "outcome"),
+                 text_column("maps", "maps made by"),
+                 exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01),
+                 exact_column("hausdorff_percent", "max", "%", Sense::kLower, 0.05),
+                 exact_column("stretch_l2", "stretch", "", Sense::kLower, 1e-3),
+                 time_column("cpu_seconds", "bake CPU", "s"),
+                 time_column("memory_mib", "peak memory", "MiB")};
+    t.plots = {{"Error as it gets harder", "hardness", "rms_percent", "method", "family", true},
+               {"Time as it gets harder", "hardness", "cpu_seconds", "method", "family", true}};
+    return t;
+}
+
+}  // namespace
+
+std::vector<std::string> family_names() {
+    std::vector<std::string> out;
+    for (const Family& f : families()) out.emplace_back(f.name);
+    return out;
+}
+
+Run sweep_stability(const StabilityOptions& options, bool quiet) {
+    const std::vector<Family> asked = chosen(options.families);
+    for (const std::string& method : options.methods)
+        if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), method) == bake::kMethodNames.end())
+            throw model::Error(model::codes::kUsage, "no such method: " + method);
+    Run run;
+    run.command = "stability";
+    run.machine = machine_facts();
+    run.tables = {empty_table()};
+    Table& table = run.tables.front();
+    const TemporaryFolder folder;
+    BakeRepeats once;
+    once.repetitions = 1;
+    once.jobs = options.jobs;
+    once.time_limit_seconds = options.time_limit_seconds;
+    ProgressBar bar(quiet, static_cast<double>(asked.size() * options.methods.size()));
+    for (const Family& family : asked) {
+        std::vector<fs::path> meshes;
+        for (std::size_t k = 0; k < family.levels.size(); ++k) {
+            meshes.push_back(folder.path() / fmt::format("{}.obj", k));
+            formats::write_obj(meshes.back(), family.make(family.levels[k]));
+        }
+        for (const std::string& method : options.methods) {
+            bar.begin(std::string(family.name) + " " + method, 1);
+            bake::BakeOptions bake_options;
+            bake_options.size = {options.side, options.side};
+            bake_options.method = method;
+            const std::vector<AssetResult> results =
+                bake_repeatedly(meshes, bake_options, once, folder.path(), [&](double s) { bar.update(s); });
+            for (std::size_t k = 0; k < results.size(); ++k) {
+                const AssetResult& result = results[k];
+                RowBuilder row(table);
+                row.set("family", std::string(family.name));
+                row.set("hardness", exactly(family.levels[k]));
+                row.set("level", fmt::format("{:g}", family.levels[k]));
+                row.set("method", method);
+                row.set("outcome", result.error ? error_name(*result.error) : "ok");
+                if (result.outcome == bake::Outcome::kBaked) {
+                    const bake::SurfaceError& error = result.report.error;
+                    row.set("maps", methods_of(result));
+                    row.set("rms_percent", exactly(100 * error.rms / error.diagonal));
+                    row.set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
+                    row.set("stretch_l2", exactly(worst_stretch(result)));
+                    const std::vector<AssetResult> only{result};
+                    row.set("cpu_seconds", figure_of(only, cpu_seconds));
+                    row.set("memory_mib", figure_of(only, peak_mib));
+                }
+                table.rows.push_back(row.row());
+            }
+        }
+    }
+    run.findings = failure_lines(table);
+    for (const Family& family : asked)
+        run.settings.emplace_back("hardness of " + std::string(family.name), family.meaning);
+    run.settings.emplace_back("methods", fmt::format("{}", fmt::join(options.methods, ", ")));
+    run.settings.emplace_back("grid", fmt::format("{0}x{0}", options.side));
+    run.settings.emplace_back("time limit", fmt::format("{} s a bake", options.time_limit_seconds));
+    run.settings.emplace_back("repetitions", "1");
+    return run;
+}
+
+}  // namespace dgm::bench

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/tool_path.h
+// Where the tool goes in a runtime sweep: local coordinates, a point a tick of a millisecond.
+#pragma once
+#include <dgm/state.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+namespace dgm::bench {
+
+/// A closed walk over the chart, 0.15 grid steps a tick, that presses up to 2.5 mean steps deep and lifts off again.
+[[nodiscard]] std::vector<Vec3> stroke_path(const State& state, std::size_t ticks);
+
+/// Steps to neighbouring samples at random depths, and every fiftieth tick or so a leap to any sample of the surface.
+[[nodiscard]] std::vector<Vec3> random_path(const State& state, std::size_t ticks);
+
+/// Positions recorded by somebody: "x y z" a line in source units, lines that begin with # left out; repeated from the
+/// start until there are enough. `offset` is Chart::offset().
+/// @throws model::Error kFileMissing, kReadFailed with the line that is none
+[[nodiscard]] std::vector<Vec3> recorded_path(const std::filesystem::path& file, const double (&offset)[3],
+                                              std::size_t ticks);
+
+}  // namespace dgm::bench

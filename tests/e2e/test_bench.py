@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dgm-bench: what a sweep leaves behind, and its page in a browser."""
+import csv
+import json
+import re
+import socket
+import unittest
+from pathlib import Path
+
+import numpy
+from browser import run_browser, screenshot
+from support import BENCH, SAMPLES, Folder
+
+SHEET = Path(SAMPLES) / "sheet" / "sheet.obj"
+
+
+class Bench(Folder):
+    def bench(self, *arguments, code=0):
+        result = self.run_program(BENCH, *arguments)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def sweep(self, out, *more):
+        return self.bench("bake", SHEET, "--sizes", "9,17", "--methods", "auto,tutte", "--fits", "sample,l2",
+                          "--precisions", "f32", "--layers", "all", "--repeat", "3", "-o", out, *more)
+
+    def read(self, name):
+        return json.loads((self.folder / name).read_text(encoding="utf-8"))
+
+    def test_bake_leaves_csv_json_and_page(self):
+        said = self.sweep("out")
+        self.assertRegex(said.stdout, r"sheet\.obj: for .* % rms use \d+x\d+ \w+ f32 fit \w+: ")
+        self.assertEqual(self.names(self.folder / "out"), ["bake-facts.csv", "bake.csv", "bake.html", "bake.json"])
+        run = self.read("out/bake.json")
+        self.assertNotIn(socket.gethostname(), json.dumps(run["machine"]).split('"'))
+        self.assertGreater(int(run["machine"]["cores"]), 0)
+        table = run["tables"][0]
+        keys = [c["key"] for c in table["columns"]]
+        rows = [dict(zip(keys, row)) for row in table["rows"]]
+        paper = [row for row in rows if row["point"] == "paper"]
+        self.assertEqual([(r["grid"], r["fit"]) for r in paper], [("81x81", "sample")])
+        for row in rows:
+            cpu = row["cpu_seconds"]
+            self.assertEqual(cpu["n"], 3)
+            self.assertLess(cpu["low"], cpu["median"])
+            self.assertGreater(cpu["high"], cpu["median"])
+            self.assertEqual(row["flips"], 0)
+            self.assertLess(row["rms_percent"], 1e-3)  # a flat sheet
+            self.assertGreater(row["bytes"], row["geometry_bytes"])
+        by_grid = {row["grid"]: row["geometry_bytes"] for row in rows if row["method"] == "auto"}
+        self.assertEqual(by_grid["17x17"] // 17 ** 2, 12)  # three floats a sample, a diagonal bit a quad
+        with open(self.folder / "out/bake.csv", encoding="utf-8", newline="") as file:
+            lines = list(csv.DictReader(file))
+        self.assertEqual([float(line["cpu_seconds"]) for line in lines], [row["cpu_seconds"]["median"] for row in rows])
+        self.assertEqual({line["cpu_seconds_n"] for line in lines}, {"3"})
+
+    def test_compare_tells_of_changes_only(self):
+        self.sweep("one")
+        run = self.read("one/bake.json")
+        table = run["tables"][0]
+        keys = [c["key"] for c in table["columns"]]
+        for row in table["rows"]:  # an older program: ten times slower, files twice as large
+            row[keys.index("bytes")] *= 2
+            cpu = row[keys.index("cpu_seconds")]
+            for key in ("median", "low", "high"):
+                cpu[key] *= 10
+        (self.folder / "old.json").write_text(json.dumps(run), encoding="utf-8")
+        said = self.sweep("two", "--compare", "old.json").stdout
+        rows = len(table["rows"])
+        self.assertEqual(len(re.findall(r"^smaller: .* file: ", said, re.M)), rows)
+        self.assertGreater(len(re.findall(r"^faster: .* bake CPU: ", said, re.M)), rows // 2)
+        self.assertEqual(re.findall(r"^(?:better|worse): .* rms: ", said, re.M), [])
+        self.look_at_page(self.folder / "two" / "bake.html")
+        self.assertRegex(said, r"\d+ changed; \d+ within the noise; \d+ taken fewer than 3 times, so nothing is said; 0 points")
+
+    def test_one_run_gives_no_ratio(self):
+        once = ("bake", SHEET, "--sizes", "9", "--methods", "auto", "--repeat", "1")
+        self.bench(*once, "-o", "one")
+        said = self.bench(*once, "-o", "two", "--compare", "one/bake.json").stdout
+        self.assertEqual(re.findall(r"^(?:faster|slower): .* bake ", said, re.M), [])
+
+    def test_wrong_words_are_told_at_once(self):
+        self.bench("bake", SHEET, "--methods", "magic", code=1)
+        self.bench("bake", "missing.obj", code=2)
+        (self.folder / "bad.json").write_text("{}", encoding="utf-8")
+        self.bench("bake", SHEET, "--compare", "bad.json", code=1)
+        self.bench("stability", "--families", "nonsense", code=1)
+        (self.folder / "bad.path").write_text("1 2 3\n4 5\n", encoding="utf-8")
+        said = self.bench("run", SHEET, "--path", "bad.path", "--ticks", "1000", code=2).stderr
+        self.assertIn("bad.path:2", said)
+
+    def test_run_compares_with_exact_answers(self):
+        (self.folder / "strokes").write_text("# x y z\n10 10 0.5\n11 10 -0.5\n12 10 -1\n", encoding="utf-8")
+        self.bench("run", SHEET, "--sizes", "81", "--ticks", "2000", "--path", "strokes", "-o", "out")
+        tables = {t["key"]: [dict(zip([c["key"] for c in t["columns"]], row)) for row in t["rows"]]
+                  for t in self.read("out/run.json")["tables"]}
+        ticks = {row["setting"]: row for row in tables["ticks"]}
+        self.assertEqual((ticks["paper"]["grid"], ticks["paper"]["rule"], ticks["paper"]["end"]),
+                         ("81x81", "printed", "printed"))
+        self.assertTrue(all(row["wrong_nearest"] == 0 for row in tables["ticks"]))
+        self.assertLess(ticks["paper"]["table_error"], 1e-6)
+        # On a flat sheet the grid's distance is the surface's: what is left is the end at b, exp(-121/16) = 5e-4.
+        self.assertLess(ticks["paper"]["surface_error_max"], 2e-3)
+        self.assertLess(ticks["smooth force"]["force_jump"], ticks["paper"]["force_jump"])
+        recorded = ticks["recorded path"]
+        self.assertAlmostEqual(recorded["hit_share"], 2 / 3, delta=0.01)  # two of its three points are below the sheet
+        tracking = {(row["search"], row["a"], row["path"]): row["missed_share"] for row in tables["tracking"]}
+        self.assertEqual(tracking["window, certified", "4", "random"], 0)
+        self.assertEqual(tracking["pyramid", "", "random"], 0)
+        self.assertGreater(tracking["window", "1", "random"], 0)  # leaps are lost
+        levels = {row["stride"]: row for row in tables["levels"]}
+        self.assertEqual(levels["1"]["rms_percent"], 0)
+        self.assertLess(levels["4"]["triangles"], levels["1"]["triangles"] / 4)
+        kernels = {(row["way"], row["entries"]): row["error"] for row in tables["kernels"]}
+        self.assertLess(kernels["table, linear", "1024"], kernels["table, nearest", "1024"] / 10)
+
+    def look_at_page(self, page):
+        self.assertLess(page.stat().st_size, 2 << 20)
+        dom, console = run_browser(page, "--dump-dom")
+        self.assertEqual(console, [])
+        self.assertGreater(int(re.search(r'data-drawn="(\d+)"', dom).group(1)), 15)
+        self.assertEqual(len(re.findall(r"<svg ", dom)), 6)
+        self.assertIn("Pareto front", dom)
+        self.assertIn("within the noise", dom)
+        corners = {}
+        for theme in ("light", "dark"):
+            pixels, console = screenshot(page, self.folder / f"{theme}.png", f"#{theme}")
+            self.assertEqual(console, [])
+            corners[theme] = pixels[2, 2].tolist()
+            plots = pixels[pixels.shape[0] // 4:].reshape(-1, 3)
+            _, counts = numpy.unique(plots, axis=0, return_counts=True)
+            self.assertGreater((counts > 20).sum(), 12, "nothing but paper is drawn")
+        self.assertEqual(corners["light"], [255, 255, 255])
+        self.assertLess(max(corners["dark"]), 48)
+
+
+if __name__ == "__main__":
+    unittest.main()
