@@ -81,7 +81,7 @@ STANDARD = re.compile(r"[a-z_0-9]+|(assert|ctype|errno|float|inttypes|limits|loc
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')
 # Where <...> and "..." of ours are looked up, after the including file's own folder for the latter.
 SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "samples", "libdgm/include", "tests", "tests/support",
-                                          "tests/unit/formats")}
+                                          "tests/unit", "tests/unit/formats")}
 
 CODE = {".h", ".hpp", ".c", ".cpp"}
 MARKED = CODE | {".py", ".sh", ".cmake", ".md"}

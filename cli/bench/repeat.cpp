@@ -31,9 +31,10 @@ std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem
     for (const std::filesystem::path& source : sources)
         for (unsigned k = 0; k < repeats.repetitions; ++k) {
             const std::string name = std::to_string(plan.assets.size()) + ".dgm";
-            plan.assets.push_back({source, folder / name, {}, std::nullopt});
+            plan.assets.push_back({source, folder / name, {}, std::nullopt, name, options});
         }
     bake::BatchOptions batch;
+    batch.force = true;
     batch.jobs = repeats.jobs;
     batch.threads = repeats.threads;
     batch.time_limit_seconds = repeats.time_limit_seconds;
@@ -45,7 +46,7 @@ std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem
         on_share(static_cast<double>(ended) / static_cast<double>(plan.assets.size()));
     };
     observer.on_tick = [&] { on_share(static_cast<double>(ended) / static_cast<double>(plan.assets.size())); };
-    std::vector<bake::AssetResult> results = bake::run_batch(plan, options, batch, observer);
+    std::vector<bake::AssetResult> results = bake::run_batch(plan, batch, observer);
     for (const bake::AssetResult& r : results)
         if (r.outcome == bake::Outcome::kInterrupted || r.outcome == bake::Outcome::kNotStarted)
             throw model::Error(model::codes::kInterrupted, "the sweep was interrupted");

@@ -2,6 +2,9 @@
 // cli/tool/help.cpp
 #include "tool/help.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
