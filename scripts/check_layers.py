@@ -52,7 +52,7 @@ PARTS = (
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
     Part("cli/pipeline", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB, SYSTEM),
          "the stages in order; introduces the parameterizers to the geometry"),
-    Part("cli/scene", 5, BELOW_PROGRAMS, (FMT, TOML), "what a scene asks for, and the batch that answers it"),
+    Part("cli/scene", 5, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
     Part("cli/bench", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
     Part("cli/validate", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),

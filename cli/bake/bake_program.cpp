@@ -28,6 +28,7 @@
 #include "pipeline/output_files.h"
 #include "pipeline/report_text.h"
 #include "pipeline/up_to_date.h"
+#include "scene/scene_outcome.h"
 
 namespace dgm::bake {
 namespace {
@@ -126,8 +127,9 @@ std::vector<DependencyRule> rules_of(const BatchPlan& plan, const std::vector<As
     return rules;
 }
 
-int print_plan(const BatchPlan& plan) {
+int print_plan(const BatchPlan& plan, const std::optional<scene::Scene>& scene) {
     std::vector<AssetResult> results(plan.assets.size());
+    if (scene) say(stdout, scene::plan_text(*scene));
     for (std::size_t k = 0; k < plan.assets.size(); ++k) {
         const PlannedAsset& asset = plan.assets[k];
         results[k].error = asset.refusal;
@@ -202,6 +204,17 @@ class Conversation {
     BatchObserver observer_;
 };
 
+/// @return the worse of `exit` and what the scene's budget gives
+model::ExitCode tell_scene(const CommandLine& line, const scene::Scene& scene, const scene::SceneOutcome& outcome,
+                           model::ExitCode exit) {
+    if (!line.quiet) say(stdout, scene::to_text(scene, outcome));
+    for (const std::string& warning : outcome.warnings)
+        if (!line.quiet) say(stderr, fmt::format("dgm-bake: warning: {}\n", printable(warning)));
+    if (!outcome.over_budget) return exit;
+    say(stderr, failure_story(line.scene.string(), *outcome.over_budget));
+    return worse(exit, outcome.over_budget->code().exit);
+}
+
 /// While a batch runs it answers signals itself (batch_runner.h). Before, there is nothing to clean up; after it, what
 /// is left takes milliseconds and is better done.
 class SignalsAround {
@@ -220,22 +233,34 @@ class SignalsAround {
 int run(const CommandLine& line) {
     SignalsAround signals;
     if (!line.to_merge.empty()) return merge(line);
-    BatchPlan plan = plan_batch(line.plan, line.bake);
+    std::optional<scene::Scene> scene;
+    if (!line.scene.empty()) scene = scene::read_scene(line.scene);
+    BatchPlan plan = scene ? scene::plan_batch(*scene, line.plan.output.empty() ? fs::path(".") : line.plan.output)
+                           : plan_batch(line.plan, line.bake);
     check_files(line, plan);
     if (line.shard) keep_shard(plan, *line.shard);
-    if (line.dry_run) return print_plan(plan);
+    if (line.dry_run) return print_plan(plan, scene);
     for (const fs::path& file : {line.report, line.depfile})
         if (!file.empty()) check_writable(file);
     Conversation conversation(line, plan);
     const std::vector<AssetResult> results = run_batch(plan, line.batch, conversation.observer());
     signals.batch_done();
     conversation.end(results);
-    if (!line.report.empty()) write_whole(line.report, batch_report_json(plan, line.batch, results, generator()));
+    std::optional<scene::SceneOutcome> outcome;
+    model::ExitCode exit = worst_exit(results);
+    if (scene && exit != model::ExitCode::kInterrupted) {
+        outcome = scene::scene_outcome(*scene, plan, results);
+        exit = tell_scene(line, *scene, *outcome, exit);
+    }
+    if (!line.report.empty()) {
+        const std::string report = batch_report_json(plan, line.batch, results, generator());
+        write_whole(line.report, outcome ? scene::with_scene(report, *scene, *outcome) : report);
+    }
     if (!line.depfile.empty()) {
         touch_outputs(results);
         write_whole(line.depfile, dependency_file(rules_of(plan, results)));
     }
-    return static_cast<int>(worst_exit(results));
+    return static_cast<int>(exit);
 }
 
 int run_command_line(int argc, const char* const* argv) {

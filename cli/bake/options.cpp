@@ -149,7 +149,22 @@ CommandLine to_merge(const Raw& raw) {
     return out;
 }
 
-CommandLine checked(const Raw& raw) {
+/// A scene file says what is baked; what the command line says beside it is how and where to.
+void check_scene(const Raw& raw, const std::vector<std::string>& given) {
+    constexpr std::array<std::string_view, 17> kHow{
+        "--output",  "--jobs",   "--time-limit",    "--memory-limit",  "--keep-going", "--stop-on-error",
+        "--dry-run", "--report", "--report-format", "--progress",      "--verbose",    "--quiet",
+        "--force",   "--shard",  "--depfile",       "--merge-reports", "INPUT"};
+    if (raw.inputs.size() > 1) wrong("a scene file is baked by itself: name no other inputs");
+    for (const std::string& option : given)
+        if (std::find(kHow.begin(), kHow.end(), option) == kHow.end())
+            wrong(fmt::format("{}: what is baked stands in {}; write it there", option, raw.inputs.front()));
+    const std::string extension = std::filesystem::path(raw.output).extension().string();
+    if (extension == ".dgm" || extension == ".exr") wrong("-o: a scene goes into a folder");
+}
+
+/// @param given  long names of the options on the command line
+CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     CommandLine out;
     for (const std::string& input : raw.inputs) {
         if (input.empty()) wrong("an input has no name");
@@ -159,6 +174,10 @@ CommandLine checked(const Raw& raw) {
     if (raw.verbose && raw.quiet) wrong("-v and -q contradict each other");
     if (raw.merge_reports) return to_merge(raw);
     if (raw.inputs.empty()) wrong("no input: name mesh files or folders, for instance: dgm-bake stomach.obj");
+    if (std::any_of(raw.inputs.begin(), raw.inputs.end(), [](const std::string& i) { return i.ends_with(".toml"); })) {
+        check_scene(raw, given);
+        out.scene = raw.inputs.front();
+    }
     if (!raw.shard.empty()) out.shard = parse_shard(raw.shard);
     out.batch.shares_folders = out.shard.has_value();
     out.batch.force = raw.force;
@@ -228,7 +247,11 @@ std::variant<CommandLine, Answer> parse_command_line(int argc, const char* const
     } catch (const CLI::ExtrasError&) {
         wrong(tool::unknown_option(app, app.remaining().front()) + "\nsee all with: dgm-bake --help");
     } catch (const CLI::ParseError& error) { wrong(error.what()); }
-    return checked(raw);
+    std::vector<std::string> given;
+    for (const CLI::Option* option : app.get_options())
+        if (option->count() > 0)
+            given.push_back(option->get_lnames().empty() ? option->get_name() : "--" + option->get_lnames().front());
+    return checked(raw, given);
 }
 
 }  // namespace dgm::bake

@@ -19,6 +19,7 @@ struct CommandLine {
     PlanRequest plan;
     BakeOptions bake;
     BatchOptions batch;
+    std::filesystem::path scene;  ///< a scene file instead of meshes; `bake` says nothing then
     std::optional<Shard> shard;
     std::filesystem::path report;                 ///< empty: none
     std::filesystem::path depfile;                ///< -MF; empty: none

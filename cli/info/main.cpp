@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "info/file_info.h"
+#include "scene/scene_plan.h"
 #include "tool/tool.h"
 
 namespace {
 constexpr std::array kExamples{
     dgm::tool::Example{"dgm-info stomach.dgm", "charts, layers, and the measured errors"},
-    dgm::tool::Example{"dgm-info baked/*.dgm --json", "the same of many files, for programs"}};
+    dgm::tool::Example{"dgm-info baked/*.dgm --json", "the same of many files, for programs"},
+    dgm::tool::Example{"dgm-info scene.toml", "what dgm-bake would make of a scene file"}};
 const dgm::tool::Manual kManual{"dgm-info FILE... [--json]", kExamples,
                                 "0    all files were read\n"
                                 "1    the command line is wrong\n"
@@ -27,7 +29,7 @@ int main(int argc, char** argv) {
     CLI::App app("Prints what a .dgm holds: charts, layers, measured errors.");
     std::vector<std::string> files;
     bool json = false;
-    app.add_option("FILE", files, "The .dgm files to read")->required();
+    app.add_option("FILE", files, "The .dgm files to read; scene files, to see their plan")->required();
     app.add_flag("--json", json, "Print JSON");
 
     return dgm::tool::run_tool("dgm-info", argc, argv, app, kManual, [&](std::string& subject) {
@@ -36,6 +38,12 @@ int main(int argc, char** argv) {
         for (const std::string& file : files) {
             subject = file;
             try {
+                if (file.ends_with(".toml")) {
+                    if (json)
+                        throw dgm::model::Error(dgm::model::codes::kUnsupported, "a scene's plan is told as text");
+                    std::fputs(dgm::scene::plan_text(dgm::scene::read_scene(file)).c_str(), stdout);
+                    continue;
+                }
                 infos.push_back(dgm::info::read_file_info(file));
                 if (!json) std::fputs(dgm::info::to_text(infos.back()).c_str(), stdout);
             } catch (const dgm::model::Error& error) {  // the other files are still worth telling about

@@ -12,6 +12,7 @@
 
 #include "model/codes.h"
 #include "pipeline/option_names.h"
+#include "pipeline/report_text.h"
 
 namespace dgm::scene {
 namespace {
@@ -166,6 +167,15 @@ std::vector<std::string> describe(const SceneAsset& asset) {
         out.push_back(fmt::format("touched with a {} footprint of {:g}{} radius",
                                   bake::name_of(kFootprintNames, asset.footprint), asset.reach.value,
                                   asset.reach.percent ? " % of the diagonal" : " units"));
+    return out;
+}
+
+std::string plan_text(const Scene& scene) {
+    std::string out;
+    for (const SceneAsset& asset : scene.assets) {
+        out += fmt::format("{} <- {}\n", bake::printable(asset.name), bake::printable(asset.source.string()));
+        for (const std::string& line : describe(asset)) out += "  " + line + "\n";
+    }
     return out;
 }
 

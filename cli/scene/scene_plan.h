@@ -32,6 +32,9 @@ namespace dgm::scene {
 /// One line a wish: "tolerance 1.5 px at 20: 0.0321 units rms", "layers geometry, normal: not touched, no contact".
 [[nodiscard]] std::vector<std::string> describe(const SceneAsset& asset);
 
+/// Every asset with its wishes, a few lines each.
+[[nodiscard]] std::string plan_text(const Scene& scene);
+
 /// What one step from "everything at 257 x 257, f32" to the asset's file saves. The steps are taken one after the
 /// other, so that they add up.
 struct Saving {
