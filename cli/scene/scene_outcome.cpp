@@ -90,9 +90,9 @@ std::string to_text(const Scene& scene, const SceneOutcome& outcome) {
     std::string out;
     for (const AssetOutcome& asset : outcome.assets) {
         if (!asset.there) continue;
-        out +=
-            fmt::format("  {}: {}, {} error {:.3g} % of {:.3g} %\n", asset.name, bytes_text(asset.file_bytes),
-                        bake::name_of(bake::kErrorKindNames, asset.kind), asset.reached_percent, asset.asked_percent);
+        out += fmt::format("  {}: {}, {} error {:.3g} % of {:.3g} %\n", bake::printable(asset.name),
+                           bytes_text(asset.file_bytes), bake::name_of(bake::kErrorKindNames, asset.kind),
+                           asset.reached_percent, asset.asked_percent);
         std::string steps;
         for (const Saving& step : asset.savings.steps)
             steps +=
@@ -104,12 +104,13 @@ std::string to_text(const Scene& scene, const SceneOutcome& outcome) {
                                1e6 * asset.tick->median, 1e6 * asset.tick->p99, asset.tick->samples, asset.tick->reach,
                                bytes_text(asset.tick->state_bytes));
     }
-    out += fmt::format(
-        "scene{}{}: {}{}; everything at 257x257 in f32 would take {}{}\n", scene.name.empty() ? "" : " ", scene.name,
-        bytes_text(outcome.bytes), scene.budget ? " of " + bytes_text(*scene.budget) : "", bytes_text(outcome.one_size),
-        outcome.one_size > 0 ? fmt::format(" ({:.1f} % of it)", 100.0 * static_cast<double>(outcome.bytes) /
-                                                                    static_cast<double>(outcome.one_size))
-                             : "");
+    out +=
+        fmt::format("scene{}{}: {}{}; everything at 257x257 in f32 would take {}{}\n", scene.name.empty() ? "" : " ",
+                    bake::printable(scene.name), bytes_text(outcome.bytes),
+                    scene.budget ? " of " + bytes_text(*scene.budget) : "", bytes_text(outcome.one_size),
+                    outcome.one_size > 0 ? fmt::format(" ({:.1f} % of it)", 100.0 * static_cast<double>(outcome.bytes) /
+                                                                                static_cast<double>(outcome.one_size))
+                                         : "");
     return out;
 }
 

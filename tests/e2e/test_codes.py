@@ -72,6 +72,7 @@ class Codes(support.Folder):
         (folder / "broken.png").write_bytes(b"no picture")
         (folder / "texts").mkdir()
         (folder / "baseline.json").write_text("{}")
+        (folder / "scene.toml").write_text("assets = 3\n")
         for fault in ("segfault", "hang", "memory"):
             (folder / f"{fault}.obj").write_text("a mesh that misbehaves\n")
         bake, validate, faulty = support.BAKE, support.VALIDATE, support.FAULTY_BAKE
@@ -85,6 +86,7 @@ class Codes(support.Folder):
             (5001, validate, ["absent.dgm"]), (5003, validate, ["good.dgm", "--report", "json=no/such/folder.json"]),
             (5004, bake, ["texts", "-o", "out"]), (5005, bake, ["sheet.obj", *small, "--texture", "broken.png"]),
             (6001, validate, ["--frob"]), (6002, bake, ["sheet.obj", "--report", "r.html", "--report-format", "html"]),
+            (6004, bake, ["scene.toml"]),
             (5008, bake, ["--merge-reports", "baseline.json", "-o", "all.json"]),
             (6003, validate, ["good.dgm", "--baseline", "baseline.json"]),
             (9002, faulty, ["segfault.obj", *small]), (9003, faulty, ["hang.obj", *small, "--time-limit", "1"]),
