@@ -21,6 +21,7 @@ struct CommandLine {
     BatchOptions batch;
     std::optional<Shard> shard;
     std::filesystem::path report;                 ///< empty: none
+    bool html_report = false;                     ///< the report is an index with pages beside it, not JSON
     std::filesystem::path depfile;                ///< -MF; empty: none
     std::vector<std::filesystem::path> to_merge;  ///< --merge-reports: the reports; then nothing is baked
     ProgressStyle progress = ProgressStyle::kAuto;
