@@ -33,7 +33,8 @@ using bake::ChartReport;
 using formats::Image;
 using nlohmann::json;
 
-constexpr std::uint32_t kPanel = 440, kHeight = 500, kCaption = 28;  // of the comparison, captions twice as large
+constexpr std::uint32_t kPanel = 440, kHeight = 500, kCaption = 28,
+                        kLegend = 34;  // of the comparison, captions twice as large
 constexpr std::uint32_t kThumb = 112;
 constexpr std::uint32_t kMapSide = 260;
 constexpr std::size_t kChartsShown = 6;  // pictures of more charts than these would make the page heavy
@@ -48,7 +49,7 @@ Image cut_out(const Image& from, std::uint32_t x, std::uint32_t y, std::uint32_t
 
 /// A panel of the comparison, small.
 std::string thumbnail(const Image& comparison, std::uint32_t panel) {
-    const Image cut = cut_out(comparison, panel * kPanel, 0, kPanel, kHeight - kCaption);
+    const Image cut = cut_out(comparison, panel * kPanel, kLegend, kPanel, kHeight - kCaption - kLegend);
     return photo_uri(render::fitted(cut, kThumb, kThumb), 82);
 }
 
@@ -102,16 +103,17 @@ class Page {
             made_.surfaces.push_back(bake::reconstruct(chart));
             made_.values.push_back(surface_values(chart, made_.surfaces.back(), index));
         }
-        made_.scales = scales_of(made_.values);
+        const render::ChartSurface all = render::chart_surface(made_.maps.charts);
+        const std::vector<double> source_values = source_distances(source.mesh, all.mesh);
+        made_.scales = scales_of(made_.values, source_values);
         render::PictureOptions options;
         options.width = 4 * kPanel, options.height = kHeight;
         options.samples_per_pixel = 4;
         options.view = render::choose_view(source.mesh);
-        const Image comparison =
-            render::comparison_picture(source.mesh, render::read_textures(source.mesh, [](const std::string&) {}),
-                                       render::chart_surface(made_.maps.charts), options);
-        const json data = viewer_data(source.mesh, {made_.maps.charts, made_.surfaces, made_.values}, made_.scales,
-                                      diagonal_, *options.view);
+        const Image comparison = render::comparison_picture(
+            source.mesh, render::read_textures(source.mesh, [](const std::string&) {}), all, options);
+        const json data = viewer_data({source.mesh, source_values}, {made_.maps.charts, made_.surfaces, made_.values},
+                                      made_.scales, diagonal_, *options.view);
 
         const std::string head = fmt::format(
             "<meta name=\"dgm-page\" content=\"{}\">\n<meta name=\"dgm-thumbnail\" content=\"{}\">\n"
@@ -166,10 +168,10 @@ class Page {
             note += fmt::format(" The first {} of {} charts are shown.", shown, made_.maps.charts.size());
         return fmt::format(
             "<section id=\"viewer\"><h2>Turn it</h2>\n<div class=\"tools\"><label>Colour by <select id=\"mode\">"
-            "<option value=\"none\">nothing, lit</option><option value=\"distance\">distance to the source</option>"
+            "<option value=\"distance\">distance between the two</option><option value=\"none\">nothing, lit</option>"
             "<option value=\"area\">area distortion</option><option value=\"angle\">angle distortion</option>"
             "</select></label><label><input type=\"checkbox\" id=\"grid\"> grid</label>"
-            "<label><input type=\"checkbox\" id=\"seams\" checked> seams <i class=\"seam\"></i> borders "
+            "<label><input type=\"checkbox\" id=\"seams\"> seams <i class=\"seam\"></i> borders "
             "<i class=\"border\"></i></label><div class=\"legend\" id=\"legend\" hidden><canvas width=\"256\" "
             "height=\"1\"></canvas><div><span></span><span></span><span></span></div></div></div>\n"
             "<div class=\"captions\"><span>source</span><span>reconstruction</span></div>\n"

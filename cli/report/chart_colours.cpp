@@ -33,10 +33,12 @@ const std::vector<double>& values_of(const SurfaceValues& values, Quantity quant
 }
 }  // namespace
 
-Scales scales_of(std::span<const SurfaceValues> charts) {
+Scales scales_of(std::span<const SurfaceValues> charts, std::span<const double> source_distances) {
     constexpr double kShare = 0.99;
     Scales out;
     std::vector<double> sizes = sizes_of(charts, &SurfaceValues::distance);
+    for (const double value : source_distances)
+        if (std::isfinite(value)) sizes.push_back(std::abs(value));
     out.worst = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
     out.distance = percentile(sizes, kShare);
     sizes = sizes_of(charts, &SurfaceValues::area);

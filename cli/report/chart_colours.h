@@ -19,7 +19,7 @@ struct Scales {
     double worst = 0;            ///< the largest size
     double area = 1, angle = 1;  ///< log2, at least 1: below a factor of 2 there is little to see
 };
-[[nodiscard]] Scales scales_of(std::span<const SurfaceValues> charts);
+[[nodiscard]] Scales scales_of(std::span<const SurfaceValues> charts, std::span<const double> source_distances);
 
 enum class Quantity { kDistance, kArea, kAngle };
 

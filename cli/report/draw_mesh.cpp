@@ -73,6 +73,7 @@ DrawMesh joined(const std::vector<Corner>& corners, const KeyOf& key_of) {
         out.positions[v] += corners[c].position;
         out.normals[v] += corners[c].normal;
         counts[v] += 1;
+        out.origins.push_back({v, corners[c].vertex});
         if (c % 3 == 2 && face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) out.faces.push_back(face);
     }
     for (std::size_t v = 0; v < counts.size(); ++v) {

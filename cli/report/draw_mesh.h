@@ -2,7 +2,9 @@
 // cli/report/draw_mesh.h
 // Any mesh as vertices with one normal each, few enough for a page.
 #pragma once
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "model/tri_mesh.h"
@@ -13,6 +15,8 @@ struct DrawMesh {
     std::vector<model::Vec3d> positions;
     std::vector<model::Vec3d> normals;  ///< unit, one a position
     std::vector<model::Face> faces;
+    /// (vertex, vertex of the mesh it was made of), one entry for each corner of the mesh's faces that are drawn from.
+    std::vector<std::array<std::uint32_t, 2>> origins;
     bool simplified = false;  ///< vertices were put together
 };
 

@@ -87,9 +87,9 @@ std::string row_html(const Row& row) {
                                   image(row.page.error_thumbnail, "error"));
     out += fmt::format("<td class=\"name\" data-v=\"{}\">{}<div class=\"note\">{}</div>", name, title, escaped(note));
     if (!row.page.problem.empty()) out += "<div class=\"note\">no page: " + escaped(row.page.problem) + "</div>";
-    out += fmt::format("</td><td class=\"n\" data-v=\"{}\">{:.3g} %<div class=\"note\">{}</div></td>", row.rms, row.rms,
+    out += fmt::format("</td><td class=\"n\" data-v=\"{}\">{:.3g} %<div class=\"sub\">{}</div></td>", row.rms, row.rms,
                        number_text(e.rms));
-    out += fmt::format("<td class=\"n\" data-v=\"{}\">{:.3g} %<div class=\"note\">{}</div></td>", row.worst, row.worst,
+    out += fmt::format("<td class=\"n\" data-v=\"{}\">{:.3g} %<div class=\"sub\">{}</div></td>", row.worst, row.worst,
                        number_text(e.hausdorff));
     out += fmt::format("<td class=\"n wide-only\" data-v=\"{}\">{}</td>", escaped(row.grids), escaped(row.grids));
     out += fmt::format("<td class=\"n\" data-v=\"{}\">{}</td>", row.bytes, bake::bytes_text(row.bytes));

@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -100,6 +101,37 @@ SurfaceValues surface_values(const model::Chart& chart, const bake::Reconstructi
     const double mean = all_map > 0 ? std::log2(all_surface / all_map) : 0;
     for (std::size_t v = 0; v < weight.size(); ++v)
         if (weight[v] > 0) out.area[v] = area[v] / weight[v] - mean, out.angle[v] = angle[v] / weight[v];
+    return out;
+}
+
+std::vector<double> source_distances(const model::TriMesh& source, const model::TriMesh& map) {
+    const bake::ClosestPointIndex index(map.positions, map.faces);
+    const auto distance = [&](const Vec3d& p) {
+        const bake::ClosestPoint nearest = index.query(p);
+        if (nearest.face == bake::ClosestPointIndex::kNoFace) return kNothing;
+        const auto q = map.corners(nearest.face);
+        const bool outside = dot(p - nearest.point, cross(q[1] - q[0], q[2] - q[0])) > 0;
+        return outside ? -nearest.distance : nearest.distance;
+    };
+    std::vector<double> out(source.positions.size(), kNothing), middle(source.faces.size(), kNothing);
+    std::vector<char> used(out.size(), 0);
+    const auto good = [&](const Face& f) {
+        return std::all_of(f.begin(), f.end(), [&](std::uint32_t v) { return v < out.size(); });
+    };
+    for (const Face& face : source.faces)
+        if (good(face))
+            for (const std::uint32_t v : face) used[v] = 1;
+    tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t v) {
+        if (used[v] != 0) out[v] = distance(source.positions[v]);
+    });
+    tbb::parallel_for(std::size_t{0}, middle.size(), [&](std::size_t f) {
+        if (!good(source.faces[f])) return;
+        const auto q = source.corners(f);
+        middle[f] = distance((q[0] + q[1] + q[2]) / 3);
+    });
+    for (std::size_t f = 0; f < middle.size(); ++f)
+        if (good(source.faces[f]))
+            for (const std::uint32_t v : source.faces[f]) keep_larger(out[v], middle[f]);
     return out;
 }
 

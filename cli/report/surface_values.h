@@ -26,4 +26,9 @@ struct SurfaceValues {
 [[nodiscard]] SurfaceValues surface_values(const model::Chart& chart, const bake::Reconstruction& surface,
                                            const bake::ClosestPointIndex& source);
 
+/// Per vertex of the source, how far the reconstruction is away: the largest in size among the vertex and the middles
+/// of its faces, with the sign as above (negative: the reconstruction is inside). What the map leaves out shows here
+/// alone.
+[[nodiscard]] std::vector<double> source_distances(const model::TriMesh& source, const model::TriMesh& map);
+
 }  // namespace dgm::report

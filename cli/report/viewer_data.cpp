@@ -213,9 +213,9 @@ std::string table(Quantity quantity) {
 }
 }  // namespace
 
-json viewer_data(const model::TriMesh& source, const ViewedCharts& map, const Scales& scales, double diagonal,
+json viewer_data(const ViewedSource& source, const ViewedCharts& map, const Scales& scales, double diagonal,
                  const render::View& view, std::size_t most_vertices) {
-    const DrawMesh original = draw_mesh(source, most_vertices);
+    const DrawMesh original = draw_mesh(source.mesh, most_vertices);
     const Thinned thin = thinned(map, most_vertices);
     const MapMesh rebuilt = map_mesh(map, thin, scales);
     Box box;
@@ -236,6 +236,13 @@ json viewer_data(const model::TriMesh& source, const ViewedCharts& map, const Sc
              {"tables", {{"diverging", table(Quantity::kDistance)}, {"sequential", table(Quantity::kAngle)}}}};
     out["source"] = encoded(original, box.low, step);
     out["source"]["simplified"] = original.simplified;
+    std::vector<double> worst(original.positions.size(), 0);
+    for (const auto& [drawn, vertex] : original.origins)
+        if (const double value = source.distances[vertex]; std::abs(value) > std::abs(worst[drawn]))
+            worst[drawn] = value;
+    std::vector<std::uint8_t> places;
+    for (const double value : worst) places.push_back(byte_of(table_place(Quantity::kDistance, value, scales)));
+    out["source"]["distance"] = base64_of(places);
     if (thin.faces.empty()) return out;
     json& target = out["map"] = encoded(rebuilt.mesh, box.low, step);
     target["distance"] = base64_of(rebuilt.places[0]);

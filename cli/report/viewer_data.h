@@ -28,12 +28,18 @@ struct ViewedCharts {
     std::span<const SurfaceValues> values;           ///< of each chart
 };
 
+struct ViewedSource {
+    const model::TriMesh& mesh;
+    std::span<const double> distances;  ///< source_distances()
+};
+
 /// Keys: view (yaw, pitch, in degrees), low, step, stride, charts (how many of them are shown: the first ones that
 /// fit), diagonal, scales, tables (256 colours each), source and map. Both of these: position, normal, index (u16 or,
-/// if `wide`, u32), `simplified` for the source. The map has also, a byte a vertex: distance, area, angle (places in
+/// if `wide`, u32), `simplified` for the source. A byte a vertex (places in the
+/// colour tables): distance; the map also: area, angle (places in
 /// the colour tables), and index pairs: grid, seams, borders. A distance is the largest of the samples that its vertex
 /// stands for. No key `map` if not even one chart fits.
-[[nodiscard]] nlohmann::json viewer_data(const model::TriMesh& source, const ViewedCharts& map, const Scales& scales,
+[[nodiscard]] nlohmann::json viewer_data(const ViewedSource& source, const ViewedCharts& map, const Scales& scales,
                                          double diagonal, const render::View& view,
                                          std::size_t most_vertices = kMostVertices);
 

@@ -51,7 +51,7 @@
       vec3 m = normalize(n);
       if (dot(m, cross(dFdx(seen), dFdy(seen))) < 0.) m = -m; // sources are not always wound alike
       float key = max(0., dot(m, normalize(vec3(-.45, .6, .7)))), fill = max(0., dot(m, normalize(vec3(.8, -.1, .4))));
-      float light = mode == 1 ? .72 + .28 * key : .26 + .62 * key + .2 * fill;
+      float light = mode == 1 ? .72 + .28 * key : .38 + .58 * key + .16 * fill;
       vec3 base = mode == 1 ? texture(table, vec2((t * 255. + .5) / 256., .5)).rgb : plain;
       colour = vec4(base * light, 1);
     }`);
@@ -102,7 +102,7 @@
   const size = data.size.map((s) => s / data.step), centre = size.map((s) => s / 2);
   const radius = Math.hypot(...size) / 2 || 1;
   const radians = (degrees) => degrees * Math.PI / 180;
-  const start = { yaw: radians(data.view.yaw), pitch: radians(data.view.pitch), zoom: 1 };
+  const start = { yaw: radians(data.view.yaw), pitch: radians(data.view.pitch), zoom: 1.25 };
   let view = { ...start }, waiting = false;
 
   const frame = () => {
@@ -160,7 +160,7 @@
     [source, map].forEach((mesh, side) => {
       gl.viewport(side * width, 0, width, canvas.height);
       gl.bindVertexArray(mesh.array);
-      const coloured = mesh === map && kind !== "none";
+      const coloured = Boolean(mesh.places[kind]); // the source knows its distance only
       gl.uniform1i(uniforms.mode, coloured ? 1 : 0);
       gl.uniform1f(uniforms.push, 0);
       gl.uniform3f(uniforms.plain, .84, .75, .68);
