@@ -115,6 +115,17 @@ std::string failure_html(const json& asset) {
     return out + "<p><b>Next:</b> " + escaped(text_of(*error, "hint")) + "</p></div>\n";
 }
 
+std::string setting_text(const json& value) {
+    if (value.is_null()) return "as the mesh has it";
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_object() && value.contains("rows"))
+        return value["rows"].dump() + "x" + value.value("cols", json()).dump();
+    if (!value.is_array()) return value.dump();
+    std::string out;
+    for (const json& item : value) out += (out.empty() ? "" : ", ") + setting_text(item);
+    return out;
+}
+
 /// What all assets were baked with; nothing for a batch whose assets differ.
 std::string settings_html(const json& report) {
     const json& assets = report.at("assets");
@@ -126,11 +137,7 @@ std::string settings_html(const json& report) {
                    "own.</p></section>\n";
     std::string out = "<section><h2>Settings</h2>\n<table class=\"plain\"><tbody>\n";
     for (const auto& [key, value] : first.items())
-        out += fmt::format(
-            "<tr><th>{}</th><td>{}</td></tr>\n", escaped(key),
-            escaped(value.is_string()        ? value.get<std::string>()
-                    : value.contains("rows") ? fmt::format("{}x{}", value["rows"].dump(), value["cols"].dump())
-                                             : value.dump()));
+        out += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escaped(key), escaped(setting_text(value)));
     return out + "</tbody></table></section>\n";
 }
 
