@@ -115,6 +115,9 @@ std::vector<double> source_distances(const model::TriMesh& source, const model::
     };
     std::vector<double> out(source.positions.size(), kNothing), middle(source.faces.size(), kNothing);
     std::vector<char> used(out.size(), 0);
+    // A face of a coarse mesh is large against the grid's: one point would not tell.
+    constexpr double kPoints = 200'000;
+    const int side = std::clamp(static_cast<int>(std::sqrt(2 * kPoints / (source.faces.size() + 1.0))), 1, 16);
     const auto good = [&](const Face& f) {
         return std::all_of(f.begin(), f.end(), [&](std::uint32_t v) { return v < out.size(); });
     };
@@ -127,7 +130,11 @@ std::vector<double> source_distances(const model::TriMesh& source, const model::
     tbb::parallel_for(std::size_t{0}, middle.size(), [&](std::size_t f) {
         if (!good(source.faces[f])) return;
         const auto q = source.corners(f);
-        middle[f] = distance((q[0] + q[1] + q[2]) / 3);
+        for (int a = 0; a < side; ++a)
+            for (int b = 0; a + b < side; ++b) {
+                const double s = (a + 1.0 / 3) / side, t = (b + 1.0 / 3) / side;
+                keep_larger(middle[f], distance(q[0] + s * (q[1] - q[0]) + t * (q[2] - q[0])));
+            }
     });
     for (std::size_t f = 0; f < middle.size(); ++f)
         if (good(source.faces[f]))
