@@ -35,7 +35,8 @@ RUNTIME = ("libdgm/include",)
 DATA = RUNTIME + ("formats/model", "formats/image")
 GEOMETRY = DATA + ("cli/geometry",)
 CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
-BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cli/pipeline", "cli/scene", "cli/tool")
+BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cli/pipeline", "cli/report", "cli/scene",
+                                          "cli/tool")
 
 PARTS = (
     Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
@@ -52,6 +53,8 @@ PARTS = (
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
     Part("cli/pipeline", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB, SYSTEM),
          "the stages in order; introduces the parameterizers to the geometry"),
+    Part("cli/report", 4, GEOMETRY + CONTAINERS + ("cli/render", "cli/pipeline"), (FMT, JSON, TBB, SYSTEM),
+         "the pages of --report: pictures and words about what the pipeline made"),
     Part("cli/scene", 5, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
     Part("cli/bench", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),

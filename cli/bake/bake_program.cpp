@@ -28,6 +28,8 @@
 #include "pipeline/output_files.h"
 #include "pipeline/report_text.h"
 #include "pipeline/up_to_date.h"
+#include "report/page_job.h"
+#include "report/report_files.h"
 #include "scene/scene_outcome.h"
 
 namespace dgm::bake {
@@ -142,6 +144,21 @@ int print_plan(const BatchPlan& plan, const std::optional<scene::Scene>& scene) 
     return static_cast<int>(worst_exit(results));
 }
 
+/// Pages take seconds each. @return true if a signal ended it
+bool write_html(const CommandLine& line, const BatchPlan& plan, const std::vector<AssetResult>& results) {
+    const auto tell = [&](std::size_t done, std::size_t all) {
+        const bool step = done == all || done * 10 / all != (done - 1) * 10 / all;
+        if (!line.quiet && line.progress != ProgressStyle::kNone && step)
+            say(stderr, fmt::format("dgm-bake: report: {} of {} pages\n", done, all));
+    };
+    report::HtmlReport html = report::html_report(line.report, plan, line.batch, results, tell);
+    write_whole(line.report, html.index);
+    if (!line.quiet)
+        say(stdout, fmt::format("{}: report, {} pages made, {} kept, {} failed\n",
+                                printable(line.report.lexically_normal().string()), html.made, html.kept, html.failed));
+    return html.interrupted;
+}
+
 class Conversation {
  public:
     Conversation(const CommandLine& line, const BatchPlan& plan)
@@ -240,6 +257,10 @@ int run(const CommandLine& line) {
     check_files(line, plan);
     if (line.shard) keep_shard(plan, *line.shard);
     if (line.dry_run) return print_plan(plan, scene);
+    if (!line.report.empty() && !line.report.parent_path().empty()) {
+        std::error_code ignored;  // check_writable tells
+        fs::create_directory(line.report.parent_path(), ignored);
+    }
     for (const fs::path& file : {line.report, line.depfile})
         if (!file.empty()) check_writable(file);
     Conversation conversation(line, plan);
@@ -252,7 +273,10 @@ int run(const CommandLine& line) {
         outcome = scene::scene_outcome(*scene, plan, results);
         exit = tell_scene(line, *scene, *outcome, exit);
     }
-    if (!line.report.empty()) {
+    bool interrupted = false;
+    if (line.html_report) {
+        interrupted = write_html(line, plan, results);
+    } else if (!line.report.empty()) {
         const std::string report = batch_report_json(plan, line.batch, results, generator());
         write_whole(line.report, outcome ? scene::with_scene(report, *scene, *outcome) : report);
     }
@@ -260,7 +284,7 @@ int run(const CommandLine& line) {
         touch_outputs(results);
         write_whole(line.depfile, dependency_file(rules_of(plan, results)));
     }
-    return static_cast<int>(exit);
+    return static_cast<int>(interrupted ? model::ExitCode::kInterrupted : exit);
 }
 
 int run_command_line(int argc, const char* const* argv) {
@@ -281,7 +305,7 @@ int run_command_line(int argc, const char* const* argv) {
 int bake_program(int argc, char** argv, const BakeFunction& bake) noexcept {
     model::Error failure(codes::kInternal, "unknown exception");
     try {
-        if (is_worker(argc, argv)) return run_worker(bake);
+        if (is_worker(argc, argv)) return run_worker(bake, report::make_page);
         // A reader of our stdout that leaves (`| head`) must not leave temporaries behind.
         signal(SIGPIPE, SIG_IGN);
         const int exit_code = run_command_line(argc, argv);

@@ -126,6 +126,17 @@ void set_grid(const Raw& raw, BakeOptions& bake) {
         bake.auto_samples = kLargestSearched;
 }
 
+/// What the report is in: as asked, else as the file's extension says.
+void set_report(const Raw& raw, CommandLine& out) {
+    constexpr std::array kReportFormats{NamedValue<bool>{"json", false}, NamedValue<bool>{"html", true}};
+    out.report = raw.report;
+    const std::string extension = out.report.extension().string();
+    out.html_report = raw.report_format.empty() ? extension == ".html" || extension == ".htm"
+                                                : choice("--report-format", kReportFormats, raw.report_format);
+    if (!raw.report_format.empty() && raw.report.empty())
+        wrong("--report-format says what --report FILE is written in; name a file with --report");
+}
+
 /// "2/8"
 Shard parse_shard(const std::string& text) {
     Shard out{0, 0};
@@ -207,11 +218,7 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     for (const std::string& part : out.bake.ablate)
         if (std::find(kAblateNames.begin(), kAblateNames.end(), part) == kAblateNames.end())
             unknown_word("--ablate", "part", part, kAblateNames);
-    if (raw.report_format == "html")
-        throw model::Error(codes::kUnsupported, "--report-format: this version writes reports as json only");
-    constexpr std::array<std::string_view, 1> kReportFormats{"json"};
-    if (raw.report_format != "json") unknown_word("--report-format", "format", raw.report_format, kReportFormats);
-    out.report = raw.report;
+    set_report(raw, out);
     constexpr std::array kProgressNames{NamedValue<ProgressStyle>{"auto", ProgressStyle::kAuto},
                                         NamedValue<ProgressStyle>{"bar", ProgressStyle::kBar},
                                         NamedValue<ProgressStyle>{"plain", ProgressStyle::kPlain},

@@ -22,6 +22,7 @@ struct CommandLine {
     std::filesystem::path scene;  ///< a scene file instead of meshes; `bake` says nothing then
     std::optional<Shard> shard;
     std::filesystem::path report;                 ///< empty: none
+    bool html_report = false;                     ///< the report is an index with pages beside it, not JSON
     std::filesystem::path depfile;                ///< -MF; empty: none
     std::vector<std::filesystem::path> to_merge;  ///< --merge-reports: the reports; then nothing is baked
     ProgressStyle progress = ProgressStyle::kAuto;

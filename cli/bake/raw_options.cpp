@@ -12,8 +12,9 @@ namespace {
 
 constexpr std::array kExamples{
     tool::Example{"dgm-bake stomach.obj", "bakes stomach.dgm, 257 x 257 samples"},
-    tool::Example{"dgm-bake models/ -o baked/ --report baked/report.json",
-                  "bakes a whole folder overnight; run again, it bakes only what has changed"},
+    tool::Example{
+        "dgm-bake models/ -o baked/ --report baked/index.html",
+        "bakes a whole folder overnight, to look through in the morning; run again, it bakes only what has changed"},
     tool::Example{"dgm-bake 'models/**/*.obj' -o baked/ -j2", "the same for the files that match, two at a time"},
     tool::Example{"dgm-bake stomach.obj --max-error 0.02%", "takes the smallest grid that is as near to the mesh"},
     tool::Example{"dgm-bake chair.obj --texture denim.png --budget 256KiB",
@@ -72,8 +73,10 @@ void describe(CLI::App& app, Raw& raw) {
          "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]");
     text(files, "--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
     text(files, "--report", "FILE", raw.report,
-         "write what happened to each mesh, with all errors measured, to this file");
-    text(files, "--report-format", "json", raw.report_format, "of that file [json]");
+         "write what happened to each mesh, with all errors measured, to this file; FILE.html: a page to look at, with "
+         "one for each mesh in the folder assets beside it");
+    text(files, "--report-format", "json|html", raw.report_format,
+         "of that file [html if it ends in .html, else json]");
     text(files, "-M,--depfile", "FILE", raw.depfile,
          "(also -MF FILE) write which files each output was made from, for Make and Ninja");
 

@@ -15,7 +15,7 @@ struct Raw {
     std::vector<std::string> inputs;
     std::string output, size, max_error, max_error_kind, budget,
         method = "auto", domain = "auto", fit = "l2", precision = "f32", layers, texture, texture_size, bump_size,
-        ablate, format, exr_layout = "auto", report, report_format = "json", memory_limit = "8GiB", progress = "auto",
+        ablate, format, exr_layout = "auto", report, report_format, memory_limit = "8GiB", progress = "auto",
         shard, depfile;
     int jobs = 0;
     double time_limit = 600;

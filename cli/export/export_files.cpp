@@ -24,6 +24,7 @@
 #include "render/chart_surface.h"
 #include "render/layer_picture.h"
 #include "render/pictures.h"
+#include "render/textures.h"
 
 namespace dgm::exporter {
 namespace {
@@ -175,17 +176,7 @@ Image sheets_picture(const MapSet& maps, const ExportOptions& options) {
 Image compared_picture(const MapSet& maps, const ExportOptions& options, const Warn& warn) {
     const formats::ImportedMesh source = formats::read_mesh(options.source);
     for (const std::string& warning : source.warnings) warn(warning);
-    std::vector<Image> textures;
-    for (const model::Material& material : source.mesh.materials) {
-        textures.emplace_back();
-        if (material.diffuse_map.empty()) continue;
-        try {
-            textures.back() = formats::read_image(material.diffuse_map);
-        } catch (const model::Error& error) {
-            warn(fmt::format("texture {} is left out: {}", material.diffuse_map.string(), error.what()));
-        }
-    }
-    return render::comparison_picture(source.mesh, std::move(textures), render::chart_surface(maps.charts),
+    return render::comparison_picture(source.mesh, render::read_textures(source.mesh, warn), render::chart_surface(maps.charts),
                                       picture_options(options));
 }
 

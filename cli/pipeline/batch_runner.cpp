@@ -19,6 +19,7 @@
 #include "pipeline/child_process.h"
 #include "pipeline/memory_budget.h"
 #include "pipeline/output_files.h"
+#include "pipeline/signal_scope.h"
 #include "pipeline/up_to_date.h"
 #include "pipeline/worker_protocol.h"
 
@@ -38,41 +39,6 @@ constexpr std::size_t kMaxNotices = 20, kMaxNoticeBytes = 400;
 
 /// Interrupted, the program ends within a second, workers with gigabytes to give back on a busy machine or not.
 constexpr auto kLastWait = std::chrono::milliseconds(500);
-
-volatile sig_atomic_t g_stop_requested = 0;
-
-/// Turns signals into a flag while a batch runs. They stay blocked but inside ppoll, so none is missed.
-class SignalScope {
- public:
-    SignalScope() {
-        g_stop_requested = 0;
-        sigset_t blocked;
-        sigemptyset(&blocked);
-        struct sigaction action {};
-        action.sa_handler = [](int) { g_stop_requested = 1; };
-        for (std::size_t k = 0; k < kSignals.size(); ++k) {
-            sigaddset(&blocked, kSignals[k]);
-            sigaction(kSignals[k], &action, &old_actions_[k]);
-        }
-        sigprocmask(SIG_BLOCK, &blocked, &old_mask_);
-    }
-    SignalScope(const SignalScope&) = delete;
-    SignalScope& operator=(const SignalScope&) = delete;
-    ~SignalScope() {
-        for (std::size_t k = 0; k < kSignals.size(); ++k) sigaction(kSignals[k], &old_actions_[k], nullptr);
-        sigprocmask(SIG_SETMASK, &old_mask_, nullptr);
-    }
-    [[nodiscard]] bool stop_requested() const { return g_stop_requested != 0; }
-    void wait(std::vector<pollfd>& descriptors, std::chrono::nanoseconds longest) const {
-        const timespec timeout{static_cast<time_t>(longest.count() / 1'000'000'000), longest.count() % 1'000'000'000};
-        ppoll(descriptors.data(), descriptors.size(), &timeout, &old_mask_);
-    }
-
- private:
-    static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
-    std::array<struct sigaction, kSignals.size()> old_actions_{};
-    sigset_t old_mask_{};
-};
 
 Outcome outcome_of(const model::Error& error) {
     const int number = error.code().number;

@@ -17,15 +17,6 @@ std::string plural(std::uint64_t count, std::string_view noun) {
     return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-std::string bytes_text(std::uint64_t bytes) {
-    constexpr std::array<std::string_view, 4> kUnits{"kB", "MB", "GB", "TB"};
-    if (bytes < 1000) return fmt::format("{} B", bytes);
-    double value = static_cast<double>(bytes) / 1000;
-    std::size_t unit = 0;
-    for (; value >= 999.95 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
-    return fmt::format("{:.1f} {}", value, kUnits[unit]);
-}
-
 /// "stretch 257x257", or each kind once where charts differ: "3 charts, stretch 257x257, lscm 65x65".
 std::string charts_text(const std::vector<ChartReport>& charts) {
     std::vector<std::string> kinds;
@@ -100,6 +91,15 @@ std::string normals_text(const SurfaceError& e) {
 }
 
 }  // namespace
+
+std::string bytes_text(std::uint64_t bytes) {
+    constexpr std::array<std::string_view, 4> kUnits{"kB", "MB", "GB", "TB"};
+    if (bytes < 1000) return fmt::format("{} B", bytes);
+    double value = static_cast<double>(bytes) / 1000;
+    std::size_t unit = 0;
+    for (; value >= 999.95 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+    return fmt::format("{:.1f} {}", value, kUnits[unit]);
+}
 
 std::string printable(std::string_view text) {
     std::string out;

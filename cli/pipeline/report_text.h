@@ -2,6 +2,7 @@
 // cli/pipeline/report_text.h
 // What people read: results, failures told as one story, the sum of a batch. And the same as JSON for programs.
 #pragma once
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,9 @@ namespace dgm::bake {
 
 /// `text` with control characters as \xNN: file names and library messages must not steer the terminal.
 [[nodiscard]] std::string printable(std::string_view text);
+
+/// "1.2 MB": powers of 1000.
+[[nodiscard]] std::string bytes_text(std::uint64_t bytes);
 
 /// "stomach.dgm: stretch 257x257, 81.3 dB, rms 0.017 (0.0086 %), max 0.1 (0.05 %), 0 flips, seam gap 0, 1.2 MB, 3.4 s".
 /// Errors are in source units and % of the source's diagonal. No newline.

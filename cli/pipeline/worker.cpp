@@ -18,6 +18,7 @@
 #include <fstream>
 #include <limits>
 #include <new>
+#include <optional>
 #include <string_view>
 
 #include "model/codes.h"
@@ -123,28 +124,39 @@ BakeReport bake_and_write(const WorkerJob& job, const BakeFunction& bake, Progre
     return std::move(result.report);
 }
 
+/// What `work` returns, or how it failed.
+template <class Work>
+WorkerMessage guarded(std::uint64_t memory_bytes, const ProgressSender& sender, const Work& work) {
+    std::optional<model::Error> failure;
+    try {
+        return work();
+    } catch (const model::Error& error) { failure = error; } catch (const std::bad_alloc&) {
+        failure.emplace(codes::kWorkerMemory,
+                        memory_bytes == 0
+                            ? "an allocation failed"
+                            : fmt::format("it needs more than the {} MiB it may take", memory_bytes >> 20));
+    } catch (const std::exception& other) {
+        failure.emplace(codes::kInternal, std::string("unexpected exception: ") + other.what());
+    }
+    failure->with_stage(sender.stage());
+    return ErrorMessage{*failure};
+}
+
 WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
     ProgressSender sender;
     job.options.on_notice = [](const std::string& line) {
         write_all(kMessageDescriptor, encode(WorkerMessage{NoticeMessage{line}}));
     };
-    try {
-        return ResultMessage{bake_and_write(job, bake, sender)};
-    } catch (model::Error& error) {
-        error.with_stage(sender.stage());
-        return ErrorMessage{error};
-    } catch (const std::bad_alloc&) {
-        model::Error error(codes::kWorkerMemory,
-                           job.memory_bytes == 0
-                               ? "an allocation failed"
-                               : fmt::format("it needs more than the {} MiB it may take", job.memory_bytes >> 20));
-        error.with_stage(sender.stage());
-        return ErrorMessage{error};
-    } catch (const std::exception& other) {
-        model::Error error(codes::kInternal, std::string("unexpected exception: ") + other.what());
-        error.with_stage(sender.stage());
-        return ErrorMessage{error};
-    }
+    return guarded(job.memory_bytes, sender,
+                   [&]() -> WorkerMessage { return ResultMessage{bake_and_write(job, bake, sender)}; });
+}
+
+/// The result of a page is its file: the report in the message is empty.
+WorkerMessage outcome_of_page(std::string_view job, std::uint64_t memory_bytes, const PageFunction& page) {
+    return guarded(memory_bytes, {}, [&]() -> WorkerMessage {
+        page(job);
+        return ResultMessage{};
+    });
 }
 
 }  // namespace
@@ -153,17 +165,19 @@ bool is_worker(int argc, const char* const* argv) {
     return argc == 2 && std::string_view(argv[1]) == "--worker";
 }
 
-int run_worker(const BakeFunction& bake) {
+int run_worker(const BakeFunction& bake, const PageFunction& page) {
     if (fcntl(kMessageDescriptor, F_GETFD) < 0) {
         std::fputs("dgm-bake: --worker is how dgm-bake starts its own workers, not for use by hand\n", stderr);
         return static_cast<int>(model::ExitCode::kUsage);
     }
     WorkerMessage outcome = OutOfMemoryMessage{};
     try {
-        const WorkerJob job = decode_job(read_job_text());
-        limit_memory(job.memory_bytes, job.threads);
-        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::max(1U, job.threads));
-        outcome = outcome_of(job, bake);
+        const std::string text = read_job_text();
+        const JobLimits limits = decode_limits(text);
+        limit_memory(limits.memory_bytes, limits.threads);
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::max(1U, limits.threads));
+        outcome = page && is_page_job(text) ? outcome_of_page(text, limits.memory_bytes, page)
+                                            : outcome_of(decode_job(text), bake);
     } catch (const model::Error& error) { outcome = ErrorMessage{error}; }
     if (!write_all(kMessageDescriptor, encode(outcome))) return static_cast<int>(model::ExitCode::kInternal);
     // Destructors of statics in the libraries have crashed after a good bake before; there is nothing left to save.

@@ -5,6 +5,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <string_view>
 
 #include "pipeline/pipeline.h"
 
@@ -14,13 +15,16 @@ namespace dgm::bake {
 using BakeFunction =
     std::function<BakeResult(const std::filesystem::path&, const BakeOptions&, const model::Progress&)>;
 
+/// Makes one page of a report from a job that is_page_job(), and writes it to the file that the job names.
+using PageFunction = std::function<void(std::string_view job)>;
+
 /// True if the arguments are those ChildProcess starts a worker with.
 [[nodiscard]] bool is_worker(int argc, const char* const* argv);
 
-/// Reads a job from descriptor 0, bakes, writes the files under the temporary names it was given, reads them back and
+/// Reads a job from descriptor 0. A page job goes to `page`. For any other it bakes, writes the files under the temporary names it was given, reads them back and
 /// compares, and sends progress and the outcome to descriptor 3 (worker_protocol.h). Limits its own memory first.
 /// Publishes nothing and removes nothing: the parent does, which is still there when this process is not.
 /// @return the process's exit code: 0 if an outcome was sent, success or not
-[[nodiscard]] int run_worker(const BakeFunction& bake);
+[[nodiscard]] int run_worker(const BakeFunction& bake, const PageFunction& page = {});
 
 }  // namespace dgm::bake

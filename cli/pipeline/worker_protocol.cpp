@@ -210,6 +210,17 @@ std::string encode(const WorkerJob& job) {
                     {"threads", job.threads}});
 }
 
+JobLimits decode_limits(std::string_view text) {
+    const json object = json::parse(text, nullptr, false);
+    if (!object.is_object()) malformed();
+    return {number_at(object, "memory_bytes", kMaxU64), static_cast<std::uint32_t>(number_at(object, "threads", 4096))};
+}
+
+bool is_page_job(std::string_view text) {
+    const json object = json::parse(text, nullptr, false);
+    return object.is_object() && object.contains("page");
+}
+
 WorkerJob decode_job(std::string_view text) {
     const json object = json::parse(text, nullptr, false);
     if (!object.is_object()) malformed();
@@ -223,8 +234,9 @@ WorkerJob decode_job(std::string_view text) {
     job.options.write_dgm = !job.dgm.empty();
     job.options.write_exr = !job.exr.empty();
     job.options.scratch = job.dgm;
-    job.memory_bytes = number_at(object, "memory_bytes", kMaxU64);
-    job.threads = static_cast<std::uint32_t>(number_at(object, "threads", 4096));
+    const JobLimits limits = decode_limits(text);
+    job.memory_bytes = limits.memory_bytes;
+    job.threads = limits.threads;
     return job;
 }
 

@@ -59,6 +59,16 @@ inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\
 [[nodiscard]] std::string encode_path(const std::filesystem::path& path);
 [[nodiscard]] std::filesystem::path decode_path(std::string_view text);
 
+/// What every job says, whatever it is.
+struct JobLimits {
+    std::uint64_t memory_bytes = 0;
+    std::uint32_t threads = 1;
+};
+/// @throws model::Error kInternal if `text` does not say them
+[[nodiscard]] JobLimits decode_limits(std::string_view text);
+/// True for a job with the key "page": a page of the report instead of a bake.
+[[nodiscard]] bool is_page_job(std::string_view text);
+
 [[nodiscard]] std::string encode(const WorkerJob& job);
 /// @throws model::Error kInternal if `text` is not a job
 [[nodiscard]] WorkerJob decode_job(std::string_view text);

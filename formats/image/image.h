@@ -52,6 +52,10 @@ struct GrayImage16 {
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 [[nodiscard]] std::vector<std::byte> encode_png(const GrayImage16& image);
 
+/// JPEG file bytes, without alpha; `quality` 1..100, colours at full resolution above 90. Equal pictures give equal bytes.
+/// @throws model::Error as encode_png
+[[nodiscard]] std::vector<std::byte> encode_jpeg(const Image& image, int quality);
+
 /// Writes encode_png(image) to exactly `path`. @throws also kWriteFailed; nothing is left behind then
 void write_png(const std::filesystem::path& path, const Image& image);
 void write_png(const std::filesystem::path& path, const GrayImage16& image);

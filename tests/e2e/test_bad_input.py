@@ -115,10 +115,6 @@ class BadInput(support.Folder):
         self.refuse(1, 6001, ["no input"])
         self.refuse(1, 6001, ["--frobnicate"], "sheet.obj", "--frobnicate", "1/2")
 
-    def test_html_report_is_unsupported(self):
-        self.sheet()
-        self.refuse(5, 6002, ["json"], "sheet.obj", "--report", "r.html", "--report-format", "html")
-
     def test_output_is_an_input(self):
         path = self.sheet("sheet.dgm")
         text = path.read_text()

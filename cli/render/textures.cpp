@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/render/textures.cpp
+#include "render/textures.h"
+
+#include "model/error.h"
+
+namespace dgm::render {
+
+std::vector<formats::Image> read_textures(const model::TriMesh& mesh,
+                                          const std::function<void(const std::string&)>& warn) {
+    std::vector<formats::Image> textures;
+    for (const model::Material& material : mesh.materials) {
+        textures.emplace_back();
+        if (material.diffuse_map.empty()) continue;
+        try {
+            textures.back() = formats::read_image(material.diffuse_map);
+        } catch (const model::Error& error) {
+            warn("texture " + material.diffuse_map.string() + " is left out: " + error.what());
+        }
+    }
+    return textures;
+}
+
+}  // namespace dgm::render

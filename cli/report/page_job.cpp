@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/report/page_job.cpp
+#include "report/page_job.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "model/codes.h"
+#include "pipeline/worker_protocol.h"
+
+namespace dgm::report {
+using nlohmann::json;
+
+std::string encode(const PageJob& job) {
+    const json page{{"asset", job.page.asset},
+                    {"source", bake::encode_path(job.page.source)},
+                    {"map", bake::encode_path(job.page.map)},
+                    {"command", bake::encode_path(job.page.command)},
+                    {"key", job.page.key},
+                    {"index_link", job.page.index_link},
+                    {"output", bake::encode_path(job.output)}};
+    return json{{"page", page}, {"memory_bytes", job.memory_bytes}, {"threads", job.threads}}.dump(
+        -1, ' ', false, json::error_handler_t::replace);
+}
+
+PageJob decode_page_job(std::string_view text) {
+    const bake::JobLimits limits = bake::decode_limits(text);
+    try {
+        const json page = json::parse(text).at("page");
+        const auto path_at = [&](const char* key) { return bake::decode_path(page.at(key).get<std::string>()); };
+        PageJob job;
+        job.page = {page.at("asset"), path_at("source"),    path_at("map"), path_at("command").string(),
+                    page.at("key"),   page.at("index_link")};
+        job.output = path_at("output");
+        job.memory_bytes = limits.memory_bytes;
+        job.threads = limits.threads;
+        return job;
+    } catch (const json::exception& error) {
+        throw model::Error(model::codes::kInternal,
+                           std::string("the worker was given a malformed page: ") + error.what());
+    }
+}
+
+void make_page(std::string_view text) {
+    const PageJob job = decode_page_job(text);
+    const std::string page = asset_page(job.page);
+    std::ofstream out(job.output, std::ios::binary | std::ios::trunc);
+    out << page;
+    out.close();
+    if (!out) throw model::Error(model::codes::kWriteFailed, "the page cannot be written", job.output.string());
+}
+
+}  // namespace dgm::report

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The HTML report as its reader meets it: in a browser, from disk."""
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import unittest
+from pathlib import Path
+
+import meshes
+import numpy
+import support
+from browser import browser, read_png, run_browser
+
+SIZE = ["--size", "33", "--method", "stretch", "--fit", "sample"]
+SCREENSHOTS = os.environ.get("DGM_SCREENSHOTS", "")
+# The software renderer: the same pictures on every machine.
+WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+EVIL = "b<img src=x onerror=alert(1)>&\"'.obj"
+TIMES = re.compile(r"<!-- of this run: times -->.*?<!-- end of this run -->", re.S)
+
+
+def complaints(console):
+    """What the page itself said: taking the picture stalls the software renderer, which remarks on it."""
+    return [line for line in console if "GPU stall due to ReadPixels" not in line]
+
+
+class Report(support.Folder):
+    def bake_three(self, *more, program=None):
+        (self.folder / "in" / "deep").mkdir(parents=True, exist_ok=True)
+        meshes.write_obj(self.folder / "in" / "ball.obj", meshes.icosphere(3))
+        meshes.write_obj(self.folder / "in" / "deep" / EVIL, meshes.sheet(16))
+        meshes.write_obj(self.folder / "in" / "band.obj", meshes.moebius())
+        result = self.bake("in", "-o", "out/", *SIZE, "--report", "out/index.html", *more, program=program)
+        self.assertEqual(result.returncode, 3, result.stderr)
+        return result
+
+    def pages(self):
+        return sorted((self.folder / "out" / "assets").iterdir())
+
+    def picture(self, page, name, *arguments, fragment="", size=(1240, 1100)):
+        path = self.folder / f"{name}.png"
+        _, console = run_browser(page, f"--screenshot={path}", f"--window-size={size[0]},{size[1]}", *WEBGL, *arguments,
+                                 fragment=fragment)
+        self.assertEqual(complaints(console), [])
+        if SCREENSHOTS:
+            os.makedirs(SCREENSHOTS, exist_ok=True)
+            shutil.copy(path, Path(SCREENSHOTS) / f"{name}.png")
+        return path
+
+    def pixels(self, *arguments, **more):
+        return read_png(self.picture(*arguments, **more).read_bytes()).astype(int)
+
+    def dom(self, page, *arguments):
+        dom, console = run_browser(page, "--dump-dom", *WEBGL, *arguments)
+        self.assertEqual(complaints(console), [])
+        return dom
+
+    def test_index_and_pages_in_a_browser(self):
+        self.bake_three()
+        index = self.folder / "out" / "index.html"
+        dom = self.dom(index)
+        self.assertIn("<h3>band.obj: refused</h3>", dom)
+        self.assertIn("<b>DGM3002</b>", dom)
+        self.assertLess(dom.index("band.obj: refused"), dom.index("<table class=\"assets\""))
+        report = json.loads(re.search(r'id="report" class="run">([^<]*)<', dom).group(1))
+        self.assertEqual(report["summary"]["baked"], 2)
+        self.assertEqual(len(self.pages()), 2)
+        for link in re.findall(r'<a href="([^"]+)"', dom):
+            self.assertTrue((index.parent / link).is_file(), link)
+        self.assertEqual(len(re.findall(r'src="data:image/jpeg', dom)), 4)
+        for thumbnail in re.findall(r'src="(data:image/jpeg[^"]+)', dom):
+            self.assertLess(len(thumbnail), 15_000)
+        for page in self.pages():
+            self.assertLess(page.stat().st_size, 2 << 20)
+            page_dom = self.dom(page)
+            self.assertGreater(int(re.search(r'data-drawn="(\d+)"', page_dom).group(1)), 500)
+            self.assertIn('<p class="small" id="no-viewer" hidden', page_dom)
+            self.assertRegex(page_dom, r"dgm-bake '?in/.* -o '?out/.* --size 33x33 --method stretch --fit sample")
+            for heading in ("Turn it", "Error and distortion in the map", "Layers", "Measures", "Charts", "Repaired",
+                            "Bake it again", "Times"):
+                self.assertIn(f"<h2>{heading}</h2>", page_dom)
+            links = re.findall(r'(?:src|href)="([^"]+)"', page_dom)
+            self.assertEqual([u for u in links if not u.startswith("data:")], ["../index.html"])
+            for block in re.findall(r'<script type="application/json" id="[^"]+">([^<]*)<', page_dom):
+                json.loads(block)
+
+    def test_pictures_are_not_blank(self):
+        self.bake_three()
+        index = self.folder / "out" / "index.html"
+        dark = "--blink-settings=preferredColorScheme=0"
+        light_corner, dark_corner = (self.pixels(index, f"index-{name}", *more, size=(800, 300))[3, 3].max()
+                                     for name, more in (("light", []), ("dark", [dark])))
+        self.assertEqual(light_corner, 255)
+        self.assertLess(dark_corner, 48)
+        ball = next(p for p in self.pages() if p.name.startswith("ball"))
+        pictures = {mode: self.pixels(ball, f"page-{mode}", fragment="#" + mode) for mode in ("none", "area")}
+        for mode in ("distance", "angle"):
+            self.picture(ball, f"page-{mode}", fragment="#" + mode)
+        self.picture(ball, "page-dark", dark)
+        self.picture(ball, "page-whole", size=(1240, 3600))
+        half = pictures["none"].shape[1] // 2
+        for mode, picture in pictures.items():
+            viewer = picture[-330:-60]
+            colours = [len(numpy.unique(side.reshape(-1, 3), axis=0)) for side in (viewer[:, :half], viewer[:, half:])]
+            self.assertGreater(min(colours), 60, mode)  # lit shapes on both sides
+        # Areas differ on a ball's map: the reconstruction is blue here and red there, the source is not.
+        right = pictures["area"][-330:-60, half:]
+        self.assertGreater((right[..., 0] - right[..., 2] > 30).sum(), 200)
+        self.assertGreater((right[..., 2] - right[..., 0] > 30).sum(), 200)
+
+    def test_without_webgl(self):
+        self.bake_three()
+        dom = self.dom(self.pages()[0], "--disable-3d-apis")
+        self.assertIn('data-drawn="none"', dom)
+        self.assertNotIn('id="no-viewer" hidden', dom)
+        self.assertIn('src="data:image/jpeg', dom)
+
+    def test_names_stay_text(self):
+        self.bake_three()
+        evil = [p for p in self.pages() if not p.name.startswith("ball")]
+        self.assertEqual(len(evil), 1)
+        self.assertRegex(evil[0].name, r"^[A-Za-z0-9._-]+$")
+        for page in (self.folder / "out" / "index.html", evil[0]):
+            text = page.read_text(encoding="utf-8")
+            self.assertNotIn("<img src=x", text)
+            self.assertNotIn("<img src=x", self.dom(page))
+            self.assertIn("b&lt;img src=x", text)
+
+    def test_pages_are_kept_while_they_hold(self):
+        self.bake_three()
+        before = {p: (p.read_bytes(), p.stat().st_mtime_ns) for p in self.pages()}
+        result = self.bake_three()
+        self.assertIn("0 pages made, 2 kept, 0 failed", result.stdout)
+        for page, (_, written) in before.items():
+            self.assertEqual(page.stat().st_mtime_ns, written)
+        self.bake_three("--force")  # made again: the same but for the times
+        for page, (text, written) in before.items():
+            self.assertGreater(page.stat().st_mtime_ns, written)
+            self.assertEqual(TIMES.sub("", page.read_text(encoding="utf-8")), TIMES.sub("", text.decode()))
+            self.assertNotEqual(TIMES.sub("", text.decode()), text.decode())
+        self.pages()[0].unlink()
+        self.assertIn("1 pages made, 1 kept, 0 failed", self.bake_three().stdout)
+        first = self.pages()[0]
+        first.write_text(first.read_text(encoding="utf-8").replace('name="dgm-page" content="', 'name="dgm-page" content="0'),
+                         encoding="utf-8")
+        self.assertIn("1 pages made, 1 kept, 0 failed", self.bake_three().stdout)
+        self.assertEqual([n for n in self.names() if ".tmp" in n], [])
+
+    def test_a_page_that_fails_fails_no_asset(self):
+        (self.folder / "small.obj").write_text("this is no mesh\n")  # the faulty program bakes it all the same
+        meshes.write_obj(self.folder / "real-ball.obj", meshes.icosphere(2))
+        result = self.bake("small.obj", "real-ball.obj", "-o", "out/", *SIZE, "--report", "out/index.html",
+                           program=support.FAULTY_BAKE)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("1 pages made, 0 kept, 1 failed", result.stdout)
+        text = (self.folder / "out" / "index.html").read_text(encoding="utf-8")
+        self.assertIn("no page: DGM", text)
+        self.assertEqual([p.name for p in self.pages()], ["real-ball.obj.html"])
+        self.assertEqual([n for n in self.names() if ".tmp" in n], [])
+
+    def test_ctrl_c_while_pages_are_made(self):
+        for k in range(8):
+            meshes.write_obj(self.folder / f"m{k}.obj", meshes.sheet(12 + k))
+        arguments = [*(f"m{k}.obj" for k in range(8)), "-o", "out/", *SIZE, "-j2"]
+        self.bake_well(*arguments)
+        process = subprocess.Popen([support.BAKE, *arguments, "--report", "out/index.html"], cwd=self.folder,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while "report: 1 of 8" not in process.stderr.readline():
+            self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=30), 130)
+        process.stderr.close()
+        self.assertTrue(self.workers_gone())
+        self.assertEqual([n for n in self.names() if ".tmp" in n], [])
+        self.assertIn("the report was interrupted", (self.folder / "out" / "index.html").read_text(encoding="utf-8"))
+
+    def test_sorting_and_filtering(self):
+        self.bake_three()
+        index = self.folder / "out" / "index.html"
+        text = index.read_text(encoding="utf-8")
+
+        def names_after(script):
+            page = self.folder / "out" / "scripted.html"
+            page.write_text(text.replace("</body>", f"<script>{script}</script></body>"), encoding="utf-8")
+            return re.findall(r'<tr class="\w+" data-text="([^"]+)"( hidden="")?', self.dom(page))
+
+        click = 'document.querySelectorAll("th button")[0].click();'
+        self.assertEqual([n[:4] for n, _ in names_after(click)], ["ball", "deep"])
+        self.assertEqual([n[:4] for n, _ in names_after(click + click)], ["deep", "ball"])
+        search = 'const f = document.getElementById("filter"); f.value = "DEEP onerror"; f.dispatchEvent(new Event("input"));'
+        hidden = {n[:4]: bool(h) for n, h in names_after(search)}
+        self.assertEqual(hidden, {"ball": True, "deep": False})
+
+    def test_two_hundred_assets_open_at_once(self):
+        self.bake_three()
+        index = self.folder / "out" / "index.html"
+        text = index.read_text(encoding="utf-8")
+        row = re.search(r"<tr class=\"\w+\" data-text.*?</tr>\n", text, re.S).group(0)
+        many = self.folder / "out" / "many.html"
+        many.write_text(text.replace(row, "".join(row.replace("<td", f"<td id=\"c{k}\"", 1) for k in range(200))),
+                        encoding="utf-8")
+        self.assertGreater(many.stat().st_size, 200 * 2 * 2000)
+        measure = ("addEventListener('load', () => { document.body.offsetHeight;"
+                   "document.body.dataset.opened = performance.now(); });")
+        many.write_text(many.read_text(encoding="utf-8").replace("</body>", f"<script>{measure}</script></body>"),
+                        encoding="utf-8")
+        milliseconds = []
+        for _ in range(3):  # without virtual time, and without the browser's own start
+            done = subprocess.run([browser(), "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", many.as_uri()],
+                                  capture_output=True, text=True, errors="replace", timeout=300, check=True)
+            self.assertEqual(len(re.findall(r"<tr class=", done.stdout)), 201)
+            milliseconds.append(float(re.search(r'data-opened="([\d.]+)"', done.stdout).group(1)))
+        print("index of 200 assets opened in", milliseconds, "ms")
+        self.assertLess(min(milliseconds), 2000, milliseconds)
+
+    def test_options(self):
+        meshes.write_obj(self.folder / "a.obj", meshes.sheet(8))
+        self.bake_well("a.obj", *SIZE, "--report", "r.txt", "--report-format", "html")
+        self.assertTrue((self.folder / "r.txt").read_text(encoding="utf-8").startswith("<!doctype html>"))
+        self.bake_well("a.obj", *SIZE, "--report", "r.html", "--report-format", "json")
+        self.assertEqual(json.loads((self.folder / "r.html").read_text(encoding="utf-8"))["summary"]["assets"], 1)
+        self.assertEqual(self.bake("a.obj", "--report", "r.html", "--report-format", "pdf").returncode, 1)
+        self.assertEqual(self.bake("a.obj", "--report-format", "html").returncode, 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
