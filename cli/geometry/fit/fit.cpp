@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <optional>
 
 #include "geometry/fit/border_rails.h"
 #include "geometry/fit/matches.h"
@@ -139,7 +141,7 @@ class Fitter {
     /// What had to move is fitted again, as long as nothing turns.
     void mend_turned() {
         constexpr int kPasses = 10;
-        const ClosestPointIndex index(source_.positions, source_.faces);
+        const ClosestPointIndex& index = source_index();
         const std::vector<Vec3d> before = grid_.surface.positions;
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
@@ -211,16 +213,29 @@ class Fitter {
         return false;
     }
 
-    /// Of the faces marked in `among`, or of all.
+    const ClosestPointIndex& source_index() {
+        if (!source_index_) source_index_.emplace(source_.positions, source_.faces);
+        return *source_index_;
+    }
+
+    /// Of the faces marked in `among`, or of all. Only those that changed since they were last looked at are measured:
+    /// mending moves few.
     [[nodiscard]] std::vector<std::uint32_t> turned_faces(const ClosestPointIndex& index,
-                                                          std::span<const char> among = {}) const {
+                                                          std::span<const char> among = {}) {
+        const LinkedSurface& grid = grid_.surface;
+        constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to nothing
+        judged_.resize(grid.faces.size(), {{Vec3d{kNever, kNever, kNever}, Vec3d{}, Vec3d{}}, false});
         TriMesh surface;
-        surface.positions = grid_.surface.positions;
-        std::vector<std::uint32_t> number;
-        for (std::uint32_t f = 0; f < grid_.surface.faces.size(); ++f)
-            if (among.empty() || among[f]) surface.faces.push_back(grid_.surface.faces[f]), number.push_back(f);
-        std::vector<std::uint32_t> out = find_turned_faces(index, surface, kTurnedTie);
-        for (std::uint32_t& f : out) f = number[f];
+        surface.positions = grid.positions;
+        std::vector<std::uint32_t> number, out;
+        for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
+            if (const auto q = grid.corners(f); (among.empty() || among[f]) && q != judged_[f].corners) {
+                surface.faces.push_back(grid.faces[f]), number.push_back(f);
+                judged_[f] = {q, false};
+            }
+        for (const std::uint32_t k : find_turned_faces(index, surface, kTurnedTie)) judged_[number[k]].turned = true;
+        for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
+            if ((among.empty() || among[f]) && judged_[f].turned) out.push_back(f);
         return out;
     }
 
@@ -296,7 +311,7 @@ class Fitter {
         grid.update_normals();
         matches_.update(true);
         // Faces as high as a step or two: the corner that stands them up best moves, by two steps at most.
-        for (const std::uint32_t f : turned_faces(ClosestPointIndex(source_.positions, source_.faces)))
+        for (const std::uint32_t f : turned_faces(source_index()))
             for (const std::uint32_t c : grid.faces[f]) {
                 if (!on_lattice[c] || fixed_[c]) continue;
                 const auto least = [&] {
@@ -475,12 +490,14 @@ class Fitter {
                 way != 0 ? rails_.place_after(c, way) : start[c] + (across[c] + along[c] * slide[c]) * whole[c];
         };
         for (std::uint32_t c = 0; c < count; ++c) put(c);
-        std::vector<char> bad(count);
+        std::vector<char> bad(count, 1), changed(count);
         for (int pass = 0; pass < kPasses; ++pass) {
+            changed.swap(bad);
             std::fill(bad.begin(), bad.end(), 0);
             bool any = false;
             for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
                 const Face& v = grid.faces[f];
+                if (!changed[v[0]] && !changed[v[1]] && !changed[v[2]]) continue;
                 if (allows(f, {start[v[0]], start[v[1]], start[v[2]]}, grid.corners(f))) continue;
                 any = true;
                 for (const std::uint32_t c : v) bad[c] = 1;
@@ -599,7 +616,13 @@ class Fitter {
     Matches matches_;
     std::vector<char> fixed_;  // per class: on the source's border
     BorderRails rails_;
-    std::vector<Vec3d> upward_;  // per face of the source: its normal at the scale of the grid
+    std::optional<ClosestPointIndex> source_index_;
+    struct Judged {
+        std::array<Vec3d, 3> corners;
+        bool turned;
+    };
+    std::vector<Judged> judged_;  // per face of the grid, when it was last looked at
+    std::vector<Vec3d> upward_;   // per face of the source: its normal at the scale of the grid
     double rms_ = 0, largest_ = 0;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;

@@ -3,8 +3,8 @@
 #include "geometry/fit/linked_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <unordered_set>
 
 namespace dgm::bake {
 namespace {
@@ -103,15 +103,28 @@ SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::ui
 }
 
 SurfaceHit search_nearby(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start) {
-    std::vector<std::uint32_t> reached{start};
-    std::unordered_set<std::uint32_t> seen{start};
+    // Open addressing, at most four tenths full.
+    constexpr std::uint32_t kSlots = 1024;
+    std::array<std::uint32_t, kSlots> seen;
+    seen.fill(kNone);
+    const auto insert = [&](std::uint32_t face) {
+        std::uint32_t slot = (face * 2654435769u) >> 22;
+        for (; seen[slot] != kNone; slot = (slot + 1) % kSlots)
+            if (seen[slot] == face) return false;
+        seen[slot] = face;
+        return true;
+    };
+    std::vector<std::uint32_t> reached;
+    reached.reserve(kNearby);
+    reached.push_back(start);
+    insert(start);
     SurfaceHit best = walk_to_closest(surface, p, start);
     for (std::size_t k = 0; k < reached.size(); ++k) {
         SurfaceHit hit{reached[k], 0, {}};
         hit.squared = closest_on_triangle(p, surface.corners(hit.face), hit.b);
         if (hit.squared < best.squared) best = hit;
         for (const std::uint32_t next : surface.neighbours[hit.face])
-            if (next != kNone && reached.size() < kNearby && seen.insert(next).second) reached.push_back(next);
+            if (next != kNone && reached.size() < kNearby && insert(next)) reached.push_back(next);
     }
     return best;
 }

@@ -17,11 +17,15 @@ constexpr double kWanted = 0.3;  // cosine from which a face counts as upright
 constexpr double kCover = 3;     // price of a source vertex one spacing away from the ring that covered it
 constexpr double kOff = 0.1;     // price of a face whose middle is a ring's reach away from the source
 constexpr double kLeastGain = 1e-3;
+// Faces looked at, in one call. A few hundred turned faces take a tenth of it; where thousands are, the source has no
+// sides to tell (slivers, folds onto itself), and the rest of them would be tried in vain.
+constexpr std::size_t kMostEffort = 4'000'000;
 
 class Untangler {
  public:
     Untangler(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed)
         : source_(source), grid_(grid.surface), matches_(matches), fixed_(fixed), rings_(grid.rings()) {
+        settled_.assign(grid_.positions.size(), 0);
         squared_spacing_ = surface_area(source) / static_cast<double>(grid_.positions.size());
         for (std::size_t k = matches.area_points; k < matches.points.size(); ++k)
             covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
@@ -43,7 +47,7 @@ class Untangler {
     bool mend(std::uint32_t face) {
         bool moved = false;
         for (const std::uint32_t c : grid_.faces[face])
-            if (!fixed_[c] && improve(c)) moved = true;
+            if (!fixed_[c] && !settled_[c] && effort_ < kMostEffort && improve(c)) moved = true;
         return moved;
     }
 
@@ -52,8 +56,9 @@ class Untangler {
         return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
     }
 
-    [[nodiscard]] double penalty(std::uint32_t c, double reach) const {
+    [[nodiscard]] double penalty(std::uint32_t c, double reach) {
         double sum = 0, farthest = 0;
+        effort_ += ring(c).size();
         std::array<double, 3> ignored;
         for (const std::uint32_t f : ring(c)) {
             const auto q = grid_.corners(f);
@@ -65,6 +70,7 @@ class Untangler {
             sum += kOff * std::min(1.0, hit.squared / (reach * reach));
             const auto here = covered_.find(f);
             if (here == covered_.end()) continue;
+            effort_ += here->second.size();
             for (const Vec3d& p : here->second) {
                 double least = INFINITY;
                 for (const std::uint32_t g : ring(c))
@@ -86,6 +92,7 @@ class Untangler {
             }
             up += source_.normals[matches_.middles[f].hit.face];
         }
+        settled_[c] = 1;
         if (!(reach > 0)) return false;
         // A ring's corners are its middle and each rim vertex twice: half the way to the rim's mean and more.
         const Vec3d inward = (mean / (3.0 * static_cast<double>(ring(c).size())) - old) * 1.5;
@@ -107,7 +114,10 @@ class Untangler {
         grid_.positions[c] = best;
         if (best == old) return false;
         matches_.classes[c].hit = walk_to_closest(source_, best, matches_.classes[c].hit.face);
-        for (const std::uint32_t f : ring(c)) grid_.update_normal(f), matches_.update_middle(f);
+        for (const std::uint32_t f : ring(c)) {
+            grid_.update_normal(f), matches_.update_middle(f);
+            for (const std::uint32_t o : grid_.faces[f]) settled_[o] = 0;
+        }
         return true;
     }
 
@@ -118,6 +128,8 @@ class Untangler {
     WeldedGrid::Rings rings_;
     std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
     double squared_spacing_ = 1;
+    std::vector<char> settled_;  // per class: nothing it looks at has changed since it stayed where it was
+    std::size_t effort_ = 0;     // faces looked at
 };
 
 }  // namespace

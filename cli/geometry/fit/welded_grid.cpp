@@ -14,16 +14,25 @@ struct EdgeUse {
 };
 
 std::vector<EdgeUse> sorted_edge_uses(const std::vector<Face>& faces) {
-    std::vector<EdgeUse> uses;
-    uses.reserve(3 * faces.size());
+    const auto lower = [&](std::uint32_t f, std::uint32_t k) { return std::min(faces[f][k], faces[f][(k + 1) % 3]); };
+    std::vector<std::uint32_t> first;  // by the lower end, then each of those few
+    for (std::uint32_t f = 0; f < faces.size(); ++f)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (const std::size_t size = std::size_t{lower(f, k)} + 2; first.size() < size) first.resize(size, 0);
+            ++first[lower(f, k) + 1];
+        }
+    for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
+    std::vector<EdgeUse> uses(3 * faces.size());
+    std::vector<std::uint32_t> next = first;
     for (std::uint32_t f = 0; f < faces.size(); ++f)
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint64_t a = faces[f][k], b = faces[f][(k + 1) % 3];
-            uses.push_back({std::min(a, b) << 32 | std::max(a, b), 3 * f + k});
+            uses[next[lower(f, k)]++] = {std::min(a, b) << 32 | std::max(a, b), 3 * f + k};
         }
-    std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-        return a.key != b.key ? a.key < b.key : a.half_edge < b.half_edge;
-    });
+    for (std::size_t v = 1; v < first.size(); ++v)
+        std::sort(uses.begin() + first[v - 1], uses.begin() + first[v], [](const EdgeUse& a, const EdgeUse& b) {
+            return a.key != b.key ? a.key < b.key : a.half_edge < b.half_edge;
+        });
     return uses;
 }
 

@@ -68,8 +68,10 @@ std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositio
             hint = hit.face;
             if (hit.face != ClosestPointIndex::kNoFace &&
                 dot(normal_of_face(surface, hit.face), normal) <= kMinCosine) {
-                const ClosestPoint same = index.query_facing(position, normal, kMinCosine);
-                if (same.distance > 2 * hit.distance + 0.25 * spacing) from.face = kNone;
+                const double limit = 2 * hit.distance + 0.25 * spacing;
+                const ClosestPoint same =
+                    index.query_facing(position, normal, kMinCosine, ClosestPointIndex::kNoFace, limit);
+                if (same.distance > limit) from.face = kNone;
                 hit = same;
             }
             if (hit.face == ClosestPointIndex::kNoFace) from.face = kNone;

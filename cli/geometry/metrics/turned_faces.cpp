@@ -28,7 +28,7 @@ std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, con
             if (any.face == ClosestPointIndex::kNoFace) continue;
             hint = any.face;
             if (dot(index.unit_normal(any.face), normal) > 0) continue;
-            const ClosestPoint facing = index.query_facing(centre, normal, 0.0, any.face);
+            const ClosestPoint facing = index.query_facing(centre, normal, 0.0, any.face, any.distance + tie);
             turned[f] = facing.face == ClosestPointIndex::kNoFace || facing.distance > any.distance + tie;
         }
     });

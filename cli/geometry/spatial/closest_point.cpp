@@ -398,8 +398,11 @@ ClosestPoint ClosestPointIndex::query(const Vec3d& point, std::uint32_t hint) co
 }
 
 ClosestPoint ClosestPointIndex::query_facing(const Vec3d& point, const Vec3d& normal, double min_cosine,
-                                             std::uint32_t hint) const {
+                                             std::uint32_t hint, double limit) const {
     Search search;
+    // Wider by more than the rounding of the frame, so that the limit itself is found.
+    const double reach = limit * impl_->to_unit * (1 + 1e-6) + 1e-12;
+    search.nearest.squared = reach * reach;
     search.unit_normals = impl_->unit_normals.data();
     search.direction = normal;
     search.min_cosine = min_cosine;
@@ -416,8 +419,9 @@ ClosestPoint ClosestPointIndex::query_preferring(const Vec3d& point, const Vec3d
     constexpr double kMinCosine = 0.3;
     const ClosestPoint any = query(point, hint);
     if (any.face == kNoFace || dot(unit_normal(any.face), normal) > kMinCosine) return any;
-    const ClosestPoint same = query_facing(point, normal, kMinCosine);
-    return same.face != kNoFace && same.distance <= 2 * any.distance + slack ? same : any;
+    const double limit = 2 * any.distance + slack;
+    const ClosestPoint same = query_facing(point, normal, kMinCosine, kNoFace, limit);
+    return same.face != kNoFace && same.distance <= limit ? same : any;
 }
 
 }  // namespace dgm::bake

@@ -37,9 +37,11 @@ class ClosestPointIndex {
     [[nodiscard]] ClosestPoint query(const model::Vec3d& point, std::uint32_t hint = kNoFace) const;
 
     /// The closest point among faces whose unit normal n has dot(n, normal) > min_cosine; face stays at its maximum
-    /// value if there is none. Faces without area have no normal and never match.
+    /// value if there is none. Faces without area have no normal and never match. `limit`: faces farther away need not
+    /// be found; where whole regions face the other way, it is what keeps a query from visiting every face.
     [[nodiscard]] ClosestPoint query_facing(const model::Vec3d& point, const model::Vec3d& normal, double min_cosine,
-                                            std::uint32_t hint = kNoFace) const;
+                                            std::uint32_t hint = kNoFace,
+                                            double limit = std::numeric_limits<double>::infinity()) const;
 
     /// Zero for a face without area, or left out.
     [[nodiscard]] model::Vec3d unit_normal(std::uint32_t face) const;

@@ -169,6 +169,9 @@ TEST(ClosestPoint, FacingIgnoresTheOtherSide) {
     EXPECT_NEAR(index.query_facing({0.4, 0.6, -0.1}, {0, 0, -1}, 0.5).distance, 0.9, 1e-15);
     EXPECT_NEAR(index.query_facing({0.4, 0.6, -0.1}, {0, 0, 1}, 0.5).distance, 0.1, 1e-15);
     EXPECT_EQ(index.query_facing({0.4, 0.6, -0.1}, {1, 0, 0}, 0.5).face, ClosestPointIndex::kNoFace);
+    constexpr auto kNoHint = ClosestPointIndex::kNoFace;
+    EXPECT_NEAR(index.query_facing({0.4, 0.6, -0.1}, {0, 0, -1}, 0.5, kNoHint, 0.9).distance, 0.9, 1e-15);
+    EXPECT_EQ(index.query_facing({0.4, 0.6, -0.1}, {0, 0, -1}, 0.5, kNoHint, 0.89).face, kNoHint);
 }
 
 TEST(ClosestPoint, BrokenInput) {
