@@ -34,6 +34,8 @@ struct Double3 {
     return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
 
+inline constexpr std::uint64_t kNoTriangle = ~std::uint64_t{0};
+
 /// A checked obstacle.
 struct Shape {
     ObstacleKind kind = ObstacleKind::Plane;
@@ -42,9 +44,13 @@ struct Shape {
     double radius = 0;
     Double3 axis[3];  ///< columns of the rotation: own axes in the state's frame
     StateImpl* surface = nullptr;
-    double reach = 0;  ///< surface; infinity: none
-    double slack = 0;  ///< surface: longest edge of its border faces, which may stand out of their tiles' boxes
+    double reach = 0;     ///< surface; infinity: none
+    double slack = 0;     ///< surface: longest edge of its border faces, which may stand out of their tiles' boxes
+    double rounding = 0;  ///< surface: of gaps to its samples in float
     bool open = false;
+    /// Surface: where the last search ended. The next one mostly ends near by, and is quicker for it; its answer does
+    /// not depend on this.
+    mutable std::uint64_t hint = kNoTriangle;
 };
 struct Probe {
     double distance = 0;  ///< negative beyond
