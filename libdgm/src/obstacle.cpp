@@ -5,6 +5,7 @@
 // For surfaces: the nearest point of its triangles by the box pyramid. On which side of it a point lies is said by the
 // triangle there; where several share the nearest point, by the one that faces the point most.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -129,11 +130,13 @@ class SurfaceSearch {
     /// Nearer ones win; among those as near the one that faces the point most, then the first: whatever the order.
     void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
         const Double3 pa = at(f[0]), pb = at(f[1]), pc = at(f[2]);
+        const Double3 n = cross(pb - pa, pc - pa);
+        const double area = dot(n, n), height = dot(n, p_ - pa);
+        if (height * height > (best_.square + rounding_ * rounding_) * (1 + 1e-6) * area) return;  // so far its plane
         const Double3 q = nearest_on(p_, pa, pb, pc), v = p_ - q;
         const double square = dot(v, v);
         if (square > best_.square * (1 + 1e-10)) return;
-        const Double3 n = cross(pb - pa, pc - pa);
-        const double length = std::sqrt(dot(n, n));
+        const double length = std::sqrt(area);
         if (!(length > 0)) {
             if (square < best_.square) found({square, best_.facing, q, name});
             return;
@@ -154,6 +157,17 @@ class SurfaceSearch {
         if (slack_ == 0) return;
         const double reach = std::sqrt(reach_) + slack_;
         reach_ = reach * reach;
+    }
+    [[nodiscard]] Box quad_box(std::uint32_t i, std::uint32_t j) const noexcept {
+        const std::size_t a = std::size_t{i} * s_.tables.cols + j, b = a + s_.tables.cols;
+        Box box;
+        const float* planes[3] = {s_.now.x, s_.now.y, s_.now.z};
+        for (int d = 0; d < 3; ++d) {
+            const float* v = planes[d];
+            box.low[d] = std::min(std::min(v[a], v[a + 1]), std::min(v[b], v[b + 1]));
+            box.high[d] = std::max(std::max(v[a], v[a + 1]), std::max(v[b], v[b + 1]));
+        }
+        return box;
     }
     void quad(std::uint32_t i, std::uint32_t j) noexcept {
         const ChartTables& t = s_.tables;
@@ -181,7 +195,8 @@ class SurfaceSearch {
             for (; near != 0; near &= near - 1) {
                 const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(near));
                 const std::uint32_t i = i0 + bit / 8, j = j0 + bit % 8;
-                if (t.has_quad(i, j)) quad(i, j);
+                // The reach has shrunk since.
+                if (t.has_quad(i, j) && square_to(quad_box(i, j)) <= reach_) quad(i, j);
             }
         }
         if (s_.face_start.empty()) return;
@@ -203,11 +218,24 @@ Probe surface_probe(const Shape& o, Double3 p) noexcept {
     const Hit hit = SurfaceSearch(o, to_own(o, p)).run(o.hint);
     o.hint = hit.triangle;
     const double length = std::sqrt(hit.square);
+    const bool straight = std::fabs(hit.facing) > 0.7 * length || length < 1e-4 * double{o.surface->mean_step};
+    const std::uint32_t facet = straight && hit.triangle < kNone ? static_cast<std::uint32_t>(hit.triangle) : kNone;
     const Double3 nearest = from_own(o, hit.nearest);
-    if (!(hit.facing < 0)) return {length, nearest};
+    if (!(hit.facing < 0)) return {length, nearest, facet};
     // Beside the border of an open surface the nearest point is on an edge, and the way to it leans.
-    if (length > o.reach || (o.open && -hit.facing < 0.7 * length)) return {length, nearest};
-    return {-length, nearest};
+    if (length > o.reach || (o.open && -hit.facing < 0.7 * length)) return {length, nearest, facet};
+    return {-length, nearest, facet};
+}
+
+/// Corners of a triangle by Hit::triangle.
+std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
+    const std::uint32_t cols = s.tables.cols;
+    if (name < 2 * std::uint64_t{s.tables.total}) {
+        const auto k = static_cast<std::uint32_t>(name / 2), i = k / cols, j = k % cols;
+        return quad_triangles(i, j, cols, s.tables.diagonal(i, j))[name % 2];
+    }
+    const std::uint32_t* f = s.faces.data() + 3 * static_cast<std::size_t>(name - 2 * std::uint64_t{s.tables.total});
+    return {f[0], f[1], f[2]};
 }
 
 constexpr Error kBadObstacle{ErrorCode::BadArgument, kNoOffset, "the obstacle is not finite or out of range"};
@@ -292,6 +320,16 @@ Probe probe(const Shape& o, Double3 p) noexcept {
             break;
     }
     return surface_probe(o, p);
+}
+
+Probe facet_probe(const Shape& o, std::uint32_t facet, Double3 p) noexcept {
+    const auto f = corners_of(*o.surface, facet);
+    const auto at = [&](std::uint32_t k) { return widen(o.surface->point(k)); };
+    const Double3 a = at(f[0]), q = to_own(o, p), n = cross(at(f[1]) - a, at(f[2]) - a);
+    const double square = dot(n, n);
+    if (!(square > 0)) return {0, p, facet};
+    const double share = dot(n, q - a) / square;
+    return {share * std::sqrt(square), from_own(o, q - share * n), facet};
 }
 
 double box_distance(const Shape& o, const Box& box) noexcept {

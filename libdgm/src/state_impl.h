@@ -149,10 +149,15 @@ struct StateImpl {
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
     /// Some window can reach a seam or a free border, so unfolding is needed.
     [[nodiscard]] bool classes_or_border() const noexcept { return class_count != 0 || tables.free_domain; }
-    [[nodiscard]] static Vec3 at(const Planes& p, std::uint32_t s) noexcept { return {p.x[s], p.y[s], p.z[s]}; }
-    [[nodiscard]] static Vec3 at(const ConstPlanes& p, std::uint32_t s) noexcept { return {p.x[s], p.y[s], p.z[s]}; }
+    // Always inline: files built for size ask for them in inner loops too.
+    [[nodiscard, gnu::always_inline]] static Vec3 at(const Planes& p, std::uint32_t s) noexcept {
+        return {p.x[s], p.y[s], p.z[s]};
+    }
+    [[nodiscard, gnu::always_inline]] static Vec3 at(const ConstPlanes& p, std::uint32_t s) noexcept {
+        return {p.x[s], p.y[s], p.z[s]};
+    }
     [[nodiscard]] static ConstPlanes fixed(const Planes& p) noexcept { return {p.x, p.y, p.z}; }
-    [[nodiscard]] Vec3 point(std::uint32_t s) const noexcept { return at(now, s); }
+    [[nodiscard, gnu::always_inline]] Vec3 point(std::uint32_t s) const noexcept { return at(now, s); }
     [[nodiscard]] bool usable(std::uint32_t s) const noexcept { return s < tables.total && tables.on_surface(s); }
     [[nodiscard]] std::uint32_t class_id(std::uint32_t s) const noexcept {
         return class_of.empty() ? kNone : class_of[s];
