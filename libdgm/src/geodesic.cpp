@@ -14,8 +14,9 @@
 namespace dgm::detail {
 namespace {
 
-/// How far beside an edge, in lengths of it from its middle, a line through its plane is still believed.
-constexpr float kBeside = 2;
+/// How far from the middle of an edge, in lengths of it, a line through its plane is still believed: a little beyond
+/// its ends, where rounding and the front's own error may lay it.
+constexpr float kBeside = 0.6f;
 
 class Front {
  public:
@@ -92,7 +93,7 @@ class Front {
         const float x = 0.5f * ((da - db) * (da + db) * inverse + 1), cx = dot(e, f) * inverse;
         const float h2 = std::max(da * da - x * x * length2, 0.0f), ch2 = std::max(dot(f, f) - cx * cx * length2, 0.0f);
         const float both = std::sqrt(h2 * ch2), low = std::min(da, db);
-        // Where the line crosses ab. Somewhat beside it the plane still goes on much the same, farther it does not.
+        // Where the line crosses ab. Beside it another plane would have to be crossed.
         const float sum = h2 + both, crossing = x * both + cx * h2;
         if (sum > 0 ? !(std::fabs(crossing - 0.5f * sum) < kBeside * sum) : !(std::fabs(x - 0.5f) < kBeside))
             return false;
