@@ -92,13 +92,13 @@ class Front {
         const float inverse = 1 / length2;
         const float x = 0.5f * ((da - db) * (da + db) * inverse + 1), cx = dot(e, f) * inverse;
         const float h2 = std::max(da * da - x * x * length2, 0.0f), ch2 = std::max(dot(f, f) - cx * cx * length2, 0.0f);
-        const float both = std::sqrt(h2 * ch2), low = std::min(da, db);
+        const float both = std::sqrt(h2 * ch2);
         // Where the line crosses ab. Beside it another plane would have to be crossed.
         const float sum = h2 + both, crossing = x * both + cx * h2;
         if (sum > 0 ? !(std::fabs(crossing - 0.5f * sum) < kBeside * sum) : !(std::fabs(x - 0.5f) < kBeside))
             return false;
         const float across = (cx - x) * (cx - x) * length2 + h2 + ch2 + 2 * both;
-        offer(c.sample, std::sqrt(std::max(std::max(across, dot(straight, straight)), low * low)));
+        offer(c.sample, std::sqrt(std::max(across, dot(straight, straight))));
         return true;
     }
 
