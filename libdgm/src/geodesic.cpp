@@ -53,7 +53,9 @@ class Front {
         if (node.distance == __builtin_inff()) {
             g_.touched[g_.touched_count++] = v;
         } else if (node.known != 0) {
-            if (!(d < node.distance - worthwhile_) || reopened_++ > 4 * g_.touched_count) return;
+            const bool worth = d < node.distance - worthwhile_ && reopened_++ <= 4 * g_.touched_count;
+            node.distance = d;
+            if (!worth) return;
             node.known = 0;  // its neighbours have to hear of it
         } else {
             if (node.bucket == to) {
@@ -109,7 +111,8 @@ class Front {
         for (const std::uint32_t copy : s_.members(id)) spread_irregular(v, copy);
     }
 
-    /// The ring of rows.h. Only samples on the far side of the front get work.
+    /// The ring of rows.h. Only samples the front has not met get work, and those with obtuse corners: over these it
+    /// can come from behind, so that a known distance may still be too long.
     void spread_inside(std::uint32_t sample) noexcept {
         const std::uint32_t n = s_.tables.cols, bits = s_.ring[sample];
         const std::uint32_t around[8] = {sample + n, sample + n + 1, sample + 1, sample - n + 1,
@@ -132,16 +135,9 @@ class Front {
             const bool fresh = (known >> k & 1) == 0;
             bool told = false;
             for (const std::uint32_t side : {before, after})
-                if ((known >> side & 1) != 0) told = visit(v, corner(ring[side]), q, fresh) || told;
+                if ((known >> side & 1) != 0) told = through(v, corner(ring[side]), q) || told;
             if (!told && fresh) along_edge(v, q);
         }
-    }
-
-    /// Triangle v, p, q, of which v and p are known. Over an obtuse corner q the front can come from behind, and a
-    /// known distance may still be too long.
-    bool visit(const Corner& v, const Corner& p, const Corner& q, bool fresh) noexcept {
-        if (!fresh && p.distance >= q.distance) return true;
-        return through(v, p, q);
     }
 
     void spread_face(std::uint32_t v, std::uint32_t copy, const std::uint32_t* f) noexcept {
@@ -152,8 +148,9 @@ class Front {
         const bool has_p = nodes_[p.sample].known != 0, has_q = nodes_[q.sample].known != 0;
         if (!has_p) along_edge(at, p);
         if (!has_q) along_edge(at, q);
-        if (has_p) visit(at, p, q, !has_q);
-        if (has_q) visit(at, q, p, !has_p);
+        // A known distance may still be too long: over an obtuse corner the front can come from behind.
+        if (has_p) through(at, p, q);
+        if (has_q) through(at, q, p);
     }
 
     void spread_irregular(std::uint32_t v, std::uint32_t copy) noexcept {
@@ -178,7 +175,7 @@ class Front {
     const ConstPlanes p_;
     const Vec3 source_;
     const float radius_, per_bucket_;
-    const float worthwhile_ = radius_ * 1e-4f;  ///< shorter improvements are not worth another turn
+    const float worthwhile_ = radius_ * 1e-5f;  ///< shorter improvements are not worth another turn
     std::uint32_t bucket_ = 0;
     std::uint32_t reopened_ = 0;  ///< bounded: crumpled surfaces could go on correcting for long
 };

@@ -23,8 +23,8 @@ class Geodesic(support.Folder):
             with self.subTest(organ):
                 median, most, worst = self.errors(organ)
                 self.assertLess(median, 0.005)
-                self.assertLess(most, 0.03)
-                self.assertLess(worst, 0.06)
+                self.assertLess(most, 0.02)
+                self.assertLess(worst, 0.03)
 
 
 if __name__ == "__main__":
