@@ -181,6 +181,7 @@ void Resolver::project_sample(std::uint32_t k) noexcept {
     if ((c_.marks[k] & kInside) == 0) return;
     const Double3 p = widen(s_.point(k));
     const Probe there = probe(shape_, p);
+    c_.queue[k] = there.facet;
     const double m = mobility_of(s_, k);
     if (m == 0 || there.distance == 0) return;
     // The plane's own rounding, as of ContactRows::project.

@@ -34,6 +34,8 @@ struct Double3 {
     return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
 
+inline constexpr std::uint64_t kNoTriangle = ~std::uint64_t{0};
+
 /// A checked obstacle.
 struct Shape {
     ObstacleKind kind = ObstacleKind::Plane;
@@ -42,18 +44,25 @@ struct Shape {
     double radius = 0;
     Double3 axis[3];  ///< columns of the rotation: own axes in the state's frame
     StateImpl* surface = nullptr;
-    double reach = 0;  ///< surface; infinity: none
-    double slack = 0;  ///< surface: longest edge of its border faces, which may stand out of their tiles' boxes
+    double reach = 0;     ///< surface; infinity: none
+    double slack = 0;     ///< surface: longest edge of its border faces, which may stand out of their tiles' boxes
+    double rounding = 0;  ///< surface: of gaps to its samples in float
     bool open = false;
+    /// Surface: where the last search ended. The next one mostly ends near by, and is quicker for it; its answer does
+    /// not depend on this.
+    mutable std::uint64_t hint = kNoTriangle;
 };
 struct Probe {
     double distance = 0;  ///< negative beyond
     Double3 nearest;
+    std::uint32_t facet = kNone;  ///< surface: a triangle whose plane may stand for it near by; kNone: none may
 };
 /// Checks and refits. @return BadArgument, Unsupported.
 [[nodiscard]] Result<Shape> make_shape(const Obstacle& obstacle) noexcept;
 /// A function of the point alone: copies of a class get the same bits.
 [[nodiscard]] Probe probe(const Shape& shape, Double3 point) noexcept;
+/// Distance from the plane of a facet that probe() found near by.
+[[nodiscard]] Probe facet_probe(const Shape& shape, std::uint32_t facet, Double3 point) noexcept;
 /// Lower bound of the distance of all points of a box (local frame).
 [[nodiscard]] double box_distance(const Shape& shape, const Box& box) noexcept;
 /// The welded surface of a state has two faces at every edge. @return OutOfMemory.
@@ -79,8 +88,8 @@ struct ContactImpl {
     std::size_t plane = 0;
     Array<float> weight, square;  ///< 0 and infinity between contacts
     Array<std::uint32_t> source;  ///< place in `rim`
-    Array<std::uint32_t> queue;
-    Array<Vec3> rim;  ///< where edges cross the obstacle's border
+    Array<std::uint32_t> queue;   ///< of the ring's walk; then Probe::facet of samples in contact or smoothed
+    Array<Vec3> rim;              ///< where edges cross the obstacle's border
     std::uint32_t rim_count = 0;
     Array<std::uint8_t> tile_bits;
     Array<std::uint32_t> tiles;  ///< listed ones

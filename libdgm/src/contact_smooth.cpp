@@ -14,9 +14,12 @@ class Smoother {
 
     void run(std::uint32_t rounds) noexcept {
         each([&](std::uint32_t k) {
-            if ((c_.marks[k] & kInside) != 0 || c_.square[k] < __builtin_inff()) c_.marks[k] |= kMember;
+            const bool inside = (c_.marks[k] & kInside) != 0;
+            if (!inside) c_.queue[k] = kNone;
+            if (inside || c_.square[k] < __builtin_inff()) c_.marks[k] |= kMember;
         });
         for (std::uint32_t r = 0; r < rounds; ++r) {
+            last_ = r + 1 == rounds;
             // All averages of the round before any is used: the order of samples does not show.
             each([&](std::uint32_t k) {
                 if (moves(k)) keep(k, average(k));
@@ -66,7 +69,10 @@ class Smoother {
     void place(std::uint32_t k) noexcept {
         const Vec3 d{c_.square[k], c_.weight[k], std::bit_cast<float>(c_.source[k])};
         Double3 p = widen(StateImpl::at(c_.before(), k) + d);
-        const Probe there = probe(shape_, p);
+        // On the way the plane of the facet that was nearest will do; it is the last round that must be right.
+        const bool exact = last_ || shape_.kind != ObstacleKind::Surface || c_.queue[k] == kNone;
+        const Probe there = exact ? probe(shape_, p) : facet_probe(shape_, c_.queue[k], p);
+        c_.queue[k] = there.facet;
         if (there.distance < 0) p = p + double{mobility_of(s_, k)} * (there.nearest - p);
         const Vec3 v = narrow(p);
         const auto put = [&](std::uint32_t at) {
@@ -81,6 +87,7 @@ class Smoother {
     StateImpl& s_;
     ContactImpl& c_;
     const Shape& shape_;
+    bool last_ = false;
 };
 }  // namespace
 

@@ -10,6 +10,7 @@
 namespace dgm::detail {
 namespace {
 constexpr float kInfinity = __builtin_inff();
+constexpr float kBeyond = 1;  ///< mean steps that a front goes on beyond the reach
 
 class Builder {
  public:
@@ -72,7 +73,8 @@ class Builder {
 
     void by_front() noexcept {
         f_.frame_count = 0;
-        begin_geodesic(s_, contact_.sample, reach_ * contact_.step);
+        // The way to a sample at the rim may lead between two that are out of reach.
+        begin_geodesic(s_, contact_.sample, reach_ * contact_.step + kBeyond * s_.mean_step);
         const GeodesicScratch& g = s_.geodesic;
         const ConstPlanes p = StateImpl::fixed(s_.rest);
         const Vec3 centre = StateImpl::at(p, contact_.sample);
@@ -82,6 +84,7 @@ class Builder {
         for (std::uint32_t k = 0; k < g.touched_count; ++k) {
             const std::uint32_t first = g.touched[k], id = s_.class_id(first);
             const float d = g.nodes[first].distance * per_step;
+            if (d > reach_) continue;
             float x = 0, y = 0;
             if (!t_.mirrored) {
                 const Vec3 e = StateImpl::at(p, first) - centre;

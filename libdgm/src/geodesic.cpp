@@ -14,8 +14,9 @@
 namespace dgm::detail {
 namespace {
 
-/// How far beside an edge, in lengths of it from its middle, a line through its plane is still believed.
-constexpr float kBeside = 2;
+/// How far from the middle of an edge, in lengths of it, a line through its plane is still believed: a little beyond
+/// its ends, where rounding and the front's own error may lay it.
+constexpr float kBeside = 0.6f;
 
 class Front {
  public:
@@ -52,7 +53,9 @@ class Front {
         if (node.distance == __builtin_inff()) {
             g_.touched[g_.touched_count++] = v;
         } else if (node.known != 0) {
-            if (!(d < node.distance - worthwhile_) || reopened_++ > 4 * g_.touched_count) return;
+            const bool worth = d < node.distance - worthwhile_ && reopened_++ <= 4 * g_.touched_count;
+            node.distance = d;
+            if (!worth) return;
             node.known = 0;  // its neighbours have to hear of it
         } else {
             if (node.bucket == to) {
@@ -91,13 +94,13 @@ class Front {
         const float inverse = 1 / length2;
         const float x = 0.5f * ((da - db) * (da + db) * inverse + 1), cx = dot(e, f) * inverse;
         const float h2 = std::max(da * da - x * x * length2, 0.0f), ch2 = std::max(dot(f, f) - cx * cx * length2, 0.0f);
-        const float both = std::sqrt(h2 * ch2), low = std::min(da, db);
-        // Where the line crosses ab. Somewhat beside it the plane still goes on much the same, farther it does not.
+        const float both = std::sqrt(h2 * ch2);
+        // Where the line crosses ab. Beside it another plane would have to be crossed.
         const float sum = h2 + both, crossing = x * both + cx * h2;
         if (sum > 0 ? !(std::fabs(crossing - 0.5f * sum) < kBeside * sum) : !(std::fabs(x - 0.5f) < kBeside))
             return false;
         const float across = (cx - x) * (cx - x) * length2 + h2 + ch2 + 2 * both;
-        offer(c.sample, std::sqrt(std::max(std::max(across, dot(straight, straight)), low * low)));
+        offer(c.sample, std::sqrt(std::max(across, dot(straight, straight))));
         return true;
     }
 
@@ -108,7 +111,8 @@ class Front {
         for (const std::uint32_t copy : s_.members(id)) spread_irregular(v, copy);
     }
 
-    /// The ring of rows.h. Only samples on the far side of the front get work.
+    /// The ring of rows.h. Only samples the front has not met get work, and those with obtuse corners: over these it
+    /// can come from behind, so that a known distance may still be too long.
     void spread_inside(std::uint32_t sample) noexcept {
         const std::uint32_t n = s_.tables.cols, bits = s_.ring[sample];
         const std::uint32_t around[8] = {sample + n, sample + n + 1, sample + 1, sample - n + 1,
@@ -131,16 +135,9 @@ class Front {
             const bool fresh = (known >> k & 1) == 0;
             bool told = false;
             for (const std::uint32_t side : {before, after})
-                if ((known >> side & 1) != 0) told = visit(v, corner(ring[side]), q, fresh) || told;
+                if ((known >> side & 1) != 0) told = through(v, corner(ring[side]), q) || told;
             if (!told && fresh) along_edge(v, q);
         }
-    }
-
-    /// Triangle v, p, q, of which v and p are known. Over an obtuse corner q the front can come from behind, and a
-    /// known distance may still be too long.
-    bool visit(const Corner& v, const Corner& p, const Corner& q, bool fresh) noexcept {
-        if (!fresh && p.distance >= q.distance) return true;
-        return through(v, p, q);
     }
 
     void spread_face(std::uint32_t v, std::uint32_t copy, const std::uint32_t* f) noexcept {
@@ -151,8 +148,9 @@ class Front {
         const bool has_p = nodes_[p.sample].known != 0, has_q = nodes_[q.sample].known != 0;
         if (!has_p) along_edge(at, p);
         if (!has_q) along_edge(at, q);
-        if (has_p) visit(at, p, q, !has_q);
-        if (has_q) visit(at, q, p, !has_p);
+        // A known distance may still be too long: over an obtuse corner the front can come from behind.
+        if (has_p) through(at, p, q);
+        if (has_q) through(at, q, p);
     }
 
     void spread_irregular(std::uint32_t v, std::uint32_t copy) noexcept {
@@ -177,7 +175,7 @@ class Front {
     const ConstPlanes p_;
     const Vec3 source_;
     const float radius_, per_bucket_;
-    const float worthwhile_ = radius_ * 1e-4f;  ///< shorter improvements are not worth another turn
+    const float worthwhile_ = radius_ * 1e-5f;  ///< shorter improvements are not worth another turn
     std::uint32_t bucket_ = 0;
     std::uint32_t reopened_ = 0;  ///< bounded: crumpled surfaces could go on correcting for long
 };

@@ -95,7 +95,7 @@ Result<void> build_rings(StateImpl& s) noexcept {
             const Vec3 at = StateImpl::at(s.rest, f[k]);
             const Vec3 e = StateImpl::at(s.rest, f[(k + 1) % 3]) - at, g = StateImpl::at(s.rest, f[(k + 2) % 3]) - at;
             const float product = std::sqrt(dot(e, e)) * std::sqrt(dot(g, g)), cosine = dot(e, g);
-            bad = bad || cosine < -0.2f * product || cosine > 0.97f * product;
+            bad = bad || cosine < -0.05f * product || cosine > 0.97f * product;
         }
         for (std::size_t k = 0; k < 3; ++k)
             if (bad && f[k] < t.grid) s.ring[f[k]] |= kRingObtuse;

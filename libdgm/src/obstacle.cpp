@@ -5,6 +5,7 @@
 // For surfaces: the nearest point of its triangles by the box pyramid. On which side of it a point lies is said by the
 // triangle there; where several share the nearest point, by the one that faces the point most.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -73,16 +74,23 @@ struct Hit {
     double square = kInfinity;
     double facing = 0;  ///< n . (p - nearest), n the unit normal of the triangle that faces p most
     Double3 nearest;
+    std::uint64_t triangle =
+        kNoTriangle;  ///< 2 k + t: triangle t of the quad at sample k; from 2 total on border faces
 };
 
 class SurfaceSearch {
  public:
-    SurfaceSearch(const StateImpl& s, Double3 p, double slack) noexcept : s_(s), p_(p), slack_(slack) {}
+    SurfaceSearch(const Shape& o, Double3 p) noexcept
+        : s_(*o.surface),
+          p_(p),
+          slack_(o.slack),
+          rounding_(o.rounding + 1e-6 * std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)})) {}
 
-    Hit run() noexcept {
+    Hit run(std::uint64_t hint) noexcept {
+        if (hint != kNoTriangle) start_at(hint);
         const Pyramid& y = s_.now_boxes;
         struct Entry {
-            double distance;
+            double square;
             std::uint32_t level, node;
         };
         Entry stack[4 * kMaxLevels];
@@ -90,7 +98,7 @@ class SurfaceSearch {
         stack[depth++] = {0, y.levels - 1, 0};
         while (depth != 0) {
             const Entry e = stack[--depth];
-            if (e.distance > reach()) continue;
+            if (e.square > reach_) continue;
             if (e.level == 0) {
                 leaf(e.node);
                 continue;
@@ -100,10 +108,10 @@ class SurfaceSearch {
             for (std::uint32_t i = r; i < std::min(r + 2, y.rows[level]); ++i)
                 for (std::uint32_t j = c; j < std::min(c + 2, y.cols[level]); ++j) {
                     const std::uint32_t node = i * y.cols[level] + j;
-                    const double d = distance_to(y.boxes[y.start[level] + node]);
-                    if (!(d <= reach())) continue;  // empty boxes are infinitely far
+                    const double d = square_to(y.boxes[y.start[level] + node]);
+                    if (!(d <= reach_)) continue;  // empty boxes are infinitely far
                     std::uint32_t at = depth++;
-                    for (; at > first && stack[at - 1].distance < d; --at) stack[at] = stack[at - 1];
+                    for (; at > first && stack[at - 1].square < d; --at) stack[at] = stack[at - 1];
                     stack[at] = {d, level, node};
                 }
         }
@@ -111,77 +119,123 @@ class SurfaceSearch {
     }
 
  private:
-    [[nodiscard]] double reach() const noexcept { return std::sqrt(best_.square) * (1 + 1e-9) + slack_; }
-    [[nodiscard]] double distance_to(const Box& box) const noexcept {
-        const double p[3] = {p_.x, p_.y, p_.z};
-        double sum = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double gap = std::max({box.low[k] - p[k], p[k] - box.high[k], 0.0});
-            sum += gap * gap;
-        }
-        return std::sqrt(sum);
+    [[nodiscard]] double square_to(const Box& box) const noexcept {
+        const double x = std::max(std::max(box.low[0] - p_.x, p_.x - box.high[0]), 0.0);
+        const double y = std::max(std::max(box.low[1] - p_.y, p_.y - box.high[1]), 0.0);
+        const double z = std::max(std::max(box.low[2] - p_.z, p_.z - box.high[2]), 0.0);
+        return x * x + y * y + z * z;
     }
     [[nodiscard]] Double3 at(std::uint32_t k) const noexcept { return widen(s_.point(k)); }
 
-    void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) noexcept {
-        const Double3 pa = at(a), pb = at(b), pc = at(c);
+    /// Nearer ones win; among those as near the one that faces the point most, then the first: whatever the order.
+    void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
+        const Double3 pa = at(f[0]), pb = at(f[1]), pc = at(f[2]);
+        const Double3 n = cross(pb - pa, pc - pa);
+        const double area = dot(n, n), height = dot(n, p_ - pa);
+        if (height * height > (best_.square + rounding_ * rounding_) * (1 + 1e-6) * area) return;  // so far its plane
         const Double3 q = nearest_on(p_, pa, pb, pc), v = p_ - q;
         const double square = dot(v, v);
         if (square > best_.square * (1 + 1e-10)) return;
-        const Double3 n = cross(pb - pa, pc - pa);
-        const double length = std::sqrt(dot(n, n));
+        const double length = std::sqrt(area);
         if (!(length > 0)) {
-            if (square < best_.square) best_ = {square, best_.facing, q};
+            if (square < best_.square) found({square, best_.facing, q, name});
             return;
         }
         const double facing = dot(n, v) / length;
-        const bool shared = square >= best_.square * (1 - 1e-10);
-        if (shared && std::fabs(facing) <= std::fabs(best_.facing)) return;
-        best_ = {std::min(square, best_.square), facing, q};
+        if (square >= best_.square * (1 - 1e-10)) {
+            const double now = std::fabs(facing), before = std::fabs(best_.facing);
+            if (now < before || (now == before && name >= best_.triangle)) {
+                best_.square = std::min(square, best_.square);
+                return;
+            }
+        }
+        found({std::min(square, best_.square), facing, q, name});
+    }
+    void found(const Hit& hit) noexcept {
+        best_ = hit;
+        reach_ = best_.square * (1 + 4e-9);
+        if (slack_ == 0) return;
+        const double reach = std::sqrt(reach_) + slack_;
+        reach_ = reach * reach;
+    }
+    [[nodiscard]] Box quad_box(std::uint32_t i, std::uint32_t j) const noexcept {
+        const std::size_t a = std::size_t{i} * s_.tables.cols + j, b = a + s_.tables.cols;
+        Box box;
+        const float* planes[3] = {s_.now.x, s_.now.y, s_.now.z};
+        for (int d = 0; d < 3; ++d) {
+            const float* v = planes[d];
+            box.low[d] = std::min(std::min(v[a], v[a + 1]), std::min(v[b], v[b + 1]));
+            box.high[d] = std::max(std::max(v[a], v[a + 1]), std::max(v[b], v[b + 1]));
+        }
+        return box;
+    }
+    void quad(std::uint32_t i, std::uint32_t j) noexcept {
+        const ChartTables& t = s_.tables;
+        const std::uint64_t k = 2 * (std::uint64_t{i} * t.cols + j);
+        const auto f = quad_triangles(i, j, t.cols, t.diagonal(i, j));
+        triangle(f[0].data(), k);
+        triangle(f[1].data(), k + 1);
+    }
+    void start_at(std::uint64_t name) noexcept {
+        const auto k = static_cast<std::uint32_t>(name / 2);
+        if (k < s_.tables.grid) return quad(k / s_.tables.cols, k % s_.tables.cols);
+        triangle(s_.faces.data() + 3 * static_cast<std::size_t>(name - 2 * std::uint64_t{s_.tables.total}), name);
     }
 
     void leaf(std::uint32_t tile) noexcept {
         const ChartTables& t = s_.tables;
         const std::uint32_t i0 = tile / s_.tile_cols * kTileQuads, j0 = tile % s_.tile_cols * kTileQuads;
-        for (std::uint32_t i = i0; i < std::min(i0 + kTileQuads, t.rows - 1); ++i)
-            for (std::uint32_t j = j0; j < std::min(j0 + kTileQuads, t.cols - 1); ++j) {
-                if (!t.has_quad(i, j)) continue;
-                const std::uint32_t a = i * t.cols + j;
-                Box box{{s_.now.x[a], s_.now.y[a], s_.now.z[a]}, {s_.now.x[a], s_.now.y[a], s_.now.z[a]}};
-                for (const std::uint32_t k : {a + 1, a + t.cols, a + t.cols + 1}) {
-                    const float v[3] = {s_.now.x[k], s_.now.y[k], s_.now.z[k]};
-                    for (int d = 0; d < 3; ++d) {
-                        box.low[d] = std::min(box.low[d], v[d]);
-                        box.high[d] = std::max(box.high[d], v[d]);
-                    }
-                }
-                if (distance_to(box) > reach()) continue;
-                for (const auto& f : quad_triangles(i, j, t.cols, t.diagonal(i, j))) triangle(f[0], f[1], f[2]);
+        const Rect quads{i0, std::min(i0 + kTileQuads, t.rows - 1) - 1, j0, std::min(j0 + kTileQuads, t.cols - 1) - 1};
+        if (t.rows > 1 && t.cols > 1) {
+            const Vec3 p = narrow(p_);
+            const double reach = (std::sqrt(reach_) + rounding_) * (1 + 1e-6);
+            const float square = reach < 1e15 ? static_cast<float>(reach * reach) : __builtin_inff();
+            std::uint64_t near =
+                s_.rows_of->quads_near({quads, t.cols, StateImpl::fixed(s_.now), {p.x, p.y, p.z}, square});
+            for (; near != 0; near &= near - 1) {
+                const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(near));
+                const std::uint32_t i = i0 + bit / 8, j = j0 + bit % 8;
+                // The reach has shrunk since.
+                if (t.has_quad(i, j) && square_to(quad_box(i, j)) <= reach_) quad(i, j);
             }
+        }
+        if (s_.face_start.empty()) return;
         for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b) {
             const std::uint32_t k = s_.tile_border[b];
-            if (s_.face_start.empty()) break;
-            for (std::uint32_t e = s_.face_start[k]; e < s_.face_start[k + 1]; ++e) {
-                const std::uint32_t* f = s_.faces.data() + 3 * std::size_t{s_.face_of[e]};
-                triangle(f[0], f[1], f[2]);
-            }
+            for (std::uint32_t e = s_.face_start[k]; e < s_.face_start[k + 1]; ++e)
+                triangle(s_.faces.data() + 3 * std::size_t{s_.face_of[e]}, 2 * std::uint64_t{t.total} + s_.face_of[e]);
         }
     }
 
     const StateImpl& s_;
-    Double3 p_;
-    double slack_;
+    const Double3 p_;
+    const double slack_, rounding_;
+    double reach_ = kInfinity;  ///< square of how far boxes may lie
     Hit best_;
 };
 
 Probe surface_probe(const Shape& o, Double3 p) noexcept {
-    const Hit hit = SurfaceSearch(*o.surface, to_own(o, p), o.slack).run();
+    const Hit hit = SurfaceSearch(o, to_own(o, p)).run(o.hint);
+    o.hint = hit.triangle;
     const double length = std::sqrt(hit.square);
+    const bool straight = std::fabs(hit.facing) > 0.7 * length || length < 1e-4 * double{o.surface->mean_step};
+    const std::uint32_t facet = straight && hit.triangle < kNone ? static_cast<std::uint32_t>(hit.triangle) : kNone;
     const Double3 nearest = from_own(o, hit.nearest);
-    if (!(hit.facing < 0)) return {length, nearest};
+    if (!(hit.facing < 0)) return {length, nearest, facet};
     // Beside the border of an open surface the nearest point is on an edge, and the way to it leans.
-    if (length > o.reach || (o.open && -hit.facing < 0.7 * length)) return {length, nearest};
-    return {-length, nearest};
+    if (length > o.reach || (o.open && -hit.facing < 0.7 * length)) return {length, nearest, facet};
+    return {-length, nearest, facet};
+}
+
+/// Corners of a triangle by Hit::triangle.
+std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
+    const std::uint32_t cols = s.tables.cols;
+    if (name < 2 * std::uint64_t{s.tables.total}) {
+        const auto k = static_cast<std::uint32_t>(name / 2), i = k / cols, j = k % cols;
+        return quad_triangles(i, j, cols, s.tables.diagonal(i, j))[name % 2];
+    }
+    const std::uint32_t* f = s.faces.data() + 3 * static_cast<std::size_t>(name - 2 * std::uint64_t{s.tables.total});
+    return {f[0], f[1], f[2]};
 }
 
 constexpr Error kBadObstacle{ErrorCode::BadArgument, kNoOffset, "the obstacle is not finite or out of range"};
@@ -240,6 +294,9 @@ Result<Shape> make_shape(const Obstacle& o) noexcept {
         shape.slack = std::max(shape.slack, dot(e, e));
     }
     shape.slack = std::sqrt(shape.slack);
+    const Box& root = s.now_boxes.boxes[s.now_boxes.start[s.now_boxes.levels - 1]];
+    for (int k = 0; k < 3; ++k)
+        shape.rounding = std::max({shape.rounding, 1e-6 * std::fabs(root.low[k]), 1e-6 * std::fabs(root.high[k])});
     return shape;
 }
 
@@ -263,6 +320,16 @@ Probe probe(const Shape& o, Double3 p) noexcept {
             break;
     }
     return surface_probe(o, p);
+}
+
+Probe facet_probe(const Shape& o, std::uint32_t facet, Double3 p) noexcept {
+    const auto f = corners_of(*o.surface, facet);
+    const auto at = [&](std::uint32_t k) { return widen(o.surface->point(k)); };
+    const Double3 a = at(f[0]), q = to_own(o, p), n = cross(at(f[1]) - a, at(f[2]) - a);
+    const double square = dot(n, n);
+    if (!(square > 0)) return {0, p, facet};
+    const double share = dot(n, q - a) / square;
+    return {share * std::sqrt(square), from_own(o, q - share * n), facet};
 }
 
 double box_distance(const Shape& o, const Box& box) noexcept {

@@ -73,6 +73,15 @@ struct NearestJob {
     float tool[3];
 };
 
+/// Quads (i, j) of `rect`, at most 8 by 8, all with four corners in the grid.
+struct QuadsNearJob {
+    Rect rect;
+    std::uint32_t cols;
+    ConstPlanes at;
+    float point[3];
+    float square;  ///< of the reach, rounding allowed for by the caller
+};
+
 /// Nearer placements of a row win: key = A x^2 + B x y + C y^2 at (x + k dx, y + k dy), k = 0 .. count - 1.
 struct MergeJob {
     float* key;
@@ -96,6 +105,8 @@ struct RowKernels {
     /// Grows low/high by the samples of a full rectangle.
     void (*bounds)(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept;
     void (*merge)(const MergeJob& job) noexcept;
+    /// Bit 8 i + j: the box of quad (i, j), counted from the rectangle's corner, is no farther than the reach.
+    std::uint64_t (*quads_near)(const QuadsNearJob& job) noexcept;
 };
 
 /// The plain loops: what the compiler makes of four lanes on any target.

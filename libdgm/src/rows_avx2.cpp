@@ -25,6 +25,9 @@ typedef int Ints __attribute__((vector_size(32)));
 inline bool any(Ints v) {
     return _mm256_movemask_ps(reinterpret_cast<__m256>(v)) != 0;
 }
+static inline __attribute__((always_inline)) std::uint32_t sign_bits(const Ints& v) {
+    return static_cast<std::uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(v)));
+}
 static inline __attribute__((always_inline)) bool any(int v) {
     return v != 0;
 }
@@ -68,7 +71,7 @@ static inline __attribute__((always_inline)) float inverse_root(float v) {
 }  // namespace
 
 extern const RowKernels kAvx2Rows;
-const RowKernels kAvx2Rows{"avx2", move, relax, normals, nearest, bounds, merge};
+const RowKernels kAvx2Rows{"avx2", move, relax, normals, nearest, bounds, merge, quads_near};
 
 }  // namespace dgm::detail
 

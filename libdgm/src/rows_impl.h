@@ -4,9 +4,10 @@
 // after all other headers: nothing from a header may be compiled for the wider instruction set, or the linker could
 // hand that copy to everybody. Hence no std:: below.
 //
-// Needs DGM_LANES, Floats (vector of DGM_LANES floats), Ints (of as many ints), Floats4, inverse_root and any; for F in
-// Floats, float: multiply_add (a b + c), multiply_subtract (a b - c), subtract_product (c - a b), fused or not; widen
-// (bytes to ints) and choose_bit<k>(ring, a, b): a where bit k is set, else b.
+// Needs DGM_LANES, Floats (vector of DGM_LANES floats), Ints (of as many ints), Floats4, inverse_root, any and
+// sign_bits (a bit for each true lane); for F in Floats, float: multiply_add (a b + c), multiply_subtract (a b - c),
+// subtract_product (c - a b), fused or not; widen (bytes to ints) and choose_bit<k>(ring, a, b): a where bit k is set,
+// else b.
 
 template <class T>
 struct __attribute__((packed, may_alias)) Unaligned {
@@ -278,4 +279,49 @@ void merge(const MergeJob& job) noexcept {
     std::uint32_t k = 0;
     for (; k + DGM_LANES <= j.count; k += DGM_LANES) merge_block<Floats, Ints>(j, k, lane + static_cast<float>(k));
     for (; k < j.count; ++k) merge_block<float, int>(j, k, static_cast<float>(k));
+}
+
+/// Of one coordinate: square of the gap between the point and the quads' boxes. `up` and `down` hold the extremes of
+/// pairs of samples side by side on the two rows.
+template <class F>
+struct Span {
+    F low, high;
+};
+template <class F>
+static inline __attribute__((always_inline)) Span<F> side_by_side(const float* p) {
+    const F a = load<F>(p), b = load<F>(p + 1);
+    return {lower(a, b), upper(a, b)};
+}
+template <class F>
+static inline __attribute__((always_inline)) F gap_square(const Span<F>& up, const Span<F>& down, float v) {
+    const F gap = upper(upper(lower(up.low, down.low) - v, v - upper(up.high, down.high)), F{});
+    return gap * gap;
+}
+template <class F>
+static inline __attribute__((always_inline)) void near_column(const QuadsNearJob& j, std::uint32_t first,
+                                                              std::uint64_t& near) {
+    std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + j.rect.j0 + first;
+    Span<F> x = side_by_side<F>(j.at.x + k), y = side_by_side<F>(j.at.y + k), z = side_by_side<F>(j.at.z + k);
+    for (std::uint32_t i = j.rect.i0, shift = first; i <= j.rect.i1; ++i, shift += 8) {
+        k += j.cols;
+        const Span<F> u = side_by_side<F>(j.at.x + k), v = side_by_side<F>(j.at.y + k), w = side_by_side<F>(j.at.z + k);
+        const F square = gap_square(x, u, j.point[0]) + gap_square(y, v, j.point[1]) + gap_square(z, w, j.point[2]);
+        if constexpr (sizeof(F) == sizeof(float))
+            near |= static_cast<std::uint64_t>(square <= j.square) << shift;
+        else
+            near |= static_cast<std::uint64_t>(sign_bits(square <= j.square)) << shift;
+        x = u;
+        y = v;
+        z = w;
+    }
+}
+
+std::uint64_t quads_near(const QuadsNearJob& job) noexcept {
+    const QuadsNearJob j = job;
+    const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
+    std::uint64_t near = 0;
+    std::uint32_t k = 0;
+    for (; k + DGM_LANES <= count; k += DGM_LANES) near_column<Floats>(j, k, near);
+    for (; k < count; ++k) near_column<float>(j, k, near);
+    return near;
 }

@@ -30,6 +30,9 @@ static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
 static inline __attribute__((always_inline)) bool any(Ints v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;
 }
+static inline __attribute__((always_inline)) std::uint32_t sign_bits(const Ints& v) {
+    return static_cast<std::uint32_t>((v[0] & 1) | (v[1] & 2) | (v[2] & 4) | (v[3] & 8));
+}
 static inline __attribute__((always_inline)) float inverse_root(float v) {
     return 1.0f / __builtin_sqrtf(v);
 }
@@ -65,7 +68,7 @@ inline F subtract_product(const F& c, const F& a, const F& b) {
 #include "rows_impl.h"
 }  // namespace
 
-const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge};
+const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quads_near};
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const RowKernels kAvx2Rows;

@@ -44,7 +44,7 @@ inline constexpr std::uint8_t kTileListed = 2;   ///< in StateImpl::tile_list; o
 inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows.h is in the ring
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
 
-inline constexpr std::uint8_t kRingObtuse = 32;  ///< of a rest triangle with an angle above 101 or below 14 degrees
+inline constexpr std::uint8_t kRingObtuse = 32;  ///< of a rest triangle with an angle above 93 or below 14 degrees
 
 inline constexpr std::uint32_t kMaxLevels = 16;  // 8192 leaf tiles a side halve to 1 in 13 steps
 
@@ -149,10 +149,15 @@ struct StateImpl {
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
     /// Some window can reach a seam or a free border, so unfolding is needed.
     [[nodiscard]] bool classes_or_border() const noexcept { return class_count != 0 || tables.free_domain; }
-    [[nodiscard]] static Vec3 at(const Planes& p, std::uint32_t s) noexcept { return {p.x[s], p.y[s], p.z[s]}; }
-    [[nodiscard]] static Vec3 at(const ConstPlanes& p, std::uint32_t s) noexcept { return {p.x[s], p.y[s], p.z[s]}; }
+    // Always inline: files built for size ask for them in inner loops too.
+    [[nodiscard, gnu::always_inline]] static Vec3 at(const Planes& p, std::uint32_t s) noexcept {
+        return {p.x[s], p.y[s], p.z[s]};
+    }
+    [[nodiscard, gnu::always_inline]] static Vec3 at(const ConstPlanes& p, std::uint32_t s) noexcept {
+        return {p.x[s], p.y[s], p.z[s]};
+    }
     [[nodiscard]] static ConstPlanes fixed(const Planes& p) noexcept { return {p.x, p.y, p.z}; }
-    [[nodiscard]] Vec3 point(std::uint32_t s) const noexcept { return at(now, s); }
+    [[nodiscard, gnu::always_inline]] Vec3 point(std::uint32_t s) const noexcept { return at(now, s); }
     [[nodiscard]] bool usable(std::uint32_t s) const noexcept { return s < tables.total && tables.on_surface(s); }
     [[nodiscard]] std::uint32_t class_id(std::uint32_t s) const noexcept {
         return class_of.empty() ? kNone : class_of[s];

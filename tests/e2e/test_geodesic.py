@@ -22,9 +22,9 @@ class Geodesic(support.Folder):
         for organ in ("stomach", "liver"):
             with self.subTest(organ):
                 median, most, worst = self.errors(organ)
-                self.assertLess(median, 0.01)
-                self.assertLess(most, 0.05)
-                self.assertLess(worst, 0.12)
+                self.assertLess(median, 0.005)
+                self.assertLess(most, 0.02)
+                self.assertLess(worst, 0.03)
 
 
 if __name__ == "__main__":

@@ -206,6 +206,31 @@ TEST(Contact, OpenSheetIsSmoothedAndSaysSo) {
     }
 }
 
+TEST(Contact, CoverEndsOutsideTheBodyUnderIt) {
+    State body = make_state(body_chart(33));
+    // Waves about the body's surface: half of the cover is sunk.
+    const auto waves = [](double i, double j) {
+        const double x = (i - 24) / 48, y = (j - 24) / 48, length = std::sqrt(x * x + y * y + 1);
+        const double nx = x / length, ny = y / length;
+        const double r = 0.6 + 0.4 * nx * nx + 0.15 * std::fabs(std::sin(5 * ny)) + 0.02 * std::sin(19 * x + 8 * y);
+        return Point{static_cast<float>(r * nx), static_cast<float>(r * ny), static_cast<float>(r / length)};
+    };
+    State cover = make_state(grid_chart(49, 49, waves));
+    const ContactSolver solver = ContactSolver::create(cover).value();
+    const Obstacle o{.kind = ObstacleKind::Surface, .point = {0.01f, 0, 0}, .surface = &body};
+    for (const std::uint32_t rounds : {1u, 2u, 24u}) {
+        cover.release();
+        ContactOptions options;
+        options.smoothing = rounds;
+        const auto r = resolve_contact(cover, solver, o, options).value();
+        EXPECT_EQ(r.status, ContactStatus::Open);
+        EXPECT_GT(r.samples, 700u);
+        EXPECT_LT(r.samples, 1700u);
+        for (std::uint32_t k = 0; k < cover.sample_count(); ++k)
+            ASSERT_GT(obstacle_distance(o, cover.positions()[k]).value().distance, -2e-6) << rounds << ' ' << k;
+    }
+}
+
 /// Sphere of radius 1 on a free chart: its border loop, four sides of `side` - 1 steps, folds at the middle of each.
 ChartSpec free_sphere(std::uint32_t side) {
     const std::uint32_t first = side * side, steps = side - 1;
