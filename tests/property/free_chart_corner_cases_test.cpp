@@ -3,6 +3,8 @@
 // Free charts whose cut ends inside: short cuts, sharp ends, flat slits.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "geometry/cgal/border_simple.h"
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/chart/free_chart.h"
@@ -22,6 +24,17 @@ SampledChart chart_of(const TriMesh& mesh, const std::vector<std::uint32_t>& joi
     for (std::uint32_t v : joined) cut.join(v);
     return make_free_chart(cut.open(), m, n, *make_free_parameterizer(method),
                            {border_is_simple, constrained_triangulation}, {});
+}
+
+/// Strip triangles that lie clockwise in (u, v), beyond what rounding to float moves.
+std::size_t turned_strip_faces(const SampledChart& chart) {
+    const auto place = [&](std::uint32_t s) {
+        if (s >= chart.grid_count()) return chart.border_uv[s - chart.grid_count()];
+        return Vec2d{double(s / chart.n) / (chart.m - 1), double(s % chart.n) / (chart.n - 1)};
+    };
+    return static_cast<std::size_t>(std::count_if(chart.strip.begin(), chart.strip.end(), [&](const Face& f) {
+        return cross(place(f[1]) - place(f[0]), place(f[2]) - place(f[0])) < -1e-9;
+    }));
 }
 
 /// The chord across the end of a cut has one surface point at both its ends; it must be flipped away, though the chords
@@ -56,6 +69,22 @@ TEST(FreeChartCornerCases, CutOfAFlatSheet) {
             const SampledChart chart = chart_of(sheet, {v}, 39, 38, method);
             ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, sheet));
         }
+}
+
+/// Flips of chords that repeat an edge keep the strip a triangulation of the plane.
+TEST(FreeChartCornerCases, StripsAreNotTurnedOver) {
+    const TriMesh finger = repair(test::finger(0.1, 2, 8, 12, 3)).components.at(0);
+    const TriMesh sheet = repair(test::grid_sheet(5, 5)).components.at(0);
+    for (const std::uint32_t m : {21u, 34u, 55u}) {
+        SCOPED_TRACE(m);
+        for (std::uint32_t v = 0; v < finger.positions.size(); v += 9) {
+            const SampledChart chart = chart_of(finger, {v}, m, 89 - m, "lscm");
+            EXPECT_EQ(turned_strip_faces(chart), 0u) << v;
+            ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, finger));
+        }
+        for (std::uint32_t v = 0; v < sheet.positions.size(); ++v)
+            EXPECT_EQ(turned_strip_faces(chart_of(sheet, {v}, m, m, "arap")), 0u) << v;
+    }
 }
 
 }  // namespace

@@ -66,7 +66,8 @@ class SphereRing {
         double radius = kInfinity;
         for (const Wedge& w : wedges) radius = std::min(radius, length(w.p1 - x));
         for (int k = 0; k < steps && std::isfinite(e); ++k) {
-            const auto [e1, e2] = tangents(x);
+            const auto [first, second] = tangents(x);
+            const Vec3d e1 = first, e2 = second;  // clang 14 captures no structured binding
             const double h = 1e-3 * radius;
             const auto at = [&](double s, double t) { return unit(x + e1 * s + e2 * t); };
             const double r = energy(at(h, 0)), l = energy(at(-h, 0)), u = energy(at(0, h)), d = energy(at(0, -h));
