@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     app.add_option("--source", source, "PNG: source, reconstruction, grid and error side by side");
     app.add_option("--size", size, "PNG: WxH in pixels");
     app.add_option("--view", view, "PNG: YAW,PITCH in degrees (default: the view that shows most)");
-    app.add_option("--up", up, "PNG, GLB: which axis of the source points up; glb files are y up")
+    app.add_option("--up", up, "PNG, GLB: which axis of the source points up")
         ->check(CLI::IsMember({"y", "z"}))
         ->capture_default_str();
     app.add_option("--lod", options.lod, "OBJ, PLY, GLB: level of detail; K merges K x K quads, borders stay closed")
