@@ -60,7 +60,7 @@ PARTS = (
     Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
     Part("cli/validate", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/info", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
-    Part("cli/export", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
+    Part("cli/export", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("samples/generate", 5, ("formats/model",), (PNG,), "a program that makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
     Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),

@@ -12,6 +12,7 @@
 
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
+#include "export/gltf_file.h"
 #include "export/level_of_detail.h"
 #include "export/staging_folder.h"
 #include "exr/exr_reader.h"
@@ -49,13 +50,15 @@ std::string lower_extension(const path& file) {
 
 void check_options(const MapSet& maps, const path& output, const ExportOptions& options) {
     const std::string extension = lower_extension(output);
-    if (extension == ".glb" || extension == ".gltf")
-        throw model::Error(model::codes::kUnsupported, "glTF is not supported; write obj or ply");
-    constexpr std::array kKnown{".obj", ".ply", ".exr", ".dgm", ".png"};
+    if (extension == ".gltf")
+        throw model::Error(model::codes::kUnsupported, "glTF is written in its binary form; end the output in .glb");
+    constexpr std::array kKnown{".obj", ".ply", ".glb", ".exr", ".dgm", ".png"};
     if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
-        usage(fmt::format("the output \"{}\" must end in .obj, .ply, .exr, .dgm or .png", output.filename().string()));
+        usage(fmt::format("the output \"{}\" must end in .obj, .ply, .glb, .exr, .dgm or .png",
+                          output.filename().string()));
     if (options.lod == 0) usage("--lod counts from 1");
-    if (options.lod > 1 && extension != ".obj" && extension != ".ply") usage("--lod goes with an .obj or .ply output");
+    if (options.lod > 1 && extension != ".obj" && extension != ".ply" && extension != ".glb")
+        usage("--lod goes with an .obj, .ply or .glb output");
     const bool picture = extension == ".png";
     const bool asks_picture = !options.layer.empty() || options.sheet || !options.source.empty() || options.width ||
                               options.height || options.view;
@@ -121,6 +124,20 @@ void write_ply_file(const MapSet& maps, const path& output, std::uint32_t lod, S
         return c.offset != std::array<double, 3>{0, 0, 0} || c.scale != std::array<double, 3>{1, 1, 1};
     });
     formats::write_ply(staging.add(output.filename()), mesh, options);
+}
+
+void write_glb_file(const MapSet& maps, const path& output, const ExportOptions& options, StagingFolder& staging) {
+    std::vector<std::vector<model::Face>> coarse;
+    if (options.lod > 1) {
+        StagingFolder scratch(output);  // never published
+        coarse = faces_at_stride(maps, options.lod, scratch.add("level_of_detail.dgm"));
+    }
+    const std::vector<std::byte> bytes = encode_glb(maps, coarse, options.up);
+    const path staged = staging.add(output.filename());
+    std::ofstream file(staged, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", output.string());
 }
 
 render::PictureOptions picture_options(const ExportOptions& options) {
@@ -206,6 +223,8 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
         write_obj_files(chosen, output, options.lod, staging);
     else if (extension == ".ply")
         write_ply_file(chosen, output, options.lod, staging);
+    else if (extension == ".glb")
+        write_glb_file(chosen, output, options, staging);
     else if (extension == ".png")
         formats::write_png(staging.add(output.filename()), picture(chosen, options, warn));
     else if (extension == ".dgm")

@@ -52,11 +52,25 @@ model::MapSet shape_of(const model::MapSet& maps) {
 }
 }  // namespace
 
-void thin_by_stride(render::ChartSurface& surface, const model::MapSet& maps, std::uint32_t stride,
-                    const std::filesystem::path& scratch) {
+std::vector<std::vector<model::Face>> faces_at_stride(const model::MapSet& maps, std::uint32_t stride,
+                                                      const std::filesystem::path& scratch) {
     formats::write_dgm(shape_of(maps), scratch);
     const Asset asset = taken(Asset::open(scratch.c_str()));
     const ReconstructOptions options{.lod_stride = stride};
+    std::vector<std::vector<model::Face>> out;
+    for (std::uint32_t k = 0; k < asset.chart_count(); ++k) {
+        const Chart chart = taken(asset.chart(k));
+        std::vector<std::uint32_t> corners(taken(mesh_counts(chart, options)).indices);
+        static_cast<void>(taken(reconstruct(chart, {}, corners, options)));
+        std::vector<model::Face>& faces = out.emplace_back(corners.size() / 3);
+        for (std::size_t c = 0; c < corners.size(); ++c) faces[c / 3][c % 3] = corners[c];
+    }
+    return out;
+}
+
+void thin_by_stride(render::ChartSurface& surface, const model::MapSet& maps, std::uint32_t stride,
+                    const std::filesystem::path& scratch) {
+    const std::vector<std::vector<model::Face>> charts = faces_at_stride(maps, stride, scratch);
     const TriMesh full = std::move(surface.mesh);
     const std::vector<Vec3d> normals = per_vertex(full, full.corner_normals);
     const std::vector<Vec2d> uvs = per_vertex(full, full.corner_uvs);
@@ -65,25 +79,24 @@ void thin_by_stride(render::ChartSurface& surface, const model::MapSet& maps, st
     thin.materials = full.materials;
     std::vector<std::uint32_t> number(full.positions.size(), ~0u);  // of a vertex in `thin`
     std::uint32_t base = 0;
-    for (std::uint32_t k = 0; k < asset.chart_count(); ++k) {
-        const Chart chart = taken(asset.chart(k));
-        std::vector<std::uint32_t> corners(taken(mesh_counts(chart, options)).indices);
-        static_cast<void>(taken(reconstruct(chart, {}, corners, options)));
-        for (std::size_t c = 0; c < corners.size(); ++c) {
-            const std::uint32_t v = base + corners[c];  // both count a chart's grid samples, then its border samples
-            if (number[v] == ~0u) {
-                number[v] = static_cast<std::uint32_t>(thin.positions.size());
-                thin.positions.push_back(full.positions[v]);
+    for (std::uint32_t k = 0; k < charts.size(); ++k) {
+        for (const model::Face& face : charts[k]) {
+            model::Face& renamed = thin.faces.emplace_back();
+            thin.face_materials.push_back(k);
+            for (std::size_t c = 0; c < 3; ++c) {
+                const std::uint32_t v = base + face[c];  // both count a chart's grid samples, then its border samples
+                if (number[v] == ~0u) {
+                    number[v] = static_cast<std::uint32_t>(thin.positions.size());
+                    thin.positions.push_back(full.positions[v]);
+                }
+                renamed[c] = number[v];
+                if (!normals.empty()) thin.corner_normals.push_back(normals[v]);
+                if (!uvs.empty()) thin.corner_uvs.push_back(uvs[v]);
             }
-            if (c % 3 == 0) {
-                thin.faces.emplace_back();
-                thin.face_materials.push_back(k);
-            }
-            thin.faces.back()[c % 3] = number[v];
-            if (!normals.empty()) thin.corner_normals.push_back(normals[v]);
-            if (!uvs.empty()) thin.corner_uvs.push_back(uvs[v]);
         }
-        base += chart.sample_count();
+        const model::Chart& chart = maps.charts[k];
+        const model::Layer* border = chart.find("border_geometry");
+        base += chart.rows * chart.cols + static_cast<std::uint32_t>(border == nullptr ? 0 : border->shape[0]);
     }
     surface.mesh = std::move(thin);
     surface.grid.clear();

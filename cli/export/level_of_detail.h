@@ -4,19 +4,24 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "model/map_set.h"
 #include "render/chart_surface.h"
 
 namespace dgm::exporter {
 
-/// Replaces the faces of `surface`, made of all charts of `maps`, by those of the runtime's reconstruct() with
-/// lod_stride = `stride`: blocks of at least stride x stride quads become two triangles, borders keep all their
-/// samples, so seams stay closed. Vertices without a face are dropped; grid, seam and border edges too, which name
-/// vertices.
+/// The faces of each chart by the runtime's reconstruct() with lod_stride = `stride`: blocks of at least stride x
+/// stride quads become two triangles, borders keep all their samples, so seams stay closed. They name the chart's grid
+/// samples, then its border samples.
 ///
 /// The runtime maps files: the shape of `maps` is written to `scratch` first.
 /// @throws model::Error as formats::write_dgm; kBadValue if the runtime refuses the maps
+[[nodiscard]] std::vector<std::vector<model::Face>> faces_at_stride(const model::MapSet& maps, std::uint32_t stride,
+                                                                    const std::filesystem::path& scratch);
+
+/// Replaces the faces of `surface`, made of all charts of `maps`, by faces_at_stride(). Vertices without a face are
+/// dropped; grid, seam and border edges too, which name vertices. @throws model::Error as faces_at_stride
 void thin_by_stride(render::ChartSurface& surface, const model::MapSet& maps, std::uint32_t stride,
                     const std::filesystem::path& scratch);
 

@@ -31,6 +31,7 @@ std::pair<Number, Number> parse_pair(const std::string& option, std::string_view
 
 constexpr std::array kExamples{
     dgm::tool::Example{"dgm-export stomach.dgm -o stomach.ply", "the surface as a mesh; .obj brings MTL and textures"},
+    dgm::tool::Example{"dgm-export stomach.dgm -o stomach.glb", "glTF for engines, with texture and normal map"},
     dgm::tool::Example{"dgm-export stomach.dgm -o stomach.exr", "lossless, and back again: -o stomach.dgm"},
     dgm::tool::Example{"dgm-export stomach.dgm -o layers.png --sheet", "all layers as pictures on one sheet"},
     dgm::tool::Example{"dgm-export stomach.dgm -o compare.png --source stomach.obj",
@@ -46,12 +47,12 @@ const dgm::tool::Manual kManual{"dgm-export FILE -o OUTPUT [OPTIONS]", kExamples
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Writes a geometry map as a mesh (obj, ply), a picture (png) or the other container (exr, dgm).");
+    CLI::App app("Writes a geometry map as a mesh (obj, ply, glb), a picture (png) or the other container (exr, dgm).");
     std::string input, output, size, view, up = "y", exr_layout = "auto", source;
     std::uint32_t chart = 0;
     ExportOptions options;
     app.add_option("FILE", input, "The .dgm or .exr to read")->required();
-    app.add_option("-o,--output", output, "Where to write; the extension says what: .obj .ply .exr .dgm .png")
+    app.add_option("-o,--output", output, "Where to write; the extension says what: .obj .ply .glb .exr .dgm .png")
         ->required();
     CLI::Option* chart_option = app.add_option("--chart", chart, "Only this chart, counted from 0 (default: all)");
     app.add_option("--layer", options.layer, "PNG: the picture of this layer");
@@ -59,8 +60,10 @@ int main(int argc, char** argv) {
     app.add_option("--source", source, "PNG: source, reconstruction, grid and error side by side");
     app.add_option("--size", size, "PNG: WxH in pixels");
     app.add_option("--view", view, "PNG: YAW,PITCH in degrees (default: the view that shows most)");
-    app.add_option("--up", up, "PNG: which axis points up")->check(CLI::IsMember({"y", "z"}))->capture_default_str();
-    app.add_option("--lod", options.lod, "OBJ, PLY: level of detail; K merges K x K quads, borders stay closed")
+    app.add_option("--up", up, "PNG, GLB: which axis of the source points up")
+        ->check(CLI::IsMember({"y", "z"}))
+        ->capture_default_str();
+    app.add_option("--lod", options.lod, "OBJ, PLY, GLB: level of detail; K merges K x K quads, borders stay closed")
         ->capture_default_str();
     app.add_option("--exr-layout", exr_layout, "EXR: auto, or multipart for one part a layer")
         ->check(CLI::IsMember({"auto", "multipart"}))

@@ -25,18 +25,6 @@ using Edge = ChartSurface::Edge;
 
 constexpr std::uint32_t kGridLines = 32;
 
-formats::Image texture_of(const Chart& chart) {
-    const Layer* layer = chart.find("texture");
-    if (layer == nullptr) return {};
-    const Plane plane = read_plane(*layer, {ElementType::kU8}, 4);
-    formats::Image image{plane.cols, plane.rows, std::vector<model::Rgba8>(std::size_t{plane.rows} * plane.cols)};
-    for (std::size_t s = 0; s < image.pixels.size(); ++s) {
-        const auto channel = [&](std::size_t c) { return static_cast<std::uint8_t>(plane.values[4 * s + c]); };
-        image.pixels[s] = {channel(0), channel(1), channel(2), channel(3)};
-    }
-    return image;
-}
-
 /// reconstruct() gives (v, u), 0..1 from the first sample to the last.
 Vec2d texel_centre(Vec2d vu, std::uint32_t across, std::uint32_t down) {
     return {(vu.x * (across - 1.0) + 0.5) / across, 1 - (vu.y * (down - 1.0) + 0.5) / down};
@@ -97,6 +85,18 @@ void add_grid_lines(const Chart& chart, const bake::Reconstruction& rebuilt, std
 }
 }  // namespace
 
+formats::Image texture_picture(const Chart& chart) {
+    const Layer* layer = chart.find("texture");
+    if (layer == nullptr) return {};
+    const Plane plane = read_plane(*layer, {ElementType::kU8}, 4);
+    formats::Image image{plane.cols, plane.rows, std::vector<model::Rgba8>(std::size_t{plane.rows} * plane.cols)};
+    for (std::size_t s = 0; s < image.pixels.size(); ++s) {
+        const auto channel = [&](std::size_t c) { return static_cast<std::uint8_t>(plane.values[4 * s + c]); };
+        image.pixels[s] = {channel(0), channel(1), channel(2), channel(3)};
+    }
+    return image;
+}
+
 ChartSurface chart_surface(std::span<const Chart> charts) {
     ChartSurface out;
     const bool has_normals = std::all_of(charts.begin(), charts.end(), [](const Chart& c) { return c.find("normal"); });
@@ -107,7 +107,7 @@ ChartSurface chart_surface(std::span<const Chart> charts) {
         if (out.mesh.positions.size() + mesh.positions.size() > std::numeric_limits<std::uint32_t>::max())
             throw model::Error(model::codes::kTooLarge, "the charts together have more than 2^32 vertices");
         const auto base = static_cast<std::uint32_t>(out.mesh.positions.size());
-        out.textures.push_back(texture_of(chart));
+        out.textures.push_back(texture_picture(chart));
         const formats::Image& texture = out.textures.back();
         const std::uint32_t across = texture.pixels.empty() ? chart.cols : texture.width;
         const std::uint32_t down = texture.pixels.empty() ? chart.rows : texture.height;

@@ -28,6 +28,9 @@ struct ChartSurface {
     std::vector<Edge> borders;  ///< border edges that do not
 };
 
+/// The layer `texture` as a picture, empty without one. @throws model::Error kBadLayerShape, kTooLarge
+[[nodiscard]] formats::Image texture_picture(const model::Chart& chart);
+
 /// @throws model::Error as bake::reconstruct; kBadLayerShape for a texture that is not u8 [mt][nt][4]
 [[nodiscard]] ChartSurface chart_surface(std::span<const model::Chart> charts);
 

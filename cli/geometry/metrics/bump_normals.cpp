@@ -109,6 +109,7 @@ BumpNormals::BumpNormals(const Chart& chart, const Reconstruction& surface)
     const double to_x = static_cast<double>(m_ - 1) / (rows_ - 1), to_y = static_cast<double>(n_ - 1) / (cols_ - 1);
     std::vector<Vec3d> fine(std::size_t{rows_} * cols_);
     std::vector<char> valid(fine.size(), 0);
+    stored_.resize(fine.size());
     for (std::uint32_t t = 0; t < fine.size(); ++t) {
         const auto p = grid_point(t / cols_ * to_x, t % cols_ * to_y, m_, n_, has_quad, diagonal);
         if (!p) continue;
@@ -118,7 +119,8 @@ BumpNormals::BumpNormals(const Chart& chart, const Reconstruction& surface)
             fine[t] += (mesh.positions[p->sample[k]] - offset) * p->b[k];
             normal += normals[p->sample[k]] * p->b[k];
         }
-        fine[t] += normalized(normal, Vec3d{}) * height(t);
+        stored_[t] = normalized(normal, Vec3d{});
+        fine[t] += stored_[t] * height(t);
     }
     std::vector<std::uint32_t> own(surface.weld.begin(), surface.weld.begin() + m_ * n_);
     // A class whose representative is a border sample is summed at its lowest grid sample.
@@ -154,7 +156,14 @@ BumpNormals::Both BumpNormals::both(std::uint32_t face, const double (&barycentr
 }
 
 Vec3d BumpNormals::at(std::uint32_t face, const double (&barycentric)[3]) const {
-    const Both n = both(face, barycentric);
+    return blend(both(face, barycentric));
+}
+
+Vec3d BumpNormals::at_texel(std::size_t texel) const {
+    return blend({stored_[texel], fine_[texel]});
+}
+
+Vec3d BumpNormals::blend(const Both& n) const {
     if (n.fine == Vec3d{}) return n.stored;
     return normalized(n.stored * (1 - weight_) + n.fine * weight_, n.stored);
 }

@@ -40,14 +40,18 @@ class BumpNormals {
         model::Vec3d stored, fine;
     };
     [[nodiscard]] Both both(std::uint32_t face, const double (&barycentric)[3]) const;
+    /// The normal that at() gives on texel `texel` of the layer, row-major; zero where no quad lies under it.
+    [[nodiscard]] model::Vec3d at_texel(std::size_t texel) const;
 
  private:
     BumpNormals(const model::Chart& chart, const Reconstruction& surface);
+    [[nodiscard]] model::Vec3d blend(const Both& n) const;
 
     const Reconstruction& surface_;
     std::uint32_t m_, n_, rows_ = 0, cols_ = 0;
     double weight_ = 0;
-    std::vector<model::Vec3d> fine_;  // n_fine, per texel; zero where there is no lattice
+    std::vector<model::Vec3d> fine_;    // n_fine, per texel; zero where there is no lattice
+    std::vector<model::Vec3d> stored_;  // n_stored, per texel; zero where no quad is
 };
 
 }  // namespace dgm::bake

@@ -197,7 +197,7 @@ TEST_F(Export, LevelOfDetailKeepsBordersAndAttributes) {
 
 TEST_F(Export, WhatCannotBeDoneIsRefusedAndLeavesNothing) {
     const MapSet maps = two_tori();
-    EXPECT_EQ(failure(maps, "x.glb"), &model::codes::kUnsupported);
+    EXPECT_EQ(failure(maps, "x.gltf"), &model::codes::kUnsupported);
     EXPECT_EQ(failure(maps, "x.docx"), &model::codes::kUsage);
     EXPECT_EQ(failure(maps, "no/such/folder/x.obj"), &model::codes::kWriteFailed);
     ExportOptions lod;

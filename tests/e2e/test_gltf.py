@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The .glb of baked meshes, read here from its bytes: structure, shape, texture, normal map, levels of detail."""
+import io
+import json
+import struct
+import unittest
+import zlib
+
+import h5py
+import numpy as np
+
+import meshes
+import support
+
+COMPONENTS = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
+NUMBERS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+
+
+class Glb:
+    def __init__(self, data):
+        self.data = data
+        magic, version, length = struct.unpack("<4sII", data[:12])
+        assert (magic, version, length) == (b"glTF", 2, len(data))
+        json_length, json_type = struct.unpack("<I4s", data[12:20])
+        assert json_type == b"JSON" and json_length % 4 == 0
+        self.json = json.loads(data[20:20 + json_length])
+        at = 20 + json_length
+        length, kind = struct.unpack("<I4s", data[at:at + 8])
+        assert kind == b"BIN\0" and length % 4 == 0 and at + 8 + length == len(data)
+        self.binary = data[at + 8:]
+        assert 0 <= length - self.json["buffers"][0]["byteLength"] < 4
+
+    def view(self, index):
+        view = self.json["bufferViews"][index]
+        assert view["byteOffset"] % 4 == 0 and view["byteOffset"] + view["byteLength"] <= len(self.binary)
+        return self.binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
+
+    def accessor(self, index):
+        accessor = self.json["accessors"][index]
+        values = np.frombuffer(self.view(accessor["bufferView"]), COMPONENTS[accessor["componentType"]])
+        assert len(values) == accessor["count"] * NUMBERS[accessor["type"]]
+        return values if accessor["type"] == "SCALAR" else values.reshape(accessor["count"], -1)
+
+    def primitives(self):
+        """(material, translation, indices, {attribute: values}) of each chart."""
+        for k in self.json["nodes"][0]["children"]:
+            node = self.json["nodes"][k]
+            (primitive,) = self.json["meshes"][node["mesh"]]["primitives"]
+            attributes = {name: self.accessor(a) for name, a in primitive["attributes"].items()}
+            bounds = self.json["accessors"][primitive["attributes"]["POSITION"]]
+            assert bounds["min"] == attributes["POSITION"].min(0).astype(float).tolist()
+            assert bounds["max"] == attributes["POSITION"].max(0).astype(float).tolist()
+            yield (self.json["materials"][primitive["material"]], node.get("translation", [0, 0, 0]),
+                   self.accessor(primitive["indices"]).reshape(-1, 3), attributes)
+
+    def picture(self, texture):
+        return png(self.view(self.json["images"][self.json["textures"][texture]["source"]]["bufferView"]))
+
+
+def png(data):
+    """RGBA of an 8-bit PNG without interlacing: [rows][columns][4]."""
+    stream, packed = io.BytesIO(data), b""
+    assert stream.read(8) == b"\x89PNG\r\n\x1a\n"
+    while True:
+        length, kind = struct.unpack(">I4s", stream.read(8))
+        body = stream.read(length)
+        stream.read(4)
+        if kind == b"IHDR":
+            width, height, depth, colour, _, _, interlace = struct.unpack(">IIBBBBB", body)
+            assert (depth, colour, interlace) == (8, 6, 0)
+        elif kind == b"IDAT":
+            packed += body
+        elif kind == b"IEND":
+            break
+        else:
+            raise AssertionError(f"a chunk that may differ from run to run: {kind}")
+    raw = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 4 * width)
+    out = np.zeros((height, width, 4), np.int64)
+    for y in range(height):
+        kind, row = raw[y, 0], raw[y, 1:].reshape(width, 4).astype(np.int64)
+        above = out[y - 1] if y else np.zeros((width, 4), np.int64)
+        if kind == 0:
+            out[y] = row
+        elif kind == 1:
+            out[y] = np.cumsum(row, 0) % 256
+        elif kind == 2:
+            out[y] = (row + above) % 256
+        else:
+            for x in range(width):
+                a = out[y, x - 1] if x else np.zeros(4, np.int64)
+                c = above[x - 1] if x else np.zeros(4, np.int64)
+                b = above[x]
+                if kind == 3:
+                    guess = (a + b) // 2
+                else:
+                    pa, pb, pc = abs(b - c), abs(a - c), abs(a + b - 2 * c)
+                    guess = np.where((pa <= pb) & (pa <= pc), a, np.where(pb <= pc, b, c))
+                out[y, x] = (row[x] + guess) % 256
+    return out
+
+
+def write_png(path, pixels):
+    height, width, _ = pixels.shape
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+                     + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def read_obj(path):
+    """Positions and faces, faces counted from 0."""
+    positions, faces = [], []
+    for line in path.read_text().splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            positions.append([float(x) for x in rest[:3]])
+        elif word == "f":
+            faces.append([int(corner.split("/")[0]) - 1 for corner in rest])
+    return np.array(positions), np.array(faces)
+
+
+def open_edges(points, faces):
+    """Edges with one face, after welding equal positions."""
+    _, weld = np.unique(points, axis=0, return_inverse=True)
+    corners = weld.reshape(-1)[faces]
+    edges = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), axis=1)
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    return int((count == 1).sum())
+
+
+class Gltf(support.Folder):
+    def baked(self, name, mesh, *arguments):
+        meshes.write_obj(self.folder / f"{name}.obj", mesh)
+        self.bake_well(f"{name}.obj", "-o", f"{name}.dgm", *arguments)
+        return self.folder / f"{name}.dgm"
+
+    def exported(self, source, name, *arguments):
+        result = self.run_program(support.EXPORT, source, "-o", name, *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return self.folder / name
+
+    def glb(self, source, *arguments):
+        return Glb(self.exported(source, "out.glb", *arguments).read_bytes())
+
+    def check_attributes(self, glb):
+        for material, _, indices, attributes in glb.primitives():
+            count = len(attributes["POSITION"])
+            self.assertEqual({len(values) for values in attributes.values()}, {count})
+            self.assertEqual(sorted(set(indices.reshape(-1).tolist())), list(range(count)))  # each vertex is used
+            self.assertEqual(indices.dtype, np.dtype("<u2" if count <= 65535 else "<u4"))
+            normals, tangents = attributes["NORMAL"], attributes["TANGENT"]
+            self.assertLess(abs(np.linalg.norm(normals, axis=1) - 1).max(), 1e-6)
+            self.assertLess(abs(np.linalg.norm(tangents[:, :3], axis=1) - 1).max(), 1e-6)
+            self.assertLess(abs((normals * tangents[:, :3]).sum(1)).max(), 1e-6)
+            self.assertTrue((tangents[:, 3] == 1).all())
+            self.assertEqual(material["pbrMetallicRoughness"]["metallicFactor"], 0)
+
+    def check_is_the_obj(self, source, *arguments):
+        glb = self.glb(source, *arguments)
+        self.check_attributes(glb)
+        points, faces = read_obj(self.exported(source, "out.obj", *arguments))
+        wanted = points[faces]
+        parts = [np.asarray(translation) + attributes["POSITION"].astype(float)[indices]
+                 for _, translation, indices, attributes in glb.primitives()]
+        found = np.concatenate(parts)
+        self.assertEqual(found.shape, wanted.shape)
+        size = np.ptp(points, axis=0).max()
+        self.assertLess(abs(found - wanted).max(), 1e-7 * size + 1e-15 * abs(points).max())
+        return glb
+
+    def test_shape_is_that_of_the_obj(self):
+        two = self.baked("two", meshes.together(meshes.icosphere(3), meshes.sheet(8)), "--size", "33x29")
+        glb = self.check_is_the_obj(two)
+        self.assertEqual(glb.json["asset"]["version"], "2.0")
+        sides = sorted(material.get("doubleSided", False) for material, *_ in glb.primitives())
+        self.assertEqual(sides, [False, True])  # the ball is closed, the sheet is open
+        self.check_is_the_obj(two, "--lod", "4")
+        self.check_is_the_obj(self.baked("codes", meshes.torus(), "--size", "33x33", "--precision", "u16"))
+        self.check_is_the_obj(self.baked("free", meshes.sheet(8), "--size", "33x33", "--domain", "free"))
+
+    def test_far_away_surfaces_keep_their_digits(self):
+        vertices, faces = meshes.icosphere(2)
+        far = self.baked("far", ([(x + 1e7, y - 2e7, z) for x, y, z in vertices], faces), "--size", "33x33")
+        glb = self.check_is_the_obj(far)
+        ((_, translation, _, attributes),) = glb.primitives()
+        self.assertLess(abs(np.asarray(translation) - [1e7, -2e7, 0]).max(), 1)
+        self.assertLess(abs(attributes["POSITION"]).max(), 1.5)
+
+    def test_seam_copies_have_equal_bits_and_levels_stay_closed(self):
+        ball = self.baked("ball", meshes.icosphere(3), "--size", "65x65", "--precision", "u16")
+        with h5py.File(ball, "r") as file:
+            seams = file["charts/0/seams"][...]
+        self.assertGreater(len(seams), 60)
+        ((_, _, _, full),) = self.glb(ball).primitives()
+        for name in ("POSITION", "NORMAL"):
+            bits = np.ascontiguousarray(full[name]).view("<u4")
+            self.assertTrue((bits[seams[:, 0]] == bits[seams[:, 1]]).all(), name)
+        for lod in (1, 3, 8, 64):
+            ((_, _, indices, attributes),) = self.glb(ball, "--lod", lod).primitives()
+            self.assertEqual(open_edges(attributes["POSITION"], indices), 0, lod)
+
+    def test_normal_map_gives_the_sources_normals(self):
+        # A coarse grid of a finely bumped sheet: what the vertices' normals miss the map must bring back.
+        def height(x, y):
+            return 0.02 * np.sin(25 * x) * np.sin(25 * y)
+        n = 100
+        vertices = [(i / n, j / n, height(i / n, j / n)) for i in range(n + 1) for j in range(n + 1)]
+        faces = []
+        for i in range(n):
+            for j in range(n):
+                a = i * (n + 1) + j
+                faces += [(a, a + n + 1, a + n + 2), (a, a + n + 2, a + 1)]
+        sheet = self.baked("bumpy", (vertices, faces), "--size", "17x17", "--bump-size", "97x97")
+        ((material, _, indices, attributes),) = self.glb(sheet).primitives()
+        glb = self.glb(sheet)
+        picture = glb.picture(material["normalTexture"]["index"])[..., :3]
+        self.assertEqual(picture.shape, (97, 97, 3))
+        uvs = attributes[f"TEXCOORD_{material['normalTexture'].get('texCoord', 0)}"]
+        plain, mapped = [], []
+        for face in indices:
+            for weights in ((0.6, 0.2, 0.2), (1 / 3, 1 / 3, 1 / 3), (0.1, 0.45, 0.45)):
+                def at(values):
+                    return sum(w * values[v].astype(float) for w, v in zip(weights, face))
+                p = at(attributes["POSITION"])
+                wanted = np.array([-0.5 * np.cos(25 * p[0]) * np.sin(25 * p[1]),
+                                   -0.5 * np.sin(25 * p[0]) * np.cos(25 * p[1]), 1])
+                wanted /= np.linalg.norm(wanted)
+                normal, tangent = at(attributes["NORMAL"]), at(attributes["TANGENT"])[:3]
+                normal, tangent = normal / np.linalg.norm(normal), tangent / np.linalg.norm(tangent)
+                x, y = at(uvs) * 97 - 0.5  # texel centres, bilinear
+                i, j = min(max(int(y), 0), 95), min(max(int(x), 0), 95)
+                s, t = y - i, x - j
+                texel = ((1 - s) * ((1 - t) * picture[i, j] + t * picture[i, j + 1])
+                         + s * ((1 - t) * picture[i + 1, j] + t * picture[i + 1, j + 1])) / 127.5 - 1
+                shaded = texel[0] * tangent + texel[1] * np.cross(normal, tangent) + texel[2] * normal
+                plain.append(np.degrees(np.arccos(np.clip(normal @ wanted, -1, 1))))
+                mapped.append(np.degrees(np.arccos(np.clip(shaded @ wanted / np.linalg.norm(shaded), -1, 1))))
+        plain, mapped = (np.sqrt(np.mean(np.square(a))) for a in (plain, mapped))
+        self.assertGreater(plain, 5)
+        self.assertLess(mapped, 0.5 * plain, (plain, mapped))
+
+    def test_texture_is_the_layer(self):
+        write_png(self.folder / "cloth.png", np.random.default_rng(7).integers(0, 256, (40, 50, 3), np.uint8))
+        ball = self.baked("ball", meshes.icosphere(2), "--size", "33x33", "--layers", "geometry,normal,texture",
+                          "--texture", "cloth.png", "--texture-size", "70x48")
+        glb = self.glb(ball)
+        ((material, *_, attributes),) = glb.primitives()
+        self.assertNotIn("normalTexture", material)
+        self.assertNotIn("TANGENT", attributes)
+        with h5py.File(ball, "r") as file:
+            layer = file["charts/0/texture"][...]
+        self.assertGreater(layer[..., :3].std(), 10)
+        picture = glb.picture(material["pbrMetallicRoughness"]["baseColorTexture"]["index"])
+        self.assertTrue(np.array_equal(picture, layer))
+        # Corner samples lie on the middles of corner texels, row 0 at the top.
+        rows, cols = layer.shape[:2]
+        uvs = attributes["TEXCOORD_0"]
+        self.assertLess(abs(uvs[0] - [0.5 / cols, 0.5 / rows]).max(), 1e-7)
+        self.assertLess(abs(uvs[32] - [1 - 0.5 / cols, 0.5 / rows]).max(), 1e-7)
+        self.assertLess(abs(uvs[32 * 33] - [0.5 / cols, 1 - 0.5 / rows]).max(), 1e-7)
+
+    def test_z_up_is_turned(self):
+        sheet = self.baked("sheet", meshes.sheet(8), "--size", "17x17")
+        self.assertNotIn("matrix", self.glb(sheet).json["nodes"][0])
+        turn = np.array(self.glb(sheet, "--up", "z").json["nodes"][0]["matrix"]).reshape(4, 4).T
+        self.assertEqual((turn @ [0, 0, 1, 1]).tolist(), [0, 1, 0, 1])   # z becomes up
+        self.assertEqual((turn @ [1, 0, 0, 1]).tolist(), [1, 0, 0, 1])
+        self.assertEqual(np.linalg.det(turn), 1)
+
+    def test_same_bytes_again_and_nothing_half_made(self):
+        sheet = self.baked("sheet", meshes.sheet(8), "--size", "17x17")
+        first = self.exported(sheet, "a.glb").read_bytes()
+        (self.folder / "elsewhere").mkdir()
+        self.assertEqual(self.exported(sheet, "elsewhere/b.glb").read_bytes(), first)
+        exr = self.exported(sheet, "sheet.exr")
+        self.assertEqual(self.exported(exr, "c.glb").read_bytes(), first)
+        before = self.names()
+        result = self.run_program(support.EXPORT, sheet, "-o", "missing/d.glb")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(self.names(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
