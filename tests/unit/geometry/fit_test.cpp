@@ -296,7 +296,7 @@ TEST(Fit, RealBordersSlideAlongThemselves) {
             EXPECT_TRUE(std::any_of(fitted.positions.begin(), fitted.positions.end(), here));
         }
         const Segments border = border_of(fitted);
-        EXPECT_LT(std::max(farthest(source, border), farthest(border, source)), 0.2 * start) << options.rounds;
+        EXPECT_LT(std::max(farthest(source, border), farthest(border, source)), 0.25 * start) << options.rounds;
         EXPECT_EQ(welded_topology(fitted), welded_topology(c.chart));
     }
 }
