@@ -85,7 +85,7 @@ class Codes(support.Folder):
             (3010, bake, ["sheet.obj", *small, "--budget", "100B"]),
             (5001, validate, ["absent.dgm"]), (5003, validate, ["good.dgm", "--report", "json=no/such/folder.json"]),
             (5004, bake, ["texts", "-o", "out"]), (5005, bake, ["sheet.obj", *small, "--texture", "broken.png"]),
-            (6001, validate, ["--frob"]), (6002, bake, ["sheet.obj", "--report", "r.html", "--report-format", "html"]),
+            (6001, validate, ["--frob"]), (6002, os.environ["DGM_INFO"], ["scene.toml", "--json"]),
             (6004, bake, ["scene.toml"]),
             (5008, bake, ["--merge-reports", "baseline.json", "-o", "all.json"]),
             (6003, validate, ["good.dgm", "--baseline", "baseline.json"]),
