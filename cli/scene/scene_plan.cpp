@@ -3,6 +3,7 @@
 #include "scene/scene_plan.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,12 +25,6 @@ namespace fs = std::filesystem;
 double pixel_length(const SceneAsset& asset) {
     const double half_angle = asset.view.fov_degrees / 2 * std::numbers::pi / 180;
     return 2 * *asset.distance * std::tan(half_angle) / asset.view.rows;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-    std::string out;
-    for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
-    return out;
 }
 
 std::string size_text(std::uint64_t rows, std::uint64_t cols) {
@@ -157,7 +152,7 @@ std::vector<std::string> describe(const SceneAsset& asset) {
         why = fmt::format("{}, {}, {}, {}", asset.touched ? "touched" : "not touched",
                           asset.touched || asset.contact ? "contact" : "no contact", asset.lit ? "lit" : "not lit",
                           asset.textured ? "textured" : "no texture");
-    out.push_back(fmt::format("layers {} ({})", joined(layers), why));
+    out.push_back(fmt::format("layers {} ({})", fmt::join(layers, ", "), why));
     const std::string precision = asset.precision ? std::string(bake::name_of(bake::kPrecisionNames, *asset.precision))
                                                   : "as the tolerance allows";
     out.push_back(
@@ -219,7 +214,7 @@ Savings savings(const model::MapSet& baked) {
     };
     step("grid " + grid, out.one_size, at_grid);
     step(u16 ? "precision u16" : "precision", at_grid, at_precision);
-    step("without " + joined({dropped.begin(), dropped.end()}), at_precision, at_layers);
+    step(fmt::format("without {}", fmt::join(dropped, ", ")), at_precision, at_layers);
     step(texture.empty() ? "seams and tables" : "texture " + texture, at_layers, out.bytes);
     return out;
 }
