@@ -3,7 +3,6 @@
 #include "pipeline/batch_runner.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <signal.h>
 #include <string.h>
 
@@ -29,10 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 namespace codes = model::codes;
 using Clock = std::chrono::steady_clock;
-
-constexpr auto kTick = std::chrono::milliseconds(200);
-/// A worker has said all it has to say: how often to look whether it has gone.
-constexpr auto kEndTick = std::chrono::milliseconds(2);
 
 /// A mesh may have thousands of faults; nobody reads more than some.
 constexpr std::size_t kMaxNotices = 20, kMaxNoticeBytes = 400;
@@ -161,16 +156,9 @@ class Batch {
     }
 
     void wait() const {
-        std::vector<pollfd> descriptors;
-        auto longest = std::chrono::duration_cast<std::chrono::nanoseconds>(
-            running_.empty() || skipped_ ? Clock::duration{0} : kTick);
-        for (const Running& r : running_) {
-            if (r.child.messages() >= 0) descriptors.push_back({r.child.messages(), POLLIN, 0});
-            if (r.child.errors() >= 0) descriptors.push_back({r.child.errors(), POLLIN, 0});
-            if (r.child.messages() < 0 && r.child.errors() < 0)
-                longest = std::min<std::chrono::nanoseconds>(longest, kEndTick);
-        }
-        signals_.wait(descriptors, longest);
+        std::vector<const ChildProcess*> workers;
+        for (const Running& r : running_) workers.push_back(&r.child);
+        signals_.wait(workers, skipped_);
     }
 
     /// Takes what a worker has sent; true if it is through and its result stands.

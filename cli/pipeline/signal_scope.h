@@ -2,12 +2,12 @@
 // cli/pipeline/signal_scope.h
 // Ctrl-C while workers run.
 #pragma once
-#include <poll.h>
 #include <signal.h>
 
 #include <array>
-#include <chrono>
 #include <vector>
+
+#include "pipeline/child_process.h"
 
 namespace dgm::bake {
 
@@ -20,8 +20,10 @@ class SignalScope {
     SignalScope& operator=(const SignalScope&) = delete;
     ~SignalScope();
     [[nodiscard]] bool stop_requested() const;
-    /// Until a descriptor is ready, a signal comes, or `longest` is over.
-    void wait(std::vector<pollfd>& descriptors, std::chrono::nanoseconds longest) const;
+    /// Until a worker has sent something, a signal comes, or it is time to look at clocks and at workers that have
+    /// closed both their pipes: their end follows within milliseconds, and no descriptor tells of it. Not at all if
+    /// `more_to_do` or there is no worker.
+    void wait(const std::vector<const ChildProcess*>& workers, bool more_to_do) const;
 
  private:
     static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};

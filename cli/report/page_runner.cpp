@@ -3,7 +3,6 @@
 #include "report/page_runner.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <string.h>
 
 #include <chrono>
@@ -24,7 +23,6 @@ namespace codes = model::codes;
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kTick = std::chrono::milliseconds(200), kEndTick = std::chrono::milliseconds(2);
 constexpr auto kLastWait = std::chrono::milliseconds(500);
 constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 20;
 
@@ -61,16 +59,9 @@ class Runner {
     }
 
     void wait() const {
-        std::vector<pollfd> descriptors;
-        auto longest =
-            std::chrono::duration_cast<std::chrono::nanoseconds>(running_.empty() ? Clock::duration{0} : kTick);
-        for (const Running& r : running_) {
-            if (r.child.messages() >= 0) descriptors.push_back({r.child.messages(), POLLIN, 0});
-            if (r.child.errors() >= 0) descriptors.push_back({r.child.errors(), POLLIN, 0});
-            if (r.child.messages() < 0 && r.child.errors() < 0)
-                longest = std::min<std::chrono::nanoseconds>(longest, kEndTick);
-        }
-        signals_.wait(descriptors, longest);
+        std::vector<const bake::ChildProcess*> workers;
+        for (const Running& r : running_) workers.push_back(&r.child);
+        signals_.wait(workers, false);
     }
 
     /// True if the worker is through.
