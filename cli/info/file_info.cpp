@@ -14,28 +14,11 @@
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
 #include "model/codes.h"
+#include "model/element.h"
 
 namespace dgm::info {
 namespace {
 using Json = nlohmann::ordered_json;
-
-const char* type_name(model::ElementType type) {
-    switch (type) {
-        case model::ElementType::kU8:
-            return "u8";
-        case model::ElementType::kU16:
-            return "u16";
-        case model::ElementType::kU32:
-            return "u32";
-        case model::ElementType::kI16:
-            return "i16";
-        case model::ElementType::kF16:
-            return "f16";
-        case model::ElementType::kF32:
-            return "f32";
-    }
-    return "unknown";
-}
 
 const char* domain_name(model::Domain domain) {
     return domain == model::Domain::kFree ? "free" : "square";
@@ -100,7 +83,7 @@ Json chart_json(const ChartInfo& chart) {
     out["layers"] = Json::array();
     for (const LayerInfo& layer : chart.layers) {
         Json l;
-        l["name"] = layer.name, l["type"] = type_name(layer.type), l["shape"] = layer.shape;
+        l["name"] = layer.name, l["type"] = model::type_name(layer.type), l["shape"] = layer.shape;
         l["offset"] = layer.offset, l["bytes"] = layer.bytes, l["hash"] = formats::to_hex(layer.hash);
         l["required"] = layer.required;
         out["layers"].push_back(std::move(l));
@@ -158,9 +141,8 @@ std::string to_text(const FileInfo& info) {
         out += fmt::format("    {:<16} {:<4} {:<20} {:>12} {:>12}  {}\n", "layer", "type", "shape", "offset", "bytes",
                            "XXH3-128");
         for (const LayerInfo& layer : chart.layers)
-            out += fmt::format("    {:<16} {:<4} {:<20} {:>12} {:>12}  {}\n", layer.name, type_name(layer.type),
-                               fmt::format("{}", fmt::join(layer.shape, " x ")), layer.offset, layer.bytes,
-                               formats::to_hex(layer.hash));
+            out += fmt::format("    {:<16} {:<4} {:<20} {:>12} {:>12}  {}\n", layer.name, model::type_name(layer.type),
+                               model::shape_text(layer.shape), layer.offset, layer.bytes, formats::to_hex(layer.hash));
     }
     return out;
 }

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "dgm/dgm_reader.h"
 #include "info/file_info.h"
+#include "info/map_diff.h"
 #include "scene/scene_plan.h"
 #include "tool/tool.h"
 
@@ -14,25 +16,41 @@ namespace {
 constexpr std::array kExamples{
     dgm::tool::Example{"dgm-info stomach.dgm", "charts, layers, and the measured errors"},
     dgm::tool::Example{"dgm-info baked/*.dgm --json", "the same of many files, for programs"},
+    dgm::tool::Example{"dgm-info old.dgm new.dgm --diff", "what a change of settings, tool or mesh did to a map"},
     dgm::tool::Example{"dgm-info scene.toml", "what dgm-bake would make of a scene file"}};
-const dgm::tool::Manual kManual{"dgm-info FILE... [--json]", kExamples,
+const dgm::tool::Manual kManual{"dgm-info FILE... [--json] [--diff]", kExamples,
                                 "0    all files were read\n"
                                 "1    the command line is wrong\n"
                                 "2    a file cannot be read\n"
                                 "3    a file is no .dgm, or damaged\n"
                                 "4    internal error\n"
-                                "5    a file is of a newer version",
+                                "5    a file is of a newer version\n"
+                                "7    --diff: the two differ",
                                 "dgm-bake(1), dgm-validate(1), dgm-export(1)"};
+
+int print_difference(const std::vector<std::string>& files, bool json, std::string& subject) {
+    if (files.size() != 2) throw dgm::model::Error(dgm::model::codes::kUsage, "--diff takes two files");
+    std::array<dgm::model::MapSet, 2> maps;
+    for (std::size_t k = 0; k < 2; ++k) {
+        subject = files[k];
+        maps[k] = dgm::formats::read_dgm(files[k]);
+    }
+    const dgm::info::MapDifference found = dgm::info::difference(maps[0], maps[1]);
+    std::fputs((json ? dgm::info::to_json(found) : dgm::info::to_text(found)).c_str(), stdout);
+    return static_cast<int>(found.empty() ? dgm::model::ExitCode::kOk : dgm::model::ExitCode::kDiffers);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
     CLI::App app("Prints what a .dgm holds: charts, layers, measured errors.");
     std::vector<std::string> files;
-    bool json = false;
+    bool json = false, diff = false;
     app.add_option("FILE", files, "The .dgm files to read; scene files, to see their plan")->required();
     app.add_flag("--json", json, "Print JSON");
+    app.add_flag("--diff", diff, "Tell what two files differ in: layers, numbers, how far samples moved");
 
     return dgm::tool::run_tool("dgm-info", argc, argv, app, kManual, [&](std::string& subject) {
+        if (diff) return print_difference(files, json, subject);
         std::vector<dgm::info::FileInfo> infos;
         dgm::model::ExitCode worst = dgm::model::ExitCode::kOk;
         for (const std::string& file : files) {

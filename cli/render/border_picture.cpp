@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "model/element.h"
 #include "model/octahedral.h"
 #include "render/canvas.h"
 #include "render/colour.h"
@@ -20,6 +21,7 @@ namespace dgm::render {
 namespace {
 using formats::Image;
 using model::Chart;
+using model::element_value;
 using model::ElementType;
 using model::Layer;
 using model::Rgba8;

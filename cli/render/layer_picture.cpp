@@ -14,6 +14,7 @@
 #include <dgm/grid.h>
 
 #include "model/codes.h"
+#include "model/element.h"
 #include "model/octahedral.h"
 #include "render/border_picture.h"
 #include "render/canvas.h"
@@ -24,6 +25,7 @@ namespace dgm::render {
 namespace {
 using formats::Image;
 using model::Chart;
+using model::element_value;
 using model::ElementType;
 using model::Layer;
 using model::Rgba8;

@@ -10,9 +10,6 @@
 
 namespace dgm::render {
 
-/// Element `index` of a little-endian array. f16 as IEEE 754 binary16.
-[[nodiscard]] double element_value(const model::Layer& layer, std::size_t index);
-
 /// A layer seen as rows x cols samples of `channels` numbers.
 struct Plane {
     std::uint32_t rows = 0, cols = 0, channels = 1;
@@ -34,10 +31,5 @@ struct Plane {
 
 /// Checks that the layer is a list [k][width] (or [k] for width 1) of `type` and gives k. @throws kBadLayerShape
 [[nodiscard]] std::uint64_t list_length(const model::Layer& layer, model::ElementType type, std::uint64_t width);
-
-/// "f32", "u8", ...
-[[nodiscard]] const char* type_name(model::ElementType type);
-/// "257 x 257 x 3"
-[[nodiscard]] std::string shape_text(const std::vector<std::uint64_t>& shape);
 
 }  // namespace dgm::render

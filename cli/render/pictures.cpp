@@ -12,6 +12,7 @@
 
 #include "geometry/spatial/closest_point.h"
 #include "model/codes.h"
+#include "model/element.h"
 #include "render/canvas.h"
 #include "render/layer_picture.h"
 #include "render/layer_values.h"
@@ -182,7 +183,8 @@ Image contact_sheet(const model::Chart& chart, const std::string& title, const P
             continue;  // a layer of a newer format, say: the sheet shows what it knows
         }
         cells.push_back({fitted(picture.image, side, side), layer.name,
-                         fmt::format("{} {}", shape_text(layer.shape), type_name(layer.type)), picture.note});
+                         fmt::format("{} {}", model::shape_text(layer.shape), model::type_name(layer.type)),
+                         picture.note});
     }
     const auto lines = static_cast<std::uint32_t>((cells.size() + kColumns - 1) / kColumns);
     const std::uint32_t head = 9 * kScale + 2 * kGap;

@@ -14,11 +14,11 @@
 #include "exr/exr_reader.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "model/element.h"
 #include "pipeline/bake_report.h"
 #include "pipeline/report_text.h"
 #include "render/canvas.h"
 #include "render/layer_picture.h"
-#include "render/layer_values.h"
 #include "render/pictures.h"
 #include "render/textures.h"
 #include "report/html.h"
@@ -224,7 +224,7 @@ class Page {
             out += chart_heading(k) + "<div class=\"pictures\">\n";
             for (const model::Layer& layer : chart.layers) {
                 const std::string shape =
-                    fmt::format("{} {}", render::shape_text(layer.shape), render::type_name(layer.type));
+                    fmt::format("{} {}", model::shape_text(layer.shape), model::type_name(layer.type));
                 try {
                     const render::LayerPicture picture = render::layer_picture(chart, layer.name);
                     out += figure(picture_uri(render::fitted(picture.image, kMapSide, kMapSide), kMostPngBytes),

@@ -17,10 +17,12 @@
 #include <limits>
 
 #include "model/codes.h"
+#include "model/element.h"
 
 namespace dgm::validate {
 namespace {
 using model::Chart;
+using model::element;
 using model::ElementType;
 using model::Layer;
 namespace codes = model::codes;

@@ -12,9 +12,9 @@
 #include <dgm/grid.h>
 
 #include "geometry/metrics/reconstruction.h"
+#include "model/element.h"
 #include "model/map_set.h"
 #include "validate/finding_list.h"
-#include "validate/layer_checks.h"
 
 namespace dgm::validate {
 
@@ -68,7 +68,7 @@ struct Surface {
     }
     [[nodiscard]] std::size_t grid() const { return std::size_t{m} * n; }
     [[nodiscard]] bool on_surface(std::size_t i, std::size_t j) const {
-        return mask == nullptr || element<std::uint8_t>(*mask, sample_index(i, j, n)) != 0;
+        return mask == nullptr || model::element<std::uint8_t>(*mask, sample_index(i, j, n)) != 0;
     }
     [[nodiscard]] bool has_quad(std::size_t i, std::size_t j) const {
         return on_surface(i, j) && on_surface(i + 1, j) && on_surface(i, j + 1) && on_surface(i + 1, j + 1);

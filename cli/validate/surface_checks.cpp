@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "model/codes.h"
+#include "model/element.h"
 #include "validate/surface.h"
 #include "validate/table_checks.h"
 
@@ -16,6 +17,7 @@ namespace {
 using bake::Reconstruction;
 using bake::Topology;
 using model::Chart;
+using model::element;
 using model::Face;
 using model::Layer;
 using model::Vec2d;

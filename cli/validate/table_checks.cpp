@@ -7,9 +7,11 @@
 #include <cmath>
 
 #include "model/codes.h"
+#include "model/element.h"
 
 namespace dgm::validate {
 namespace {
+using model::element;
 using model::Face;
 using model::Layer;
 using model::Vec3d;

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "model/codes.h"
+#include "model/element.h"
 
 namespace dgm::formats {
 namespace {
@@ -57,12 +58,6 @@ const KnownLayer* find_known(std::string_view name) {
 bool is_name_character(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
            c == '.';
-}
-
-std::string shape_text(std::span<const std::uint64_t> shape) {
-    std::string out;
-    for (const std::uint64_t extent : shape) out += (out.empty() ? "" : " x ") + std::to_string(extent);
-    return out;
 }
 
 }  // namespace
@@ -179,7 +174,7 @@ std::string shape_complaint(const layout::ChartRecord& chart, std::string_view n
         }
     }
     if (!std::equal(expected.begin(), expected.end(), shape.begin(), shape.end()))
-        return "shape " + shape_text(shape) + " instead of " + shape_text(expected);
+        return "shape " + model::shape_text(shape) + " instead of " + model::shape_text(expected);
     return {};
 }
 

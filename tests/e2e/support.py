@@ -11,6 +11,7 @@ from pathlib import Path
 BAKE = os.environ.get("DGM_BAKE", "")
 FAULTY_BAKE = os.environ.get("DGM_FAULTY_BAKE", "")
 VALIDATE = os.environ.get("DGM_VALIDATE", "")
+INFO = os.environ.get("DGM_INFO", "")
 EXPORT = os.environ.get("DGM_EXPORT", "")
 BENCH = os.environ.get("DGM_BENCH", "")
 DUMP_LAYERS = os.environ.get("DGM_DUMP_LAYERS", "")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The file as HDF5 reads it and as the runtime maps it, value by value; and through EXR and back."""
+import json
 import unittest
 
 import h5py
@@ -140,6 +141,25 @@ class Layers(support.Folder):
         self.assertLess(count["one.obj"], count["four.obj"])
         refused = self.run_program(support.EXPORT, self.folder / "torus.dgm", "-o", self.folder / "x.png", "--lod", "2")
         self.assertEqual(refused.returncode, 1, refused.stderr)
+
+    @unittest.skipUnless(support.INFO, "dgm-info is not built")
+    def test_info_tells_what_differs(self):
+        first = self.bake_example("--fit", "sample").rename(self.folder / "first.dgm")
+        second = self.bake_example("--fit", "l2", "--layers", "geometry")
+        same = self.run_program(support.INFO, first, first, "--diff")
+        self.assertEqual((same.returncode, same.stdout), (0, "no difference\n"), same.stderr)
+
+        with h5py.File(first, "r") as a, h5py.File(second, "r") as b:
+            moves = [np.linalg.norm(a[name][...].astype(float) - b[name][...], axis=-1).max()
+                     for name in ("charts/0/geometry", "charts/1/geometry")]
+        result = self.run_program(support.INFO, first, second, "--diff", "--json")
+        self.assertEqual(result.returncode, 7, result.stderr)
+        found = json.loads(result.stdout)
+        self.assertIs(found["equal"], False)
+        self.assertIn("settings hash", found["fields"])
+        self.assertAlmostEqual(found["largest_move"], max(moves), places=9)
+        self.assertIn(("normal", "only in the first"), [(d["layer"], d["kind"]) for d in found["layers"]])
+        self.assertEqual(self.run_program(support.INFO, first, "--diff").returncode, 1)
 
 
 if __name__ == "__main__":

@@ -7,26 +7,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <tuple>
 #include <variant>
 
 #include "geometry/metrics/grid_point.h"
-#include "model/half.h"
+#include "model/element.h"
 
 namespace dgm::bake {
 namespace {
 using model::Chart;
 using model::Layer;
 using model::Vec3d;
-
-template <class T>
-T stored_value(const Layer& layer, std::size_t k) {
-    T value;
-    std::memcpy(&value, layer.bytes.data() + k * sizeof(T), sizeof(T));
-    return value;
-}
 
 /// Vertex normals of a rows x cols lattice; `valid` points alone take part, `classes` are summed together.
 std::vector<Vec3d> lattice_normals(const std::vector<Vec3d>& points, const std::vector<char>& valid, std::uint32_t rows,
@@ -86,16 +78,18 @@ BumpNormals::BumpNormals(const Chart& chart, const Reconstruction& surface)
     };
     const double scale = number("scale", 1);
     weight_ = std::clamp(number("shading", 0), 0.0, 1.0);
-    const auto height = [&](std::size_t t) { return scale * model::half_value(stored_value<std::uint16_t>(bump, t)); };
+    const auto height = [&](std::size_t t) {
+        return scale * model::half_value(model::element<std::uint16_t>(bump, t));
+    };
     const auto on_surface = [&](std::uint32_t s) {
-        return mask == nullptr || stored_value<std::uint8_t>(*mask, s) != 0;
+        return mask == nullptr || model::element<std::uint8_t>(*mask, s) != 0;
     };
     const auto has_quad = [&](std::uint32_t i, std::uint32_t j) {
         const std::uint32_t a = i * n_ + j;
         return on_surface(a) && on_surface(a + 1) && on_surface(a + n_) && on_surface(a + n_ + 1);
     };
     const auto diagonal = [&](std::uint32_t i, std::uint32_t j) -> unsigned {
-        return diagonals == nullptr ? 0u : stored_value<std::uint8_t>(*diagonals, std::size_t{i} * (n_ - 1) + j);
+        return diagonals == nullptr ? 0u : model::element<std::uint8_t>(*diagonals, std::size_t{i} * (n_ - 1) + j);
     };
 
     // Local coordinates: an offset far away must not cost the differences below their digits.

@@ -7,35 +7,27 @@
 #include <dgm/octahedral.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <initializer_list>
 #include <limits>
 #include <span>
 #include <string>
 
 #include "model/codes.h"
+#include "model/element.h"
 
 namespace dgm::bake {
 namespace {
 using model::Chart;
+using model::element;
 using model::ElementType;
 using model::Face;
 using model::Layer;
 using model::Vec2d;
 using model::Vec3d;
 
-static_assert(std::endian::native == std::endian::little, "layers are read as they are stored");
-
 [[noreturn]] void bad_shape(const std::string& layer, const std::string& what) {
     throw model::Error(model::codes::kBadLayerShape, what, layer);
-}
-
-std::string shape_text(std::span<const std::uint64_t> shape) {
-    std::string text;
-    for (const std::uint64_t s : shape) text.append("[").append(std::to_string(s)).append("]");
-    return text.empty() ? "[]" : text;
 }
 
 /// Checks type, shape and byte count before anything is read. kAnyCount in `shape` matches every number.
@@ -47,20 +39,14 @@ void check_layer(const Layer& layer, std::initializer_list<ElementType> types,
                                   " does not suit this layer");
     const bool fits = std::equal(layer.shape.begin(), layer.shape.end(), shape.begin(), shape.end(),
                                  [](std::uint64_t is, std::uint64_t want) { return want == kAnyCount || is == want; });
-    if (!fits) bad_shape(layer.name, "the shape is " + shape_text(layer.shape) + ", which does not suit the chart");
+    if (!fits)
+        bad_shape(layer.name, "the shape is " + model::shape_text(layer.shape) + ", which does not suit the chart");
     std::uint64_t bytes = layout::element_size(layer.type);
     for (const std::uint64_t s : layer.shape)
         if (__builtin_mul_overflow(bytes, s, &bytes)) bad_shape(layer.name, "the shape overflows");
     if (bytes != layer.bytes.size())
         bad_shape(layer.name, "it holds " + std::to_string(layer.bytes.size()) + " bytes, its shape asks for " +
                                   std::to_string(bytes));
-}
-
-template <class T>
-T element(const Layer& layer, std::size_t index) {
-    T value;
-    std::memcpy(&value, layer.bytes.data() + index * sizeof(T), sizeof(T));
-    return value;
 }
 
 /// Positions of a layer of f32 or u16 triples. Only u16 is quantised: `scale` belongs to it, `offset` to both.

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "model/codes.h"
+#include "model/element.h"
 #include "render/colour.h"
-#include "render/layer_values.h"
 #include "sample_chart.h"
 
 namespace dgm::render {
@@ -137,12 +137,12 @@ TEST(LayerPicture, SaysWhatIsWrong) {
 TEST(LayerValues, HalfFloats) {
     const auto layer = test::make_layer<std::uint16_t>("bump", model::ElementType::kF16, {6},
                                                        {0x3555, 0x0001, 0xfbff, 0x7c00, 0x7e00, 0x8000});
-    EXPECT_EQ(element_value(layer, 0), 0.333251953125);
-    EXPECT_EQ(element_value(layer, 1), 0x1p-24);
-    EXPECT_EQ(element_value(layer, 2), -65504);
-    EXPECT_TRUE(std::isinf(element_value(layer, 3)));
-    EXPECT_TRUE(std::isnan(element_value(layer, 4)));
-    EXPECT_TRUE(std::signbit(element_value(layer, 5)));
+    EXPECT_EQ(model::element_value(layer, 0), 0.333251953125);
+    EXPECT_EQ(model::element_value(layer, 1), 0x1p-24);
+    EXPECT_EQ(model::element_value(layer, 2), -65504);
+    EXPECT_TRUE(std::isinf(model::element_value(layer, 3)));
+    EXPECT_TRUE(std::isnan(model::element_value(layer, 4)));
+    EXPECT_TRUE(std::signbit(model::element_value(layer, 5)));
 }
 
 }  // namespace
