@@ -2,6 +2,9 @@
 // tests/unit/cgal/disks.h
 // Small disks made on the spot.
 #pragma once
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -10,6 +13,7 @@
 #include <vector>
 
 #include "geometry/parameterize/parameterizer.h"
+#include "model/codes.h"
 
 namespace dgm::bake::testing {
 
@@ -109,6 +113,38 @@ inline Disk long_finger(std::uint32_t around, std::uint32_t rings) {
     for (std::uint32_t i = 1; i <= rings; ++i) profile.push_back({0.01, 0.9 * i / rings});
     profile.push_back({0, 0.91});
     return revolve(around, profile);
+}
+
+/// What a parameterizer must refuse, made from a good 3 x 3 grid, each with its name.
+inline std::vector<std::pair<const char*, Disk>> no_disks(const Disk& good) {
+    std::vector<std::pair<const char*, Disk>> out;
+    const auto broken = [&](const char* what) -> Disk& { return out.emplace_back(what, good).second; };
+    broken("a mesh without faces").faces.clear();
+    broken("an index out of range").faces[4][1] = 99;
+    broken("a NaN").positions[5].y = std::nan("");
+    broken("an unused vertex").positions.push_back({0, 0, 1});
+    Disk& ring = broken("a ring");
+    ring.faces.erase(ring.faces.begin() + 8);  // the middle: a second border
+    Disk& turned = broken("a turned face");
+    std::swap(turned.faces[3][0], turned.faces[3][1]);
+    Disk& backwards = broken("a border the wrong way round");
+    std::reverse(backwards.border.begin(), backwards.border.end());
+    Disk& gap = broken("a border with a gap");
+    gap.border.pop_back();
+    if (!gap.border_uv.empty()) gap.border_uv.pop_back();
+    out.emplace_back(
+        "a closed surface",
+        Disk{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}, {}});
+    return out;
+}
+
+/// `solve` must throw kMapInvalid.
+template <class Solve>
+void expect_no_map(const char* what, const Solve& solve) {
+    try {
+        static_cast<void>(solve());
+        ADD_FAILURE() << "took " << what;
+    } catch (const model::Error& e) { EXPECT_EQ(e.code().number, model::codes::kMapInvalid.number) << what; }
 }
 
 }  // namespace dgm::bake::testing

@@ -26,17 +26,11 @@ using dgm::layout::FileHeader;
 using dgm::layout::LayerRecord;
 using dgm::model::Error;
 using dgm::model::MapSet;
+using dgm::test::code_of;
 using dgm::test::random_maps;
 using dgm::test::read_bytes;
 using dgm::test::TempFolder;
 using dgm::test::write_bytes;
-
-int code_of(const std::function<void()>& action) {
-    try {
-        action();
-    } catch (const Error& error) { return error.code().number; }
-    return 0;
-}
 
 FileHeader header_of(const std::string& bytes) {
     FileHeader header;

@@ -2,8 +2,6 @@
 // tests/unit/formats/exr_test.cpp
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "model/codes.h"
@@ -18,17 +16,11 @@ using dgm::formats::write_exr;
 using dgm::model::Error;
 using dgm::model::Layer;
 using dgm::model::MapSet;
+using dgm::test::code_of;
 using dgm::test::random_maps;
 using dgm::test::read_bytes;
 using dgm::test::TempFolder;
 using dgm::test::write_bytes;
-
-int code_of(const std::function<void()>& action) {
-    try {
-        action();
-    } catch (const Error& error) { return error.code().number; }
-    return 0;
-}
 
 /// Byte 4..7 of an EXR: version 2 and flags; bit 12 says multi-part.
 bool is_multipart(const std::string& bytes) {

@@ -2,8 +2,6 @@
 // tests/unit/formats/image_test.cpp
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "image/image.h"
 #include "model/codes.h"
 #include "test_maps.h"
@@ -14,15 +12,9 @@ namespace codes = dgm::model::codes;
 using dgm::formats::encode_png;
 using dgm::formats::GrayImage16;
 using dgm::formats::Image;
+using dgm::test::code_of;
 using dgm::test::TempFolder;
 using dgm::test::write_bytes;
-
-int code_of(const std::function<void()>& action) {
-    try {
-        action();
-    } catch (const dgm::model::Error& error) { return error.code().number; }
-    return 0;
-}
 
 Image random_image(std::uint32_t width, std::uint32_t height) {
     dgm::test::Random random(width);

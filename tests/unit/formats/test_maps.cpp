@@ -6,6 +6,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "model/error.h"
+
 namespace dgm::test {
 namespace {
 
@@ -112,6 +114,13 @@ TempFolder::TempFolder() {
 TempFolder::~TempFolder() {
     std::error_code error;
     std::filesystem::remove_all(path_, error);
+}
+
+int code_of(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const model::Error& error) { return error.code().number; }
+    return 0;
 }
 
 std::string read_bytes(const std::filesystem::path& path) {

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,9 @@ class TempFolder {
  private:
     std::filesystem::path path_;
 };
+
+/// Number of the code of the model::Error that `action` throws; 0 if it throws none.
+[[nodiscard]] int code_of(const std::function<void()>& action);
 
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& path);
 void write_bytes(const std::filesystem::path& path, const std::string& bytes);

@@ -14,29 +14,17 @@
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/parameterize/stretch_map.h"
+#include "laid_disk.h"
 #include "support/meshes.h"
 
 namespace dgm::bake {
 namespace {
 
-struct Laid {
-    Disk disk;
-    SquareBorder border;
-    [[nodiscard]] DiskView view() const { return {disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv}; }
-};
-Laid lay(const TriMesh& mesh, std::uint32_t m = 17) {
-    CutGraph cut(mesh);
-    cut.cut_to_disk();
-    Laid out{cut.open(), {}};
-    out.border = lay_square_border(out.disk, m, m, 2);
-    return out;
-}
-
 TEST(ConvexMap, EveryInnerVertexIsTheWeightedMeanOfItsNeighbours) {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> exponent(-2, 2);
     for (const TriMesh& mesh : {test::grid_sheet(9, 7), test::icosphere(2), test::torus(1, 0.4, 14, 9)}) {
-        const Laid laid = lay(mesh);
+        const test::LaidDisk laid = test::lay(mesh, 17, 2);
         const std::size_t n = laid.disk.mesh.positions.size();
         ConvexMapSolver solver(n, laid.disk.mesh.faces, laid.border.vertices);
         const auto edges = solver.edges();
@@ -119,7 +107,7 @@ TEST(ConvexMap, StretchOfAffineTriangles) {
 
 TEST(ConvexMap, ReweightingLowersStretchAndNeverFlips) {
     for (const TriMesh& mesh : {test::finger(0.2, 1, 16, 16, 6), test::icosphere(3), test::torus(1, 0.4, 30, 14)}) {
-        const Laid laid = lay(mesh, 33);
+        const test::LaidDisk laid = test::lay(mesh, 33, 2);
         const auto& positions = laid.disk.mesh.positions;
         const auto& faces = laid.disk.mesh.faces;
         ConvexMapSolver solver(positions.size(), faces, laid.border.vertices);

@@ -25,25 +25,36 @@ std::vector<Surface> surfaces() {
             {"comb", test::comb(3, 6, 5)},        {"finger", test::finger(0.2, 2, 40, 80, 12)}};
 }
 
+/// The mesh with an eighth of its faces, cut to a disk and on to two vertices more.
+struct CoarseCut {
+    explicit CoarseCut(const TriMesh& fine)
+        : small(simplify(fine, fine.faces.size() / 8, {}, {})),
+          mesh(compact(fine.positions, small.faces)),
+          cut(mesh.mesh) {
+        cut.cut_to_disk();
+        cut.join(0);
+        cut.join(static_cast<std::uint32_t>(mesh.mesh.positions.size() / 2));
+    }
+    Simplified small;
+    CompactMesh mesh;
+    CutGraph cut;
+};
+
 TEST(CutTransfer, OpensTheFineMeshAlongTheCoarseCut) {
     for (const Surface& s : surfaces()) {
         SCOPED_TRACE(s.name);
-        const Simplified small = simplify(s.mesh, s.mesh.faces.size() / 8, {}, {});
-        const CompactMesh coarse = compact(s.mesh.positions, small.faces);
-        CutGraph coarse_cut(coarse.mesh), fine_cut(s.mesh);
-        coarse_cut.cut_to_disk();
-        coarse_cut.join(0);
-        coarse_cut.join(static_cast<std::uint32_t>(coarse.mesh.positions.size() / 2));
-        ASSERT_TRUE(transfer_cut(coarse_cut, coarse.original, small, fine_cut));
-        const Disk coarse_disk = coarse_cut.open(), fine_disk = fine_cut.open();
+        CutGraph fine_cut(s.mesh);
+        const CoarseCut coarse(s.mesh);
+        ASSERT_TRUE(transfer_cut(coarse.cut, coarse.mesh.original, coarse.small, fine_cut));
+        const Disk coarse_disk = coarse.cut.open(), fine_disk = fine_cut.open();
         test::expect_links(fine_disk);
         test::expect_disk(fine_disk);
         // Edges of the fine mesh zigzag about the coarse ones: at most by the 1.16 of a lattice of equilateral
         // triangles where the path may choose its way, a little more where its ends are near.
-        EXPECT_LT(fine_cut.length(), 1.35 * coarse_cut.length());
-        EXPECT_GT(fine_cut.length(), 0.7 * coarse_cut.length());
+        EXPECT_LT(fine_cut.length(), 1.35 * coarse.cut.length());
+        EXPECT_GT(fine_cut.length(), 0.7 * coarse.cut.length());
         EXPECT_EQ(fine_disk.paths().size(), coarse_disk.paths().size());
-        const auto rotation = transfer_rotation(coarse_disk, 33, 33, 7, coarse.original, fine_disk, 65, 65);
+        const auto rotation = transfer_rotation(coarse_disk, 33, 33, 7, coarse.mesh.original, fine_disk, 65, 65);
         if (rotation) { EXPECT_LT(*rotation, (BorderGrid{65, 65}.count())); }
     }
 }
@@ -51,14 +62,10 @@ TEST(CutTransfer, OpensTheFineMeshAlongTheCoarseCut) {
 TEST(CutCarry, TakesTheSameNetworkThroughTheCollapses) {
     for (const Surface& s : surfaces()) {
         SCOPED_TRACE(s.name);
-        const Simplified small = simplify(s.mesh, s.mesh.faces.size() / 8, {}, {});
-        const CompactMesh coarse = compact(s.mesh.positions, small.faces);
-        CutGraph coarse_cut(coarse.mesh), fine_cut(s.mesh);
-        coarse_cut.cut_to_disk();
-        coarse_cut.join(0);
-        coarse_cut.join(static_cast<std::uint32_t>(coarse.mesh.positions.size() / 2));
+        CutGraph fine_cut(s.mesh);
+        const CoarseCut coarse(s.mesh);
         const std::vector<std::pair<std::uint32_t, std::uint32_t>> edges =
-            carry_cut(coarse_cut, coarse.original, small, fine_cut);
+            carry_cut(coarse.cut, coarse.mesh.original, coarse.small, fine_cut);
         const VertexGraph& graph = fine_cut.graph();
         for (const auto& [a, b] : edges) {
             bool found = false;
@@ -66,12 +73,12 @@ TEST(CutCarry, TakesTheSameNetworkThroughTheCollapses) {
                 if (graph.arcs[k].to == b) fine_cut.mark(graph.arcs[k].half_edge, true), found = true;
             ASSERT_TRUE(found) << a << " and " << b << " are no neighbours";
         }
-        const Disk coarse_disk = coarse_cut.open(), fine_disk = fine_cut.open();
+        const Disk coarse_disk = coarse.cut.open(), fine_disk = fine_cut.open();
         test::expect_links(fine_disk);
         test::expect_disk(fine_disk);
         // Nodes of more than three paths may part, and each one more is one pair of mates more.
         EXPECT_GE(fine_disk.paths().size(), coarse_disk.paths().size());
-        EXPECT_LT(fine_cut.length(), 2 * coarse_cut.length());
+        EXPECT_LT(fine_cut.length(), 2 * coarse.cut.length());
     }
 }
 

@@ -5,31 +5,17 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/cut/cut_graph.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/slim.h"
-#include "geometry/parameterize/square_border.h"
+#include "laid_disk.h"
 #include "support/meshes.h"
 
 namespace dgm::bake {
 namespace {
 
-struct Laid {
-    Disk disk;
-    SquareBorder border;
-    [[nodiscard]] DiskView view() const { return {disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv}; }
-};
-Laid lay(const TriMesh& mesh, std::uint32_t rotation = 3) {
-    CutGraph cut(mesh);
-    cut.cut_to_disk();
-    Laid out{cut.open(), {}};
-    out.border = lay_square_border(out.disk, 65, 65, rotation);
-    return out;
-}
-
 TEST(MultilevelMap, IsOneToOneAndNoWorseThanTheSolveAtFullSize) {
     for (const TriMesh& mesh : {test::icosphere(5), test::torus(1, 0.4, 120, 60), test::finger(0.2, 1, 60, 60, 20)}) {
-        const Laid laid = lay(mesh);
+        const test::LaidDisk laid = test::lay(mesh, 65, 3);
         const DiskView view = laid.view();
         MultilevelOptions options;
         options.power = 1;  // what the full solve minimises
@@ -50,14 +36,14 @@ TEST(MultilevelMap, IsOneToOneAndNoWorseThanTheSolveAtFullSize) {
 
 TEST(MultilevelMap, AFlatSquareIsLeftFlat) {
     // The identity has the least stretch of all maps of the unit square onto itself: 1 everywhere.
-    const Laid laid = lay(test::grid_sheet(60, 60), 0);
+    const test::LaidDisk laid = test::lay(test::grid_sheet(60, 60), 65, 0);
     const auto uv = multilevel_stretch_map(laid.view(), {}, {});
     ASSERT_TRUE(uv);
     EXPECT_NEAR(stretch_energy(laid.disk.mesh.positions, laid.disk.mesh.faces, *uv), 1, 1e-3);
 }
 
 TEST(MultilevelMap, SameInputSameMap) {
-    const Laid laid = lay(test::icosphere(5));
+    const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
     const auto a = multilevel_stretch_map(laid.view(), {}, {}), b = multilevel_stretch_map(laid.view(), {}, {});
     ASSERT_TRUE(a && b);
     EXPECT_EQ(*a, *b);
