@@ -72,22 +72,24 @@ static inline __attribute__((always_inline)) float largest_lane(const Floats& v)
     return most;
 }
 
-/// Samples that rounding holds back: see RelaxJob.
-static __attribute__((noinline)) void push_on(float* now, const float* base, const Ints& held) {
-    for (int k = 0; k < DGM_LANES; ++k)
-        if (held[k] != 0 && magnitude(now[k] - base[k]) <= kStuck * magnitude(base[k]))
-            now[k] = __builtin_nextafterf(now[k], base[k]);
-}
-static inline __attribute__((always_inline)) void push_on(float* now, const float* base, int held) {
-    if (held != 0 && magnitude(*now - *base) <= kStuck * magnitude(*base)) *now = __builtin_nextafterf(*now, *base);
+/// One float on towards `base`, which is so near that it has the same sign.
+template <class F, class I>
+static inline __attribute__((always_inline)) F next_towards(const F& v, const F& base) {
+    const I bits = __builtin_bit_cast(I, v);
+    const I outwards = static_cast<I>((base > v) != (bits < 0));  // of zero
+    if constexpr (sizeof(F) == sizeof(float))
+        return __builtin_bit_cast(F, outwards != 0 ? bits + 1 : bits - 1);
+    else
+        return __builtin_bit_cast(F, bits - 1 - 2 * outwards);
 }
 template <class F, class I>
 static inline __attribute__((always_inline)) void relax_plane(float* now, const float* base, const F& left,
                                                               const I& moving) {
     const F before = load<F>(now), rest = load<F>(base), after = moving ? rest + left : rest;
+    const I held = static_cast<I>(after == before) & static_cast<I>(before != rest) &
+                   static_cast<I>(magnitude(before - rest) <= kStuck * magnitude(rest));
     store<F>(now, after);
-    const I held = static_cast<I>(after == before) & static_cast<I>(before != rest);
-    if (__builtin_expect(any(held), 0)) push_on(now, base, held);
+    if (any(held)) store<F>(now, held ? next_towards<F, I>(before, rest) : after);
 }
 
 template <class F, class I>
