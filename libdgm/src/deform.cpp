@@ -88,6 +88,13 @@ void touch_footprint(StateImpl& s, bool plastic) noexcept {
     s.touch(moved, plastic);
 }
 
+void fade_footprint(StateImpl& s) noexcept {
+    if (!s.fading.behind) return;
+    const FootprintScratch& f = s.footprint;
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) fade(s, f.frames[k].rect);
+    for (std::uint32_t k = 0; k < f.sample_count; ++k) fade(s, f.samples[k]);
+}
+
 std::uint32_t count_samples(const StateImpl& s) noexcept {
     const FootprintScratch& f = s.footprint;
     std::uint32_t count = f.sample_count;
@@ -150,6 +157,7 @@ Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Conta
     report.displacement = c.d;
     if (c.footprint == Footprint::Grid && s.stiffness.empty() && is_plain_window(s, c.sample, t.options.reach)) {
         const Rect r = s.window(c.sample, t.options.reach);
+        fade(s, r);
         MoveJob job = window_job(s, t, r, c.sample, c.d);
         s.rows_of->move(job);
         if (c.plastic) {
@@ -162,6 +170,7 @@ Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Conta
         return report;
     }
     if (auto r = begin_footprint(s, t, c); !r) return r.error();
+    fade_footprint(s);
     report.samples = count_samples(s);
     report.crossed_seam = s.footprint.class_count != 0;
     report.truncated = s.footprint.truncated;

@@ -118,7 +118,9 @@ Result<void> build_pyramid(StateImpl& s) noexcept {
     s.tile_cols = tile_count(s.tables.cols - 1);
     const std::uint32_t tiles = s.tile_rows * s.tile_cols;
     if (!s.tile_flags.allocate(s.allocator, tiles) || !s.tile_list.allocate(s.allocator, tiles) ||
-        !s.next_tiles.allocate(s.allocator, tiles) || !index_border(s, tiles))
+        !s.next_tiles.allocate(s.allocator, tiles) || !s.fading.time.allocate(s.allocator, tiles) ||
+        !s.fading.left.allocate(s.allocator, tiles) || !s.fading.plain.tiles.allocate(s.allocator, tiles) ||
+        !s.fading.special.tiles.allocate(s.allocator, tiles) || !index_border(s, tiles))
         return kNoMemory;
     for (Pyramid* p : {&s.now_boxes, &s.base_boxes}) {
         std::uint32_t r = s.tile_rows, c = s.tile_cols, nodes = 0;

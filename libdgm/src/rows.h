@@ -55,6 +55,17 @@ struct MoveJob {
     float d[3];
 };
 
+/// now = base + factor (now - base), and base where no component differs by more than `still`. Where rounding would hold
+/// a sample back for ever less than kStuck of its coordinate away, it goes one step of the floats on.
+struct RelaxJob {
+    Rect rect;
+    std::uint32_t cols;
+    Planes now;
+    ConstPlanes base;
+    float factor, still;
+};
+inline constexpr float kStuck = 0x1p-14f;
+
 /// Unit normals of samples whose eight neighbours exist and are on the surface: area vector of the ring polygon,
 /// 2A = sum of q_k x q_(k+1), as cross products of the diagonals of quadrangles.
 struct NormalJob {
@@ -95,9 +106,8 @@ struct MergeJob {
 struct RowKernels {
     const char* name;
     void (*move)(const MoveJob& job) noexcept;
-    /// now = base + f (now - base), and base where no component differs by more than `still`.
-    /// @return true if a sample still differs from base.
-    bool (*relax)(Planes now, ConstPlanes base, std::uint32_t count, float factor, float still) noexcept;
+    /// @return the largest component of the displacement that is left, 0 if every sample is at rest.
+    float (*relax)(const RelaxJob& job) noexcept;
     /// @return false if a normal was left at 0 because its area vector is out of the range of float arithmetic.
     bool (*normals)(const NormalJob& job) noexcept;
     /// Offers every sample of a full rectangle to (d2, sample): nearer ones, of equally near ones the lowest index.

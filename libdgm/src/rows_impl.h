@@ -58,27 +58,66 @@ static inline __attribute__((always_inline)) F magnitude(F v) {
     return v < 0 ? -v : v;
 }
 
-template <class F, class I>
-static inline __attribute__((always_inline)) I relax_block(Planes now, ConstPlanes base, std::uint32_t k, float factor,
-                                                           float still) {
-    const F bx = load<F>(base.x + k), by = load<F>(base.y + k), bz = load<F>(base.z + k);
-    const F x = (load<F>(now.x + k) - bx) * factor, y = (load<F>(now.y + k) - by) * factor,
-            z = (load<F>(now.z + k) - bz) * factor;
-    const I moving = static_cast<I>(magnitude(x) > still) | static_cast<I>(magnitude(y) > still) |
-                     static_cast<I>(magnitude(z) > still);
-    store<F>(now.x + k, moving ? bx + x : bx);
-    store<F>(now.y + k, moving ? by + y : by);
-    store<F>(now.z + k, moving ? bz + z : bz);
-    return moving;
+template <class F>
+static inline __attribute__((always_inline)) F lower(F a, F b) {
+    return b < a ? b : a;
+}
+template <class F>
+static inline __attribute__((always_inline)) F upper(F a, F b) {
+    return a < b ? b : a;
+}
+static inline __attribute__((always_inline)) float largest_lane(const Floats& v) {
+    float most = v[0];
+    for (int k = 1; k < DGM_LANES; ++k) most = upper(most, static_cast<float>(v[k]));
+    return most;
 }
 
-bool relax(Planes now, ConstPlanes base, std::uint32_t count, float factor, float still) noexcept {
-    bool moving = false;
-    std::uint32_t k = 0;
-    for (; k + DGM_LANES <= count; k += DGM_LANES)
-        moving = any(relax_block<Floats, Ints>(now, base, k, factor, still)) || moving;
-    for (; k < count; ++k) moving = any(relax_block<float, int>(now, base, k, factor, still)) || moving;
-    return moving;
+/// One float on towards `base`, which is so near that it has the same sign.
+template <class F, class I>
+static inline __attribute__((always_inline)) F next_towards(const F& v, const F& base) {
+    const I bits = __builtin_bit_cast(I, v);
+    const I outwards = static_cast<I>((base > v) != (bits < 0));  // of zero
+    if constexpr (sizeof(F) == sizeof(float))
+        return __builtin_bit_cast(F, outwards != 0 ? bits + 1 : bits - 1);
+    else
+        return __builtin_bit_cast(F, bits - 1 - 2 * outwards);
+}
+template <class F, class I>
+static inline __attribute__((always_inline)) void relax_plane(float* now, const float* base, const F& left,
+                                                              const I& moving) {
+    const F before = load<F>(now), rest = load<F>(base), after = moving ? rest + left : rest;
+    const I held = static_cast<I>(after == before) & static_cast<I>(before != rest) &
+                   static_cast<I>(magnitude(before - rest) <= kStuck * magnitude(rest));
+    store<F>(now, after);
+    if (any(held)) store<F>(now, held ? next_towards<F, I>(before, rest) : after);
+}
+
+template <class F, class I>
+static inline __attribute__((always_inline)) void relax_block(const RelaxJob& j, std::size_t k, F& most) {
+    const F x = (load<F>(j.now.x + k) - load<F>(j.base.x + k)) * j.factor,
+            y = (load<F>(j.now.y + k) - load<F>(j.base.y + k)) * j.factor,
+            z = (load<F>(j.now.z + k) - load<F>(j.base.z + k)) * j.factor;
+    const F largest = upper(upper(magnitude(x), magnitude(y)), magnitude(z));
+    const I moving = static_cast<I>(largest > j.still);
+    most = upper(most, largest);
+    relax_plane<F, I>(j.now.x + k, j.base.x + k, x, moving);
+    relax_plane<F, I>(j.now.y + k, j.base.y + k, y, moving);
+    relax_plane<F, I>(j.now.z + k, j.base.z + k, z, moving);
+}
+
+float relax(const RelaxJob& job) noexcept {
+    const RelaxJob j = job;
+    const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
+    Floats most = {};
+    float most_one = 0;
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
+        const std::size_t first = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
+        std::uint32_t k = 0;
+        for (; k + DGM_LANES <= count; k += DGM_LANES) relax_block<Floats, Ints>(j, first + k, most);
+        for (; k < count; ++k) relax_block<float, int>(j, first + k, most_one);
+    }
+    most_one = upper(most_one, largest_lane(most));
+    return most_one > j.still ? most_one : 0;
 }
 
 template <class F>
@@ -222,15 +261,6 @@ void nearest(const NearestJob& j, float& d2, std::uint32_t& sample) noexcept {
     }
     if (!any(best <= d2)) return;
     for (int k = 0; k < DGM_LANES; ++k) offer(best[k], static_cast<std::uint32_t>(index[k]));
-}
-
-template <class F>
-static inline __attribute__((always_inline)) F lower(F a, F b) {
-    return b < a ? b : a;
-}
-template <class F>
-static inline __attribute__((always_inline)) F upper(F a, F b) {
-    return a < b ? b : a;
 }
 
 static inline __attribute__((always_inline)) void plane_bounds(const float* p, const Rect& rect, std::uint32_t cols,

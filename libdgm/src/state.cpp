@@ -121,7 +121,7 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
     // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (20), classes,
     // slots.
     return shape + std::uint64_t{t.total} * (3 + 12 + 20 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
-           tiles * (4 * sizeof(Box) + 24) + t.faces.size() * 40 + t.seams.size() * 80 +
+           tiles * (4 * sizeof(Box) + 44) + t.faces.size() * 40 + t.seams.size() * 80 +
            (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) + 4096;
 }
 
@@ -274,17 +274,23 @@ std::uint32_t State::cols() const noexcept {
 std::uint32_t State::sample_count() const noexcept {
     return impl_->total();
 }
+detail::StateImpl* State::settled() const noexcept {
+    detail::settle(*impl_);
+    return impl_;
+}
 PointView State::positions() const noexcept {
-    return {impl_->now.x, impl_->now.y, impl_->now.z, impl_->total(), 1};
+    const detail::StateImpl& s = *settled();
+    return {s.now.x, s.now.y, s.now.z, s.total(), 1};
 }
 PointView State::rest_positions() const noexcept {
     return {impl_->rest.x, impl_->rest.y, impl_->rest.z, impl_->total(), 1};
 }
 PointView State::normals() const noexcept {
-    return {impl_->normal.x, impl_->normal.y, impl_->normal.z, impl_->total(), 1};
+    const detail::StateImpl& s = *settled();
+    return {s.normal.x, s.normal.y, s.normal.z, s.total(), 1};
 }
 void State::update_normals() noexcept {
-    detail::update_normals(*impl_);
+    detail::update_normals(*settled());
 }
 float State::mean_step() const noexcept {
     return impl_->mean_step;
@@ -305,11 +311,12 @@ std::span<const std::uint32_t> State::class_members(std::uint32_t id) const noex
     return id < impl_->class_count ? impl_->members(id) : std::span<const std::uint32_t>{};
 }
 Vec3 State::normal(std::uint32_t sample) const noexcept {
-    return detail::sample_normal(*impl_, detail::StateImpl::fixed(impl_->now), sample);
+    const detail::StateImpl& s = *settled();
+    return detail::sample_normal(s, detail::StateImpl::fixed(s.now), sample);
 }
 
 void State::release() noexcept {
-    detail::release_elastic(*impl_);
+    detail::release_elastic(*settled());
 }
 
 Result<void> State::relax(float dt, float rate) noexcept {
@@ -318,12 +325,13 @@ Result<void> State::relax(float dt, float rate) noexcept {
     if (std::isinf(rate))
         release();
     else
-        detail::relax_elastic(*impl_, std::exp(-rate * dt), 1e-6f * impl_->mean_step);
+        detail::relax_elastic(*impl_, double{rate} * dt);
     return {};
 }
 
 void State::reset() noexcept {
-    detail::StateImpl& s = *impl_;
+    detail::StateImpl& s = *settled();
+    detail::release_elastic(s);
     std::memcpy(s.base.x, s.rest.x, 3 * s.plane * sizeof(float));
     std::memcpy(s.now.x, s.rest.x, 3 * s.plane * sizeof(float));
     s.elastic.clear();

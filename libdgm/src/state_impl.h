@@ -40,6 +40,8 @@ struct WalkNode {
 
 inline constexpr std::uint8_t kTileSpecial = 1;  ///< holds seam samples, a free border or samples off the surface
 inline constexpr std::uint8_t kTileListed = 2;   ///< in StateImpl::tile_list; only while one function runs
+inline constexpr std::uint8_t kTileFading = 4;   ///< in Fading::plain or Fading::special
+inline constexpr std::uint8_t kTileMoved = 8;    ///< came to rest since settle()
 
 inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows.h is in the ring
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
@@ -102,6 +104,33 @@ struct GeodesicScratch {
     std::uint32_t head[kBuckets];
 };
 
+struct TileList {
+    Array<std::uint32_t> tiles;
+    std::uint32_t count = 0;
+};
+
+/// Elastic displacement that fades. exp is multiplicative: a tile nobody looks at waits, and fades in one step when
+/// somebody does, by exp(-(clock - its own time)). So a tick looks at what its tools reach, and settle() at the rest.
+/// Copies of a seam class must fade in the same steps to hold the same bits: special tiles and border samples keep one
+/// time for all.
+struct Fading {
+    double clock = 0;  ///< sum of rate dt
+    double special_time = 0;
+    Array<double> time;  ///< by plain tile, while it is fading
+    Array<float> left;   ///< by plain tile: no component of a displacement was larger then
+    TileList plain, special;
+    std::uint32_t border_low = kNone, border_high = 0;  ///< border samples that fade
+    std::uint32_t sweep = 0;                            ///< place in `plain` where the next look for tiles at rest is
+    std::uint32_t tile_moved = 0;                       ///< tiles with kTileMoved
+    bool border_moved = false;                          ///< they did since settle()
+    bool behind = false;                                ///< some tile's time is before the clock
+    bool normals_owed = false;                          ///< normals() is promised for the shape as of the clock
+    bool in_tick = false;                               ///< elastic touches are told of by settle()
+    [[nodiscard]] bool empty() const noexcept {
+        return plain.count + special.count + tile_moved == 0 && border_low > border_high && !border_moved;
+    }
+};
+
 struct StateImpl {
     explicit StateImpl(const Allocator& a) noexcept : allocator(a) {}
     Allocator allocator;
@@ -136,7 +165,8 @@ struct StateImpl {
     std::uint32_t tile_count_listed = 0;
     Array<std::uint32_t> tile_border_start, tile_border;  ///< border samples of each tile
     Pyramid now_boxes, base_boxes;
-    RectList elastic;       ///< where now may differ from base
+    RectList elastic;  ///< where now may differ from base, besides `fading`
+    Fading fading;
     RectList normal_dirty;  ///< moved since update_normals()
     std::uint32_t base_version = 0;
     WalkScratch walk;
@@ -193,12 +223,11 @@ struct StateImpl {
     /// Notes that samples moved, those of a Rect or a RectList; `plastic`: in the base shape too.
     template <class Moved>
     void touch(const Moved& moved, bool plastic) noexcept {
+        if (!plastic) elastic.add(moved);
+        if (!plastic && fading.in_tick) return;
         now_boxes.dirty.add(moved);
         normal_dirty.add(moved);
-        if (!plastic) {
-            elastic.add(moved);
-            return;
-        }
+        if (!plastic) return;
         base_boxes.dirty.add(moved);
         ++base_version;
     }
@@ -235,8 +264,23 @@ void update_normals(StateImpl& state) noexcept;
 
 /// now = base wherever it may differ.
 void release_elastic(StateImpl& state) noexcept;
-/// now = base + factor (now - base), exactly base where less than `still` is left.
-void relax_elastic(StateImpl& state, float factor, float still) noexcept;
+/// Lets elastic displacements fade by exp(-passed); normals() stay as they were.
+void relax_elastic(StateImpl& state, double passed) noexcept;
+/// The same for a tick, which says itself what becomes of the normals.
+void advance_fading(StateImpl& state, double passed) noexcept;
+/// Adds the tiles and border samples that fade.
+void add_fading(const StateImpl& state, RectList& to) noexcept;
+/// Brings samples up to the clock: those of a rectangle, one, or all that fade.
+void fade(StateImpl& state, const Rect& rect) noexcept;
+void fade(StateImpl& state, std::uint32_t sample) noexcept;
+/// Ends a tick in which displacements fade: what it moved fades from now on, and a few tiles that have come to rest
+/// while nobody looked are let go.
+void end_fading_tick(StateImpl& state, bool normals) noexcept;
+void settle_all(StateImpl& state) noexcept;
+/// Whoever reads all of `now` or `normal` calls this before.
+inline void settle(StateImpl& state) noexcept {
+    if (state.fading.behind) settle_all(state);
+}
 
 /// True if the window |di| < b, |dj| < b around grid sample (i, j) holds no seam and no free border, so that it is a
 /// plain rectangle clipped by the grid.

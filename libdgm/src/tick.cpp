@@ -239,7 +239,7 @@ void restore_around(const StateImpl& s, const Rect& old, const Rect& fresh) noex
 /// displacement in one pass, and of the tick before only what sticks out. @return false if it is another case.
 bool press_window(StateImpl& s, const TableImpl& t, const Contact& c) noexcept {
     if (c.footprint != Footprint::Grid || c.plastic || !s.stiffness.empty()) return false;
-    if (s.elastic.count > 1 || s.elastic.border_low <= s.elastic.border_high) return false;
+    if (!s.fading.empty() || s.elastic.count > 1 || s.elastic.border_low <= s.elastic.border_high) return false;
     if (!is_plain_window(s, c.sample, t.options.reach)) return false;
     const Rect r = s.window(c.sample, t.options.reach);
     if (s.elastic.count == 1) {
@@ -268,7 +268,7 @@ float share_at(const StateImpl& s, const TableImpl& t, std::uint32_t sample) noe
 
 Result<TickReport> tick(State& state, const DeformTable& table, const TickOptions& o, std::span<const ToolInput> tools,
                         std::span<ToolOutput> outputs) noexcept {
-    detail::StateImpl& s = *state.impl();
+    detail::StateImpl& s = *state.unsettled();
     const detail::TableImpl& t = *table.impl();
     if (auto r = detail::check(s, t, o, tools, outputs); !r) return r.error();
     if (s.any_sample == kNone) return Error{ErrorCode::NotFound, kNoOffset, "the chart has no sample to be near to"};
@@ -285,30 +285,41 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
         at_once = at_once || !(detail::share_at(s, t, press.contact.sample) > 0);
     }
 
+    if (s.fading.normals_owed && !o.normals) detail::settle(s);  // they stay as they are now
     TickReport report;
     report.contacts = count;
     if (count == 1 && at_once && detail::press_window(s, t, contacts[0])) {
         report.samples = static_cast<std::uint32_t>(detail::RectList::area(s.elastic.rects[0]));
     } else {
+        s.fading.in_tick = !at_once;
         if (at_once)
             detail::release_elastic(s);
         else
-            detail::relax_elastic(s, std::exp(-o.relax_rate * o.dt), 1e-6f * s.mean_step);
+            detail::advance_fading(s, double{o.relax_rate} * o.dt);
         for (std::uint32_t k = 0; k < count; ++k) {
             detail::Contact c = contacts[k];
             if (!at_once && !c.plastic) {
                 // The contact is to be displaced by d in all, whatever of earlier ticks is still there.
+                detail::fade(s, c.sample);
                 const Vec3 there = s.point(c.sample) - detail::StateImpl::at(s.base, c.sample);
                 c.d = c.d - (1 / detail::share_at(s, t, c.sample)) * there;
             }
             auto done = detail::apply_contact(s, t, c);
-            if (!done) return done.error();
+            if (!done) {
+                if (!at_once) detail::end_fading_tick(s, o.normals);
+                return done.error();
+            }
             report.samples += done.value().samples;
             report.crossed_seam = report.crossed_seam || done.value().crossed_seam;
             report.truncated = report.truncated || done.value().truncated;
         }
     }
-    if (o.normals) detail::update_normals(s);
+    if (!at_once) {
+        detail::end_fading_tick(s, o.normals);
+    } else if (o.normals) {
+        detail::update_normals(s);
+        s.fading.normals_owed = false;
+    }
     return report;
 }
 

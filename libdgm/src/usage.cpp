@@ -32,16 +32,19 @@ AssetUsage Asset::usage() const noexcept {
 }
 
 StateUsage State::usage() const noexcept {
-    const detail::StateImpl& s = *impl_;
+    const detail::StateImpl& s = *settled();
     const detail::FootprintScratch& f = s.footprint;
     const std::uint64_t bytes =
         sizeof s + detail::bytes_of(s.planes, s.mask, s.diagonals, s.ring, s.faces, s.border_uv, s.face_start,
                                     s.face_of, s.stiffness, s.mobility, s.metric, s.class_of, s.class_start,
                                     s.class_members, s.link_start, s.links, s.tile_flags, s.tile_list, s.next_tiles,
-                                    s.tile_border_start, s.tile_border, s.now_boxes.boxes, s.base_boxes.boxes,
+                                    s.tile_border_start, s.tile_border, s.fading.time, s.fading.left,
+                                    s.fading.plain.tiles, s.fading.special.tiles, s.now_boxes.boxes, s.base_boxes.boxes,
                                     s.walk.slot_of, s.walk.nodes, s.walk.heap, s.walk.visited, f.key, f.weight,
                                     f.samples, f.classes, f.class_seen, s.geodesic.nodes, s.geodesic.touched, s.tools);
-    return {bytes, s.total(), detail::samples_in(s, s.elastic), detail::samples_in(s, s.normal_dirty)};
+    detail::RectList active = s.elastic;
+    detail::add_fading(s, active);
+    return {bytes, s.total(), detail::samples_in(s, active), detail::samples_in(s, s.normal_dirty)};
 }
 
 }  // namespace dgm

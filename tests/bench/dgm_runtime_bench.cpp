@@ -6,6 +6,7 @@
 #include <dgm/collide.h>
 
 #include <cstring>
+#include <limits>
 
 #include "scenes.h"
 
@@ -70,12 +71,14 @@ void nearest_part(benchmark::State& b) {
     for (auto _ : b) benchmark::DoNotOptimize(nearest_sample(state, tool_at(s, ++k)).value().sample);
 }
 
-void whole_tick(benchmark::State& b) {
+/// `read_every`: ticks from one look at all positions and normals to the next; 0: never.
+void whole_tick(benchmark::State& b, float relax_rate, std::size_t read_every) {
     const Scene& s = scene_of(b);
     State state = make_state(s, Diagonals::Uniform, false);
     const DeformTable table = make_table(s);
     TickOptions options;
     options.d_max = 4;
+    options.relax_rate = relax_rate;
     std::vector<Vec3> path;
     for (long k = 0; k < 4096; ++k) path.push_back(tool_at(s, k));
     ToolInput in;
@@ -84,6 +87,7 @@ void whole_tick(benchmark::State& b) {
     for (auto _ : b) {
         in.position = path[++k % path.size()];
         if (!tick(state, table, options, {&in, 1}, {&out, 1})) std::abort();
+        if (read_every != 0 && k % read_every == 0) benchmark::DoNotOptimize(state.normals().x);
     }
 }
 
@@ -113,7 +117,11 @@ BENCHMARK_CAPTURE(deform_part, geodesic, Footprint::Geodesic, false, KernelEnd::
 BENCHMARK_CAPTURE(normals_part, uniform, Diagonals::Uniform, false)->DenseRange(0, 2);
 BENCHMARK_CAPTURE(normals_part, mixed, Diagonals::Mixed, false)->DenseRange(0, 2);
 BENCHMARK_CAPTURE(normals_part, plain, Diagonals::Mixed, true)->DenseRange(0, 2);
-BENCHMARK(whole_tick)->DenseRange(0, 2);
+constexpr float kAtOnce = std::numeric_limits<float>::infinity();
+BENCHMARK_CAPTURE(whole_tick, at_once, kAtOnce, 0)->DenseRange(0, 2);
+BENCHMARK_CAPTURE(whole_tick, relaxing, 20.0f, 0)->DenseRange(0, 2);
+BENCHMARK_CAPTURE(whole_tick, relaxing_read_every_16th, 20.0f, 16)->DenseRange(0, 2);
+BENCHMARK_CAPTURE(whole_tick, relaxing_read_each, 20.0f, 1)->DenseRange(0, 2);
 BENCHMARK(nearest_part)->DenseRange(0, 2);
 BENCHMARK(geodesic_961);
 

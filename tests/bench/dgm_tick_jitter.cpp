@@ -33,6 +33,7 @@ struct Times {
     std::vector<double> us;
     long preempted = 0;
     double at(double share) {
+        if (us.empty()) return std::nan("");  // the machine was too busy
         const auto k = static_cast<std::size_t>(share * static_cast<double>(us.size() - 1));
         std::nth_element(us.begin(), us.begin() + static_cast<std::ptrdiff_t>(k), us.end());
         return us[k];

@@ -314,7 +314,8 @@ DGM_API void dgm_state_reset(dgm_state* state);   /* back to rest */
 /* Fading: rate in 1/s, infinity is release. */
 DGM_API dgm_code dgm_state_relax(dgm_state* state, float dt, float rate, dgm_error* error);
 DGM_API void dgm_state_update_normals(dgm_state* state);
-/* The state's own arrays: x, y, z of all samples. normals: as of the last tick or dgm_state_update_normals(). */
+/* The state's own arrays: x, y, z of all samples. normals: as of the last tick or dgm_state_update_normals(). Ask again
+   after a tick: what fades is brought up to date by this call. */
 DGM_API size_t dgm_state_positions(const dgm_state* state, const float* xyz[3]);
 DGM_API size_t dgm_state_normals(const dgm_state* state, const float* xyz[3]);
 DGM_API float dgm_state_mean_step(const dgm_state* state);

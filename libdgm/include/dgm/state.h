@@ -56,7 +56,8 @@ class State {
     [[nodiscard]] DGM_API std::uint32_t rows() const noexcept;
     [[nodiscard]] DGM_API std::uint32_t cols() const noexcept;
     [[nodiscard]] DGM_API std::uint32_t sample_count() const noexcept;
-    /// Present shape and rest shape, local coordinates, samples in the order of Chart::sample_count().
+    /// Present shape and rest shape, local coordinates, samples in the order of Chart::sample_count(). The memory stays
+    /// in place; what fades is brought up to date when the view is asked for, so ask again after tick() or relax().
     [[nodiscard]] DGM_API PointView positions() const noexcept;
     [[nodiscard]] DGM_API PointView rest_positions() const noexcept;
     [[nodiscard]] DGM_API bool on_surface(std::uint32_t sample) const noexcept;
@@ -69,7 +70,7 @@ class State {
 
     /// Area-weighted unit normal of the present shape over the welded ring; 0 where there is no area or no sample.
     [[nodiscard]] DGM_API Vec3 normal(std::uint32_t sample) const noexcept;
-    /// The same for all samples, as of the last update_normals() or tick().
+    /// The same for all samples, as of the last update_normals() or tick(); ask again after these.
     [[nodiscard]] DGM_API PointView normals() const noexcept;
     /// Brings normals() up to date where the shape was touched since. O(touched samples).
     DGM_API void update_normals() noexcept;
@@ -88,11 +89,13 @@ class State {
     /// Back to rest, plastic deformation included. O(samples).
     DGM_API void reset() noexcept;
 
-    /// For the library's own functions.
-    [[nodiscard]] detail::StateImpl* impl() noexcept { return impl_; }
-    [[nodiscard]] const detail::StateImpl* impl() const noexcept { return impl_; }
+    /// For the library's own functions: up to date, or as tick() left it.
+    [[nodiscard]] detail::StateImpl* impl() noexcept { return settled(); }
+    [[nodiscard]] const detail::StateImpl* impl() const noexcept { return settled(); }
+    [[nodiscard]] detail::StateImpl* unsettled() noexcept { return impl_; }
 
  private:
+    [[nodiscard]] DGM_API detail::StateImpl* settled() const noexcept;
     explicit State(detail::StateImpl* impl) noexcept : impl_(impl) {}
     detail::StateImpl* impl_;
 };
