@@ -66,9 +66,13 @@ class Walk {
                     d = node(i1 * cols_ + j1);
         return (1 - x) * ((1 - y) * a + y * b) + x * ((1 - y) * c + y * d);
     }
-    [[nodiscard]] float node(std::uint32_t k) const noexcept {
-        const float d = std::sqrt(std::min(c_.square[k], limit_));
+    [[nodiscard]] float signed_square(std::uint32_t k) const noexcept {
+        const float d = std::min(c_.square[k], limit_);
         return (c_.marks[k] & kInside) != 0 ? -d : d;
+    }
+    [[nodiscard]] float node(std::uint32_t k) const noexcept {
+        const float d = signed_square(k);
+        return d < 0 ? -std::sqrt(-d) : std::sqrt(d);
     }
 
  private:
@@ -202,8 +206,17 @@ void fill_between(const StateImpl& s, ContactImpl& c, const Walk& walk, float li
         const std::uint32_t tile = c.tiles[e];
         if ((c.tile_bits[tile] & kTilePsi) == 0) continue;
         const Rect r = s.tile_rect(tile);
+        if (r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols) {
+            const std::uint32_t first = r.i0 * cols + r.j0;
+            SpreadJob job{{}, c.marks.data() + first, c.weight.data() + first, cols};
+            for (std::uint32_t a = 0; a < 9; ++a)
+                job.nodes[a] = walk.signed_square(first + kStride * (a / 3 * cols + a % 3));
+            c.rows_of->spread(job);
+        }
+        // What is left of the last row and column of tiles.
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-            for (std::uint32_t j = r.j0; j <= r.j1;) {
+            for (std::uint32_t j = i < r.i0 + 8 && r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols ? r.j0 + 8 : r.j0;
+                 j <= r.j1;) {
                 // Four samples between two columns of nodes: along a row the distance is linear.
                 const std::uint32_t last = std::min((j / kStride + 1) * kStride, cols - 1);
                 const std::uint32_t end = std::min(last, r.j1 + 1);
