@@ -16,7 +16,8 @@
 
 namespace dgm::detail {
 namespace {
-constexpr double kForeseen = 1e-3;  // of the removed volume: the next step is good to a few millionths
+constexpr double kForeseen =
+    4e-3;  // of the removed volume: the next step is good to some 1e-5, which a few samples can take
 constexpr double kAimed = 1e-8;
 constexpr std::uint32_t kMaxPasses = 10;
 }  // namespace
@@ -200,6 +201,27 @@ double Resolver::settle(double beta) noexcept {
     return error;
 }
 
+double Resolver::held_back(double beta, double& rate) const noexcept {
+    HoldJob job{};
+    job.cols = s_.tables.cols;
+    job.at = StateImpl::fixed(c_.before());
+    job.normal = StateImpl::fixed(s_.normal);
+    job.weight = c_.weight.data();
+    job.beta = static_cast<float>(beta);
+    job.n[0] = static_cast<float>(shape_.normal.x);
+    job.n[1] = static_cast<float>(shape_.normal.y);
+    job.n[2] = static_cast<float>(shape_.normal.z);
+    job.d = static_cast<float>(shape_.offset);
+    double sums[2] = {0, 0};
+    for (const Rect& r : c_.near) {
+        job.rect = r;
+        c_.rows_of->held_back(job, sums);
+    }
+    const double share = 6 * area_ / report_.samples;
+    rate = share * sums[1];
+    return share * sums[0];
+}
+
 void Resolver::bulge() noexcept {
     part_ring();
     Cubic near, free;
@@ -218,11 +240,20 @@ void Resolver::bulge() noexcept {
     double beta = solve(all, removed_, 0, first, 0);
     // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
     if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
+    double older = 0, older_cost = 0, power = 2, best = beta, best_error = std::numeric_limits<double>::infinity();
+    // A first guess of what the plane will cost: samples stand for areas alike.
+    for (int k = 0; k < 2 && shape_.kind == ObstacleKind::Plane; ++k) {
+        double rate = 0;
+        const double cost = held_back(beta, rate);
+        const double next = beta - (all(beta) - cost - removed_) / (all.slope(beta) - rate);
+        if (!(next * first > 0) || std::fabs(next) > 2 * std::fabs(beta)) break;
+        if (cost > 0) power = std::clamp(rate * beta / cost, 1.0, 3.0);
+        beta = next;
+    }
     // The volume grows with |beta|: steps stay between the largest height known to be too low and the lowest known to
     // be too high.
     const double sign = removed_ * first > 0 ? 1 : -1;  // of the error where |beta| is too high, times that of beta
     double low = 0, high = std::numeric_limits<double>::infinity();
-    double older = 0, older_cost = 0, power = 2, best = beta, best_error = std::numeric_limits<double>::infinity();
     double aim = kForeseen;
     Cubic rest = free;
     const auto is_done = [&](double at) {

@@ -92,6 +92,8 @@ class Resolver {
     void put_back(std::uint32_t tile) noexcept;
     void put_back_sample(std::uint32_t k) noexcept;
 
+    /// Six times the volume it costs to keep the bulge out of a plane, roughly, and its rate with beta.
+    [[nodiscard]] double held_back(double beta, double& rate) const noexcept;
     void bulge() noexcept;
     /// Bulges all and measures it. @return the error.
     double settle(double beta) noexcept;

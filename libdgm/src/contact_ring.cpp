@@ -76,12 +76,16 @@ class Walk {
     }
 
  private:
-    void offer(std::uint32_t k, std::uint32_t r) noexcept {
+    // Most offers come to nothing: what there is to do about the others stays out of the loops.
+    [[gnu::always_inline]] void offer(std::uint32_t k, std::uint32_t r) noexcept { offer(k, r, c_.rim[r]); }
+    [[gnu::always_inline]] void offer(std::uint32_t k, std::uint32_t r, Vec3 rim) noexcept {
+        const float d = square_between(s_.point(k), rim);
+        if (d < limit_ && d < c_.square[k]) accept(k, r, d);
+    }
+    [[gnu::noinline]] void accept(std::uint32_t k, std::uint32_t r, float d) noexcept {
         // Nodes beyond the rim know how far it is, and keep it to themselves.
         const bool inside = (c_.marks[k] & kInside) != 0;
         if (inside && stride_ == 1) return;
-        const float d = square_between(s_.point(k), c_.rim[r]);
-        if (!(d < limit_) || !(d < c_.square[k])) return;
         if (k < s_.tables.grid && (s_.ring[k] & kRingIrregular) == 0) return set(k, r, d, inside);
         const std::uint32_t id = s_.class_id(k);
         if (id == kNone) return set(k, r, d, inside);
@@ -108,7 +112,7 @@ class Walk {
     }
     void hand_on_nodes(std::uint32_t k) noexcept {
         const std::uint32_t r = c_.source[k];
-        const std::uint32_t id = s_.class_id(k);
+        const std::uint32_t id = (s_.ring[k] & kRingIrregular) == 0 ? kNone : s_.class_id(k);
         if (id == kNone) return around(k, r);
         for (const std::uint32_t copy : s_.members(id)) {
             around(copy, r);
@@ -117,6 +121,16 @@ class Walk {
     }
     void around(std::uint32_t k, std::uint32_t r) noexcept {
         const std::uint32_t i = k / cols_, j = k % cols_;
+        if (i >= kStride && j >= kStride && i + kStride < s_.tables.rows && j + kStride < cols_ && i % kStride == 0 &&
+            j % kStride == 0) {
+            const Vec3 rim = c_.rim[r];
+            for (std::uint32_t at = k - kStride * cols_; at <= k + kStride * cols_; at += kStride * cols_) {
+                offer(at - kStride, r, rim);
+                offer(at, r, rim);
+                offer(at + kStride, r, rim);
+            }
+            return;
+        }
         const std::uint32_t up = (i - 1) / kStride * kStride, left = (j - 1) / kStride * kStride;
         const std::uint32_t down = std::min((i / kStride + 1) * kStride, s_.tables.rows - 1);
         const std::uint32_t right = std::min((j / kStride + 1) * kStride, cols_ - 1);
@@ -130,7 +144,7 @@ class Walk {
         if (down > i) row(down);
     }
     void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
-        if (std::isinf(c_.square[k])) list(k);
+        if (c_.square[k] == __builtin_inff()) list(k);
         c_.square[k] = d;
         c_.source[k] = r;
         if (inside || (c_.marks[k] & kQueued) != 0) return;

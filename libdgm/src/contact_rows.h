@@ -73,6 +73,15 @@ struct BulgeJob {
     float n[3], d;
 };
 
+struct HoldJob {
+    Rect rect;
+    std::uint32_t cols;
+    ConstPlanes at, normal;
+    const float* weight;
+    float beta;
+    float n[3], d;
+};
+
 struct ContactRows {
     /// Six times the signed volume over `origin` of the quads' triangles.
     double (*volume)(const QuadJob& job) noexcept;
@@ -87,6 +96,9 @@ struct ContactRows {
     void (*project)(const PlaneJob& job, const float* mobility) noexcept;
     WeightSums (*weights)(const WeightJob& job) noexcept;
     void (*spread)(const SpreadJob& job) noexcept;
+    /// Adds depth |n . normal| of the samples that beta weight normal would take beyond a plane, and its rate with
+    /// beta.
+    void (*held_back)(const HoldJob& job, double* sums) noexcept;
     /// to = from + beta weight normal where weight > 0.
     void (*bulge)(const BulgeJob& job) noexcept;
 };

@@ -86,7 +86,7 @@ DGM_FUSED(double, __builtin_fma)
 }  // namespace
 
 extern const ContactRows kAvx2ContactRows;
-const ContactRows kAvx2ContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, bulge};
+const ContactRows kAvx2ContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, held_back, bulge};
 
 }  // namespace dgm::detail
 

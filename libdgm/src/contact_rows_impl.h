@@ -210,34 +210,33 @@ template <class D>
 struct Moving {
     Corners<D> at, by;
 };
-/// As by(k) says for each corner. Mostly all quads of a block are split alike: then nothing has to be chosen lane by
-/// lane.
-template <class L, class Kinds, class By>
+/// As by(k) says for each corner.
+template <class L, bool kTurned, class Kinds, class By>
 static inline __attribute__((always_inline)) Moving<typename L::D> moving(const QuadJob& j, const Kinds& kinds,
                                                                           std::size_t k, By by) {
     const std::size_t b = k + j.cols, c = b + 1, d = k + 1;
-    if (!any_lane(kinds == 1))
+    if constexpr (kTurned)
+        return {turned<L>(kinds == 1, place<L>(j.at, k), place<L>(j.at, b), place<L>(j.at, c), place<L>(j.at, d)),
+                turned<L>(kinds == 1, by(k), by(b), by(c), by(d))};
+    else
         return {{place<L>(j.at, k), place<L>(j.at, b), place<L>(j.at, c), place<L>(j.at, d)},
                 {by(k), by(b), by(c), by(d)}};
-    return {turned<L>(kinds == 1, place<L>(j.at, k), place<L>(j.at, b), place<L>(j.at, c), place<L>(j.at, d)),
-            turned<L>(kinds == 1, by(k), by(b), by(c), by(d))};
 }
 
 // A triangle whose corners move evenly sweeps the integral of (mean of the moves) . (its area vector). With t = r - p,
 // y = s - q, u = q - p, v = s - p for the edges and b for the moves, six times the rate of a quad's two triangles is
 //   f = (b_p + b_r) . (t x y) + t . (v x b_s + b_q x u),
 // quadratic along the way. Only differences of coordinates enter: float is enough, however far the origin is.
-template <class L>
+template <class L, bool kTurned, class Kinds>
 static inline __attribute__((always_inline)) typename L::D swept_block(const QuadJob& j, const ConstPlanes& from,
-                                                                       std::size_t k) {
+                                                                       std::size_t k, const Kinds& kinds) {
     typedef typename L::D D;
-    const auto kinds = L::bytes(j.kind + k);
     const auto middle = [](const Triple<D>& now, const Triple<D>& by) __attribute__((always_inline)) {
         const D half = D{} + 0.5f;
         return Triple<D>{subtract_product(now.x, half, by.x), subtract_product(now.y, half, by.y),
                          subtract_product(now.z, half, by.z)};
     };
-    const Moving<D> all = moving<L>(
+    const Moving<D> all = moving<L, kTurned>(
         j, kinds, k, [&](std::size_t at) __attribute__((always_inline)) {
             return minus(place<L>(j.at, at), place<L>(from, at));
         });
@@ -250,15 +249,43 @@ static inline __attribute__((always_inline)) typename L::D swept_block(const Qua
     return L::choose(kinds != kQuadNone, six, D{});
 }
 
+// Mostly all quads of a block are split alike: then nothing has to be chosen lane by lane.
 double swept(const QuadJob& job, ConstPlanes from) noexcept {
     const QuadJob j = job;
     double sum = 0;
     Doubles sums = {};
     each_quad(
         j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-            add_to(swept_block<decltype(lanes)>(j, from, k), sums, sum);
+            typedef decltype(lanes) L;
+            const auto kinds = L::bytes(j.kind + k);
+            if (any_lane(kinds == 1))
+                add_to(swept_block<L, true>(j, from, k, kinds), sums, sum);
+            else
+                add_to(swept_block<L, false>(j, from, k, kinds), sums, sum);
         });
     return sum + Four::sum(sums);
+}
+
+template <class L, bool kTurned, class Kinds>
+static inline __attribute__((always_inline)) void cubic_block(const QuadJob& j, const ConstPlanes& normal,
+                                                              const float* weight, std::size_t k, const Kinds& kinds,
+                                                              Doubles* sums, double* sum) {
+    typedef typename L::D D;
+    const Moving<D> all = moving<L, kTurned>(
+        j, kinds, k, [&](std::size_t at) __attribute__((always_inline)) {
+            const D w = L::load(weight + at);
+            const Triple<D> n = place<L>(normal, at);
+            return Triple<D>{w * n.x, w * n.y, w * n.z};
+        });
+    const Corners<D>&x = all.at, &m = all.by;
+    const Triple<D> mt = minus(m.r, m.p), my = minus(m.s, m.q), t = minus(x.r, x.p), y = minus(x.s, x.q);
+    const Triple<D> w = times_plus(m.q, minus(x.q, x.p), times(minus(x.s, x.p), m.s));
+    const Triple<D> both = plus(m.p, m.r);
+    const auto there = kinds != kQuadNone;
+    add_to(L::choose(there, inner_plus(t, w, inner(both, times(t, y))), D{}), sums[0], sum[0]);
+    const D bend = inner_plus(mt, w, inner(both, times_plus(t, my, times(mt, y))));
+    add_to(L::choose(there, 0.5f * (bend - inner(t, times(m.p, my))), D{}), sums[1], sum[1]);
+    add_to(L::choose(there, inner(m.p, times(mt, my)), D{}), sums[2], sum[2]);
 }
 
 void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* out) noexcept {
@@ -268,23 +295,11 @@ void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* 
     each_quad(
         j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
             typedef decltype(lanes) L;
-            typedef typename L::D D;
             const auto kinds = L::bytes(j.kind + k);
-            const Moving<D> all = moving<L>(
-                j, kinds, k, [&](std::size_t at) __attribute__((always_inline)) {
-                    const D w = L::load(weight + at);
-                    const Triple<D> n = place<L>(normal, at);
-                    return Triple<D>{w * n.x, w * n.y, w * n.z};
-                });
-            const Corners<D>&x = all.at, &m = all.by;
-            const Triple<D> mt = minus(m.r, m.p), my = minus(m.s, m.q), t = minus(x.r, x.p), y = minus(x.s, x.q);
-            const Triple<D> w = times_plus(m.q, minus(x.q, x.p), times(minus(x.s, x.p), m.s));
-            const Triple<D> both = plus(m.p, m.r);
-            const auto there = kinds != kQuadNone;
-            add_to(L::choose(there, inner_plus(t, w, inner(both, times(t, y))), D{}), sums[0], sum[0]);
-            const D bend = inner_plus(mt, w, inner(both, times_plus(t, my, times(mt, y))));
-            add_to(L::choose(there, 0.5f * (bend - inner(t, times(m.p, my))), D{}), sums[1], sum[1]);
-            add_to(L::choose(there, inner(m.p, times(mt, my)), D{}), sums[2], sum[2]);
+            if (any_lane(kinds == 1))
+                cubic_block<L, true>(j, normal, weight, k, kinds, sums, sum);
+            else
+                cubic_block<L, false>(j, normal, weight, k, kinds, sums, sum);
         });
     for (int a = 0; a < 3; ++a) out[a] += sum[a] + Four::sum(sums[a]);
 }
@@ -503,4 +518,21 @@ void bulge(const BulgeJob& job) noexcept {
         for (; k + sizeof(Wide) / 4 <= end; k += sizeof(Wide) / 4) bulge_block<Wide>(j, k);
         for (; k < end; ++k) bulge_block<float>(j, k);
     }
+}
+
+void held_back(const HoldJob& job, double* sums) noexcept {
+    const HoldJob j = job;
+    Doubles fours[2] = {};
+    each_quad(
+        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
+            typedef decltype(lanes) L;
+            typedef typename L::D D;
+            const Triple<D> n{D{} + j.n[0], D{} + j.n[1], D{} + j.n[2]};
+            const D w = L::load(j.weight + k), facing = inner(n, place<L>(j.normal, k)), fall = w * facing;
+            const D height = multiply_add(fall, D{} + j.beta, inner(n, place<L>(j.at, k)) - j.d);
+            const auto held = (height < 0.0f) & (fall < 0.0f);
+            add_to(L::choose(held, height * facing, D{}), fours[0], sums[0]);
+            add_to(L::choose(held, fall * facing, D{}), fours[1], sums[1]);
+        });
+    for (int a = 0; a < 2; ++a) sums[a] += Four::sum(fours[a]);
 }

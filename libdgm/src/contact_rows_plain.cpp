@@ -60,7 +60,7 @@ inline F subtract_product(const F& c, const F& a, const F& b) {
 #include "contact_rows_impl.h"
 }  // namespace
 
-const ContactRows kPlainContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, bulge};
+const ContactRows kPlainContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, held_back, bulge};
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const ContactRows kAvx2ContactRows;
