@@ -12,6 +12,9 @@
 
 namespace dgm {
 namespace detail {
+namespace {
+constexpr float kUnmet = std::numeric_limits<float>::infinity();
+}
 
 ContactReport Resolver::run() noexcept {
     refit(s_, s_.now_boxes);
@@ -25,15 +28,13 @@ ContactReport Resolver::run() noexcept {
     if (bulging) weigh();
     list_quads();
     save();
-    if (c_.closed) {
-        origin_ = widen(s_.point(s_.any_sample));
-        before_ = volume();
-    }
     project();
     if (c_.closed) {
-        elsewhere_ = volume(c_.runs, c_.run_count);
-        projected_ = elsewhere_ + ring_volume();
-        report_.removed = (before_ - projected_) / 6;
+        collect(c_.near, kTileSinking | kTileBulging, kTileSinking | kTileBulging);
+        sunk_ = swept(c_.inner);
+        removed_ = -(sunk_ + swept(c_.near) + swept_faces());
+        c_.near.count = 0;
+        report_.removed = removed_ / 6;
         report_.volume_error = -1;
     }
     if (bulging && report_.ring != 0) bulge();
@@ -111,6 +112,10 @@ bool Resolver::mark_sample(std::uint32_t k) noexcept {
 }
 
 void Resolver::size_ring() noexcept {
+    for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
+        const QuadJob job = quad_job(s_.tile_rect(c_.tiles[k]));
+        if (!job.rect.empty()) area_ += c_.rows_of->area(job, c_.marks.data());
+    }
     if (!o_.rings.empty()) {
         std::size_t k = 0;
         while (k + 1 < o_.rings.size() && report_.total > o_.rings[k].total) ++k;
@@ -118,12 +123,7 @@ void Resolver::size_ring() noexcept {
         report_.ring_sigma = o_.rings[k].sigma;
         return;
     }
-    double area = 0;
-    for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
-        const QuadJob job = quad_job(s_.tile_rect(c_.tiles[k]));
-        if (!job.rect.empty()) area += c_.rows_of->area(job, c_.marks.data());
-    }
-    const double reach = std::max(std::sqrt(area / 3.14159265358979), 2 * double{s_.mean_step});
+    const double reach = std::max(std::sqrt(area_ / 3.14159265358979), 2 * double{s_.mean_step});
     report_.ring_reach = static_cast<float>(reach);
     report_.ring_sigma = static_cast<float>(reach * reach / 4);
 }
@@ -132,49 +132,49 @@ void Resolver::list_quads() noexcept {
     const std::uint32_t listed = c_.tile_count;
     for (std::uint32_t k = 0; k < listed; ++k) {
         const std::uint32_t tile = c_.tiles[k], ti = tile / s_.tile_cols, tj = tile % s_.tile_cols;
-        const auto bit =
-            static_cast<std::uint8_t>(kTileMoving | ((c_.tile_bits[tile] & kTilePsi) != 0 ? kTileBulging : 0));
+        const auto bits =
+            static_cast<std::uint8_t>(kTileMoving | ((c_.tile_bits[tile] & kTilePhi) != 0 ? kTileSinking : 0) |
+                                      ((c_.tile_bits[tile] & kTilePsi) != 0 ? kTileBulging : 0));
         for (std::uint32_t i = ti == 0 ? 0 : ti - 1; i <= ti; ++i)
-            for (std::uint32_t j = tj == 0 ? 0 : tj - 1; j <= tj; ++j) c_.add_tile(i * s_.tile_cols + j, bit);
+            for (std::uint32_t j = tj == 0 ? 0 : tj - 1; j <= tj; ++j) c_.add_tile(i * s_.tile_cols + j, bits);
     }
-    std::uint32_t i0 = s_.tile_rows, i1 = 0, j0 = s_.tile_cols, j1 = 0;
+    c_.tile_range = {s_.tile_rows, 0, s_.tile_cols, 0};
     for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
         const std::uint32_t ti = c_.tiles[k] / s_.tile_cols, tj = c_.tiles[k] % s_.tile_cols;
-        i0 = std::min(i0, ti);
-        i1 = std::max(i1, ti);
-        j0 = std::min(j0, tj);
-        j1 = std::max(j1, tj);
+        c_.tile_range = {std::min(c_.tile_range.i0, ti), std::max(c_.tile_range.i1, ti), std::min(c_.tile_range.j0, tj),
+                         std::max(c_.tile_range.j1, tj)};
     }
-    c_.run_count = c_.ring_run_count = 0;
-    const auto add = [&](Array<Rect>& runs, std::uint32_t& count, std::uint32_t tile) {
-        const Rect r = s_.tile_rect(tile);
-        if (count != 0 && runs[count - 1].i0 == r.i0 && runs[count - 1].j1 + 1 == r.j0)
-            runs[count - 1].j1 = r.j1;
-        else
-            runs[count++] = r;
-    };
-    for (std::uint32_t i = i0; i <= i1; ++i)
-        for (std::uint32_t j = j0; j <= j1; ++j) {
+    collect(c_.inner, kTileMoving | kTileBulging, kTileMoving);
+    collect(c_.ring, kTileBulging, kTileBulging);
+    c_.near.count = 0;
+}
+
+void Resolver::collect(Runs& runs, std::uint8_t mask, std::uint8_t bits) noexcept {
+    runs.count = 0;
+    for (std::uint32_t i = c_.tile_range.i0; i <= c_.tile_range.i1; ++i)
+        for (std::uint32_t j = c_.tile_range.j0; j <= c_.tile_range.j1; ++j) {
             const std::uint32_t tile = i * s_.tile_cols + j;
-            if (c_.tile_bits[tile] == 0) continue;
-            if ((c_.tile_bits[tile] & kTileBulging) != 0)
-                add(c_.ring_runs, c_.ring_run_count, tile);
+            if ((c_.tile_bits[tile] & mask) != bits) continue;
+            const Rect r = s_.tile_rect(tile);
+            if (runs.count != 0 && runs.rects[runs.count - 1].i0 == r.i0 && runs.rects[runs.count - 1].j1 + 1 == r.j0)
+                runs.rects[runs.count - 1].j1 = r.j1;
             else
-                add(c_.runs, c_.run_count, tile);
+                runs.rects[runs.count++] = r;
         }
 }
 
 void Resolver::save() noexcept {
     const Planes to = c_.before();
-    const auto copy = [&](std::size_t k, std::size_t count) {
-        std::copy_n(s_.now.x + k, count, to.x + k);
-        std::copy_n(s_.now.y + k, count, to.y + k);
-        std::copy_n(s_.now.z + k, count, to.z + k);
-    };
-    each_run([&](const Rect& r) {
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i) copy(std::size_t{i} * s_.tables.cols + r.j0, r.width());
+    each_run([&](Rect r) {
+        // Quads at its end reach into the tiles beyond.
+        r.i1 = std::min(r.i1 + 1, s_.tables.rows - 1);
+        r.j1 = std::min(r.j1 + 1, s_.tables.cols - 1);
+        c_.rows_of->copy(StateImpl::fixed(s_.now), to, r, s_.tables.cols);
     });
-    copy(s_.tables.grid, s_.total() - s_.tables.grid);
+    const std::size_t border = s_.total() - s_.tables.grid;
+    std::copy_n(s_.now.x + s_.tables.grid, border, to.x + s_.tables.grid);
+    std::copy_n(s_.now.y + s_.tables.grid, border, to.y + s_.tables.grid);
+    std::copy_n(s_.now.z + s_.tables.grid, border, to.z + s_.tables.grid);
 }
 
 void Resolver::project_sample(std::uint32_t k) noexcept {
@@ -229,19 +229,27 @@ ContactReport Resolver::finish(ContactStatus status) noexcept {
     const auto clear = [&](std::size_t k, std::size_t count) {
         std::fill_n(c_.marks.data() + k, count, std::uint8_t{0});
         std::fill_n(c_.weight.data() + k, count, 0.0f);
-        std::fill_n(c_.square.data() + k, count, std::numeric_limits<float>::infinity());
+        std::fill_n(c_.square.data() + k, count, kUnmet);
     };
+    const std::uint32_t cols = s_.tables.cols;
     for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-        Rect r = s_.tile_rect(c_.tiles[e]);
-        // Nodes of the tiles after it may lie on the next row and column.
-        r.i1 = std::min(r.i1 + 1, s_.tables.rows - 1);
-        r.j1 = std::min(r.j1 + 1, s_.tables.cols - 1);
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i) clear(std::size_t{i} * s_.tables.cols + r.j0, r.width());
+        const Rect r = s_.tile_rect(c_.tiles[e]);
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
+            if (r.width() == 8)
+                clear(std::size_t{i} * cols + r.j0, 8);  // a constant: stores in place of calls
+            else
+                clear(std::size_t{i} * cols + r.j0, r.width());
+        }
         c_.tile_bits[c_.tiles[e]] = 0;
+        // Nodes of the tiles after it may lie on the next row and column.
+        if (!c_.spread) continue;
+        const std::uint32_t i1 = std::min(r.i1 + 1, s_.tables.rows - 1), j1 = std::min(r.j1 + 1, cols - 1);
+        for (std::uint32_t i = r.i0; i <= i1; ++i) c_.square[std::size_t{i} * cols + j1] = kUnmet;
+        for (std::uint32_t j = r.j0; j <= j1; ++j) c_.square[std::size_t{i1} * cols + j] = kUnmet;
     }
     if (c_.border) clear(s_.tables.grid, s_.total() - s_.tables.grid);
     c_.tile_count = 0;
-    c_.border = false;
+    c_.border = c_.spread = false;
     return report_;
 }
 

@@ -2,10 +2,12 @@
 // libdgm/src/contact_bulge.cpp
 // The volume kept as in methods section 6.
 //
-// x' is the shape after projecting Phi, b_i = w_i n_i the bulge of Psi. The volume of x' + beta b is a cubic in beta;
-// its root is found by Newton's method from the first-order answer. Samples that this would take beyond the obstacle
-// are put back on it, and the volume that costs is fetched by secant steps on the volume measured. What rounding to
-// float leaves is put on a few samples one after another, the volume being linear in each.
+// x' is the shape after projecting Phi, b_i = w_i n_i the bulge of Psi. The volume of x' + beta b is a cubic in beta.
+// Samples that this takes beyond the obstacle are put back on it, and the volume that costs grows about as a power of
+// beta: its coefficient and exponent are found by measuring the bulged volume. Most of the ring is too far from the
+// obstacle for that to happen; there the cubic holds, and only the rest is moved and measured again at every step, all
+// of it at the last. What rounding to float leaves is put on a few samples one after another, the volume being linear
+// in each.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +16,8 @@
 
 namespace dgm::detail {
 namespace {
-constexpr double kPolished = 1e-5;  // of the removed volume: what a few samples can take without showing it
+constexpr double kForeseen =
+    4e-3;  // of the removed volume: the next step is good to some 1e-5, which a few samples can take
 constexpr double kAimed = 1e-8;
 constexpr std::uint32_t kMaxPasses = 10;
 }  // namespace
@@ -31,10 +34,15 @@ void Resolver::weigh() noexcept {
     job.slope = slope;
     // A kernel that is flat up to R has no compact form to speak of.
     job.end = o_.bulge == Bulge::Exact && slope > 0.25f ? std::exp(-slope) : 0.0f;
+    const auto add = [&](const WeightSums& sums) {
+        report_.ring += sums.count;
+        weights_ += sums.total;
+        return sums.largest;
+    };
     for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
         if ((c_.tile_bits[c_.tiles[k]] & kTilePsi) == 0) continue;
         job.rect = s_.tile_rect(c_.tiles[k]);
-        report_.ring += c_.rows_of->weights(job);
+        c_.tile_top[c_.tiles[k]] = add(c_.rows_of->weights(job));
     }
     if (!c_.border) return;
     job.rect = {0, 0, 0, 0};
@@ -44,41 +52,92 @@ void Resolver::weigh() noexcept {
         job.weight = c_.weight.data() + k;
         const float m = mobility_of(s_, k);
         job.mobility = &m;
-        report_.ring += c_.rows_of->weights(job);
+        add(c_.rows_of->weights(job));
     }
 }
 
-double Resolver::ring_volume() const noexcept {
-    double six = volume(c_.ring_runs, c_.ring_run_count);
-    for (std::size_t k = 0; k + 2 < s_.faces.size(); k += 3)
-        six += dot(at(s_.faces[k]), cross(at(s_.faces[k + 1]), at(s_.faces[k + 2])));
-    return six;
-}
-
-double Resolver::volume(const Array<Rect>& runs, std::uint32_t count) const noexcept {
+double Resolver::swept(const Runs& runs) const noexcept {
     double six = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-        const QuadJob job = quad_job(runs[k]);
-        if (!job.rect.empty()) six += c_.rows_of->volume(job);
+    for (const Rect& r : runs) {
+        const QuadJob job = quad_job(r);
+        if (!job.rect.empty()) six += c_.rows_of->swept(job, StateImpl::fixed(c_.before()));
     }
     return six;
 }
 
-void Resolver::cubic(double* c) const noexcept {
-    for (std::uint32_t k = 0; k < c_.ring_run_count; ++k) {
-        const QuadJob job = quad_job(c_.ring_runs[k]);
+void Resolver::add_face(const Face& f, double* c) noexcept {
+    const Double3 e = f.at[1] - f.at[0], g = f.at[2] - f.at[0], be = f.by[1] - f.by[0], bg = f.by[2] - f.by[0];
+    const Double3 by = f.by[0] + f.by[1] + f.by[2];
+    c[0] += dot(by, cross(e, g));
+    c[1] += dot(by, cross(e, bg) + cross(be, g)) / 2;
+    c[2] += dot(by, cross(be, bg)) / 3;
+}
+
+double Resolver::swept_faces() const noexcept {
+    double c[3] = {0, 0, 0};
+    for (std::size_t k = 0; k + 2 < s_.faces.size(); k += 3) {
+        Face f;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const std::uint32_t sample = s_.faces[k + a];
+            const Double3 now = widen(s_.point(sample));
+            const bool moves = (c_.marks[sample] & kInside) != 0 || c_.weight[sample] > 0;  // the others are not saved
+            f.at[a] = moves ? widen(StateImpl::at(c_.before(), sample)) : now;
+            f.by[a] = now - f.at[a];
+        }
+        add_face(f, c);
+    }
+    return c[0] + c[1] + c[2];
+}
+
+void Resolver::cubic(const Runs& runs, double* c) const noexcept {
+    for (const Rect& r : runs) {
+        const QuadJob job = quad_job(r);
         if (!job.rect.empty()) c_.rows_of->cubic(job, StateImpl::fixed(s_.normal), c_.weight.data(), c);
     }
+}
+
+void Resolver::cubic_faces(double* c) const noexcept {
     for (std::size_t k = 0; k + 2 < s_.faces.size(); k += 3) {
-        const Double3 p = at(s_.faces[k]), q = at(s_.faces[k + 1]), r = at(s_.faces[k + 2]);
-        const Double3 a = arrow(s_.faces[k]), b = arrow(s_.faces[k + 1]), d = arrow(s_.faces[k + 2]);
-        c[0] += dot(a, cross(q, r)) + dot(p, cross(b, r) + cross(q, d));
-        c[1] += dot(p, cross(b, d)) + dot(a, cross(b, r) + cross(q, d));
-        c[2] += dot(a, cross(b, d));
+        Face f;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const std::uint32_t sample = s_.faces[k + a];
+            f.at[a] = widen(s_.point(sample));
+            f.by[a] = double{c_.weight[sample]} * widen(StateImpl::at(s_.normal, sample));
+        }
+        add_face(f, c);
     }
 }
 
-void Resolver::apply(double beta) noexcept {
+void Resolver::part_ring() noexcept {
+    // More than an even contact needs; should it need more still, the last measurement shows it. Border faces are
+    // measured at every step, with all their corners.
+    const double highest = s_.faces.empty() ? 1.6 * std::fabs(removed_) / 6 * report_.samples / (area_ * weights_)
+                                            : std::numeric_limits<double>::infinity();
+    for (std::uint32_t e = 0, listed = c_.tile_count; e < listed; ++e) {
+        const std::uint32_t tile = c_.tiles[e], ti = tile / s_.tile_cols, tj = tile % s_.tile_cols;
+        if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
+        const double reach = highest * double{c_.tile_top[tile]};
+        if ((c_.tile_bits[tile] & kTilePhi) == 0 && box_distance(shape_, s_.now_boxes.boxes[tile]) > reach) continue;
+        for (std::uint32_t i = ti == 0 ? 0 : ti - 1; i <= ti; ++i)
+            for (std::uint32_t j = tj == 0 ? 0 : tj - 1; j <= tj; ++j) c_.tile_bits[i * s_.tile_cols + j] |= kTileNear;
+    }
+    collect(c_.near, kTileBulging | kTileNear, kTileBulging | kTileNear);
+    collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
+}
+
+void Resolver::put_back_sample(std::uint32_t k) noexcept {
+    if (!(c_.weight[k] > 0)) return;
+    const Probe there = probe(shape_, widen(s_.point(k)));
+    if (there.distance < 0) put(k, there.nearest);
+}
+
+void Resolver::put_back(std::uint32_t tile) noexcept {
+    Box box{{1e38f, 1e38f, 1e38f}, {-1e38f, -1e38f, -1e38f}};
+    s_.rows_of->bounds(StateImpl::fixed(s_.now), s_.tile_rect(tile), s_.tables.cols, box.low, box.high);
+    if (box_distance(shape_, box) < 0) each_sample(tile, [&](std::uint32_t k) { put_back_sample(k); });
+}
+
+void Resolver::apply(const Runs& runs, double beta) noexcept {
     const bool clamp = o_.bulge == Bulge::Exact;
     BulgeJob job{};
     job.cols = s_.tables.cols;
@@ -92,13 +151,9 @@ void Resolver::apply(double beta) noexcept {
     job.n[1] = static_cast<float>(shape_.normal.y);
     job.n[2] = static_cast<float>(shape_.normal.z);
     job.d = static_cast<float>(shape_.offset);
-    const auto put_back = [&](std::uint32_t k) {
-        if (!(c_.weight[k] > 0)) return;
-        const Probe there = probe(shape_, widen(s_.point(k)));
-        if (there.distance < 0) put(k, there.nearest);
-    };
-    for (std::uint32_t e = 0; e < c_.ring_run_count; ++e) {
-        job.rect = c_.ring_runs[e];
+    for (const Rect& r : runs) {
+        // Quads at its end reach into the tiles beyond.
+        job.rect = {r.i0, std::min(r.i1 + 1, s_.tables.rows - 1), r.j0, std::min(r.j1 + 1, s_.tables.cols - 1)};
         c_.rows_of->bulge(job);
     }
     if (c_.border && s_.total() > s_.tables.grid) {
@@ -107,111 +162,171 @@ void Resolver::apply(double beta) noexcept {
         c_.rows_of->bulge(job);
     }
     if (!clamp || shape_.kind == ObstacleKind::Plane) return;
-    for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
-        Box box{{1e38f, 1e38f, 1e38f}, {-1e38f, -1e38f, -1e38f}};
-        s_.rows_of->bounds(StateImpl::fixed(s_.now), s_.tile_rect(c_.tiles[e]), s_.tables.cols, box.low, box.high);
-        if (box_distance(shape_, box) < 0) each_sample(c_.tiles[e], put_back);
-    }
+    const std::uint8_t near = &runs == &c_.near ? kTileNear : std::uint8_t{0};
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+        if ((c_.tile_bits[c_.tiles[e]] & (kTilePsi | near)) == (kTilePsi | near)) put_back(c_.tiles[e]);
     if (c_.border)
-        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back(k);
+        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back_sample(k);
+}
+
+namespace {
+struct Cubic {
+    double c[3] = {0, 0, 0};
+    [[nodiscard]] double operator()(double b) const noexcept { return ((c[2] * b + c[1]) * b + c[0]) * b; }
+    [[nodiscard]] double slope(double b) const noexcept { return (3 * c[2] * b + 2 * c[1]) * b + c[0]; }
+};
+
+/// Where cubic(b) - cost (b / at)^power = aim, from b = at.
+double solve(const Cubic& cubic, double aim, double cost, double at, double power) noexcept {
+    double b = at;
+    for (int k = 0; k < 12; ++k) {
+        const double lost = cost == 0 ? 0 : cost * std::pow(b / at, power);
+        const double next = b - (cubic(b) - lost - aim) / (cubic.slope(b) - power * lost / b);
+        if (!std::isfinite(next) || !(next * at > 0)) break;
+        const bool done = std::fabs(next - b) <= 1e-13 * std::fabs(next);
+        b = next;
+        if (done) break;
+    }
+    return b;
+}
+}  // namespace
+
+double Resolver::settle(double beta) noexcept {
+    apply(c_.near, beta);
+    apply(c_.ring, beta);
+    const double error = sunk_ + swept(c_.near) + swept(c_.ring) + swept_faces();
+    ++report_.passes;
+    report_.beta = static_cast<float>(beta);
+    report_.volume_error = error / removed_;
+    return error;
+}
+
+double Resolver::held_back(double beta, double& rate) const noexcept {
+    HoldJob job{};
+    job.cols = s_.tables.cols;
+    job.at = StateImpl::fixed(c_.before());
+    job.normal = StateImpl::fixed(s_.normal);
+    job.weight = c_.weight.data();
+    job.beta = static_cast<float>(beta);
+    job.n[0] = static_cast<float>(shape_.normal.x);
+    job.n[1] = static_cast<float>(shape_.normal.y);
+    job.n[2] = static_cast<float>(shape_.normal.z);
+    job.d = static_cast<float>(shape_.offset);
+    double sums[2] = {0, 0};
+    for (const Rect& r : c_.near) {
+        job.rect = r;
+        c_.rows_of->held_back(job, sums);
+    }
+    const double share = 6 * area_ / report_.samples;
+    rate = share * sums[1];
+    return share * sums[0];
 }
 
 void Resolver::bulge() noexcept {
-    double c[3] = {0, 0, 0};
-    cubic(c);
-    const double removed = before_ - projected_;
-    // What is in no quad of the ring does not change any more.
-    const auto gained = [&] { return ring_volume() + elsewhere_ - before_; };
-    const auto value = [&](double b) { return ((c[2] * b + c[1]) * b + c[0]) * b - removed; };
-    const auto slope = [&](double b) { return (3 * c[2] * b + 2 * c[1]) * b + c[0]; };
-    const double first = removed / c[0];
-    if (!std::isfinite(first) || removed == 0) return;
-    report_.first_order_error = value(first) / removed;
-    report_.paper_error = value(total_) / removed;
+    part_ring();
+    Cubic near, free;
+    cubic(c_.near, near.c);
+    cubic_faces(near.c);
+    cubic(c_.ring, free.c);
+    Cubic all{{near.c[0] + free.c[0], near.c[1] + free.c[1], near.c[2] + free.c[2]}};
+    const double first = removed_ / all.c[0];
+    if (!std::isfinite(first) || removed_ == 0) return;
+    report_.first_order_error = (all(first) - removed_) / removed_;
+    report_.paper_error = (all(total_) - removed_) / removed_;
     if (o_.bulge == Bulge::Paper) {
-        apply(total_);
-        settle(total_, gained());
+        settle(total_);
         return;
     }
-    double beta = first;
-    for (int k = 0; k < 12; ++k) {
-        const double next = beta - value(beta) / slope(beta);
-        if (!std::isfinite(next)) break;
-        const bool done = std::fabs(next - beta) <= 1e-15 * std::fabs(next);
-        beta = next;
-        if (done) break;
-    }
+    double beta = solve(all, removed_, 0, first, 0);
     // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
     if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
-    // The volume grows with |beta|, but with kinks where samples come to rest on the obstacle: secant steps, kept
-    // between the largest height known to be too low and the lowest known to be too high.
-    const double sign = removed * first > 0 ? 1 : -1;  // of the error where |beta| is too high, times that of beta
+    double older = 0, older_cost = 0, power = 2, best = beta, best_error = std::numeric_limits<double>::infinity();
+    // A first guess of what the plane will cost: samples stand for areas alike.
+    for (int k = 0; k < 2 && shape_.kind == ObstacleKind::Plane; ++k) {
+        double rate = 0;
+        const double cost = held_back(beta, rate);
+        const double next = beta - (all(beta) - cost - removed_) / (all.slope(beta) - rate);
+        if (!(next * first > 0) || std::fabs(next) > 2 * std::fabs(beta)) break;
+        if (cost > 0) power = std::clamp(rate * beta / cost, 1.0, 3.0);
+        beta = next;
+    }
+    // The volume grows with |beta|: steps stay between the largest height known to be too low and the lowest known to
+    // be too high.
+    const double sign = removed_ * first > 0 ? 1 : -1;  // of the error where |beta| is too high, times that of beta
     double low = 0, high = std::numeric_limits<double>::infinity();
-    double last = 0, last_error = -removed, older = 0, older_error = 0, best = 0, best_error = -removed;
-    double aim = kPolished;
+    double aim = kForeseen;
+    Cubic rest = free;
+    const auto is_done = [&](double at) {
+        const double error = settle(at);
+        if (std::fabs(error) > kAimed * std::fabs(removed_)) polish(error);
+        return std::fabs(report_.volume_error) <= 0.1 * kKept || report_.passes > kMaxPasses;
+    };
     while (true) {
-        apply(beta);
-        const double error = gained();
-        settle(beta, error);
-        const bool better = std::fabs(error) < std::fabs(best_error);
-        if (better) {
-            best = beta;
-            best_error = error;
+        apply(c_.near, beta);
+        double error = sunk_ + swept(c_.near) + swept_faces() + rest(beta);
+        ++report_.passes;
+        while (true) {
+            if (std::fabs(error) < best_error) {
+                best = beta;
+                best_error = std::fabs(error);
+            }
+            (sign * error * first > 0 ? high : low) = std::fabs(beta);
+            const double cost = all(beta) - removed_ - error;
+            if (older != 0 && cost * older_cost > 0 && older != beta) {
+                const double fitted = std::log(cost / older_cost) / std::log(beta / older);
+                if (fitted > 0 && fitted < 8) power = fitted;
+            }
+            double next = std::fabs(solve(all, removed_, cost, beta, power));
+            if (std::isinf(high)) next = std::min(next, 2 * low);  // NaN stays
+            if (!(next > low && next < high)) next = std::isinf(high) ? 2 * low : 0.5 * (low + high);
+            if (next > 64 * std::fabs(first) || next == std::fabs(beta) || report_.passes >= kMaxPasses) {
+                report_.passes = kMaxPasses;
+                is_done(best);
+                return;
+            }
+            older = beta;
+            older_cost = cost;
+            beta = std::copysign(next, first);
+            if (best_error > aim * std::fabs(removed_)) break;
+            // So near that the step leaves next to nothing.
+            if (is_done(beta)) return;
+            // Too few samples to take the rest, or others rest on the obstacle too: nearer first, and all of them.
+            error = settle(beta);
+            aim *= 1e-2;
+            collect(c_.near, kTileBulging, kTileBulging);
+            c_.ring.count = 0;
+            rest = {};
+            // The others may have taken part in what was measured.
+            low = 0;
+            high = std::numeric_limits<double>::infinity();
+            best_error = high;
         }
-        if (std::fabs(best_error) <= aim * std::fabs(removed) || report_.passes == kMaxPasses) {
-            finish_bulge(best, best_error);
-            if (std::fabs(report_.volume_error) <= 0.1 * kKept || report_.passes >= kMaxPasses) return;
-            aim *= 1e-2;  // too few samples to take the rest: nearer first
-        }
-        (sign * error * first > 0 ? high : low) = std::fabs(beta);
-        // Inverse quadratic interpolation where there are three points, else the secant.
-        double next = std::fabs(beta - error * (beta - last) / (error - last_error));
-        if (report_.passes > 1) {
-            const double a = older_error, b = last_error, d = error;
-            const double guess = older * b * d / ((a - b) * (a - d)) + last * a * d / ((b - a) * (b - d)) +
-                                 beta * a * b / ((d - a) * (d - b));
-            if (std::fabs(guess) > low && std::fabs(guess) < high) next = std::fabs(guess);
-        }
-        if (!(next > low && next < high)) next = std::isinf(high) ? 2 * low : 0.5 * (low + high);
-        if (next > 64 * std::fabs(first) || next == std::fabs(beta)) return finish_bulge(best, best_error);
-        older = last;
-        older_error = last_error;
-        last = beta;
-        last_error = error;
-        beta = std::copysign(next, first);
     }
-}
-
-void Resolver::finish_bulge(double best, double error) noexcept {
-    if (report_.beta != static_cast<float>(best)) {
-        apply(best);
-        settle(best, error);
-    }
-    if (std::fabs(error) > kAimed * std::fabs(before_ - projected_)) polish(error);
-}
-
-void Resolver::settle(double beta, double error) noexcept {
-    ++report_.passes;
-    report_.beta = static_cast<float>(beta);
-    report_.volume_error = error / (before_ - projected_);
 }
 
 void Resolver::polish(double error) noexcept {
-    if (std::fabs(error) > 1e-3 * std::fabs(before_ - projected_)) return;
+    if (std::fabs(error) > 1e-3 * std::fabs(removed_)) return;
     constexpr std::uint32_t kSamples = 32;
     std::uint32_t chosen[kSamples], count = 0;
     const std::uint32_t cols = s_.tables.cols;
+    const auto free = [&](std::uint32_t k) { return c_.weight[k] > 0.25f && (s_.ring[k] & kRingIrregular) == 0; };
+    const auto choose = [&](std::uint32_t k) {
+        if (probe(shape_, widen(s_.point(k))).distance > 1e-3 * double{s_.mean_step}) chosen[count++] = k;
+    };
     for (std::uint32_t e = 0; e < c_.tile_count && count < kSamples; ++e) {
+        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
+        const Rect r = s_.tile_rect(c_.tiles[e]);
+        const std::uint32_t k = (r.i0 + r.i1) / 2 * cols + (r.j0 + r.j1) / 2;
+        if (free(k)) choose(k);
+    }
+    // A ring of few tiles: the best of each.
+    for (std::uint32_t e = 0; e < c_.tile_count && count < kSamples / 4; ++e) {
         if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
         std::uint32_t best = kNone;
         each_sample(c_.tiles[e], [&](std::uint32_t k) {
-            if (c_.weight[k] > 0.25f && (s_.ring[k] & kRingIrregular) == 0 &&
-                (best == kNone || c_.weight[k] < c_.weight[best]))
-                best = k;
+            if (free(k) && (best == kNone || c_.weight[k] < c_.weight[best])) best = k;
         });
-        if (best != kNone && probe(shape_, widen(s_.point(best))).distance > 1e-3 * double{s_.mean_step})
-            chosen[count++] = best;
+        if (best != kNone) choose(best);
     }
     double left = error / 6;
     for (std::uint32_t e = 0; e < count; ++e) {
@@ -235,7 +350,7 @@ void Resolver::polish(double error) noexcept {
         put(k, o + step * n);
         left += dot(g, widen(s_.point(k)) - o);
     }
-    report_.volume_error = (ring_volume() + elsewhere_ - before_) / (before_ - projected_);
+    report_.volume_error = 6 * left / removed_;
 }
 
 }  // namespace dgm::detail

@@ -72,9 +72,18 @@ inline constexpr std::uint8_t kInside = 1;  ///< marks: beyond the obstacle
 inline constexpr std::uint8_t kQueued = 2;  ///< waits in the queue of the ring's walk
 inline constexpr std::uint8_t kMember = 4;  ///< moves while the displacement is smoothed
 
-// Tiles with samples beyond; with samples of the ring; with quads that have one of either, or one of the ring, as a
-// corner.
-inline constexpr std::uint8_t kTilePhi = 1, kTilePsi = 2, kTileMoving = 4, kTileBulging = 8;
+// Tiles with samples beyond; with samples of the ring; with quads that have one of either, one beyond, or one of the
+// ring as a corner; with quads that have a corner in a tile where samples of the ring may come to rest on the obstacle.
+inline constexpr std::uint8_t kTilePhi = 1, kTilePsi = 2, kTileMoving = 4, kTileSinking = 8, kTileBulging = 16,
+                              kTileNear = 32;
+
+/// Tiles side by side as one rectangle.
+struct Runs {
+    Array<Rect> rects;
+    std::uint32_t count = 0;
+    [[nodiscard]] const Rect* begin() const noexcept { return rects.begin(); }
+    [[nodiscard]] const Rect* end() const noexcept { return rects.begin() + count; }
+};
 
 struct ContactImpl {
     explicit ContactImpl(const Allocator& a) noexcept : allocator(a) {}
@@ -94,10 +103,12 @@ struct ContactImpl {
     Array<std::uint8_t> tile_bits;
     Array<std::uint32_t> tiles;  ///< listed ones
     std::uint32_t tile_count = 0;
-    Array<Rect> runs, ring_runs;  ///< tiles side by side as one rectangle
-    std::uint32_t run_count = 0, ring_run_count = 0;
-    bool spread = false;  ///< distances of all samples are in `weight`, `square` has those of nodes
-    bool border = false;  ///< border samples are in contact or in the ring
+    Array<float> tile_top;  ///< largest weight in each tile of the ring
+    Rect tile_range;        ///< holds all listed ones
+    Runs inner;             ///< quads that move, but have no corner in the ring
+    Runs ring, near;        ///< those that do; of these, apart from them, those of kTileNear
+    bool spread = false;    ///< distances of all samples are in `weight`, `square` has those of nodes
+    bool border = false;    ///< border samples are in contact or in the ring
 
     [[nodiscard]] Planes before() noexcept { return {saved.data(), saved.data() + plane, saved.data() + 2 * plane}; }
     void add_tile(std::uint32_t tile, std::uint8_t bit) noexcept {

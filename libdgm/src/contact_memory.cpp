@@ -58,7 +58,8 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
         !c.saved.allocate(a, 3 * std::uint64_t{c.plane}) || !c.weight.allocate(a, t.total) ||
         !c.square.allocate(a, t.total, std::numeric_limits<float>::infinity()) || !c.source.allocate(a, t.total) ||
         !c.queue.allocate(a, t.total) || !c.tile_bits.allocate(a, tiles) || !c.tiles.allocate(a, tiles) ||
-        !c.runs.allocate(a, tiles) || !c.ring_runs.allocate(a, tiles) ||
+        !c.tile_top.allocate(a, tiles) || !c.inner.rects.allocate(a, tiles) || !c.ring.rects.allocate(a, tiles) ||
+        !c.near.rects.allocate(a, tiles) ||
         !c.rim.allocate(
             a, std::min<std::uint64_t>(2 * std::uint64_t{t.total}, 16 * (std::uint64_t{t.rows} + t.cols) + 1024)))
         return false;
@@ -97,7 +98,7 @@ Result<ContactSolver> ContactSolver::create(const State& state, const Allocator&
     if (!detail::is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
     const detail::StateImpl& s = *state.impl();
     const std::uint64_t tiles = std::uint64_t{s.tile_rows} * s.tile_cols;
-    if (std::uint64_t{s.total()} * 64 + tiles * 40 + s.faces.size() * 12 + 65536 > max_bytes)
+    if (std::uint64_t{s.total()} * 64 + tiles * 64 + s.faces.size() * 12 + 65536 > max_bytes)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "the contact would take more memory than the limit allows"};
     detail::ContactImpl* impl = detail::create<detail::ContactImpl>(allocator, allocator);
     if (impl == nullptr) return detail::kNoMemory;

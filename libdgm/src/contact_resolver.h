@@ -40,30 +40,33 @@ class Resolver {
     void size_ring() noexcept;
     void weigh() noexcept;
 
-    // --- volumes ---
+    // --- volumes, six times what they are ---
     /// Tiles with touched quads, and runs of tiles side by side.
     void list_quads() noexcept;
+    /// Tiles whose bits under `mask` are `bits`.
+    void collect(Runs& runs, std::uint8_t mask, std::uint8_t bits) noexcept;
     [[nodiscard]] QuadJob quad_job(Rect r) const noexcept {
         r.i1 = std::min(r.i1, s_.tables.rows - 2);
         r.j1 = std::min(r.j1, s_.tables.cols - 2);
-        return {r, s_.tables.cols, StateImpl::fixed(s_.now), c_.kind.data(), {origin_.x, origin_.y, origin_.z}};
+        return {r, s_.tables.cols, StateImpl::fixed(s_.now), c_.kind.data(), {0, 0, 0}};
     }
-    /// Six times the volume that touched faces span with the origin.
-    [[nodiscard]] double volume() const noexcept { return volume(c_.runs, c_.run_count) + ring_volume(); }
-    /// Of quads with a corner in the ring, and of border faces.
-    [[nodiscard]] double ring_volume() const noexcept;
-    [[nodiscard]] double volume(const Array<Rect>& runs, std::uint32_t count) const noexcept;
-    [[nodiscard]] Double3 at(std::uint32_t k) const noexcept { return widen(s_.point(k)) - origin_; }
-    [[nodiscard]] Double3 arrow(std::uint32_t k) const noexcept {
-        return double{c_.weight[k]} * widen(StateImpl::at(s_.normal, k));
-    }
-    void cubic(double* c) const noexcept;
+    /// What quads, and border faces, gained by the call so far.
+    [[nodiscard]] double swept(const Runs& runs) const noexcept;
+    [[nodiscard]] double swept_faces() const noexcept;
+    /// Corners of a border face, and how they move.
+    struct Face {
+        Double3 at[3], by[3];
+    };
+    /// Adds to c[0..2] what a face sweeps by beta, beta^2, beta^3 of its move.
+    static void add_face(const Face& f, double* c) noexcept;
+    void cubic(const Runs& runs, double* c) const noexcept;
+    void cubic_faces(double* c) const noexcept;
 
     // --- moving ---
     template <class F>
     void each_run(F f) const noexcept {
-        for (std::uint32_t k = 0; k < c_.run_count; ++k) f(c_.runs[k]);
-        for (std::uint32_t k = 0; k < c_.ring_run_count; ++k) f(c_.ring_runs[k]);
+        for (const Runs* runs : {&c_.inner, &c_.ring, &c_.near})
+            for (const Rect& r : *runs) f(r);
     }
     void save() noexcept;
     void put(std::uint32_t k, Double3 p) noexcept {
@@ -81,12 +84,19 @@ class Resolver {
     }
     void project() noexcept;
 
+    /// Parts the ring by whether its samples can come to rest on the obstacle.
+    void part_ring() noexcept;
     /// now = clamp(before + beta w n).
-    void apply(double beta) noexcept;
+    void apply(const Runs& runs, double beta) noexcept;
+    /// Keeps out of the obstacle what the loops do not.
+    void put_back(std::uint32_t tile) noexcept;
+    void put_back_sample(std::uint32_t k) noexcept;
 
+    /// Six times the volume it costs to keep the bulge out of a plane, roughly, and its rate with beta.
+    [[nodiscard]] double held_back(double beta, double& rate) const noexcept;
     void bulge() noexcept;
-    void finish_bulge(double best, double error) noexcept;
-    void settle(double beta, double error) noexcept;
+    /// Bulges all and measures it. @return the error.
+    double settle(double beta) noexcept;
 
     /// Puts a small remaining error on a few samples that are free to move, one after another.
     void polish(double error) noexcept;
@@ -103,9 +113,10 @@ class Resolver {
     const ContactOptions& o_;
     ContactReport report_;
     double tolerance_ = 0, total_ = 0;
-    Double3 origin_;
-    double before_ = 0, projected_ = 0;
-    double elsewhere_ = 0;  ///< six times the projected volume of touched quads that have no corner in the ring
+    double area_ = 0;     ///< of the contact, by its quads
+    double weights_ = 0;  ///< sum over the ring
+    double removed_ = 0;  ///< six times the volume
+    double sunk_ = 0;     ///< six times what quads that have no corner in the ring gained
 };
 
 }  // namespace dgm::detail

@@ -66,18 +66,26 @@ class Walk {
                     d = node(i1 * cols_ + j1);
         return (1 - x) * ((1 - y) * a + y * b) + x * ((1 - y) * c + y * d);
     }
-    [[nodiscard]] float node(std::uint32_t k) const noexcept {
-        const float d = std::sqrt(std::min(c_.square[k], limit_));
+    [[nodiscard]] float signed_square(std::uint32_t k) const noexcept {
+        const float d = std::min(c_.square[k], limit_);
         return (c_.marks[k] & kInside) != 0 ? -d : d;
+    }
+    [[nodiscard]] float node(std::uint32_t k) const noexcept {
+        const float d = signed_square(k);
+        return d < 0 ? -std::sqrt(-d) : std::sqrt(d);
     }
 
  private:
-    void offer(std::uint32_t k, std::uint32_t r) noexcept {
+    // Most offers come to nothing: what there is to do about the others stays out of the loops.
+    [[gnu::always_inline]] void offer(std::uint32_t k, std::uint32_t r) noexcept { offer(k, r, c_.rim[r]); }
+    [[gnu::always_inline]] void offer(std::uint32_t k, std::uint32_t r, Vec3 rim) noexcept {
+        const float d = square_between(s_.point(k), rim);
+        if (d < limit_ && d < c_.square[k]) accept(k, r, d);
+    }
+    [[gnu::noinline]] void accept(std::uint32_t k, std::uint32_t r, float d) noexcept {
         // Nodes beyond the rim know how far it is, and keep it to themselves.
         const bool inside = (c_.marks[k] & kInside) != 0;
         if (inside && stride_ == 1) return;
-        const float d = square_between(s_.point(k), c_.rim[r]);
-        if (!(d < limit_) || !(d < c_.square[k])) return;
         if (k < s_.tables.grid && (s_.ring[k] & kRingIrregular) == 0) return set(k, r, d, inside);
         const std::uint32_t id = s_.class_id(k);
         if (id == kNone) return set(k, r, d, inside);
@@ -104,7 +112,7 @@ class Walk {
     }
     void hand_on_nodes(std::uint32_t k) noexcept {
         const std::uint32_t r = c_.source[k];
-        const std::uint32_t id = s_.class_id(k);
+        const std::uint32_t id = (s_.ring[k] & kRingIrregular) == 0 ? kNone : s_.class_id(k);
         if (id == kNone) return around(k, r);
         for (const std::uint32_t copy : s_.members(id)) {
             around(copy, r);
@@ -113,6 +121,16 @@ class Walk {
     }
     void around(std::uint32_t k, std::uint32_t r) noexcept {
         const std::uint32_t i = k / cols_, j = k % cols_;
+        if (i >= kStride && j >= kStride && i + kStride < s_.tables.rows && j + kStride < cols_ && i % kStride == 0 &&
+            j % kStride == 0) {
+            const Vec3 rim = c_.rim[r];
+            for (std::uint32_t at = k - kStride * cols_; at <= k + kStride * cols_; at += kStride * cols_) {
+                offer(at - kStride, r, rim);
+                offer(at, r, rim);
+                offer(at + kStride, r, rim);
+            }
+            return;
+        }
         const std::uint32_t up = (i - 1) / kStride * kStride, left = (j - 1) / kStride * kStride;
         const std::uint32_t down = std::min((i / kStride + 1) * kStride, s_.tables.rows - 1);
         const std::uint32_t right = std::min((j / kStride + 1) * kStride, cols_ - 1);
@@ -126,7 +144,7 @@ class Walk {
         if (down > i) row(down);
     }
     void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
-        if (std::isinf(c_.square[k])) list(k);
+        if (c_.square[k] == __builtin_inff()) list(k);
         c_.square[k] = d;
         c_.source[k] = r;
         if (inside || (c_.marks[k] & kQueued) != 0) return;
@@ -202,8 +220,17 @@ void fill_between(const StateImpl& s, ContactImpl& c, const Walk& walk, float li
         const std::uint32_t tile = c.tiles[e];
         if ((c.tile_bits[tile] & kTilePsi) == 0) continue;
         const Rect r = s.tile_rect(tile);
+        if (r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols) {
+            const std::uint32_t first = r.i0 * cols + r.j0;
+            SpreadJob job{{}, c.marks.data() + first, c.weight.data() + first, cols};
+            for (std::uint32_t a = 0; a < 9; ++a)
+                job.nodes[a] = walk.signed_square(first + kStride * (a / 3 * cols + a % 3));
+            c.rows_of->spread(job);
+        }
+        // What is left of the last row and column of tiles.
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-            for (std::uint32_t j = r.j0; j <= r.j1;) {
+            for (std::uint32_t j = i < r.i0 + 8 && r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols ? r.j0 + 8 : r.j0;
+                 j <= r.j1;) {
                 // Four samples between two columns of nodes: along a row the distance is linear.
                 const std::uint32_t last = std::min((j / kStride + 1) * kStride, cols - 1);
                 const std::uint32_t end = std::min(last, r.j1 + 1);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact_rows.h
-// Inner loops of a contact, built once per instruction set as rows.h is. Arithmetic is in double, four lanes.
+// Inner loops of a contact, built once per instruction set as rows.h is.
 //
-// Projecting and bulging round alike in all variants and lanes, so copies of a class agree; sums differ in their order.
+// Projecting, weighing and bulging round alike in all variants and lanes, so copies of a class agree; sums differ in
+// their order.
 #pragma once
 #include <cstdint>
 
@@ -47,6 +48,20 @@ struct WeightJob {
     float slope;   ///< R^2 / sigma
 };
 
+struct WeightSums {
+    std::uint32_t count = 0;  ///< of positive weight
+    float largest = 0;
+    double total = 0;
+};
+
+/// 8 x 8 samples between 3 x 3 nodes, four steps apart.
+struct SpreadJob {
+    float nodes[9];  ///< squared distances from the rim, negative beyond it
+    const std::uint8_t* marks;
+    float* square;  ///< out: infinity where marked
+    std::uint32_t cols;
+};
+
 struct BulgeJob {
     Rect rect;
     std::uint32_t cols;
@@ -58,17 +73,32 @@ struct BulgeJob {
     float n[3], d;
 };
 
+struct HoldJob {
+    Rect rect;
+    std::uint32_t cols;
+    ConstPlanes at, normal;
+    const float* weight;
+    float beta;
+    float n[3], d;
+};
+
 struct ContactRows {
     /// Six times the signed volume over `origin` of the quads' triangles.
     double (*volume)(const QuadJob& job) noexcept;
+    /// Six times the volume the quads' triangles swept on the way from `from` to where they are.
+    double (*swept)(const QuadJob& job, ConstPlanes from) noexcept;
     /// Adds to c[0..2] six times the coefficients of beta, beta^2, beta^3 of the volume along weight * normal.
     void (*cubic)(const QuadJob& job, ConstPlanes normal, const float* weight, double* c) noexcept;
     /// Area of quads whose first corner is marked, by the cross product of their diagonals.
     double (*area)(const QuadJob& job, const std::uint8_t* marks) noexcept;
+    void (*copy)(ConstPlanes from, Planes to, const Rect& rect, std::uint32_t cols) noexcept;
     void (*mark)(const PlaneJob& job, PlaneSums& sums) noexcept;
     void (*project)(const PlaneJob& job, const float* mobility) noexcept;
-    /// @return samples of positive weight.
-    std::uint32_t (*weights)(const WeightJob& job) noexcept;
+    WeightSums (*weights)(const WeightJob& job) noexcept;
+    void (*spread)(const SpreadJob& job) noexcept;
+    /// Adds depth |n . normal| of the samples that beta weight normal would take beyond a plane, and its rate with
+    /// beta.
+    void (*held_back)(const HoldJob& job, double* sums) noexcept;
     /// to = from + beta weight normal where weight > 0.
     void (*bulge)(const BulgeJob& job) noexcept;
 };

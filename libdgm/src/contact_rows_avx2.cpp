@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact_rows_avx2.cpp
-// Built for AVX2 function by function, as rows_avx2.cpp. Nothing is fused: projecting and bulging round alike.
+// Built for AVX2 function by function, as rows_avx2.cpp. Sums may be
+// fused; projecting, weights and bulging are not, and round alike.
 #include <cstddef>
 
 #include "contact_rows.h"
@@ -9,19 +10,18 @@
 #include <immintrin.h>
 
 #if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#pragma clang attribute push(__attribute__((target("avx2,fma"))), apply_to = function)
 #else
 #pragma GCC push_options
-#pragma GCC target("avx2")
+#pragma GCC target("avx2,fma")
 #endif
 
 namespace dgm::detail {
 namespace {
 typedef double Doubles __attribute__((vector_size(32)));
 typedef long long Longs __attribute__((vector_size(32)));
-typedef float Single4 __attribute__((vector_size(16)));
 typedef float Wide __attribute__((vector_size(32)));
-typedef int Int4 __attribute__((vector_size(16)));
+typedef int WideInts __attribute__((vector_size(32)));
 
 static inline __attribute__((always_inline)) Doubles load_four(const float* p) {
     return static_cast<Doubles>(_mm256_cvtps_pd(_mm_loadu_ps(p)));
@@ -32,14 +32,61 @@ static inline __attribute__((always_inline)) void store_four(float* p, const Dou
 static inline __attribute__((always_inline)) Longs four_bytes(const std::uint8_t* p) {
     return reinterpret_cast<Longs>(_mm256_cvtepu8_epi64(_mm_loadu_si32(p)));
 }
-static inline __attribute__((always_inline)) Doubles four_roots(const Doubles& v) {
-    return static_cast<Doubles>(_mm256_sqrt_pd(static_cast<__m256d>(v)));
+static inline __attribute__((always_inline)) WideInts wide_bytes(const std::uint8_t* p) {
+    return reinterpret_cast<WideInts>(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
 }
+static inline __attribute__((always_inline)) bool any_lane(const WideInts& v) {
+    return _mm256_movemask_ps(reinterpret_cast<__m256>(v)) != 0;
+}
+static inline __attribute__((always_inline)) bool any_lane(bool v) {
+    return v;
+}
+static inline __attribute__((always_inline)) void add_to(const Wide& v, Doubles& sums, double&) {
+    const __m256 w = static_cast<__m256>(v);
+    sums += static_cast<Doubles>(_mm256_cvtps_pd(_mm256_castps256_ps128(w))) +
+            static_cast<Doubles>(_mm256_cvtps_pd(_mm256_extractf128_ps(w, 1)));
+}
+static inline __attribute__((always_inline)) void add_to(float v, Doubles&, double& sum) {
+    sum += static_cast<double>(v);
+}
+static inline __attribute__((always_inline)) float square_root(float v) {
+    return __builtin_sqrtf(v);
+}
+static inline __attribute__((always_inline)) Wide square_root(const Wide& v) {
+    return static_cast<Wide>(_mm256_sqrt_ps(static_cast<__m256>(v)));
+}
+// fmadd: a b + c, fmsub: a b - c, fnmadd: c - a b.
+#define DGM_FUSED(type, suffix)                                                                                        \
+    static inline __attribute__((always_inline)) type multiply_add(const type& a, const type& b, const type& c) {      \
+        return static_cast<type>(_mm256_fmadd_##suffix(a, b, c));                                                      \
+    }                                                                                                                  \
+    static inline __attribute__((always_inline)) type multiply_subtract(const type& a, const type& b, const type& c) { \
+        return static_cast<type>(_mm256_fmsub_##suffix(a, b, c));                                                      \
+    }                                                                                                                  \
+    static inline __attribute__((always_inline)) type subtract_product(const type& c, const type& a, const type& b) {  \
+        return static_cast<type>(_mm256_fnmadd_##suffix(a, b, c));                                                     \
+    }
+DGM_FUSED(Wide, ps)
+DGM_FUSED(Doubles, pd)
+#undef DGM_FUSED
+#define DGM_FUSED(type, fma)                                                                      \
+    static inline __attribute__((always_inline)) type multiply_add(type a, type b, type c) {      \
+        return fma(a, b, c);                                                                      \
+    }                                                                                             \
+    static inline __attribute__((always_inline)) type multiply_subtract(type a, type b, type c) { \
+        return fma(a, b, -c);                                                                     \
+    }                                                                                             \
+    static inline __attribute__((always_inline)) type subtract_product(type c, type a, type b) {  \
+        return fma(-a, b, c);                                                                     \
+    }
+DGM_FUSED(float, __builtin_fmaf)
+DGM_FUSED(double, __builtin_fma)
+#undef DGM_FUSED
 #include "contact_rows_impl.h"
 }  // namespace
 
 extern const ContactRows kAvx2ContactRows;
-const ContactRows kAvx2ContactRows{volume, cubic, area, mark, project, weights, bulge};
+const ContactRows kAvx2ContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, held_back, bulge};
 
 }  // namespace dgm::detail
 

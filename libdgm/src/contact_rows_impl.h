@@ -3,8 +3,9 @@
 // Bodies of contact_rows.h, four doubles at a time. Included as rows_impl.h is: inside a namespace and a target region,
 // after all other headers, and without std:: for the same reason.
 //
-// Needs Doubles, Longs, Single4, Int4 (vectors of four), load_four (floats to doubles), store_four (back) and
-// four_bytes (bytes to Longs).
+// Needs Doubles, Longs (vectors of four), load_four (floats to doubles), store_four (back), four_bytes (bytes to
+// Longs); Wide, WideInts, wide_bytes, square_root; multiply_add (a b + c), multiply_subtract (a b - c) and
+// subtract_product (c - a b), fused or not, for Doubles, Wide and single numbers.
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.
@@ -47,6 +48,31 @@ struct One {
     static inline __attribute__((always_inline)) double sum(D v) { return v; }
 };
 
+/// Lanes of as many floats as a register holds, or one.
+struct Many {
+    typedef Wide D;
+    static constexpr std::uint32_t kLanes = sizeof(Wide) / sizeof(float);
+    static inline __attribute__((always_inline)) D load(const float* p) { return fetch<Wide>(p); }
+    static inline __attribute__((always_inline)) WideInts bytes(const std::uint8_t* p) { return wide_bytes(p); }
+    template <class Mask>
+    static inline __attribute__((always_inline)) D choose(const Mask& c, const D& a, const D& b) {
+        return c ? a : b;
+    }
+    static inline __attribute__((always_inline)) double sum(const D& v) {
+        double s = 0;
+        for (std::uint32_t k = 0; k < kLanes; ++k) s += static_cast<double>(v[k]);
+        return s;
+    }
+};
+struct Single {
+    typedef float D;
+    static constexpr std::uint32_t kLanes = 1;
+    static inline __attribute__((always_inline)) D load(const float* p) { return *p; }
+    static inline __attribute__((always_inline)) int bytes(const std::uint8_t* p) { return *p; }
+    static inline __attribute__((always_inline)) D choose(bool c, D a, D b) { return c ? a : b; }
+    static inline __attribute__((always_inline)) double sum(D v) { return static_cast<double>(v); }
+};
+
 template <class D>
 struct Triple {
     D x, y, z;
@@ -57,11 +83,29 @@ static inline __attribute__((always_inline)) Triple<D> minus(const Triple<D>& a,
 }
 template <class D>
 static inline __attribute__((always_inline)) Triple<D> times(const Triple<D>& a, const Triple<D>& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    return {multiply_subtract(a.y, b.z, a.z * b.y), multiply_subtract(a.z, b.x, a.x * b.z),
+            multiply_subtract(a.x, b.y, a.y * b.x)};
+}
+/// c + a x b.
+template <class D>
+static inline __attribute__((always_inline)) Triple<D> times_plus(const Triple<D>& a, const Triple<D>& b,
+                                                                  const Triple<D>& c) {
+    return {subtract_product(multiply_add(a.y, b.z, c.x), a.z, b.y),
+            subtract_product(multiply_add(a.z, b.x, c.y), a.x, b.z),
+            subtract_product(multiply_add(a.x, b.y, c.z), a.y, b.x)};
+}
+template <class D>
+static inline __attribute__((always_inline)) Triple<D> plus(const Triple<D>& a, const Triple<D>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 template <class D>
 static inline __attribute__((always_inline)) D inner(const Triple<D>& a, const Triple<D>& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return multiply_add(a.z, b.z, multiply_add(a.y, b.y, a.x * b.x));
+}
+/// c + a . b.
+template <class D>
+static inline __attribute__((always_inline)) D inner_plus(const Triple<D>& a, const Triple<D>& b, const D& c) {
+    return multiply_add(a.z, b.z, multiply_add(a.y, b.y, multiply_add(a.x, b.x, c)));
 }
 template <class L>
 static inline __attribute__((always_inline)) Triple<typename L::D> place(const ConstPlanes& p, std::size_t k) {
@@ -105,122 +149,200 @@ static inline __attribute__((always_inline)) void each_row(const Rect& rect, std
     }
 }
 
-/// One row of samples in doubles, over the origin.
-struct WideRow {
-    static constexpr std::uint32_t kRoom = 68;
-    double x[kRoom], y[kRoom], z[kRoom];
-};
-static inline __attribute__((always_inline)) void widen_plane(const float* p, double o, std::size_t count,
-                                                              double* out) {
-    std::size_t k = 0;
-    for (; k + 4 <= count; k += 4) put_raw(out + k, load_four(p + k) - o);
-    for (; k < count; ++k) out[k] = static_cast<double>(p[k]) - o;
+/// Quads of a rectangle by strips of as many columns as there are lanes: quad(k, a, b, c, d) with what load() gave for
+/// its corners, row k + 1 of one being row k of the next; then end() of the strip.
+template <class L, class Load, class Quad, class End>
+static inline __attribute__((always_inline)) std::uint32_t strips(const QuadJob& j, std::uint32_t first, Load load,
+                                                                  Quad quad, End end) {
+    for (; first + L::kLanes <= j.rect.j1 + 1; first += L::kLanes) {
+        std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + first;
+        auto a = load(k), d = load(k + 1);
+        for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i, k += j.cols) {
+            const auto b = load(k + j.cols), c = load(k + j.cols + 1);
+            quad(k, a, b, c, d);
+            a = b;
+            d = c;
+        }
+        end();
+    }
+    return first;
 }
-static inline __attribute__((always_inline)) void widen_row(const QuadJob& j, std::size_t k, std::size_t count,
-                                                            WideRow& out) {
-    widen_plane(j.at.x + k, j.origin[0], count, out.x);
-    widen_plane(j.at.y + k, j.origin[1], count, out.y);
-    widen_plane(j.at.z + k, j.origin[2], count, out.z);
-}
+
 template <class L>
-static inline __attribute__((always_inline)) Triple<typename L::D> wide_place(const WideRow& r, std::size_t k) {
+static inline __attribute__((always_inline)) std::uint32_t volume_strips(const QuadJob& j, std::uint32_t first,
+                                                                         double& sum) {
     typedef typename L::D D;
-    return {fetch<D>(r.x + k), fetch<D>(r.y + k), fetch<D>(r.z + k)};
-}
-template <class L>
-static inline __attribute__((always_inline)) typename L::D wide_volume(const WideRow& up, const WideRow& down,
-                                                                       const std::uint8_t* kind, std::size_t k) {
-    typedef typename L::D D;
-    const auto kinds = L::bytes(kind + k);
-    const Corners<D> c = turned<L>(kinds == 1, wide_place<L>(up, k), wide_place<L>(down, k), wide_place<L>(down, k + 1),
-                                   wide_place<L>(up, k + 1));
-    return L::choose(kinds != kQuadNone, inner(c.p, times(minus(c.q, c.s), c.r)), D{});
+    const Triple<D> o{D{} + j.origin[0], D{} + j.origin[1], D{} + j.origin[2]};
+    D six = {};
+    first = strips<L>(
+        j, first, [&](std::size_t k) __attribute__((always_inline)) { return minus(place<L>(j.at, k), o); },
+        [&](std::size_t k, const Triple<D>& a, const Triple<D>& b, const Triple<D>& c, const Triple<D>& d)
+            __attribute__((always_inline)) {
+                const auto kinds = L::bytes(j.kind + k);
+                const Corners<D> x = turned<L>(kinds == 1, a, b, c, d);
+                six += L::choose(kinds != kQuadNone, inner(x.p, times(minus(x.q, x.s), x.r)), D{});
+            },
+        []() __attribute__((always_inline)){});
+    sum += L::sum(six);
+    return first;
 }
 
 double volume(const QuadJob& job) noexcept {
     const QuadJob j = job;
-    WideRow rows[2];
     double sum = 0;
-    Doubles four = {};
-    // Strips as wide as a row's room; each row is converted once.
-    for (std::uint32_t first = j.rect.j0; first <= j.rect.j1; first += 64) {
-        const std::size_t count = (j.rect.j1 - first < 63 ? j.rect.j1 - first : 63) + 1;
-        std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + first;
-        widen_row(j, k, count + 1, rows[j.rect.i0 & 1]);
-        for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i, k += j.cols) {
-            const WideRow& up = rows[i & 1];
-            WideRow& down = rows[(i + 1) & 1];
-            widen_row(j, k + j.cols, count + 1, down);
-            std::size_t q = 0;
-            for (; q + 4 <= count; q += 4) four += wide_volume<Four>(up, down, j.kind + k, q);
-            for (; q < count; ++q) sum += wide_volume<One>(up, down, j.kind + k, q);
-        }
-    }
-    return sum + Four::sum(four);
-}
-
-template <class L>
-static inline __attribute__((always_inline)) void cubic_block(const QuadJob& j, const ConstPlanes& normal,
-                                                              const float* weight, std::size_t k, typename L::D* out) {
-    typedef typename L::D D;
-    const std::size_t n = j.cols;
-    const auto arrow = [&](std::size_t at) __attribute__((always_inline)) {
-        const D w = L::load(weight + at);
-        const Triple<D> v = place<L>(normal, at);
-        return Triple<D>{w * v.x, w * v.y, w * v.z};
-    };
-    const Corners<D> x = corners<L>(j, k);
-    const Corners<D> b = turned<L>(L::bytes(j.kind + k) == 1, arrow(k), arrow(k + n), arrow(k + n + 1), arrow(k + 1));
-    const Triple<D> e = minus(x.q, x.s), f = minus(b.q, b.s);
-    const Triple<D> ex = times(e, x.r), fb = times(f, b.r);
-    const Triple<D> eb = times(e, b.r), fx = times(f, x.r);
-    const Triple<D> mixed{eb.x + fx.x, eb.y + fx.y, eb.z + fx.z};
-    const auto there = L::bytes(j.kind + k) != kQuadNone;
-    out[0] += L::choose(there, inner(b.p, ex) + inner(x.p, mixed), D{});
-    out[1] += L::choose(there, inner(b.p, mixed) + inner(x.p, fb), D{});
-    out[2] += L::choose(there, inner(b.p, fb), D{});
-}
-
-void cubic(const QuadJob& j, ConstPlanes normal, const float* weight, double* out) noexcept {
-    Doubles four[3] = {};
-    double sum[3] = {0, 0, 0};
-    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
-        const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        for (; k + 4 <= end; k += 4) cubic_block<Four>(j, normal, weight, k, four);
-        for (; k < end; ++k) cubic_block<One>(j, normal, weight, k, sum);
-    }
-    for (int a = 0; a < 3; ++a) out[a] += sum[a] + Four::sum(four[a]);
-}
-
-template <class L>
-static inline __attribute__((always_inline)) typename L::D root(const typename L::D& v) {
-    if constexpr (L::kLanes == 1)
-        return __builtin_sqrt(v);
-    else
-        return four_roots(v);
-}
-template <class L>
-static inline __attribute__((always_inline)) typename L::D area_block(const QuadJob& j, const std::uint8_t* marks,
-                                                                      std::size_t k) {
-    typedef typename L::D D;
-    const Corners<D> c = corners<L>(j, k);
-    const Triple<D> v = times(minus(c.r, c.p), minus(c.s, c.q));
-    const auto counts = (L::bytes(marks + k) & 1) > (L::bytes(j.kind + k) >> 1);
-    return L::choose(counts, 0.5 * root<L>(inner(v, v)), D{});
-}
-
-double area(const QuadJob& j, const std::uint8_t* marks) noexcept {
-    double sum = 0;
-    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
-        const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        Doubles four = {};
-        for (; k + 4 <= end; k += 4) four += area_block<Four>(j, marks, k);
-        sum += Four::sum(four);
-        for (; k < end; ++k) sum += area_block<One>(j, marks, k);
-    }
+    volume_strips<One>(j, volume_strips<Four>(j, j.rect.j0, sum), sum);
     return sum;
+}
+
+/// Blocks of quads, row by row: quad(lanes, k), k the first corner of the first.
+template <class Quad>
+static inline __attribute__((always_inline)) void each_quad(const Rect& rect, std::uint32_t cols, Quad quad) {
+    for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
+        std::size_t k = static_cast<std::size_t>(i) * cols + rect.j0;
+        const std::size_t end = k + rect.j1 - rect.j0 + 1;
+        for (; k + Many::kLanes <= end; k += Many::kLanes) quad(Many{}, k);
+        for (; k < end; ++k) quad(Single{}, k);
+    }
+}
+
+/// Corners of quads and how they move, turned so that all are split along p-r.
+template <class D>
+struct Moving {
+    Corners<D> at, by;
+};
+/// As by(k) says for each corner.
+template <class L, bool kTurned, class Kinds, class By>
+static inline __attribute__((always_inline)) Moving<typename L::D> moving(const QuadJob& j, const Kinds& kinds,
+                                                                          std::size_t k, By by) {
+    const std::size_t b = k + j.cols, c = b + 1, d = k + 1;
+    if constexpr (kTurned)
+        return {turned<L>(kinds == 1, place<L>(j.at, k), place<L>(j.at, b), place<L>(j.at, c), place<L>(j.at, d)),
+                turned<L>(kinds == 1, by(k), by(b), by(c), by(d))};
+    else
+        return {{place<L>(j.at, k), place<L>(j.at, b), place<L>(j.at, c), place<L>(j.at, d)},
+                {by(k), by(b), by(c), by(d)}};
+}
+
+// A triangle whose corners move evenly sweeps the integral of (mean of the moves) . (its area vector). With t = r - p,
+// y = s - q, u = q - p, v = s - p for the edges and b for the moves, six times the rate of a quad's two triangles is
+//   f = (b_p + b_r) . (t x y) + t . (v x b_s + b_q x u),
+// quadratic along the way. Only differences of coordinates enter: float is enough, however far the origin is.
+template <class L, bool kTurned, class Kinds>
+static inline __attribute__((always_inline)) typename L::D swept_block(const QuadJob& j, const ConstPlanes& from,
+                                                                       std::size_t k, const Kinds& kinds) {
+    typedef typename L::D D;
+    const auto middle = [](const Triple<D>& now, const Triple<D>& by) __attribute__((always_inline)) {
+        const D half = D{} + 0.5f;
+        return Triple<D>{subtract_product(now.x, half, by.x), subtract_product(now.y, half, by.y),
+                         subtract_product(now.z, half, by.z)};
+    };
+    const Moving<D> all = moving<L, kTurned>(
+        j, kinds, k, [&](std::size_t at) __attribute__((always_inline)) {
+            return minus(place<L>(j.at, at), place<L>(from, at));
+        });
+    const Corners<D>&x = all.at, &m = all.by;
+    const Triple<D> mt = minus(m.r, m.p), my = minus(m.s, m.q);
+    const Triple<D> t = middle(minus(x.r, x.p), mt), y = middle(minus(x.s, x.q), my);
+    const D f = inner(plus(m.p, m.r), times(t, y)), bend = inner(m.p, times(mt, my));
+    const Triple<D> u = middle(minus(x.q, x.p), minus(m.q, m.p)), v = middle(minus(x.s, x.p), minus(m.s, m.p));
+    const D six = multiply_add(bend, D{} + 0.25f, inner_plus(t, times_plus(m.q, u, times(v, m.s)), f));
+    return L::choose(kinds != kQuadNone, six, D{});
+}
+
+// Mostly all quads of a block are split alike: then nothing has to be chosen lane by lane.
+double swept(const QuadJob& job, ConstPlanes from) noexcept {
+    const QuadJob j = job;
+    double sum = 0;
+    Doubles sums = {};
+    each_quad(
+        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
+            typedef decltype(lanes) L;
+            const auto kinds = L::bytes(j.kind + k);
+            if (any_lane(kinds == 1))
+                add_to(swept_block<L, true>(j, from, k, kinds), sums, sum);
+            else
+                add_to(swept_block<L, false>(j, from, k, kinds), sums, sum);
+        });
+    return sum + Four::sum(sums);
+}
+
+template <class L, bool kTurned, class Kinds>
+static inline __attribute__((always_inline)) void cubic_block(const QuadJob& j, const ConstPlanes& normal,
+                                                              const float* weight, std::size_t k, const Kinds& kinds,
+                                                              Doubles* sums, double* sum) {
+    typedef typename L::D D;
+    const Moving<D> all = moving<L, kTurned>(
+        j, kinds, k, [&](std::size_t at) __attribute__((always_inline)) {
+            const D w = L::load(weight + at);
+            const Triple<D> n = place<L>(normal, at);
+            return Triple<D>{w * n.x, w * n.y, w * n.z};
+        });
+    const Corners<D>&x = all.at, &m = all.by;
+    const Triple<D> mt = minus(m.r, m.p), my = minus(m.s, m.q), t = minus(x.r, x.p), y = minus(x.s, x.q);
+    const Triple<D> w = times_plus(m.q, minus(x.q, x.p), times(minus(x.s, x.p), m.s));
+    const Triple<D> both = plus(m.p, m.r);
+    const auto there = kinds != kQuadNone;
+    add_to(L::choose(there, inner_plus(t, w, inner(both, times(t, y))), D{}), sums[0], sum[0]);
+    const D bend = inner_plus(mt, w, inner(both, times_plus(t, my, times(mt, y))));
+    add_to(L::choose(there, 0.5f * (bend - inner(t, times(m.p, my))), D{}), sums[1], sum[1]);
+    add_to(L::choose(there, inner(m.p, times(mt, my)), D{}), sums[2], sum[2]);
+}
+
+void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* out) noexcept {
+    const QuadJob j = job;
+    double sum[3] = {0, 0, 0};
+    Doubles sums[3] = {};
+    each_quad(
+        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
+            typedef decltype(lanes) L;
+            const auto kinds = L::bytes(j.kind + k);
+            if (any_lane(kinds == 1))
+                cubic_block<L, true>(j, normal, weight, k, kinds, sums, sum);
+            else
+                cubic_block<L, false>(j, normal, weight, k, kinds, sums, sum);
+        });
+    for (int a = 0; a < 3; ++a) out[a] += sum[a] + Four::sum(sums[a]);
+}
+
+template <class L>
+static inline __attribute__((always_inline)) std::uint32_t area_strips(const QuadJob& j, const std::uint8_t* marks,
+                                                                       std::uint32_t first, double& sum) {
+    typedef typename L::D D;
+    D area = {};
+    return strips<L>(
+        j, first, [&](std::size_t k) __attribute__((always_inline)) { return place<L>(j.at, k); },
+        [&](std::size_t k, const Triple<D>& a, const Triple<D>& b, const Triple<D>& c, const Triple<D>& d)
+            __attribute__((always_inline)) {
+                const Triple<D> v = times(minus(c, a), minus(d, b));
+                const auto counts = (L::bytes(marks + k) & 1) > (L::bytes(j.kind + k) >> 1);
+                area += L::choose(counts, 0.5f * square_root(inner(v, v)), D{});
+            },
+        [&]() __attribute__((always_inline)) {
+            sum += L::sum(area);
+            area = D{};
+        });
+}
+
+double area(const QuadJob& job, const std::uint8_t* marks) noexcept {
+    const QuadJob j = job;
+    double sum = 0;
+    area_strips<Single>(j, marks, area_strips<Many>(j, marks, j.rect.j0, sum), sum);
+    return sum;
+}
+
+void copy(ConstPlanes from, Planes to, const Rect& rect, std::uint32_t cols) noexcept {
+    const Rect r = rect;
+    const auto plane = [&](const float* a, float* b) __attribute__((always_inline)) {
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
+            std::size_t k = static_cast<std::size_t>(i) * cols + r.j0;
+            const std::size_t end = k + r.j1 - r.j0 + 1;
+            for (; k + Many::kLanes <= end; k += Many::kLanes) put_raw(b + k, fetch<Wide>(a + k));
+            for (; k < end; ++k) b[k] = a[k];
+        }
+    };
+    plane(from.x, to.x);
+    plane(from.y, to.y);
+    plane(from.z, to.z);
 }
 
 template <class L>
@@ -297,35 +419,73 @@ static inline __attribute__((always_inline)) F decay(F x) {
     return e * e;
 }
 
-template <class F, class I>
-static inline __attribute__((always_inline)) F weight_of(const WeightJob& j, const F& square, const I& in) {
-    const F zero = F{};
+template <class F>
+static inline __attribute__((always_inline)) F weight_of(const WeightJob& j, float scale, std::size_t k) {
+    const F square = fetch<F>(j.square + k), zero = F{};
+    const auto in = square < j.limit;
     const F x = (in ? square : zero) * j.factor;
-    const F v = (decay(x) - j.end * (1.0f + (j.slope - x))) / (1.0f - j.end * (1.0f + j.slope));
-    return in ? v : zero;
+    F w = (decay(x) - j.end * (1.0f + (j.slope - x))) * scale;
+    if (j.mobility != nullptr) w = w * fetch<F>(j.mobility + k);
+    w = in ? w : zero;
+    return w > 0.0f ? w : zero;
 }
 
-std::uint32_t weights(const WeightJob& j) noexcept {
-    std::uint32_t count = 0;
+WeightSums weights(const WeightJob& job) noexcept {
+    const WeightJob j = job;
+    const float scale = 1.0f / (1.0f - j.end * (1.0f + j.slope));
+    WeightSums sums;
+    WideInts count = {};
+    Wide top = {}, total = {};
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        for (; k + 4 <= end; k += 4) {
-            const Single4 square = fetch<Single4>(j.square + k);
-            Single4 w = weight_of<Single4, Int4>(j, square, square < j.limit);
-            if (j.mobility != nullptr) w = w * fetch<Single4>(j.mobility + k);
-            const Int4 positive = w > 0.0f;
-            put_raw(j.weight + k, positive ? w : Single4{});
-            count -= static_cast<std::uint32_t>(positive[0] + positive[1] + positive[2] + positive[3]);
+        for (; k + Many::kLanes <= end; k += Many::kLanes) {
+            const Wide w = weight_of<Wide>(j, scale, k);
+            put_raw(j.weight + k, w);
+            count -= w > 0.0f;
+            top = w > top ? w : top;
+            total += w;
         }
         for (; k < end; ++k) {
-            float w = weight_of<float, bool>(j, j.square[k], j.square[k] < j.limit);
-            if (j.mobility != nullptr) w = w * j.mobility[k];
-            j.weight[k] = w > 0 ? w : 0;
-            count += w > 0 ? 1 : 0;
+            const float w = weight_of<float>(j, scale, k);
+            j.weight[k] = w;
+            sums.count += w > 0 ? 1 : 0;
+            sums.largest = w > sums.largest ? w : sums.largest;
+            sums.total += static_cast<double>(w);
         }
     }
-    return count;
+    sums.total += Many::sum(total);
+    for (std::uint32_t lane = 0; lane < Many::kLanes; ++lane) {
+        sums.count += static_cast<std::uint32_t>(count[lane]);
+        sums.largest = top[lane] > sums.largest ? top[lane] : sums.largest;
+    }
+    return sums;
+}
+
+void spread(const SpreadJob& job) noexcept {
+    SpreadJob j = job;
+    float d[9], across[3][8];
+    for (int k = 0; k < 9; ++k) {
+        const float root = __builtin_sqrtf(__builtin_fabsf(j.nodes[k]));
+        d[k] = j.nodes[k] < 0 ? -root : root;
+    }
+    for (int m = 0; m < 3; ++m)
+        for (int k = 0; k < 8; ++k) {
+            const float from = d[3 * m + k / 4], to = d[3 * m + k / 4 + 1];
+            across[m][k] = from + (to - from) * (0.25f * static_cast<float>(k % 4));
+        }
+    for (int i = 0; i < 8; ++i) {
+        const float share = 0.25f * static_cast<float>(i % 4);
+        for (std::uint32_t k = 0; k < 8; k += Many::kLanes) {
+            const Wide from = fetch<Wide>(across[i / 4] + k), to = fetch<Wide>(across[i / 4 + 1] + k);
+            const Wide v = from + (to - from) * share;
+            const Wide square = v > 0.0f ? v * v : Wide{};
+            const auto inside = (wide_bytes(j.marks + k) & 1) != 0;
+            put_raw(j.square + k, Wide(inside ? Wide{} + __builtin_inff() : square));
+        }
+        j.marks += j.cols;
+        j.square += j.cols;
+    }
 }
 
 // In float: it is the result's own precision, and the volume is measured afterwards.
@@ -358,4 +518,21 @@ void bulge(const BulgeJob& job) noexcept {
         for (; k + sizeof(Wide) / 4 <= end; k += sizeof(Wide) / 4) bulge_block<Wide>(j, k);
         for (; k < end; ++k) bulge_block<float>(j, k);
     }
+}
+
+void held_back(const HoldJob& job, double* sums) noexcept {
+    const HoldJob j = job;
+    Doubles fours[2] = {};
+    each_quad(
+        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
+            typedef decltype(lanes) L;
+            typedef typename L::D D;
+            const Triple<D> n{D{} + j.n[0], D{} + j.n[1], D{} + j.n[2]};
+            const D w = L::load(j.weight + k), facing = inner(n, place<L>(j.normal, k)), fall = w * facing;
+            const D height = multiply_add(fall, D{} + j.beta, inner(n, place<L>(j.at, k)) - j.d);
+            const auto held = (height < 0.0f) & (fall < 0.0f);
+            add_to(L::choose(held, height * facing, D{}), fours[0], sums[0]);
+            add_to(L::choose(held, fall * facing, D{}), fours[1], sums[1]);
+        });
+    for (int a = 0; a < 2; ++a) sums[a] += Four::sum(fours[a]);
 }

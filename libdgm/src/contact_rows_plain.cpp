@@ -12,9 +12,8 @@ namespace dgm::detail {
 namespace {
 typedef double Doubles __attribute__((vector_size(32)));
 typedef long long Longs __attribute__((vector_size(32)));
-typedef float Single4 __attribute__((vector_size(16)));
 typedef float Wide __attribute__((vector_size(16)));
-typedef int Int4 __attribute__((vector_size(16)));
+typedef int WideInts __attribute__((vector_size(16)));
 
 inline Doubles load_four(const float* p) {
     return Doubles{p[0], p[1], p[2], p[3]};
@@ -25,13 +24,43 @@ inline void store_four(float* p, const Doubles& v) {
 inline Longs four_bytes(const std::uint8_t* p) {
     return Longs{p[0], p[1], p[2], p[3]};
 }
-inline Doubles four_roots(const Doubles& v) {
-    return Doubles{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
+inline WideInts wide_bytes(const std::uint8_t* p) {
+    return WideInts{p[0], p[1], p[2], p[3]};
+}
+inline bool any_lane(const WideInts& v) {
+    return (v[0] | v[1] | v[2] | v[3]) != 0;
+}
+inline bool any_lane(bool v) {
+    return v;
+}
+inline void add_to(const Wide& v, Doubles& sums, double&) {
+    for (int k = 0; k < 4; ++k) sums[k] += static_cast<double>(v[k]);
+}
+inline void add_to(float v, Doubles&, double& sum) {
+    sum += static_cast<double>(v);
+}
+inline float square_root(float v) {
+    return __builtin_sqrtf(v);
+}
+inline Wide square_root(const Wide& v) {
+    return Wide{square_root(v[0]), square_root(v[1]), square_root(v[2]), square_root(v[3])};
+}
+template <class F>
+inline F multiply_add(const F& a, const F& b, const F& c) {
+    return a * b + c;
+}
+template <class F>
+inline F multiply_subtract(const F& a, const F& b, const F& c) {
+    return a * b - c;
+}
+template <class F>
+inline F subtract_product(const F& c, const F& a, const F& b) {
+    return c - a * b;
 }
 #include "contact_rows_impl.h"
 }  // namespace
 
-const ContactRows kPlainContactRows{volume, cubic, area, mark, project, weights, bulge};
+const ContactRows kPlainContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, held_back, bulge};
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const ContactRows kAvx2ContactRows;

@@ -95,9 +95,9 @@ struct ContactReport {
     float beta = 0;                        ///< height of the bulge at the rim
     std::uint32_t passes = 0;              ///< measurements of the bulged volume
     double removed = 0;                    ///< volume the projection took; positive for outward normals
-    double volume_error = 0;               ///< volume gained by the call / removed, measured on the triangles
-    double first_order_error = 0;          ///< the same for beta by the gradient alone, before clamping
-    double paper_error = 0;                ///< and for eq. 11 as printed
+    double volume_error = 0;       ///< volume gained by the call / removed, measured on the triangles within 1e-8
+    double first_order_error = 0;  ///< the same for beta by the gradient alone, before clamping
+    double paper_error = 0;        ///< and for eq. 11 as printed
 };
 
 /// Scratch memory for contacts of one state (about 40 bytes a sample), and what of its surface never changes.
