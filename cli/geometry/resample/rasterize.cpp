@@ -41,8 +41,10 @@ SampleGrid rasterize(std::span<const Face> faces, std::span<const Vec2d> uv, std
         Vec2d p[3];
         for (int k = 0; k < 3; ++k) p[k] = {uv[faces[f][k]].x * (m - 1), uv[faces[f][k]].y * (n - 1)};
         if (orient2d(p[0], p[1], p[2]) <= 0) continue;  // counted by the caller; a valid map has none
-        const double lo_x = std::ceil(std::min({p[0].x, p[1].x, p[2].x})), hi_x = std::floor(std::max({p[0].x, p[1].x, p[2].x}));
-        const double lo_y = std::ceil(std::min({p[0].y, p[1].y, p[2].y})), hi_y = std::floor(std::max({p[0].y, p[1].y, p[2].y}));
+        const double lo_x = std::ceil(std::min({p[0].x, p[1].x, p[2].x})),
+                     hi_x = std::floor(std::max({p[0].x, p[1].x, p[2].x}));
+        const double lo_y = std::ceil(std::min({p[0].y, p[1].y, p[2].y})),
+                     hi_y = std::floor(std::max({p[0].y, p[1].y, p[2].y}));
         const std::pair<double, double> column{std::max(lo_y, 0.0), std::min(hi_y, n - 1.0)};
         const bool narrow = column.second - column.first < 4;
         for (double x = std::max(lo_x, 0.0); x <= std::min(hi_x, m - 1.0); ++x) {
