@@ -48,20 +48,22 @@ class Ring {
     }
 
     /// Newton steps from x, where the energy is finite; each lowers it.
-    [[nodiscard]] Vec2d relax(Vec2d x, int steps) const {
-        double e = energy(x);
+    /// @param reach  of the first try, in Newton steps: more than 1 overtakes the neighbours, which follow
+    [[nodiscard]] Vec2d relax(Vec2d x, int steps, double reach = 1) const {
         for (int k = 0; k < steps; ++k) {
             Vec2d g;
-            double xx = 0, xy = 0, yy = 0;
+            double e = 0, xx = 0, xy = 0, yy = 0;
             for (const Wedge& w : wedges) {
                 const Vec2d d0 = w.p2 - w.p1, turn{-d0.y, d0.x};
-                const double t = cross(w.p1 - x, w.p2 - x), n = numerator(w, x), i2 = 1 / (t * t), i3 = i2 / t;
+                const double t = cross(w.p1 - x, w.p2 - x), n = numerator(w, x), i = 1 / t, i2 = i * i, i3 = i2 * i;
                 const Vec2d dn = (x * 2 - w.p1 - w.p2) * w.l0 + d0 * (w.l1 - w.l2);
                 // q, its gradient and Hessian; then of q^p.
                 const double q = n * i2;
                 const Vec2d dq = dn * i2 - turn * (2 * n * i3);
-                const double a = 2 * w.l0 * i2, b = 2 * i3, c = 6 * n * i3 / t;
-                const double first = w.area * power_ * raised(q, power_ - 1), second = first * (power_ - 1) / q;
+                const double a = 2 * w.l0 * i2, b = 2 * i3, c = 6 * n * i2 * i2;
+                const double first = w.area * power_ * raised(q, power_ - 1);
+                const double second = power_ == 2 ? 2 * w.area : first * (power_ - 1) / q;
+                e += w.area * raised(q, power_);
                 g = g + dq * first;
                 xx += first * (a - 2 * b * dn.x * turn.x + c * turn.x * turn.x) + second * dq.x * dq.x;
                 xy += first * (-b * (dn.x * turn.y + dn.y * turn.x) + c * turn.x * turn.y) + second * dq.x * dq.y;
@@ -73,14 +75,13 @@ class Ring {
             const double a = xx + shift, c = yy + shift, det = a * c - xy * xy;
             if (!(det > 0)) return x;
             const Vec2d step{-(c * g.x - xy * g.y) / det, -(a * g.y - xy * g.x) / det};
-            double s = 1;
+            double s = reach;
             for (int halving = 0; halving < 12; ++halving, s *= 0.5) {
                 const Vec2d y = x + step * s;
                 const double now = energy(y);
                 if (now < e) {
-                    const bool settled = now > 0.999 * e;
-                    x = y, e = now;
-                    if (settled) return x;
+                    x = y;
+                    if (now > 0.999 * e) return x;
                     break;
                 }
                 if (halving == 11) return x;
@@ -289,7 +290,7 @@ class Multilevel {
                     const std::uint32_t i0 = corners.of[k] % 3, i1 = (i0 + 1) % 3, i2 = (i0 + 2) % 3;
                     ring.wedges.push_back({uv[f[i1]], uv[f[i2]], l[0], l[1 + i0], l[1 + i1], l[1 + i2]});
                 }
-                uv[v] = ring.relax(uv[v], 1);
+                uv[v] = ring.relax(uv[v], 1, options_.reach);
             }
         }
     }
