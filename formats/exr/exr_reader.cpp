@@ -18,6 +18,7 @@
 #include <system_error>
 
 #include "exr/exr_hash.h"
+#include "exr/exr_headers.h"
 #include "exr/exr_layout.h"
 #include "model/codes.h"
 
@@ -36,18 +37,14 @@ constexpr std::uint64_t kMaxZipRatio = 1032;
 
 class Reader {
  public:
-    Reader(const fs::path& path, const ExrReadLimits& limits, std::uint64_t file_bytes)
-        : path_(path),
-          limits_(limits),
-          budget_(std::min(limits.max_total_bytes, file_bytes * kMaxZipRatio)),
-          file_(path.c_str(), 0, false) {}
+    Reader(const fs::path& path, const ExrReadLimits& limits, std::uint64_t budget)
+        : path_(path), limits_(limits), budget_(budget), file_(path.c_str(), 0, false) {}
 
     MapSet run() {
         const int parts = file_.parts();
         if (parts < 1 || parts > limits_.max_parts) refuse("impossible number of parts");
         std::map<int, int> chart_parts;  // chart -> the part whose header describes it
         for (int k = 0; k < parts; ++k) {
-            check_part(k);
             if (file_.header(k).hasName()) parts_by_name_.emplace(file_.header(k).name(), k);
             const auto* chart = file_.header(k).findTypedAttribute<Imf::IntAttribute>("dgmChart");
             if (chart != nullptr && !chart_parts.emplace(chart->value(), k).second)
@@ -108,17 +105,6 @@ class Reader {
                 throw model::Error(codes::kHashMismatch, "the layer's values differ from their hash",
                                    "/charts/" + std::to_string(number) + "/" + layer.name);
         }
-    }
-
-    void check_part(int number) const {
-        const Imath::Box2i window = file_.header(number).dataWindow();
-        const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-        const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-        if (window.min.x != 0 || window.min.y != 0 || width < 1 || height < 1 ||
-            width > static_cast<std::int64_t>(kMaxExrWidth) + 1 ||
-            height > static_cast<std::int64_t>(kMaxExrHeight) + 1 ||
-            static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > limits_.max_pixels_per_part)
-            refuse("part " + std::to_string(number) + " has an impossible or too large data window");
     }
 
     template <class Attribute>
@@ -325,8 +311,10 @@ auto reading(const fs::path& path, const ExrReadLimits& limits, Read read) {
     const std::uint64_t bytes = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
     if (!fs::is_regular_file(status) || error)
         throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+    const std::uint64_t budget = std::min(limits.max_total_bytes, bytes * kMaxZipRatio);
+    check_exr_headers(path, bytes, limits.max_pixels_per_part, limits.max_parts, budget);
     try {
-        Reader reader(path, limits, bytes);
+        Reader reader(path, limits, budget);
         return read(reader);
     } catch (const model::Error&) { throw; } catch (const std::bad_alloc&) {
         throw model::Error(codes::kExrUnreadable, "the file needs more memory than there is", path.string());

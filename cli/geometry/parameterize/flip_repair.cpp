@@ -17,7 +17,6 @@
 namespace dgm::bake {
 namespace {
 constexpr double kMostFaces = 0.1;  // of the disk, in patches
-constexpr std::uint32_t kNobody = 0xffffffff;
 
 bool is_positive(const std::vector<Vec2d>& uv, const Face& f) {
     return orient2d(uv[f[0]], uv[f[1]], uv[f[2]]) > 0;

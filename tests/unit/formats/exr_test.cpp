@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/formats/exr_test.cpp
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cstring>
 
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
@@ -127,6 +130,62 @@ TEST(ExrFile, DamageIsAnErrorNotACrash) {
         EXPECT_TRUE(code == 0 || code == codes::kExrUnreadable.number || code == codes::kBadVersion.number ||
                     code == codes::kHashMismatch.number || code == codes::kMissingChannel.number)
             << code;
+    }
+}
+
+/// Where the value of an attribute begins; its size is in the four bytes before.
+std::size_t value_of(const std::string& bytes, const std::string& name, const std::string& type) {
+    const std::string entry = name + '\0' + type + '\0';
+    const std::size_t at = bytes.find(entry);
+    EXPECT_NE(at, std::string::npos) << name;
+    return at + entry.size() + 4;
+}
+
+void put(std::string& bytes, std::size_t at, std::int32_t value) {
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+long peak_megabytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss >> 10;
+}
+
+// Each of these made OpenEXR take up to 2 GB for a file of some kilobytes, or would if the walk over the header lost
+// step.
+TEST(ExrFile, ClaimedSizesTakeNoMemory) {
+    const TempFolder folder;
+    write_exr(random_maps(5, 1), folder / "good.exr");
+    const std::string good = read_bytes(folder / "good.exr");
+    ASSERT_LT(good.size(), 1u << 20);
+    const std::size_t report = value_of(good, "dgmReport", "string");
+    const std::size_t window = value_of(good, "dataWindow", "box2i");
+    const std::size_t channels = value_of(good, "channels", "chlist");
+    constexpr std::int32_t kHuge = 0x6FFFFFFF;
+    std::vector<std::pair<const char*, std::string>> bad;
+    const auto add = [&](const char* what, std::size_t at, std::int32_t value) {
+        put(bad.emplace_back(what, good).second, at, value);
+    };
+    add("a string of 1.8 GB", report - 4, kHuge);
+    add("a negative size", report - 4, -1);
+    add("a string to behind the end", report - 4, static_cast<std::int32_t>(good.size() - report + 1));
+    add("rows of 65536 samples", window + 8, 65535);
+    add("rows without number", window + 8, kHuge);
+    add("sixteen million rows", window + 12, (1 << 24) - 1);
+    add("a channel list that is longer than it says", channels - 4, 3);
+    bad.emplace_back("an attribute of unknown type", good).second.replace(report - 11, 7, std::string("strung\0", 7));
+    put(bad.back().second, report - 4, kHuge);
+    // OpenEXR reads 16 bytes of a window whatever its size says: a string behind them would be seen by OpenEXR alone.
+    std::string hidden = std::string("hidden\0string\0", 14) + std::string("\xFF\xFF\xFF\x6F", 4);
+    bad.emplace_back("a string inside a window", good).second.insert(window + 16, hidden);
+    put(bad.back().second, window - 4, static_cast<std::int32_t>(16 + hidden.size()));
+    bad.emplace_back("tiles", good).second[5] |= 2;
+    bad.emplace_back("deep pixels", good).second[5] |= 8;
+    for (const auto& [what, bytes] : bad) {
+        write_bytes(folder / "bad.exr", bytes);
+        const long before = peak_megabytes();
+        EXPECT_EQ(code_of([&] { (void)read_exr(folder / "bad.exr"); }), codes::kExrUnreadable.number) << what;
+        EXPECT_LT(peak_megabytes() - before, 64) << what;
     }
 }
 
