@@ -183,12 +183,17 @@ void update_rect(StateImpl& s, const Rect& moved) noexcept {
 Vec3 sample_normal(const StateImpl& s, const ConstPlanes& shape, std::uint32_t sample) noexcept {
     if (!s.usable(sample)) return {};
     if (sample >= s.tables.grid || (s.ring[sample] & kRingIrregular) != 0) return ring_normal(s, shape, sample);
-    // The kernel writes at out + sample: lead it to these.
     float x = 0, y = 0, z = 0;
-    const ConstPlanes here{shape.x + sample, shape.y + sample, shape.z + sample};
-    NormalJob job = job_of(s, Rect{0, 0, 0, 0}, here, {&x, &y, &z});
-    if (job.ring != nullptr) job.ring += sample;
-    return s.rows_of->normals(job) ? Vec3{x, y, z} : ring_normal(s, shape, sample);
+    return normals_inside(s, shape, sample, 1, {&x, &y, &z}) ? Vec3{x, y, z} : ring_normal(s, shape, sample);
+}
+
+bool normals_inside(const StateImpl& s, const ConstPlanes& shape, std::uint32_t first, std::uint32_t count,
+                    const Planes& to) noexcept {
+    // The kernel writes at out + sample: lead it to these.
+    const ConstPlanes here{shape.x + first, shape.y + first, shape.z + first};
+    NormalJob job = job_of(s, Rect{0, 0, 0, count - 1}, here, to);
+    if (job.ring != nullptr) job.ring += first;
+    return s.rows_of->normals(job);
 }
 
 void update_normals(StateImpl& s) noexcept {

@@ -3,6 +3,7 @@
 // Paper section 4.3: implicit connectivity to vertices and triangles.
 #include <dgm/reconstruct.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -87,6 +88,14 @@ class VertexWriter {
         const auto code = [half](float v) { return half ? to_half(v) : to_unit(0.5f * v + 0.5f); };
         shorts(k, target_.normal_offset, code(n.x), code(n.y), code(n.z));
     }
+    /// f32 for sample k of [k, k + count), or null: another format.
+    [[nodiscard]] std::byte* plain_positions(std::uint32_t k) const noexcept {
+        return target_.position_format == VertexFormat::F32 ? at(k, target_.position_offset) : nullptr;
+    }
+    [[nodiscard]] std::byte* plain_normals(std::uint32_t k) const noexcept {
+        return target_.normal_format == VertexFormat::F32 ? at(k, target_.normal_offset) : nullptr;
+    }
+    [[nodiscard]] std::size_t stride() const noexcept { return target_.stride; }
     void uv(std::uint32_t k, float x, float y) const noexcept {
         const float uv[2] = {x, y};
         if (target_.uv_format == VertexFormat::F32) return store(k, target_.uv_offset, uv, sizeof uv);
@@ -106,7 +115,10 @@ class VertexWriter {
     }
     explicit VertexWriter(const VertexTarget& target) noexcept : target_(target) {}
     void store(std::uint32_t k, std::size_t offset, const void* value, std::size_t bytes) const noexcept {
-        std::memcpy(target_.memory.data() + k * target_.stride + offset, value, bytes);
+        std::memcpy(at(k, offset), value, bytes);
+    }
+    [[nodiscard]] std::byte* at(std::uint32_t k, std::size_t offset) const noexcept {
+        return target_.memory.data() + k * target_.stride + offset;
     }
     VertexTarget target_;
 };
@@ -121,8 +133,33 @@ void write_uvs(const ChartTables& t, const VertexWriter& out) noexcept {
         out.uv(t.grid + b, t.border_uv[2 * std::size_t{b} + 1], t.border_uv[2 * std::size_t{b}]);
 }
 
+/// Vertices side by side from planes.
+void interleave(const ConstPlanes& from, std::uint32_t count, std::byte* to, std::size_t stride) noexcept {
+    for (std::uint32_t k = 0; k < count; ++k, to += stride) {
+        const float v[3] = {from.x[k], from.y[k], from.z[k]};
+        std::memcpy(to, v, sizeof v);
+    }
+}
+
+/// Grid samples stored as they are given out. @return false: something else has to be done with them.
+bool copy_grid_positions(const ChartTables& t, const VertexWriter& out) noexcept {
+    std::byte* to = out.plain_positions(0);
+    const float* from = t.geometry.f32;
+    if (to == nullptr || from == nullptr || t.scale[0] != 1 || t.scale[1] != 1 || t.scale[2] != 1) return false;
+    const std::size_t count = 3 * std::size_t{t.grid};
+    bool finite = true;
+    for (std::size_t k = 0; k < count; ++k) finite = finite & (std::fabs(from[k]) <= 3.4028234663852886e38f);
+    if (!finite) return false;
+    if (out.stride() == 3 * sizeof(float)) {
+        std::memcpy(to, from, count * sizeof(float));
+        return true;
+    }
+    for (std::uint32_t k = 0; k < t.grid; ++k, to += out.stride(), from += 3) std::memcpy(to, from, 3 * sizeof(float));
+    return true;
+}
+
 Result<void> write_stored_positions(const ChartTables& t, const VertexWriter& out) noexcept {
-    for (std::uint32_t k = 0; k < t.total; ++k) {
+    for (std::uint32_t k = copy_grid_positions(t, out) ? t.grid : 0; k < t.total; ++k) {
         Vec3 p = t.position(k);
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
             if (t.on_surface(k)) return Error{ErrorCode::NotFinite, t.position_offset(k), "a position is not finite"};
@@ -145,6 +182,81 @@ Result<void> write_stored_normals(const ChartTables& t, const VertexWriter& out)
     return {};
 }
 
+/// Triangles of all quads and border faces, as make_indices() has them.
+Result<void> write_triangles(const ChartTables& t, std::span<std::uint32_t> out) noexcept {
+    std::uint32_t* to = out.data();
+    unsigned all = 0;
+    for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
+        for (std::uint32_t j = 0; j + 1 < t.cols; ++j) {
+            if (!t.has_quad(i, j)) continue;
+            const std::uint32_t a = i * t.cols + j, b = a + t.cols;
+            const unsigned diagonal = t.diagonal(i, j);
+            all |= diagonal;
+            to[0] = a;
+            to[1] = b;
+            to[2] = diagonal != 0 ? a + 1 : b + 1;
+            to[3] = diagonal != 0 ? b : a;
+            to[4] = b + 1;
+            to[5] = a + 1;
+            to += 6;
+        }
+    bool good = all <= 1;
+    for (std::size_t k = 0; k < t.faces.size() / 3 * 3; ++k) {
+        good = good && t.faces[k] < t.total;
+        *to++ = t.faces[k];
+    }
+    if (good) return {};
+    return make_indices(t, {}, {}).error();  // knows what is wrong
+}
+
+/// Normals of samples k .. k + count - 1 of a row of the grid, as sample_normal() has them.
+void row_normals(const StateImpl& s, std::uint32_t k, std::uint32_t count, const Planes& to) noexcept {
+    const auto inside = [&](std::uint32_t e) { return (s.ring[e] & kRingIrregular) == 0; };
+    const ConstPlanes shape = StateImpl::fixed(s.now);
+    const auto one = [&](std::uint32_t e) {
+        const Vec3 n = sample_normal(s, shape, k + e);
+        to.x[e] = n.x;
+        to.y[e] = n.y;
+        to.z[e] = n.z;
+    };
+    for (std::uint32_t e = 0; e < count;) {
+        std::uint32_t end = e;
+        while (end < count && inside(k + end)) ++end;
+        if (end != e && !normals_inside(s, shape, k + e, end - e, {to.x + e, to.y + e, to.z + e}))
+            for (; e < end; ++e) one(e);
+        for (e = end; e < count && !inside(k + e); ++e) one(e);
+    }
+}
+
+void write_normals(const StateImpl& s, const VertexWriter& out) noexcept {
+    constexpr std::uint32_t kChunk = 256;
+    float memory[3][kChunk];
+    const Planes chunk{memory[0], memory[1], memory[2]};
+    const bool kept = s.normal_dirty.empty();
+    for (std::uint32_t k = 0; k < s.total();) {
+        const std::uint32_t row_end = k < s.tables.grid ? (k / s.tables.cols + 1) * s.tables.cols : s.total();
+        const std::uint32_t count = std::min(kChunk, row_end - k);
+        ConstPlanes n{s.normal.x + k, s.normal.y + k, s.normal.z + k};
+        if (!kept) {
+            if (k < s.tables.grid)
+                row_normals(s, k, count, chunk);
+            else
+                for (std::uint32_t e = 0; e < count; ++e) {
+                    const Vec3 v = sample_normal(s, StateImpl::fixed(s.now), k + e);
+                    chunk.x[e] = v.x;
+                    chunk.y[e] = v.y;
+                    chunk.z[e] = v.z;
+                }
+            n = StateImpl::fixed(chunk);
+        }
+        if (std::byte* to = out.plain_normals(k))
+            interleave(n, count, to, out.stride());
+        else
+            for (std::uint32_t e = 0; e < count; ++e) out.normal(k + e, StateImpl::at(n, e));
+        k += count;
+    }
+}
+
 /// Counts, sizes and indices: what baked and deformed surfaces share. `write` fills the vertices.
 template <class Write>
 Result<MeshCounts> write_mesh(const ChartTables& t, const VertexTarget& vertices, std::span<std::uint32_t> indices,
@@ -156,7 +268,11 @@ Result<MeshCounts> write_mesh(const ChartTables& t, const VertexTarget& vertices
     if (!indices.empty()) {
         if (indices.size() < counts.indices)
             return Error{ErrorCode::BufferTooSmall, kNoOffset, "the index memory is too small"};
-        if (auto r = make_indices(t, options, indices); !r) return r.error();
+        if (options.lod_stride != 1 || options.topology != IndexTopology::Triangles) {
+            if (auto r = make_indices(t, options, indices); !r) return r.error();
+        } else if (auto r = write_triangles(t, indices); !r) {
+            return r.error();
+        }
     }
     if (!vertices.memory.empty()) {
         auto out = VertexWriter::make(vertices, counts.vertices);
@@ -198,11 +314,12 @@ Result<MeshCounts> reconstruct(const State& state, const VertexTarget& vertices,
     const detail::StateImpl& s = *state.impl();
     return detail::write_mesh(s.tables, vertices, indices, options,
                               [&](const detail::VertexWriter& out) -> Result<void> {
-                                  for (std::uint32_t k = 0; k < s.total(); ++k) {
-                                      if (out.wants_position()) out.position(k, s.point(k));
-                                      if (out.wants_normal())
-                                          out.normal(k, detail::sample_normal(s, detail::StateImpl::fixed(s.now), k));
-                                  }
+                                  if (out.wants_normal()) detail::write_normals(s, out);
+                                  if (!out.wants_position()) return {};
+                                  if (std::byte* to = out.plain_positions(0))
+                                      detail::interleave(detail::StateImpl::fixed(s.now), s.total(), to, out.stride());
+                                  else
+                                      for (std::uint32_t k = 0; k < s.total(); ++k) out.position(k, s.point(k));
                                   return {};
                               });
 }

@@ -257,6 +257,9 @@ void refit(StateImpl& state, Pyramid& pyramid) noexcept;
 [[nodiscard]] Result<void> build_rings(StateImpl& state) noexcept;
 /// Area-weighted unit normal of a shape over the welded ring; 0 without area.
 [[nodiscard]] Vec3 ring_normal(const StateImpl& state, const ConstPlanes& shape, std::uint32_t sample) noexcept;
+/// Of `count` regular samples side by side. @return false if one was left at 0: float would not do.
+[[nodiscard]] bool normals_inside(const StateImpl& state, const ConstPlanes& shape, std::uint32_t first,
+                                  std::uint32_t count, const Planes& to) noexcept;
 /// The normal that update_normals() stores for `now`.
 [[nodiscard]] Vec3 sample_normal(const StateImpl& state, const ConstPlanes& shape, std::uint32_t sample) noexcept;
 /// Brings `normal` up to date around what moved.
