@@ -123,18 +123,22 @@ void Resolver::part_ring() noexcept {
     }
     collect(c_.near, kTileBulging | kTileNear, kTileBulging | kTileNear);
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
+    if (shape_.kind == ObstacleKind::Plane) return;
+    // From here on: heights over the obstacle, where they have been asked for.
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+        each_sample(c_.tiles[e], [&](std::uint32_t k) { c_.square[k] = __builtin_inff(); });
+    std::fill(c_.square.begin() + s_.tables.grid, c_.square.end(), __builtin_inff());
 }
 
-void Resolver::put_back_sample(std::uint32_t k) noexcept {
+void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
     if (!(c_.weight[k] > 0)) return;
+    // How far it was before: a bulge lower than that cannot reach the obstacle.
+    float& height = c_.square[k];
+    if (height == __builtin_inff())
+        height = static_cast<float>(probe(shape_, widen(StateImpl::at(c_.before(), k))).distance);
+    if (double{height} > (1 + 1e-5) * std::fabs(beta) * double{c_.weight[k]} + 1e-6 * std::fabs(double{height})) return;
     const Probe there = probe(shape_, widen(s_.point(k)));
     if (there.distance < 0) put(k, there.nearest);
-}
-
-void Resolver::put_back(std::uint32_t tile) noexcept {
-    Box box{{1e38f, 1e38f, 1e38f}, {-1e38f, -1e38f, -1e38f}};
-    s_.rows_of->bounds(StateImpl::fixed(s_.now), s_.tile_rect(tile), s_.tables.cols, box.low, box.high);
-    if (box_distance(shape_, box) < 0) each_sample(tile, [&](std::uint32_t k) { put_back_sample(k); });
 }
 
 void Resolver::apply(const Runs& runs, double beta) noexcept {
@@ -162,11 +166,18 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         c_.rows_of->bulge(job);
     }
     if (!clamp || shape_.kind == ObstacleKind::Plane) return;
-    const std::uint8_t near = &runs == &c_.near ? kTileNear : std::uint8_t{0};
-    for (std::uint32_t e = 0; e < c_.tile_count; ++e)
-        if ((c_.tile_bits[c_.tiles[e]] & (kTilePsi | near)) == (kTilePsi | near)) put_back(c_.tiles[e]);
-    if (c_.border)
-        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back_sample(k);
+    const auto put_back = [&](std::uint32_t k) { put_back_sample(k, beta); };
+    const bool all = &runs != &c_.near;
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
+        const std::uint32_t tile = c_.tiles[e];
+        if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
+        const bool near = (c_.tile_bits[tile] & kTileNear) != 0;
+        if (all ? !near && box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]}
+                : near)
+            each_sample(tile, put_back);
+    }
+    if (c_.border && !all)
+        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back(k);
 }
 
 namespace {
@@ -293,6 +304,7 @@ void Resolver::bulge() noexcept {
             // Too few samples to take the rest, or others rest on the obstacle too: nearer first, and all of them.
             error = settle(beta);
             aim *= 1e-2;
+            for (std::uint32_t e = 0; e < c_.tile_count; ++e) c_.tile_bits[c_.tiles[e]] |= kTileNear;
             collect(c_.near, kTileBulging, kTileBulging);
             c_.ring.count = 0;
             rest = {};

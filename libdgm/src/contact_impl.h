@@ -95,7 +95,7 @@ struct ContactImpl {
     Array<std::uint8_t> marks;
     Array<float> saved;  ///< three planes `plane` apart: where samples of touched tiles were; all border samples
     std::size_t plane = 0;
-    Array<float> weight, square;  ///< 0 and infinity between contacts
+    Array<float> weight, square;  ///< 0 and infinity between contacts; square: heights over the obstacle while bulging
     Array<std::uint32_t> source;  ///< place in `rim`
     Array<std::uint32_t> queue;   ///< of the ring's walk; then Probe::facet of samples in contact or smoothed
     Array<Vec3> rim;              ///< where edges cross the obstacle's border

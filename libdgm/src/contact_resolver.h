@@ -88,9 +88,8 @@ class Resolver {
     void part_ring() noexcept;
     /// now = clamp(before + beta w n).
     void apply(const Runs& runs, double beta) noexcept;
-    /// Keeps out of the obstacle what the loops do not.
-    void put_back(std::uint32_t tile) noexcept;
-    void put_back_sample(std::uint32_t k) noexcept;
+    /// Keeps a sample that was bulged by beta out of the obstacle, if the loops do not.
+    void put_back_sample(std::uint32_t k, double beta) noexcept;
 
     /// Six times the volume it costs to keep the bulge out of a plane, roughly, and its rate with beta.
     [[nodiscard]] double held_back(double beta, double& rate) const noexcept;
