@@ -134,9 +134,15 @@ void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
     if (!(c_.weight[k] > 0)) return;
     // How far it was before: a bulge lower than that cannot reach the obstacle.
     float& height = c_.square[k];
-    if (height == __builtin_inff())
-        height = static_cast<float>(probe(shape_, widen(StateImpl::at(c_.before(), k))).distance);
-    if (double{height} > (1 + 1e-5) * std::fabs(beta) * double{c_.weight[k]} + 1e-6 * std::fabs(double{height})) return;
+    const double rise = (1 + 1e-5) * std::fabs(beta) * double{c_.weight[k]};
+    if (height == __builtin_inff()) {
+        const Double3 before = widen(StateImpl::at(c_.before(), k));
+        if (around_.clearance(shape_, before) > rise) return;
+        const double distance = probe(shape_, before).distance;
+        around_.note(before, distance);
+        height = static_cast<float>(distance);
+    }
+    if (double{height} > rise + 1e-6 * std::fabs(double{height})) return;
     const Probe there = probe(shape_, widen(s_.point(k)));
     if (there.distance < 0) put(k, there.nearest);
 }

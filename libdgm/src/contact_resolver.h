@@ -111,6 +111,7 @@ class Resolver {
     const Shape& shape_;
     const ContactOptions& o_;
     ContactReport report_;
+    Surroundings around_;
     double tolerance_ = 0, total_ = 0;
     double area_ = 0;     ///< of the contact, by its quads
     double weights_ = 0;  ///< sum over the ring
