@@ -322,6 +322,19 @@ void Resolver::bulge() noexcept {
     }
 }
 
+Double3 Resolver::volume_gradient(std::uint32_t k) const noexcept {
+    const std::uint32_t cols = s_.tables.cols;
+    Double3 g;  // a sixth of the ring's area vectors
+    for (const std::uint32_t a : {k, k - 1, k - cols, k - cols - 1}) {
+        const std::uint32_t qi = a / cols, qj = a % cols;
+        for (const auto& f : quad_triangles(qi, qj, cols, s_.tables.diagonal(qi, qj)))
+            if (f[0] == k || f[1] == k || f[2] == k)
+                g = g +
+                    cross(widen(s_.point(f[1])) - widen(s_.point(f[0])), widen(s_.point(f[2])) - widen(s_.point(f[0])));
+    }
+    return (1.0 / 6) * g;
+}
+
 void Resolver::polish(double error) noexcept {
     if (std::fabs(error) > 1e-3 * std::fabs(removed_)) return;
     constexpr std::uint32_t kSamples = 32;
@@ -337,36 +350,43 @@ void Resolver::polish(double error) noexcept {
         const std::uint32_t k = (r.i0 + r.i1) / 2 * cols + (r.j0 + r.j1) / 2;
         if (free(k)) choose(k);
     }
-    // A ring of few tiles: the best of each.
-    for (std::uint32_t e = 0; e < c_.tile_count && count < kSamples / 4; ++e) {
-        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
-        std::uint32_t best = kNone;
-        each_sample(c_.tiles[e], [&](std::uint32_t k) {
-            if (free(k) && (best == kNone || c_.weight[k] < c_.weight[best])) best = k;
-        });
-        if (best != kNone) choose(best);
+    // A ring of few tiles: any.
+    if (count < kSamples / 4) {
+        count = 0;
+        for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+            if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0)
+                each_sample(c_.tiles[e], [&](std::uint32_t k) {
+                    if (count < kSamples && free(k)) choose(k);
+                });
     }
     double left = error / 6;
     for (std::uint32_t e = 0; e < count; ++e) {
         const std::uint32_t k = chosen[e];
-        // Gradient of the volume: a sixth of the ring's area vectors.
-        Double3 g;
-        const Double3 o = widen(s_.point(k));
-        for (const std::uint32_t a : {k, k - 1, k - cols, k - cols - 1}) {
-            const std::uint32_t qi = a / cols, qj = a % cols;
-            for (const auto& f : quad_triangles(qi, qj, cols, s_.tables.diagonal(qi, qj)))
-                if (f[0] == k || f[1] == k || f[2] == k)
-                    g = g + cross(widen(s_.point(f[1])) - widen(s_.point(f[0])),
-                                  widen(s_.point(f[2])) - widen(s_.point(f[0])));
-        }
-        g = (1.0 / 6) * g;
-        const Double3 n = widen(StateImpl::at(s_.normal, k));
+        const Double3 o = widen(s_.point(k)), g = volume_gradient(k), n = widen(StateImpl::at(s_.normal, k));
         const double rate = dot(g, n);
         if (!(rate != 0)) continue;
         const double step = -left / (count - e) / rate;
         if (!(std::fabs(step) < 0.01 * double{s_.mean_step})) continue;
         put(k, o + step * n);
         left += dot(g, widen(s_.point(k)) - o);
+    }
+    // What the rounding of these to float has left: single coordinates by a few units in the last place. Of small
+    // contacts one such unit along the normal is more than a millionth of what was removed; along the surface it is
+    // less.
+    for (std::uint32_t e = 0; e < count && std::fabs(6 * left) > kAimed * std::fabs(removed_); ++e) {
+        const Double3 g = volume_gradient(chosen[e]);
+        const auto nudge = [&](float& v, double rate) {
+            const double unit =
+                double{std::nextafter(std::fabs(v), std::numeric_limits<float>::infinity())} - double{std::fabs(v)};
+            const double count_of = std::nearbyint(-left / (rate * unit));
+            if (!(std::fabs(count_of) <= 16)) return;
+            const float old = v;
+            v = static_cast<float>(double{v} + count_of * unit);
+            left += rate * (double{v} - double{old});
+        };
+        nudge(s_.now.x[chosen[e]], g.x);
+        nudge(s_.now.y[chosen[e]], g.y);
+        nudge(s_.now.z[chosen[e]], g.z);
     }
     report_.volume_error = 6 * left / removed_;
 }

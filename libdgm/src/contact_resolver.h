@@ -97,6 +97,8 @@ class Resolver {
     /// Bulges all and measures it. @return the error.
     double settle(double beta) noexcept;
 
+    /// Of a sample that lies inside the grid, off seams.
+    [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
     /// Puts a small remaining error on a few samples that are free to move, one after another.
     void polish(double error) noexcept;
 
