@@ -98,7 +98,10 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
 }
 
 bool Resolver::mark_sample(std::uint32_t k) noexcept {
-    const double d = probe(shape_, widen(s_.point(k))).distance;
+    const Double3 p = widen(s_.point(k));
+    if (around_.clearance(shape_, p) > 0) return false;
+    const double d = probe(shape_, p).distance;
+    around_.note(p, d);
     if (!(d < -tolerance_)) return false;
     c_.marks[k] = kInside;
     if (s_.representative(k) != k) return true;

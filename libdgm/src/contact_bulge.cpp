@@ -123,18 +123,28 @@ void Resolver::part_ring() noexcept {
     }
     collect(c_.near, kTileBulging | kTileNear, kTileBulging | kTileNear);
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
+    if (shape_.kind == ObstacleKind::Plane) return;
+    // From here on: heights over the obstacle, where they have been asked for.
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+        each_sample(c_.tiles[e], [&](std::uint32_t k) { c_.square[k] = __builtin_inff(); });
+    std::fill(c_.square.begin() + s_.tables.grid, c_.square.end(), __builtin_inff());
 }
 
-void Resolver::put_back_sample(std::uint32_t k) noexcept {
+void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
     if (!(c_.weight[k] > 0)) return;
+    // How far it was before: a bulge lower than that cannot reach the obstacle.
+    float& height = c_.square[k];
+    const double rise = (1 + 1e-5) * std::fabs(beta) * double{c_.weight[k]};
+    if (height == __builtin_inff()) {
+        const Double3 before = widen(StateImpl::at(c_.before(), k));
+        if (around_.clearance(shape_, before) > rise) return;
+        const double distance = probe(shape_, before).distance;
+        around_.note(before, distance);
+        height = static_cast<float>(distance);
+    }
+    if (double{height} > rise + 1e-6 * std::fabs(double{height})) return;
     const Probe there = probe(shape_, widen(s_.point(k)));
     if (there.distance < 0) put(k, there.nearest);
-}
-
-void Resolver::put_back(std::uint32_t tile) noexcept {
-    Box box{{1e38f, 1e38f, 1e38f}, {-1e38f, -1e38f, -1e38f}};
-    s_.rows_of->bounds(StateImpl::fixed(s_.now), s_.tile_rect(tile), s_.tables.cols, box.low, box.high);
-    if (box_distance(shape_, box) < 0) each_sample(tile, [&](std::uint32_t k) { put_back_sample(k); });
 }
 
 void Resolver::apply(const Runs& runs, double beta) noexcept {
@@ -162,11 +172,18 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         c_.rows_of->bulge(job);
     }
     if (!clamp || shape_.kind == ObstacleKind::Plane) return;
-    const std::uint8_t near = &runs == &c_.near ? kTileNear : std::uint8_t{0};
-    for (std::uint32_t e = 0; e < c_.tile_count; ++e)
-        if ((c_.tile_bits[c_.tiles[e]] & (kTilePsi | near)) == (kTilePsi | near)) put_back(c_.tiles[e]);
-    if (c_.border)
-        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back_sample(k);
+    const auto put_back = [&](std::uint32_t k) { put_back_sample(k, beta); };
+    const bool all = &runs != &c_.near;
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
+        const std::uint32_t tile = c_.tiles[e];
+        if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
+        const bool near = (c_.tile_bits[tile] & kTileNear) != 0;
+        if (all ? !near && box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]}
+                : near)
+            each_sample(tile, put_back);
+    }
+    if (c_.border && !all)
+        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back(k);
 }
 
 namespace {
@@ -293,6 +310,7 @@ void Resolver::bulge() noexcept {
             // Too few samples to take the rest, or others rest on the obstacle too: nearer first, and all of them.
             error = settle(beta);
             aim *= 1e-2;
+            for (std::uint32_t e = 0; e < c_.tile_count; ++e) c_.tile_bits[c_.tiles[e]] |= kTileNear;
             collect(c_.near, kTileBulging, kTileBulging);
             c_.ring.count = 0;
             rest = {};
@@ -302,6 +320,19 @@ void Resolver::bulge() noexcept {
             best_error = high;
         }
     }
+}
+
+Double3 Resolver::volume_gradient(std::uint32_t k) const noexcept {
+    const std::uint32_t cols = s_.tables.cols;
+    Double3 g;  // a sixth of the ring's area vectors
+    for (const std::uint32_t a : {k, k - 1, k - cols, k - cols - 1}) {
+        const std::uint32_t qi = a / cols, qj = a % cols;
+        for (const auto& f : quad_triangles(qi, qj, cols, s_.tables.diagonal(qi, qj)))
+            if (f[0] == k || f[1] == k || f[2] == k)
+                g = g +
+                    cross(widen(s_.point(f[1])) - widen(s_.point(f[0])), widen(s_.point(f[2])) - widen(s_.point(f[0])));
+    }
+    return (1.0 / 6) * g;
 }
 
 void Resolver::polish(double error) noexcept {
@@ -319,36 +350,43 @@ void Resolver::polish(double error) noexcept {
         const std::uint32_t k = (r.i0 + r.i1) / 2 * cols + (r.j0 + r.j1) / 2;
         if (free(k)) choose(k);
     }
-    // A ring of few tiles: the best of each.
-    for (std::uint32_t e = 0; e < c_.tile_count && count < kSamples / 4; ++e) {
-        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
-        std::uint32_t best = kNone;
-        each_sample(c_.tiles[e], [&](std::uint32_t k) {
-            if (free(k) && (best == kNone || c_.weight[k] < c_.weight[best])) best = k;
-        });
-        if (best != kNone) choose(best);
+    // A ring of few tiles: any.
+    if (count < kSamples / 4) {
+        count = 0;
+        for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+            if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0)
+                each_sample(c_.tiles[e], [&](std::uint32_t k) {
+                    if (count < kSamples && free(k)) choose(k);
+                });
     }
     double left = error / 6;
     for (std::uint32_t e = 0; e < count; ++e) {
         const std::uint32_t k = chosen[e];
-        // Gradient of the volume: a sixth of the ring's area vectors.
-        Double3 g;
-        const Double3 o = widen(s_.point(k));
-        for (const std::uint32_t a : {k, k - 1, k - cols, k - cols - 1}) {
-            const std::uint32_t qi = a / cols, qj = a % cols;
-            for (const auto& f : quad_triangles(qi, qj, cols, s_.tables.diagonal(qi, qj)))
-                if (f[0] == k || f[1] == k || f[2] == k)
-                    g = g + cross(widen(s_.point(f[1])) - widen(s_.point(f[0])),
-                                  widen(s_.point(f[2])) - widen(s_.point(f[0])));
-        }
-        g = (1.0 / 6) * g;
-        const Double3 n = widen(StateImpl::at(s_.normal, k));
+        const Double3 o = widen(s_.point(k)), g = volume_gradient(k), n = widen(StateImpl::at(s_.normal, k));
         const double rate = dot(g, n);
         if (!(rate != 0)) continue;
         const double step = -left / (count - e) / rate;
         if (!(std::fabs(step) < 0.01 * double{s_.mean_step})) continue;
         put(k, o + step * n);
         left += dot(g, widen(s_.point(k)) - o);
+    }
+    // What the rounding of these to float has left: single coordinates by a few units in the last place. Of small
+    // contacts one such unit along the normal is more than a millionth of what was removed; along the surface it is
+    // less.
+    for (std::uint32_t e = 0; e < count && std::fabs(6 * left) > kAimed * std::fabs(removed_); ++e) {
+        const Double3 g = volume_gradient(chosen[e]);
+        const auto nudge = [&](float& v, double rate) {
+            const double unit =
+                double{std::nextafter(std::fabs(v), std::numeric_limits<float>::infinity())} - double{std::fabs(v)};
+            const double count_of = std::nearbyint(-left / (rate * unit));
+            if (!(std::fabs(count_of) <= 16)) return;
+            const float old = v;
+            v = static_cast<float>(double{v} + count_of * unit);
+            left += rate * (double{v} - double{old});
+        };
+        nudge(s_.now.x[chosen[e]], g.x);
+        nudge(s_.now.y[chosen[e]], g.y);
+        nudge(s_.now.z[chosen[e]], g.z);
     }
     report_.volume_error = 6 * left / removed_;
 }

@@ -4,6 +4,9 @@
 #pragma once
 #include <dgm/contact.h>
 
+#include <cmath>
+#include <limits>
+
 #include "contact_rows.h"
 #include "state_impl.h"
 
@@ -63,6 +66,27 @@ struct Probe {
 [[nodiscard]] Probe probe(const Shape& shape, Double3 point) noexcept;
 /// Distance from the plane of a facet that probe() found near by.
 [[nodiscard]] Probe facet_probe(const Shape& shape, std::uint32_t facet, Double3 point) noexcept;
+/// What one search of a surface says about points near by: distances change by no more than the way gone.
+class Surroundings {
+ public:
+    /// At least this far before the obstacle; says nothing where negative.
+    [[nodiscard]] double clearance(const Shape& shape, Double3 point) const noexcept {
+        if (shape.kind != ObstacleKind::Surface) return -1;  // quicker asked than remembered
+        const Double3 way = point - at_;
+        const double gone = std::sqrt(dot(way, way)) * (1 + 1e-9) + shape.rounding;
+        // Behind a surface of limited reach distances change sign again.
+        const bool limited = shape.open || shape.reach < std::numeric_limits<double>::infinity();
+        return limited ? std::fabs(distance_) - gone - shape.reach : distance_ - gone;
+    }
+    void note(Double3 point, double distance) noexcept {
+        at_ = point;
+        distance_ = distance;
+    }
+
+ private:
+    Double3 at_;
+    double distance_ = 0;
+};
 /// Lower bound of the distance of all points of a box (local frame).
 [[nodiscard]] double box_distance(const Shape& shape, const Box& box) noexcept;
 /// The welded surface of a state has two faces at every edge. @return OutOfMemory.
@@ -95,7 +119,7 @@ struct ContactImpl {
     Array<std::uint8_t> marks;
     Array<float> saved;  ///< three planes `plane` apart: where samples of touched tiles were; all border samples
     std::size_t plane = 0;
-    Array<float> weight, square;  ///< 0 and infinity between contacts
+    Array<float> weight, square;  ///< 0 and infinity between contacts; square: heights over the obstacle while bulging
     Array<std::uint32_t> source;  ///< place in `rim`
     Array<std::uint32_t> queue;   ///< of the ring's walk; then Probe::facet of samples in contact or smoothed
     Array<Vec3> rim;              ///< where edges cross the obstacle's border

@@ -88,9 +88,8 @@ class Resolver {
     void part_ring() noexcept;
     /// now = clamp(before + beta w n).
     void apply(const Runs& runs, double beta) noexcept;
-    /// Keeps out of the obstacle what the loops do not.
-    void put_back(std::uint32_t tile) noexcept;
-    void put_back_sample(std::uint32_t k) noexcept;
+    /// Keeps a sample that was bulged by beta out of the obstacle, if the loops do not.
+    void put_back_sample(std::uint32_t k, double beta) noexcept;
 
     /// Six times the volume it costs to keep the bulge out of a plane, roughly, and its rate with beta.
     [[nodiscard]] double held_back(double beta, double& rate) const noexcept;
@@ -98,6 +97,8 @@ class Resolver {
     /// Bulges all and measures it. @return the error.
     double settle(double beta) noexcept;
 
+    /// Of a sample that lies inside the grid, off seams.
+    [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
     /// Puts a small remaining error on a few samples that are free to move, one after another.
     void polish(double error) noexcept;
 
@@ -112,6 +113,7 @@ class Resolver {
     const Shape& shape_;
     const ContactOptions& o_;
     ContactReport report_;
+    Surroundings around_;
     double tolerance_ = 0, total_ = 0;
     double area_ = 0;     ///< of the contact, by its quads
     double weights_ = 0;  ///< sum over the ring

@@ -71,9 +71,12 @@ class Smoother {
         Double3 p = widen(StateImpl::at(c_.before(), k) + d);
         // On the way the plane of the facet that was nearest will do; it is the last round that must be right.
         const bool exact = last_ || shape_.kind != ObstacleKind::Surface || c_.queue[k] == kNone;
-        const Probe there = exact ? probe(shape_, p) : facet_probe(shape_, c_.queue[k], p);
-        c_.queue[k] = there.facet;
-        if (there.distance < 0) p = p + double{mobility_of(s_, k)} * (there.nearest - p);
+        if (!exact || !(around_.clearance(shape_, p) > 0)) {
+            const Probe there = exact ? probe(shape_, p) : facet_probe(shape_, c_.queue[k], p);
+            if (exact) around_.note(p, there.distance);
+            c_.queue[k] = there.facet;
+            if (there.distance < 0) p = p + double{mobility_of(s_, k)} * (there.nearest - p);
+        }
         const Vec3 v = narrow(p);
         const auto put = [&](std::uint32_t at) {
             s_.now.x[at] = v.x;
@@ -87,6 +90,7 @@ class Smoother {
     StateImpl& s_;
     ContactImpl& c_;
     const Shape& shape_;
+    Surroundings around_;
     bool last_ = false;
 };
 }  // namespace

@@ -275,6 +275,12 @@ static inline __attribute__((always_inline)) void plane_bounds(const float* p, c
             l = lower(l, v);
             h = upper(h, v);
         }
+        if (k < count && k != 0) {  // some once more: it does not show in extremes
+            const Floats v = load<Floats>(row + count - DGM_LANES);
+            l = lower(l, v);
+            h = upper(h, v);
+            continue;
+        }
         for (; k < count; ++k) {
             low = lower(low, row[k]);
             high = upper(high, row[k]);
