@@ -62,6 +62,10 @@ void on_allocation_failure() {
 void limit_memory(std::uint64_t allowed, std::uint32_t threads) {
     // Each arena of glibc reserves 64 MiB of address space, by default eight a core: they would use the limit up.
     mallopt(M_ARENA_MAX, static_cast<int>(std::clamp(threads, 1U, 8U)));
+    // A bake takes and gives back blocks of some MiB all the time: each would be mapped, filled with zeros and
+    // unmapped.
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);
+    mallopt(M_TRIM_THRESHOLD, 256 << 20);
     std::set_new_handler(on_allocation_failure);
 #if defined(__SANITIZE_ADDRESS__)
     (void)allowed;  // the sanitizer's shadow memory alone is beyond any limit

@@ -68,24 +68,16 @@ class Fitter {
         if (occupy_corners()) matches_.update(false);
         if (untangle(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
         keep();
+        bool kept = true;
         for (int round = 0; round < options_.rounds; ++round) {
             tell(round);
             if (options_.split_quads && round % 2 == 0 && round < kDiagonalRounds) split_quads();
             step(false);
             matches_.update(false);
-            if (matches_.rms < rms_) keep(), ++report.rounds;
+            kept = matches_.rms < rms_;
+            if (kept) keep(), ++report.rounds;
         }
-        if (options_.worst_rounds > 0) lower_largest(report);
-        restore();
-        if (options_.split_quads && options_.worst_rounds > 0) {
-            split_quads();
-            matches_.update(true);
-            if (matches_.rms < rms_ && largest() <= largest_)
-                keep();
-            else
-                restore();
-        }
-        matches_.update(false);
+        if (!kept || options_.worst_rounds > 0) settle(report);
         mend_turned();
         if (options_.on_lattice) put_on_lattice();
         finish();
@@ -102,6 +94,21 @@ class Fitter {
     }
 
  private:
+    /// Back to the best state, after the rounds for the largest error, with its matches.
+    void settle(FitReport& report) {
+        if (options_.worst_rounds > 0) lower_largest(report);
+        restore();
+        if (options_.split_quads && options_.worst_rounds > 0) {
+            split_quads();
+            matches_.update(true);
+            if (matches_.rms < rms_ && largest() <= largest_)
+                keep();
+            else
+                restore();
+        }
+        matches_.update(false);
+    }
+
     static std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
         const double samples = static_cast<double>(chart.grid_count()), wanted = options.points_per_sample * samples;
         return static_cast<std::size_t>(std::max(wanted, std::min(200'000.0, 3 * wanted)));
@@ -555,6 +562,7 @@ class Fitter {
                                           closest_on_triangle(match.position, corners(t[1]), ignored));
             }
         }
+        std::vector<char> changed(grid_.surface.faces.size(), 0);
         tbb::parallel_for(std::uint32_t{1}, m - 2, [&](std::uint32_t i) {
             for (std::uint32_t j = 1; j + 2 < n; ++j) {
                 const std::size_t quad = std::size_t{i} * (n - 1) + j, a = std::size_t{i} * n + j;
@@ -567,12 +575,15 @@ class Fitter {
                 sums[quad][0] += off(a, a + n + 1), sums[quad][1] += off(a + n, a + 1);
                 const std::uint8_t old = chart_.diagonals[quad];
                 const bool old_folds = folds(chart_, i, j, old), other_folds = folds(chart_, i, j, !old);
-                if (old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old])
+                if (old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old]) {
                     chart_.diagonals[quad] = !old;
+                    const std::uint32_t face = grid_.face_of_quad[quad];  // and the next
+                    changed[face] = changed[face + 1] = 1;
+                }
             }
         });
         grid_.link(chart_);
-        matches_.update(false);
+        matches_.update(false, changed);
     }
 
     /// Other diagonals for the quads of turned faces, where those do not fold and are no edge yet.

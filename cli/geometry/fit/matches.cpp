@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dgm::bake {
@@ -12,11 +13,18 @@ namespace {
 
 constexpr double kVertexWeight = 0.25;
 
+constexpr std::size_t kChunk = 1024;
+
+/// Calls body(k) for each match of `list`, then notes the farthest of every chunk while it is in the cache: the lists
+/// are long, and what is asked of all of them is asked of these.
 template <class Body>
-void in_chunks(std::size_t count, const Body& body) {
-    constexpr std::size_t kChunk = 1024;
-    tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-        for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) body(k);
+void in_chunks(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
+    farthest.assign((list.size() + kChunk - 1) / kChunk, 0.0);
+    tbb::parallel_for(std::size_t{0}, farthest.size(), [&](std::size_t chunk) {
+        const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
+        double squared = 0;
+        for (std::size_t k = begin; k < end; ++k) body(k), squared = std::max(squared, list[k].hit.squared);
+        farthest[chunk] = squared;
     });
 }
 
@@ -97,23 +105,22 @@ void Matches::update(bool with_edges, std::span<const char> near) {
     for (std::size_t f = 0; f < near.size(); ++f)
         if (near[f])
             for (const std::uint32_t c : grid.faces[f]) near_class[c] = 1;
-    in_chunks(points.size(), [&](std::size_t k) {
+    in_chunks(points, farthest_[0], [&](std::size_t k) {
         if (near.empty() || near[points[k].hit.face])
             points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face);
     });
-    in_chunks(classes.size(), [&](std::size_t c) {
+    in_chunks(classes, farthest_[1], [&](std::size_t c) {
         if (!near.empty() && !near_class[c]) return;
         classes[c].position = grid.positions[c];
         classes[c].hit = on_source(classes[c].position, normal.empty() ? Vec3d{} : normal[c], classes[c].hit.face);
     });
-    in_chunks(middles.size(), [&](std::size_t f) {
+    in_chunks(middles, farthest_[2], [&](std::size_t f) {
         if (near.empty() || near[f]) update_middle(f);
     });
-    if (!with_edges || edges.size() != grid_.edges.size()) edges.clear();
+    if (!with_edges || edges.size() != grid_.edges.size()) edges.clear(), farthest_[3].clear();
     if (with_edges) update_edges(edges.empty() ? std::span<const char>{} : near);
     look_again_far_off(near);
-    weigh();
-    measure();
+    weigh_and_measure();
 }
 
 void Matches::update_middle(std::size_t face) {
@@ -129,7 +136,7 @@ void Matches::update_edges(std::span<const char> near) {
     edge_place.resize(edges.size());
     for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
         for (int k = 0; k < 3; ++k) edge_place[grid_.edge_of[f][k]] = {f, k};
-    in_chunks(edges.size(), [&](std::size_t e) {
+    in_chunks(edges, farthest_[3], [&](std::size_t e) {
         if (!near.empty() && !near[edge_place[e].first]) return;
         edges[e].position = (grid.positions[grid_.edges[e].first] + grid.positions[grid_.edges[e].second]) / 2;
         const std::uint32_t face = edge_place[e].first;
@@ -142,24 +149,38 @@ void Matches::update_edges(std::span<const char> near) {
 void Matches::look_again_far_off(std::span<const char> near) {
     constexpr double kFar = 0.3;  // of the largest distance
     constexpr std::size_t kMost = 5000;
-    double squared = 0;
-    for (const auto* list : {&points, &classes, &middles, &edges})
-        for (const Match& m : *list) squared = std::max(squared, m.hit.squared);
+    const double squared = farthest_squared();
     std::size_t count = 0;
-    for (auto* list : {&points, &classes, &middles, &edges})
-        for (std::size_t k = 0; k < list->size(); ++k) {
-            Match& m = (*list)[k];
-            if (!(m.hit.squared > kFar * kFar * squared) || ++count > kMost) continue;
-            const bool on_grid = list == &points;
-            if (!near.empty() && !(on_grid ? near[m.hit.face] : list == &middles && near[k])) continue;
-            if (on_grid || !source_index_)
-                m.hit = search_nearby(on_grid ? grid_.surface : source_, m.position, m.hit.face);
+    const std::array lists{&points, &classes, &middles, &edges};
+    for (std::size_t which = 0; which < lists.size(); ++which) {
+        std::vector<Match>& list = *lists[which];
+        for (std::size_t chunk = 0; chunk < farthest_[which].size(); ++chunk) {
+            if (!(farthest_[which][chunk] > kFar * kFar * squared)) continue;
+            const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
+            double left = 0;
+            for (std::size_t k = begin; k < end; ++k) {
+                Match& m = list[k];
+                const bool on_grid = &list == &points;
+                if (m.hit.squared > kFar * kFar * squared && ++count <= kMost && (on_grid || !source_index_) &&
+                    (near.empty() || (on_grid ? near[m.hit.face] : &list == &middles && near[k])))
+                    m.hit = search_nearby(on_grid ? grid_.surface : source_, m.position, m.hit.face);
+                left = std::max(left, m.hit.squared);
+            }
+            farthest_[which][chunk] = left;
         }
+    }
+}
+
+double Matches::farthest_squared() const {
+    double out = 0;
+    for (const std::vector<double>& list : farthest_)
+        for (const double squared : list) out = std::max(out, squared);
+    return out;
 }
 
 /// By area; as much in all as the source's points have, none under a twentieth of the mean: a sample in a crowded part
 /// of the grid, where no source point falls, is still held to the surface.
-void Matches::weigh() {
+void Matches::weigh_and_measure() {
     const LinkedSurface& grid = grid_.surface;
     for (Match& m : classes) m.weight = 0;
     double total = 0;
@@ -170,20 +191,16 @@ void Matches::weigh() {
     }
     const double mean = 2 * total / static_cast<double>(classes.size() + middles.size());
     const double scale = total > 0 ? static_cast<double>(area_points) / (2 * total) : 0;
+    double forward = 0, backward = 0, weight = 0;
     for (auto* list : {&classes, &middles})
-        for (Match& m : *list) m.weight = std::max(m.weight, 0.05 * mean) * scale;
-}
-
-void Matches::measure() {
-    double forward = 0, backward = 0, weight = 0, farthest = 0;
+        for (Match& m : *list) {
+            m.weight = std::max(m.weight, 0.05 * mean) * scale;
+            backward += m.weight * m.hit.squared, weight += m.weight;
+        }
     for (std::size_t k = 0; k < area_points; ++k) forward += points[k].hit.squared;
-    for (const auto* list : {&classes, &middles})
-        for (const Match& m : *list) backward += m.weight * m.hit.squared, weight += m.weight;
-    for (const auto* list : {&points, &classes, &middles, &edges})
-        for (const Match& m : *list) farthest = std::max(farthest, m.hit.squared);
     const double mean_forward = area_points > 0 ? forward / static_cast<double>(area_points) : 0;
     rms = std::sqrt(std::max(mean_forward, weight > 0 ? backward / weight : 0));
-    largest = std::sqrt(farthest);
+    largest = std::sqrt(farthest_squared());
 }
 
 }  // namespace dgm::bake

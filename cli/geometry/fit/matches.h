@@ -2,6 +2,7 @@
 // cli/geometry/fit/matches.h
 // Points of the source and of the grid, each with its closest point on the other surface.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -48,8 +49,8 @@ class Matches {
     void start(const SampledChart& chart);
     void update_edges(std::span<const char> near);
     void look_again_far_off(std::span<const char> near);
-    void weigh();
-    void measure();
+    void weigh_and_measure();
+    [[nodiscard]] double farthest_squared() const;
 
     [[nodiscard]] SurfaceHit on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start) const;
 
@@ -57,6 +58,7 @@ class Matches {
     const WeldedGrid& grid_;
     std::unique_ptr<ClosestPointIndex> source_index_;  // only for a source denser than the grid
     double slack_ = 0;
+    std::array<std::vector<double>, 4> farthest_;  // squared, per chunk of points, classes, middles and edges
 };
 
 }  // namespace dgm::bake
