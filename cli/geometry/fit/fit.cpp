@@ -14,6 +14,7 @@
 #include "geometry/fit/border_rails.h"
 #include "geometry/fit/matches.h"
 #include "geometry/fit/normal_equations.h"
+#include "geometry/fit/turned_search.h"
 #include "geometry/fit/untangle.h"
 #include "geometry/metrics/turned_faces.h"
 
@@ -36,8 +37,7 @@ constexpr double kWorstShare = 0.6, kUrgency = 200;
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border, in those of its source points
 constexpr double kTightSteps = 8;     // of a lattice: faces less high than so many are watched while they are rounded
-constexpr std::size_t kMostPatches = 20;  // where more faces are turned the map folds, and spreading costs accuracy
-constexpr double kSureGain = 0.6;         // in rms; ordinary charts reach 0.2
+constexpr double kSureGain = 0.6;     // in rms; ordinary charts reach 0.2
 constexpr std::uint64_t kFewSamples = 20'000;
 
 double longest_squared(const std::array<Vec3d, 3>& q) {
@@ -147,7 +147,7 @@ class Fitter {
     /// Walks end in local minima; the last faces to mend are those that the measure finds (metrics/turned_faces.h).
     /// What had to move is fitted again, as long as nothing turns.
     void mend_turned() {
-        constexpr int kPasses = 10;
+        constexpr int kPasses = 10, kSearches = 3;
         const ClosestPointIndex& index = source_index();
         const std::vector<Vec3d> before = grid_.surface.positions;
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
@@ -157,67 +157,20 @@ class Fitter {
                 if (const ClosestPoint hit = index.query(matches_.middles[f].position); hit.face != kNone)
                     matches_.middles[f].hit.face = hit.face;
             if (turned.empty()) break;
-            if (!flip_quads(turned) && !untangle(source_, grid_, matches_, fixed_, turned)) break;
+            if (!flip_quads(turned, false) && !untangle(source_, grid_, matches_, fixed_, turned)) break;
             moved = true;
         }
         if (moved) matches_.update(false);
-        if (const std::vector<std::uint32_t> left = turned_faces(index); !left.empty() && left.size() <= kMostPatches)
-            for (const std::uint32_t f : left) moved = smooth_patch(f, index) || moved;
+        for (int round = 0; round < kSearches; ++round) {
+            const std::vector<std::uint32_t> left = turned_faces(index);
+            if (left.empty() || !turn_back(source_, index, grid_, matches_, fixed_, left)) break;
+            moved = true;
+            if (!flip_quads(turned_faces(index), true)) break;
+        }
         if (!moved) return;
         matches_.update(true);
         keep();
         refit_around(before, index);
-    }
-
-    /// Spreads the samples of some rings around a turned face evenly over the source, and keeps that where fewer faces
-    /// are turned then. @return  true if kept
-    bool smooth_patch(std::uint32_t face, const ClosestPointIndex& index) {
-        constexpr int kMostRings = 6, kSweeps = 40;
-        LinkedSurface& grid = grid_.surface;
-        const WeldedGrid::Rings rings = grid_.rings();
-        const auto faces_of = [&](const std::vector<std::uint32_t>& classes) {
-            std::vector<std::uint32_t> out;
-            for (const std::uint32_t c : classes)
-                out.insert(out.end(), rings.faces.begin() + rings.first[c], rings.faces.begin() + rings.first[c + 1]);
-            std::sort(out.begin(), out.end());
-            out.erase(std::unique(out.begin(), out.end()), out.end());
-            return out;
-        };
-        std::vector<std::uint32_t> patch(grid.faces[face].begin(), grid.faces[face].end());
-        for (int ring = 0; ring < kMostRings; ++ring) {
-            for (const std::uint32_t f : faces_of(patch))
-                patch.insert(patch.end(), grid.faces[f].begin(), grid.faces[f].end());
-            std::sort(patch.begin(), patch.end());
-            patch.erase(std::unique(patch.begin(), patch.end()), patch.end());
-            const std::vector<std::uint32_t> faces = faces_of(patch);
-            std::vector<char> among(grid.faces.size(), 0);
-            for (const std::uint32_t f : faces) among[f] = 1;
-            const std::size_t before = turned_faces(index, among).size();
-            if (before == 0) return false;
-            std::vector<Vec3d> old;
-            std::vector<SurfaceHit> hits;
-            for (const std::uint32_t c : patch)
-                old.push_back(grid.positions[c]), hits.push_back(matches_.classes[c].hit);
-            for (int sweep = 0; sweep < kSweeps; ++sweep)
-                for (const std::uint32_t c : patch) {
-                    if (fixed_[c]) continue;
-                    Vec3d sum;
-                    double count = 0;
-                    for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k)
-                        for (const std::uint32_t o : grid.faces[rings.faces[k]])
-                            if (o != c) sum += grid.positions[o], ++count;
-                    SurfaceHit& hit = matches_.classes[c].hit;
-                    hit = walk_to_closest(source_, sum / count, hit.face);
-                    grid.positions[c] = point_at(source_, hit);
-                }
-            if (turned_faces(index, among).size() < before) {
-                for (const std::uint32_t f : faces) grid.update_normal(f), matches_.update_middle(f);
-                return true;
-            }
-            for (std::size_t k = 0; k < patch.size(); ++k)
-                grid.positions[patch[k]] = old[k], matches_.classes[patch[k]].hit = hits[k];
-        }
-        return false;
     }
 
     const ClosestPointIndex& source_index() {
@@ -586,8 +539,9 @@ class Fitter {
         matches_.update(false, changed);
     }
 
-    /// Other diagonals for the quads of turned faces, where those do not fold and are no edge yet.
-    bool flip_quads(std::span<const std::uint32_t> faces) {
+    /// Other diagonals for the quads of turned faces, where those do not fold (`measured`: are turned less) and are no
+    /// edge yet.
+    bool flip_quads(std::span<const std::uint32_t> faces, bool measured) {
         grid_.write_positions(chart_);
         const std::vector<std::uint32_t> quad_of_face = quads_of_faces();
         std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh;
@@ -595,7 +549,9 @@ class Fitter {
             if (f >= quad_of_face.size()) continue;
             const std::uint32_t quad = quad_of_face[f], i = quad / (chart_.n - 1), j = quad % (chart_.n - 1);
             const std::uint8_t old = chart_.diagonals[quad];
-            if (!folds(chart_, i, j, old) || folds(chart_, i, j, !old)) continue;
+            const bool better =
+                measured ? turns_less(i, j, !old) : folds(chart_, i, j, old) && !folds(chart_, i, j, !old);
+            if (!better) continue;
             const std::uint32_t a = i * chart_.n + j, b = a + chart_.n;
             const std::uint32_t from = grid_.class_of[old == 0 ? b : a], to = grid_.class_of[old == 0 ? a + 1 : b + 1];
             const std::pair edge(std::min(from, to), std::max(from, to));
@@ -609,6 +565,21 @@ class Fitter {
         grid_.link(chart_);
         matches_.update(false);
         return true;
+    }
+
+    /// True if fewer of a quad's triangles are turned by this diagonal than by the other.
+    [[nodiscard]] bool turns_less(std::uint32_t i, std::uint32_t j, unsigned diagonal) {
+        TriMesh both;
+        both.positions.reserve(12);
+        for (const unsigned d : {diagonal, 1 - diagonal})
+            for (const Face& t : quad_triangles(i, j, chart_.n, d)) {
+                const auto first = static_cast<std::uint32_t>(both.positions.size());
+                for (const std::uint32_t s : t) both.positions.push_back(chart_.positions[s]);
+                both.faces.push_back({first, first + 1, first + 2});
+            }
+        int more = 0;
+        for (const std::uint32_t f : find_turned_faces(source_index(), both, kTurnedTie)) more += f < 2 ? -1 : 1;
+        return more > 0;
     }
 
     /// Per face of a quad, the quad; strip faces come after them.

@@ -14,6 +14,8 @@
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/fit/normal_equations.h"
+#include "geometry/fit/turned_search.h"
+#include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/repair/repair.h"
 #include "support/meshes.h"
@@ -208,6 +210,44 @@ TEST(Fit, MendsFacesThatTheStartTurns) {
         fit_chart(fitted, options, {});
         EXPECT_EQ(inward_faces(fitted), 0) << options.rounds;
     }
+}
+
+TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
+    Case c = square_case(test::icosphere(5), 33);
+    // Two rows change places: no single sample can go back without turning others.
+    for (const std::size_t j : {15, 16, 17, 18})
+        std::swap(c.chart.positions[16 * 33 + j], c.chart.positions[17 * 33 + j]);
+    ASSERT_GT(inward_faces(c.chart), 8);
+    const auto search = [&](std::span<const char> held) {
+        const LinkedSurface source = link_source(c.chart.disk);
+        const ClosestPointIndex index(source.positions, source.faces);
+        WeldedGrid grid(c.chart);
+        Matches matches(c.chart, source, grid, 1000);
+        matches.update(false);
+        TriMesh surface;
+        surface.positions = grid.surface.positions, surface.faces = grid.surface.faces;
+        const std::vector<char> none(grid.sample_of.size(), 0);
+        const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
+        const bool moved =
+            turn_back(source, index, grid, matches, held.empty() ? std::span<const char>(none) : held, turned);
+        EXPECT_EQ(moved, held.empty());
+        SampledChart out = c.chart;
+        grid.write_positions(out);
+        return out;
+    };
+    const SampledChart mended = search({});
+    EXPECT_EQ(inward_faces(mended), 0);
+    std::size_t changed = 0;
+    for (std::size_t s = 0; s < mended.positions.size(); ++s) {
+        changed += mended.positions[s] != c.chart.positions[s];
+        EXPECT_EQ(mended.positions[s], mended.positions[mended.representative[s]]);
+        EXPECT_NEAR(length(mended.positions[s]), length(c.chart.positions[s]), 0.01);  // on the ball as they were
+    }
+    EXPECT_GT(changed, 1);
+    EXPECT_LT(changed, 100);
+    EXPECT_EQ(search({}).positions, mended.positions);  // the same each time
+    const std::vector<char> all(WeldedGrid(c.chart).sample_of.size(), 1);
+    EXPECT_EQ(search(all).positions, c.chart.positions);
 }
 
 double to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
