@@ -191,10 +191,11 @@ Image sheets_picture(const MapSet& maps, const ExportOptions& options) {
 }
 
 Image compared_picture(const MapSet& maps, const ExportOptions& options, const Warn& warn) {
-    const formats::ImportedMesh source = formats::read_mesh(options.source);
+    const formats::ImportedMesh source =
+        options.read_mesh ? options.read_mesh(options.source) : formats::read_mesh(options.source);
     for (const std::string& warning : source.warnings) warn(warning);
-    return render::comparison_picture(source.mesh, render::read_textures(source.mesh, warn), render::chart_surface(maps.charts),
-                                      picture_options(options));
+    return render::comparison_picture(source.mesh, render::read_textures(source.mesh, warn),
+                                      render::chart_surface(maps.charts), picture_options(options));
 }
 
 Image picture(const MapSet& maps, const ExportOptions& options, const Warn& warn) {

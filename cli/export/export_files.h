@@ -8,16 +8,19 @@
 #include <optional>
 #include <string>
 
+#include "mesh/mesh_reader.h"
 #include "model/map_set.h"
 #include "render/camera.h"
 
 namespace dgm::exporter {
 
 struct ExportOptions {
-    std::optional<std::uint32_t> chart;          ///< only this one; default all
-    std::string layer;                           ///< PNG: this layer's picture
-    bool sheet = false;                          ///< PNG: all layers of each chart
-    std::filesystem::path source;                ///< PNG: compare with this mesh
+    std::optional<std::uint32_t> chart;  ///< only this one; default all
+    std::string layer;                   ///< PNG: this layer's picture
+    bool sheet = false;                  ///< PNG: all layers of each chart
+    std::filesystem::path source;        ///< PNG: compare with this mesh
+    /// Reads `source`; none: formats::read_mesh.
+    std::function<formats::ImportedMesh(const std::filesystem::path&)> read_mesh;
     std::optional<std::uint32_t> width, height;  ///< PNG
     std::optional<render::View> view;            ///< PNG
     render::UpAxis up = render::UpAxis::kY;      ///< PNG, GLB: of the source

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "export/export_files.h"
+#include "pipeline/mesh_import.h"
 #include "tool/tool.h"
 
 namespace {
@@ -47,6 +48,7 @@ const dgm::tool::Manual kManual{"dgm-export FILE -o OUTPUT [OPTIONS]", kExamples
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (const auto exit_code = dgm::bake::import_worker(argc, argv)) return *exit_code;
     CLI::App app("Writes a geometry map as a mesh (obj, ply, glb), a picture (png) or the other container (exr, dgm).");
     std::string input, output, size, view, up = "y", exr_layout = "auto", source;
     std::uint32_t chart = 0;
@@ -87,6 +89,7 @@ int main(int argc, char** argv) {
             throw dgm::model::Error(dgm::model::codes::kUsage, error.what());
         }
         options.source = source;
+        options.read_mesh = [](const std::filesystem::path& path) { return dgm::bake::import_apart(path); };
         options.multipart = exr_layout == "multipart";
         subject = input;
         const dgm::model::MapSet maps = dgm::exporter::read_maps(input);

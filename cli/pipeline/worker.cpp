@@ -40,47 +40,11 @@ bool write_all(int fd, std::string_view bytes) {
     return true;
 }
 
-std::string read_job_text() {
-    std::string text;
-    std::array<char, 65536> buffer;
-    for (;;) {
-        const ssize_t n = read(kJobDescriptor, buffer.data(), buffer.size());
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return text;
-        text.append(buffer.data(), static_cast<std::size_t>(n));
-    }
-}
-
 /// Tells the parent before anything else happens: the library that asked may abort, or swallow the exception.
 void on_allocation_failure() {
     write_all(kMessageDescriptor, kOutOfMemoryLine);
     std::set_new_handler(nullptr);
     throw std::bad_alloc();
-}
-
-/// Limits the address space to what the program has now plus `allowed`.
-void limit_memory(std::uint64_t allowed, std::uint32_t threads) {
-    // Each arena of glibc reserves 64 MiB of address space, by default eight a core: they would use the limit up.
-    mallopt(M_ARENA_MAX, static_cast<int>(std::clamp(threads, 1U, 8U)));
-    // A bake takes and gives back blocks of some MiB all the time: each would be mapped, filled with zeros and
-    // unmapped.
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    mallopt(M_TRIM_THRESHOLD, 256 << 20);
-    std::set_new_handler(on_allocation_failure);
-#if defined(__SANITIZE_ADDRESS__)
-    (void)allowed;  // the sanitizer's shadow memory alone is beyond any limit
-#else
-    if (allowed == 0) return;
-    std::uint64_t pages = 0;
-    std::ifstream("/proc/self/statm") >> pages;
-    const std::uint64_t now = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-    if (allowed > std::numeric_limits<std::uint64_t>::max() / 2 - now) return;
-    rlimit limit{};
-    if (getrlimit(RLIMIT_AS, &limit) != 0) return;
-    limit.rlim_cur = std::min<rlim_t>(now + allowed, limit.rlim_max);
-    limit.rlim_max = limit.rlim_cur;
-    setrlimit(RLIMIT_AS, &limit);
-#endif
 }
 
 /// Sends progress at most ten times a second, and each new stage.
@@ -169,16 +133,58 @@ bool is_worker(int argc, const char* const* argv) {
     return argc == 2 && std::string_view(argv[1]) == "--worker";
 }
 
-int run_worker(const BakeFunction& bake, const PageFunction& page) {
-    if (fcntl(kMessageDescriptor, F_GETFD) < 0) {
-        std::fputs("dgm-bake: --worker is how dgm-bake starts its own workers, not for use by hand\n", stderr);
-        return static_cast<int>(model::ExitCode::kUsage);
+bool has_message_descriptor() {
+    if (fcntl(kMessageDescriptor, F_GETFD) >= 0) return true;
+    std::fputs("--worker is how these programs start their own workers, not for use by hand\n", stderr);
+    return false;
+}
+
+std::string read_job_text() {
+    std::string text;
+    std::array<char, 65536> buffer;
+    for (;;) {
+        const ssize_t n = read(kJobDescriptor, buffer.data(), buffer.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return text;
+        text.append(buffer.data(), static_cast<std::size_t>(n));
     }
+}
+
+void limit_worker_memory(std::uint64_t allowed, std::uint32_t threads) {
+    // Each arena of glibc reserves 64 MiB of address space, by default eight a core: they would use the limit up.
+    mallopt(M_ARENA_MAX, static_cast<int>(std::clamp(threads, 1U, 8U)));
+    // A bake takes and gives back blocks of some MiB all the time: each would be mapped, filled with zeros and
+    // unmapped.
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);
+    mallopt(M_TRIM_THRESHOLD, 256 << 20);
+    std::set_new_handler(on_allocation_failure);
+#if defined(__SANITIZE_ADDRESS__)
+    (void)allowed;  // the sanitizer's shadow memory alone is beyond any limit
+#else
+    if (allowed == 0) return;
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const std::uint64_t now = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    if (allowed > std::numeric_limits<std::uint64_t>::max() / 2 - now) return;
+    rlimit limit{};
+    if (getrlimit(RLIMIT_AS, &limit) != 0) return;
+    limit.rlim_cur = std::min<rlim_t>(now + allowed, limit.rlim_max);
+    limit.rlim_max = limit.rlim_cur;
+    setrlimit(RLIMIT_AS, &limit);
+#endif
+}
+
+bool send_message(std::string_view bytes) {
+    return write_all(kMessageDescriptor, bytes);
+}
+
+int run_worker(const BakeFunction& bake, const PageFunction& page) {
+    if (!has_message_descriptor()) return static_cast<int>(model::ExitCode::kUsage);
     WorkerMessage outcome = OutOfMemoryMessage{};
     try {
         const std::string text = read_job_text();
         const JobLimits limits = decode_limits(text);
-        limit_memory(limits.memory_bytes, limits.threads);
+        limit_worker_memory(limits.memory_bytes, limits.threads);
         const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::max(1U, limits.threads));
         outcome = page && is_page_job(text) ? outcome_of_page(text, limits.memory_bytes, page)
                                             : outcome_of(decode_job(text), bake);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "pipeline/mesh_import.h"
 #include "tool/tool.h"
 #include "validate/code_pages.h"
 #include "validate/file_list.h"
@@ -179,6 +180,7 @@ ExitCode run(const CommandLine& line, std::string& subject) {
     RunOptions options;
     options.files = expand_names(line.files);
     options.source = line.source;
+    options.read_mesh = [](const std::filesystem::path& path) { return bake::import_apart(path).mesh; };
     if (!line.max_rms.empty()) options.max_rms_percent = parse_percent(line.max_rms);
     if (!line.max_hausdorff.empty()) options.max_hausdorff_percent = parse_percent(line.max_hausdorff);
     for (const std::string& rule : line.severities) add_severity_rule(options.severities, rule);
@@ -212,6 +214,7 @@ ExitCode run(const CommandLine& line, std::string& subject) {
 }  // namespace dgm::validate
 
 int main(int argc, char** argv) {
+    if (const auto exit_code = dgm::bake::import_worker(argc, argv)) return *exit_code;
     dgm::validate::CommandLine line;
     CLI::App app;
     dgm::validate::declare(app, line);

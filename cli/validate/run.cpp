@@ -83,7 +83,7 @@ std::vector<FileValidation> run_validation(const RunOptions& options,
     const bool by_name = !options.source.empty() && fs::is_directory(options.source, ignored);
     if (!options.source.empty() && !by_name) {
         try {
-            source = load_source(options.source);
+            source = load_source(options.source, options.read_mesh);
         } catch (const model::Error& error) {
             front.push_back(failed_source(options.source, error));
             apply_rules(options.severities, front.back());
@@ -96,6 +96,7 @@ std::vector<FileValidation> run_validation(const RunOptions& options,
         Options each;
         each.source = source ? &*source : nullptr;
         if (by_name) each.source_folder = options.source;
+        each.read_mesh = options.read_mesh;
         each.max_rms_percent = options.max_rms_percent;
         each.max_hausdorff_percent = options.max_hausdorff_percent;
         FileValidation result = validate_file(options.files[k], each);

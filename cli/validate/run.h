@@ -15,6 +15,7 @@ namespace dgm::validate {
 struct RunOptions {
     std::vector<std::filesystem::path> files;
     std::filesystem::path source;  ///< mesh, or a folder with each file's source_name in it; empty: none
+    MeshReader read_mesh;          ///< of sources; none: formats::read_mesh
     std::optional<double> max_rms_percent, max_hausdorff_percent;
     SeverityRules severities;
     Baseline baseline;

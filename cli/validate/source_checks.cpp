@@ -95,8 +95,8 @@ void append_mesh(TriMesh& whole, const TriMesh& part) {
         whole.corner_normals.clear();
 }
 
-Source load_source(const std::filesystem::path& path) {
-    Source source{path, formats::hash_file(path), formats::read_mesh(path).mesh, {}, {}};
+Source load_source(const std::filesystem::path& path, const MeshReader& read) {
+    Source source{path, formats::hash_file(path), read ? read(path) : formats::read_mesh(path).mesh, {}, {}};
     try {
         const bake::RepairedMesh repaired = bake::repair(source.mesh);
         for (const TriMesh& component : repaired.components) {

@@ -27,7 +27,8 @@ using model::TriMesh;
 namespace codes = model::codes;
 
 /// The mesh that the file says it was baked from; nothing, with a finding, if it cannot be read.
-std::optional<Source> find_source(const MapSet& maps, const std::filesystem::path& folder, FindingList& findings) {
+std::optional<Source> find_source(const MapSet& maps, const Options& options, FindingList& findings) {
+    const std::filesystem::path& folder = options.source_folder;
     // A name from a file must not lead out of the folder. Of several meshes of that name it is the one that was baked.
     std::filesystem::path path = folder / std::filesystem::path(maps.source_name).filename();
     try {
@@ -37,7 +38,7 @@ std::optional<Source> find_source(const MapSet& maps, const std::filesystem::pat
         const auto same = std::find_if(candidates.begin(), candidates.end(),
                                        [&](const auto& file) { return formats::hash_file(file) == maps.source_hash; });
         if (!candidates.empty()) path = same == candidates.end() ? candidates.front() : *same;
-        return load_source(path);
+        return load_source(path, options.read_mesh);
     } catch (const model::Error& error) {
         findings.error(error.code(), error.place().empty() ? path.string() : error.place(),
                        fmt::format("the source: {}", error.what()));
@@ -48,7 +49,7 @@ std::optional<Source> find_source(const MapSet& maps, const std::filesystem::pat
 void check_maps(const MapSet& maps, Options options, FileValidation& out, FindingList& findings) {
     std::optional<Source> own;
     if (options.source == nullptr && !options.source_folder.empty()) {
-        own = find_source(maps, options.source_folder, findings);
+        own = find_source(maps, options, findings);
         options.source = own ? &*own : nullptr;
     }
     out.charts = maps.charts.size();

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,12 +25,15 @@ struct Source {
     model::TriMesh oriented;  ///< repaired, windings made to agree: what a bake sees; empty where repair refuses
     std::vector<bake::Topology> topologies;  ///< of each piece of `oriented`
 };
-/// @throws model::Error as formats::read_mesh
-[[nodiscard]] Source load_source(const std::filesystem::path& path);
+/// Reads a mesh file: formats::read_mesh, or the same in a process of its own.
+using MeshReader = std::function<model::TriMesh(const std::filesystem::path&)>;
+/// @throws model::Error as formats::read_mesh, or as `read`
+[[nodiscard]] Source load_source(const std::filesystem::path& path, const MeshReader& read = {});
 
 struct Options {
     const Source* source = nullptr;       ///< null: no comparison with a source
     std::filesystem::path source_folder;  ///< else, if not empty: where the mesh called source_name lies
+    MeshReader read_mesh;                 ///< for meshes of `source_folder`; none: formats::read_mesh
     std::optional<double> max_rms_percent, max_hausdorff_percent;  ///< of the source's bounding-box diagonal
     bake::SurfaceErrorOptions sampling;
 };

@@ -35,7 +35,7 @@ struct ImportedMesh {
 /// corner_normals, corner_uvs and corner_colours are empty only if no face has them. Paths in materials are resolved
 /// against the mesh's folder without regard to case; a missing one is a warning and an empty path.
 /// Deterministic. May abort or take long on hostile files of the kinds that assimp reads: run it in a worker process.
-/// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE), kTooLarge
+/// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE:COLUMN), kTooLarge
 [[nodiscard]] ImportedMesh read_mesh(const std::filesystem::path& path, const MeshReadLimits& limits = {});
 
 /// True if the file name's extension is one that read_mesh reads: what a folder search takes.

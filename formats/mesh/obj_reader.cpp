@@ -37,10 +37,15 @@ struct Corner {
     std::uint32_t position = kInvalid, uv = kAbsent, normal = kAbsent;
 };
 
+/// Line and column of the file, from 1; columns count bytes.
+struct Spot {
+    std::uint64_t line = 0, column = 0;
+};
+
 struct Polygon {
     std::uint32_t first = 0, size = 0;  ///< range of corners
     std::uint32_t material = kAbsent;
-    std::uint64_t line = 0;
+    Spot spot;
 };
 
 struct Colour {
@@ -49,9 +54,10 @@ struct Colour {
 
 /// How often something happened, and where first.
 struct Tally {
-    std::uint64_t count = 0, first_line = 0;
-    void add(std::uint64_t line) {
-        if (count++ == 0) first_line = line;
+    std::uint64_t count = 0;
+    Spot first;
+    void add(const Spot& spot) {
+        if (count++ == 0) first = spot;
     }
 };
 
@@ -65,7 +71,8 @@ class ObjReader {
         LineReader lines(text);
         std::string_view line;
         while (lines.next(line)) {
-            line_ = lines.number();
+            line_start_ = line.data();
+            spot_.line = lines.number();
             statement(line);
         }
         resolve_materials();
@@ -75,9 +82,15 @@ class ObjReader {
     }
 
  private:
+    /// Of a word in the line that is being read.
+    [[nodiscard]] Spot spot_of(std::string_view word) const {
+        return {spot_.line, static_cast<std::uint64_t>(word.data() - line_start_) + 1};
+    }
+
     void statement(std::string_view line) {
         const std::string_view word = next_word(line);
         if (word.empty() || word.front() == '#') return;
+        spot_ = spot_of(word);
         if (word == "v") {
             read_position(line);
         } else if (word == "vt") {
@@ -98,11 +111,11 @@ class ObjReader {
         } else if (word == "mtllib") {
             libraries_.emplace_back(trim(line));
         } else if (word == "l") {
-            lines_.add(line_);
+            lines_.add(spot_);
         } else if (word == "p") {
-            points_.add(line_);
+            points_.add(spot_);
         } else if (word == "curv" || word == "curv2" || word == "surf") {
-            free_forms_.add(line_);
+            free_forms_.add(spot_);
         }
     }
 
@@ -113,7 +126,7 @@ class ObjReader {
             const std::string_view word = next_word(line);
             if (word.empty() || word.front() == '#') break;
             const auto number = parse_number(word);
-            if (!number) bad_numbers_.add(line_);
+            if (!number) bad_numbers_.add(spot_of(word));
             values[count++] = number.value_or(std::numeric_limits<double>::quiet_NaN());
         }
         return count;
@@ -123,7 +136,7 @@ class ObjReader {
         constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
         double x[7] = {kNan, kNan, kNan, 1, 1, 1, 1};
         const std::size_t count = read_numbers(line, x);
-        if (count < 3) bad_numbers_.add(line_);
+        if (count < 3) bad_numbers_.add(spot_);
         Vec3d position{x[0], x[1], x[2]};
         if (count == 4 && x[3] != 1 && x[3] != 0 && std::isfinite(x[3])) position = position / x[3];
         if (positions_.size() >= limits_.max_vertices) too_large("vertices", limits_.max_vertices);
@@ -178,7 +191,7 @@ class ObjReader {
         for (std::string_view word = next_word(line); !word.empty() && word.front() != '#'; word = next_word(line)) {
             const auto corner = parse_corner(word);
             if (!corner) {
-                malformed_.add(line_);
+                malformed_.add(spot_of(word));
                 corners_.resize(first);
                 return;
             }
@@ -186,19 +199,21 @@ class ObjReader {
         }
         const std::size_t size = corners_.size() - first;
         if (size < 3) {
-            too_few_.add(line_);
+            too_few_.add(spot_);
             corners_.resize(first);
             return;
         }
         triangles_ += size - 2;
         if (triangles_ > limits_.max_faces) too_large("faces", limits_.max_faces);
-        polygons_.push_back({static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(size), material_, line_});
+        polygons_.push_back({static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(size), material_, spot_});
     }
 
     [[noreturn]] void too_large(const std::string& what, std::uint64_t limit) const {
-        throw model::Error(codes::kTooLarge, "more than " + std::to_string(limit) + " " + what, place(line_));
+        throw model::Error(codes::kTooLarge, "more than " + std::to_string(limit) + " " + what, place(spot_));
     }
-    [[nodiscard]] std::string place(std::uint64_t line) const { return path_.string() + ":" + std::to_string(line); }
+    [[nodiscard]] std::string place(const Spot& spot) const {
+        return path_.string() + ":" + std::to_string(spot.line) + ":" + std::to_string(spot.column);
+    }
 
     // Materials -----------------------------------------------------------------------------------------------------
 
@@ -236,7 +251,7 @@ class ObjReader {
             loop.clear();
             for (const Corner& corner : ring) loop.push_back(positions_[corner.position]);
             triples.clear();
-            if (!triangulate_polygon(loop, triples)) fans_.add(polygon.line);
+            if (!triangulate_polygon(loop, triples)) fans_.add(polygon.spot);
             for (const CornerTriple& triple : triples) {
                 mesh.faces.push_back({ring[triple[0]].position, ring[triple[1]].position, ring[triple[2]].position});
                 for (const std::uint32_t k : triple) {
@@ -264,16 +279,16 @@ class ObjReader {
         for (std::uint32_t k = 0; k < polygon.size; ++k) {
             Corner& corner = corners_[polygon.first + k];
             if (corner.position >= positions_.size()) {
-                bad_positions_.add(polygon.line);
+                bad_positions_.add(polygon.spot);
                 return false;
             }
             if (corner.uv != kAbsent && corner.uv >= uvs_.size()) {
                 corner.uv = kAbsent;
-                bad_uvs_.add(polygon.line);
+                bad_uvs_.add(polygon.spot);
             }
             if (corner.normal != kAbsent && corner.normal >= normals_.size()) {
                 corner.normal = kAbsent;
-                bad_normals_.add(polygon.line);
+                bad_normals_.add(polygon.spot);
             }
         }
         return true;
@@ -286,25 +301,25 @@ class ObjReader {
         for (std::uint32_t k = 0; k < polygon.size; ++k) {
             const Corner& corner = corners_[polygon.first + k];
             if (polygon.size > 3 && !ring.empty() && ring.back().position == corner.position) {
-                repeated_.add(polygon.line);
+                repeated_.add(polygon.spot);
             } else {
                 ring.push_back(corner);
             }
         }
         while (polygon.size > 3 && ring.size() > 1 && ring.back().position == ring.front().position) {
             ring.pop_back();
-            repeated_.add(polygon.line);
+            repeated_.add(polygon.spot);
         }
         while (!ring.empty() && ring.size() < 3) ring.push_back(ring.back());
     }
 
     [[noreturn]] void no_faces() const {
         std::string message = "no usable faces";
-        std::uint64_t line = 0;
+        Spot spot;
         const auto mention = [&](const Tally& tally, const char* what) {
             if (tally.count == 0) return;
             message += "; " + std::to_string(tally.count) + " " + what;
-            if (line == 0) line = tally.first_line;
+            if (spot.line == 0) spot = tally.first;
         };
         mention(bad_positions_, "faces name vertices that do not exist");
         mention(malformed_, "face statements cannot be read");
@@ -313,7 +328,7 @@ class ObjReader {
         mention(points_, "point elements");
         mention(free_forms_, "free-form elements");
         if (positions_.empty()) message += "; no vertices";
-        throw model::Error(codes::kNoFaces, message, line == 0 ? path_.string() : place(line));
+        throw model::Error(codes::kNoFaces, message, spot.line == 0 ? path_.string() : place(spot));
     }
 
     void fill_uvs(const std::vector<Corner>& face_corners) {
@@ -361,7 +376,8 @@ class ObjReader {
         const auto warn = [&](const Tally& tally, const std::string& what) {
             if (tally.count > 0)
                 out_.warnings.push_back(std::to_string(tally.count) + " " + what + ", first in line " +
-                                        std::to_string(tally.first_line));
+                                        std::to_string(tally.first.line) + ", column " +
+                                        std::to_string(tally.first.column));
         };
         warn(bad_numbers_, "numbers are missing or cannot be read and count as NaN");
         warn(bad_positions_, "faces name vertices that do not exist");
@@ -381,7 +397,9 @@ class ObjReader {
     const MeshReadLimits& limits_;
     FileFinder finder_;
     ImportedMesh out_;
-    std::uint64_t line_ = 0, triangles_ = 0;
+    const char* line_start_ = nullptr;
+    Spot spot_;  ///< of the statement that is being read
+    std::uint64_t triangles_ = 0;
 
     std::vector<Vec3d> positions_, normals_;
     std::vector<Vec2d> uvs_;

@@ -253,7 +253,12 @@ TEST(Obj, RefusalsSayWhere) {
     EXPECT_EQ(error_of(" \n \n").substr(0, 7), "DGM3001");
     EXPECT_EQ(error_of(kTriangle), "DGM3001 no usable faces @a.obj");
     EXPECT_EQ(error_of(kTriangle + "f 1 2 9\n"),
-              "DGM3001 no usable faces; 1 faces name vertices that do not exist @a.obj:4");
+              "DGM3001 no usable faces; 1 faces name vertices that do not exist @a.obj:4:1");
+    // Columns count from 1: of the statement, or of the word that cannot be read.
+    EXPECT_EQ(error_of(kTriangle + "\t l 1 2\n"), "DGM3001 no usable faces; 1 line elements @a.obj:4:3");
+    EXPECT_EQ(
+        error_of(kTriangle + "f 1 x 3\nf 1 2\n"),
+        "DGM3001 no usable faces; 1 face statements cannot be read; 1 faces have fewer than three corners @a.obj:4:5");
     EXPECT_EQ(error_of(std::string("\x89PNG\r\n\0\1\2", 9)), "DGM3001 no usable faces; no vertices @a.obj");
     EXPECT_EQ(error_of(kTriangle + "f \\").substr(0, 7), "DGM3001");
 }
