@@ -15,6 +15,7 @@
 #include <fstream>
 #include <iterator>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "bake/options.h"
@@ -26,6 +27,7 @@
 #include "pipeline/memory_budget.h"
 #include "pipeline/merge_reports.h"
 #include "pipeline/output_files.h"
+#include "pipeline/repeat_command.h"
 #include "pipeline/report_text.h"
 #include "pipeline/up_to_date.h"
 #include "report/page_job.h"
@@ -95,14 +97,46 @@ std::string read_whole(const fs::path& path) {
     return text;
 }
 
+/// Pages take seconds each. @return true if a signal ended it
+bool write_html(const CommandLine& line, const report::ReportToShow& shown) {
+    const auto tell = [&](std::size_t done, std::size_t all) {
+        const bool step = done == all || done * 10 / all != (done - 1) * 10 / all;
+        if (!line.quiet && line.progress != ProgressStyle::kNone && step)
+            say(stderr, fmt::format("dgm-bake: report: {} of {} pages\n", done, all));
+    };
+    const report::PageLimits limits{line.batch.jobs, line.batch.time_limit_seconds, line.batch.memory_bytes};
+    const report::HtmlReport html = report::html_report(line.report, shown, limits, tell);
+    write_whole(line.report, html.index);
+    if (!line.quiet)
+        say(stdout, fmt::format("{}: report, {} pages made, {} kept, {} failed\n",
+                                printable(line.report.lexically_normal().string()), html.made, html.kept, html.failed));
+    return html.interrupted;
+}
+
+void make_report_folder(const CommandLine& line) {
+    if (line.report.empty() || line.report.parent_path().empty()) return;
+    std::error_code ignored;  // check_writable tells
+    fs::create_directory(line.report.parent_path(), ignored);
+}
+
 int merge(const CommandLine& line) {
     std::vector<NamedReport> reports;
-    for (const fs::path& path : line.to_merge) reports.push_back({path.string(), read_whole(path)});
+    for (const fs::path& path : line.to_merge) {
+        std::string text = read_whole(path);
+        if (std::string inside = report::report_in_index(text); !inside.empty()) text = std::move(inside);
+        reports.push_back({path.string(), std::move(text)});
+    }
     const MergedReport merged = merge_reports(reports);
-    if (line.report.empty())
+    make_report_folder(line);
+    if (line.report.empty()) {
         say(stdout, merged.text);
-    else
+    } else if (line.html_report) {
+        check_writable(line.report);
+        if (write_html(line, {nlohmann::json::parse(merged.text), true}))
+            return static_cast<int>(model::ExitCode::kInterrupted);
+    } else {
         write_whole(line.report, merged.text);
+    }
     return static_cast<int>(merged.exit);
 }
 
@@ -142,21 +176,6 @@ int print_plan(const BatchPlan& plan, const std::optional<scene::Scene>& scene) 
                                         printable(output.lexically_normal().string())));
     }
     return static_cast<int>(worst_exit(results));
-}
-
-/// Pages take seconds each. @return true if a signal ended it
-bool write_html(const CommandLine& line, const BatchPlan& plan, const std::vector<AssetResult>& results) {
-    const auto tell = [&](std::size_t done, std::size_t all) {
-        const bool step = done == all || done * 10 / all != (done - 1) * 10 / all;
-        if (!line.quiet && line.progress != ProgressStyle::kNone && step)
-            say(stderr, fmt::format("dgm-bake: report: {} of {} pages\n", done, all));
-    };
-    report::HtmlReport html = report::html_report(line.report, plan, line.batch, results, tell);
-    write_whole(line.report, html.index);
-    if (!line.quiet)
-        say(stdout, fmt::format("{}: report, {} pages made, {} kept, {} failed\n",
-                                printable(line.report.lexically_normal().string()), html.made, html.kept, html.failed));
-    return html.interrupted;
 }
 
 class Conversation {
@@ -257,10 +276,7 @@ int run(const CommandLine& line) {
     check_files(line, plan);
     if (line.shard) keep_shard(plan, *line.shard);
     if (line.dry_run) return print_plan(plan, scene);
-    if (!line.report.empty() && !line.report.parent_path().empty()) {
-        std::error_code ignored;  // check_writable tells
-        fs::create_directory(line.report.parent_path(), ignored);
-    }
+    make_report_folder(line);
     for (const fs::path& file : {line.report, line.depfile})
         if (!file.empty()) check_writable(file);
     Conversation conversation(line, plan);
@@ -274,11 +290,16 @@ int run(const CommandLine& line) {
         exit = tell_scene(line, *scene, *outcome, exit);
     }
     bool interrupted = false;
-    if (line.html_report) {
-        interrupted = write_html(line, plan, results);
-    } else if (!line.report.empty()) {
-        const std::string report = batch_report_json(plan, line.batch, results, generator());
-        write_whole(line.report, outcome ? scene::with_scene(report, *scene, *outcome) : report);
+    if (!line.report.empty()) {
+        nlohmann::json report = nlohmann::json::parse(batch_report_json(plan, line.batch, results, generator()));
+        if (scene)
+            for (nlohmann::json& asset : report["assets"])
+                asset["command"] = repeat_scene_command(line.scene, plan.folder);
+        if (outcome) scene::add_scene(report, *scene, *outcome);
+        if (line.html_report)
+            interrupted = write_html(line, {std::move(report), false});
+        else
+            write_whole(line.report, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
     }
     if (!line.depfile.empty()) {
         touch_outputs(results);

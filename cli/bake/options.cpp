@@ -127,13 +127,13 @@ void set_grid(const Raw& raw, BakeOptions& bake) {
 }
 
 /// What the report is in: as asked, else as the file's extension says.
-void set_report(const Raw& raw, CommandLine& out) {
+void set_report(const Raw& raw, const std::string& file, CommandLine& out) {
     constexpr std::array kReportFormats{NamedValue<bool>{"json", false}, NamedValue<bool>{"html", true}};
-    out.report = raw.report;
+    out.report = file;
     const std::string extension = out.report.extension().string();
     out.html_report = raw.report_format.empty() ? extension == ".html" || extension == ".htm"
                                                 : choice("--report-format", kReportFormats, raw.report_format);
-    if (!raw.report_format.empty() && raw.report.empty())
+    if (!raw.report_format.empty() && file.empty())
         wrong("--report-format says what --report FILE is written in; name a file with --report");
 }
 
@@ -151,12 +151,31 @@ Shard parse_shard(const std::string& text) {
     return out;
 }
 
+/// How many at a time and how long, and what is told meanwhile.
+void set_run(const Raw& raw, CommandLine& out) {
+    constexpr std::array kProgressNames{NamedValue<ProgressStyle>{"auto", ProgressStyle::kAuto},
+                                        NamedValue<ProgressStyle>{"bar", ProgressStyle::kBar},
+                                        NamedValue<ProgressStyle>{"plain", ProgressStyle::kPlain},
+                                        NamedValue<ProgressStyle>{"none", ProgressStyle::kNone}};
+    out.progress = choice("--progress", kProgressNames, raw.progress);
+    if (raw.jobs < 0 || raw.jobs > 1024) wrong("-j: write a number from 1 to 1024, or 0 for one a core");
+    out.batch.jobs = raw.jobs > 0 ? static_cast<unsigned>(raw.jobs) : std::max(1U, std::thread::hardware_concurrency());
+    if (!(raw.time_limit > 0 && raw.time_limit <= kMaxSeconds))
+        wrong(fmt::format("--time-limit: write seconds, more than 0 and at most {:.0f}", kMaxSeconds));
+    out.batch.time_limit_seconds = raw.time_limit;
+    out.batch.memory_bytes = parse_bytes("--memory-limit", raw.memory_limit, "512MiB or 4GiB, 0 for no limit");
+    out.batch.stop_on_error = raw.stop_on_error;
+    out.verbose = raw.verbose;
+    out.quiet = raw.quiet;
+}
+
 CommandLine to_merge(const Raw& raw) {
     CommandLine out;
     if (raw.inputs.empty())
         wrong("--merge-reports: name the reports, for instance: --merge-reports a.json b.json -o all.json");
     for (const std::string& input : raw.inputs) out.to_merge.emplace_back(input);
-    out.report = raw.output.empty() ? raw.report : raw.output;
+    set_report(raw, raw.output.empty() ? raw.report : raw.output, out);
+    set_run(raw, out);
     return out;
 }
 
@@ -218,22 +237,9 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     for (const std::string& part : out.bake.ablate)
         if (std::find(kAblateNames.begin(), kAblateNames.end(), part) == kAblateNames.end())
             unknown_word("--ablate", "part", part, kAblateNames);
-    set_report(raw, out);
-    constexpr std::array kProgressNames{NamedValue<ProgressStyle>{"auto", ProgressStyle::kAuto},
-                                        NamedValue<ProgressStyle>{"bar", ProgressStyle::kBar},
-                                        NamedValue<ProgressStyle>{"plain", ProgressStyle::kPlain},
-                                        NamedValue<ProgressStyle>{"none", ProgressStyle::kNone}};
-    out.progress = choice("--progress", kProgressNames, raw.progress);
-    if (raw.jobs < 0 || raw.jobs > 1024) wrong("-j: write a number from 1 to 1024, or 0 for one a core");
-    out.batch.jobs = raw.jobs > 0 ? static_cast<unsigned>(raw.jobs) : std::max(1U, std::thread::hardware_concurrency());
-    if (!(raw.time_limit > 0 && raw.time_limit <= kMaxSeconds))
-        wrong(fmt::format("--time-limit: write seconds, more than 0 and at most {:.0f}", kMaxSeconds));
-    out.batch.time_limit_seconds = raw.time_limit;
-    out.batch.memory_bytes = parse_bytes("--memory-limit", raw.memory_limit, "512MiB or 4GiB, 0 for no limit");
-    out.batch.stop_on_error = raw.stop_on_error;
+    set_report(raw, raw.report, out);
+    set_run(raw, out);
     out.dry_run = raw.dry_run;
-    out.verbose = raw.verbose;
-    out.quiet = raw.quiet;
     return out;
 }
 

@@ -124,8 +124,9 @@ void describe(CLI::App& app, Raw& raw) {
     flag(run, "--dry-run", raw.dry_run, "print which mesh would become which file, and bake nothing");
     text(run, "--shard", "I/N", raw.shard,
          "bake only part I of N, for N machines; a mesh stays in its part when others are added");
-    flag(run, "--merge-reports", raw.merge_reports,
-         "put the reports named as INPUT together into -o FILE; bake nothing");
+    flag(
+        run, "--merge-reports", raw.merge_reports,
+        "put the reports named as INPUT together into -o FILE, JSON, or .html with a page for each mesh; bake nothing");
 
     const char* tell = "What it tells";
     text(tell, "--progress", "auto|bar|plain|none", raw.progress, "auto: a bar on a terminal, else plain lines [auto]");

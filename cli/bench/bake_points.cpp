@@ -53,10 +53,11 @@ std::vector<BakePoint> plan_points(const BakeSweepOptions& o) {
     } else {
         const std::vector<std::string> centre{default_point().method};
         vary(points, centre, &BakePoint::method, o.sizes);
-        std::vector<std::uint32_t> some;
-        for (std::size_t k = o.sizes.size() > 1 ? 1 : 0; k < o.sizes.size() && o.sizes[k] <= 257; k += 2)
-            some.push_back(o.sizes[k]);
-        if (some.empty()) some = {o.sizes.front()};
+        // The second and the third: what a choice is worth at 257 a side is told by these two, for a quarter of the
+        // time.
+        const std::size_t first = o.sizes.size() > 1 ? 1 : 0, end = std::min<std::size_t>(first + 2, o.sizes.size());
+        const std::vector<std::uint32_t> some(o.sizes.begin() + static_cast<std::ptrdiff_t>(first),
+                                              o.sizes.begin() + static_cast<std::ptrdiff_t>(end));
         vary(points, o.methods, &BakePoint::method, some);
         vary(points, o.fits, &BakePoint::fit, some);
         vary(points, o.precisions, &BakePoint::precision, some);
@@ -64,6 +65,10 @@ std::vector<BakePoint> plan_points(const BakeSweepOptions& o) {
     }
     add(points, paper_point());
     return points;
+}
+
+unsigned repetitions_of(const BakePoint& point, unsigned asked) {
+    return point.side > 600 ? 1 : point.side > 300 ? std::min(asked, 3U) : asked;
 }
 
 double work_of(const BakePoint& point, unsigned repetitions) {

@@ -173,10 +173,7 @@ Run sweep_bakes(const BakeSweepOptions& options, bool quiet) {
     run.tables.push_back(empty_table());
     Table& table = run.tables.front();
 
-    const auto repetitions = [&](const BakePoint& point) {
-        return point.side > options.large ? std::min(options.repeats_of_large, options.repeats.repetitions)
-                                          : options.repeats.repetitions;
-    };
+    const auto repetitions = [&](const BakePoint& point) { return repetitions_of(point, options.repeats.repetitions); };
     double work = 0;
     for (const BakePoint& point : points) work += work_of(point, repetitions(point));
     ProgressBar bar(quiet, work * static_cast<double>(options.assets.size()));
@@ -207,14 +204,13 @@ Run sweep_bakes(const BakeSweepOptions& options, bool quiet) {
         }
         for (const std::string& line : recommend(table, names[a])) run.findings.push_back(line);
     }
-    run.settings = {
-        {"repetitions", std::to_string(options.repeats.repetitions)},
-        {"repetitions of large grids", fmt::format("{} above {} a side", options.repeats_of_large, options.large)},
-        {"warm-up", "one bake at 17x17 of each asset, not counted"},
-        {"bakes at a time", std::to_string(options.repeats.jobs)},
-        {"threads of a bake", std::to_string(options.repeats.threads)},
-        {"combinations", options.full ? "all" : "one choice at a time"},
-        {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
+    run.settings = {{"repetitions", std::to_string(options.repeats.repetitions)},
+                    {"repetitions of large grids", "3 at most above 300 a side, 1 above 600"},
+                    {"warm-up", "one bake at 17x17 of each asset, not counted"},
+                    {"bakes at a time", std::to_string(options.repeats.jobs)},
+                    {"threads of a bake", std::to_string(options.repeats.threads)},
+                    {"combinations", options.full ? "all" : "one choice at a time"},
+                    {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
     return run;
 }
 

@@ -17,12 +17,10 @@ struct BakeSweepOptions {
     std::vector<std::filesystem::path> assets;
     std::vector<std::string> methods, precisions, fits, layers;  ///< layers: names joined by '+', or "all"
     std::vector<std::uint32_t> sizes;                            ///< samples a side, ascending
-    /// All combinations; else the default (auto, f32, l2, all) at every size, and at every other size from the second
-    /// on one thing changed at a time.
+    /// All combinations; else the default (auto, f32, l2, all) at every size, and at the second and the third one thing
+    /// changed at a time.
     bool full = false;
     BakeRepeats repeats;
-    std::uint32_t large = 513;  ///< grids above this side are baked `repeats_of_large` times
-    unsigned repeats_of_large = 2;
 };
 
 /// One point of the sweep.
@@ -41,6 +39,10 @@ struct BakePoint {
 
 /// The points that are baked for one asset, the paper's among them; no point twice.
 [[nodiscard]] std::vector<BakePoint> plan_points(const BakeSweepOptions& options);
+
+/// How often it is baked if the user asks for `asked` times: large grids take most of a sweep's time and spread least.
+/// Above 300 a side at most three times, above 600 once.
+[[nodiscard]] unsigned repetitions_of(const BakePoint& point, unsigned asked);
 
 /// Time to be expected, in any unit: what a progress bar counts.
 [[nodiscard]] double work_of(const BakePoint& point, unsigned repetitions);

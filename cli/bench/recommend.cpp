@@ -11,6 +11,8 @@
 #include <optional>
 #include <tuple>
 
+#include "pipeline/report_text.h"
+
 namespace dgm::bench {
 namespace {
 
@@ -25,10 +27,6 @@ std::optional<std::size_t> cheapest(const Table& table, const std::vector<std::s
     for (const std::size_t row : rows)
         if (table.number(row, "rms_percent") <= rms && (!best || cost(row) < cost(*best))) best = row;
     return best;
-}
-
-std::string size_of(double bytes) {
-    return bytes >= 1e5 ? fmt::format("{:.2f} MB", bytes / 1e6) : fmt::format("{:.1f} kB", bytes / 1e3);
 }
 
 int side_of(const Table& table, std::size_t row) {
@@ -89,10 +87,11 @@ std::vector<std::string> recommend(const Table& table, const std::string& asset)
         if (!row || row == last || next_same) continue;
         last = row;
         const std::string method = table.text(*row, "method");
-        out.push_back(fmt::format(
-            "{}: for {} % rms use {} {} {} fit {}: {}, {} s CPU{}", asset, rms, table.text(*row, "grid"), method,
-            table.text(*row, "precision"), table.text(*row, "fit"), size_of(table.number(*row, "bytes")),
-            three_digits(table.number(*row, "cpu_seconds")), others(table, methods, method, rms)));
+        out.push_back(
+            fmt::format("{}: for {} % rms use {} {} {} fit {}: {}, {} s CPU{}", asset, rms, table.text(*row, "grid"),
+                        method, table.text(*row, "precision"), table.text(*row, "fit"),
+                        bake::bytes_text(static_cast<std::uint64_t>(table.number(*row, "bytes"))),
+                        three_digits(table.number(*row, "cpu_seconds")), others(table, methods, method, rms)));
     }
     return out;
 }

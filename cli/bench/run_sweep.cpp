@@ -67,6 +67,19 @@ void add_findings(const Run& run, const Subject& subject, std::vector<std::strin
 
 }  // namespace
 
+const char* name_of(Path path) {
+    return path == Path::kStroke ? "stroke" : path == Path::kRandom ? "random" : "recorded";
+}
+
+std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options, std::size_t ticks) {
+    const State state = subject.state();
+    if (kind == Path::kStroke) return stroke_path(state, ticks);
+    if (kind == Path::kRandom) return random_path(state, ticks);
+    if (options.path.empty()) return replayed_path(state, ticks);
+    const auto offset = subject.chart.offset();
+    return recorded_path(options.path, {offset[0], offset[1], offset[2]}, ticks);
+}
+
 State Subject::state() const {
     StateOptions options;
     options.metric = true;
@@ -96,7 +109,7 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
             const Subject subject = subject_of(asset, name);
             add_tick_rows(run.tables[0], subject, options, bar);
             stop_if_interrupted();
-            add_tracking_rows(run.tables[1], subject, options.ticks);
+            add_tracking_rows(run.tables[1], subject, options);
             add_contact_rows(run.tables[2], subject);
             stop_if_interrupted();
             add_level_rows(run.tables[3], subject);
@@ -104,14 +117,16 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
         }
     }
     run.tables.push_back(kernel_table());
-    run.settings = {{"sizes", fmt::format("{}", fmt::join(sizes, ", "))},
-                    {"ticks", std::to_string(options.ticks)},
-                    {"warm-up", "500 ticks, 200 searches, 3 contacts"},
-                    {"blocks", "5; p50 to p99.9 are the median of the blocks'"},
-                    {"kernel", "sigma 16 at b = 11; b^2 / sigma is the same for every b"},
-                    {"tool", "d_max 4 mean steps; strokes of 0.15 steps a tick, up to 2.5 steps deep"},
-                    {"recorded path", options.path.filename().string()},
-                    {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
+    run.settings = {
+        {"sizes", fmt::format("{}", fmt::join(sizes, ", "))},
+        {"ticks", std::to_string(options.ticks)},
+        {"warm-up", "500 ticks, 200 searches, 3 contacts"},
+        {"blocks", "5; p50 to p99.9 are the median of the blocks'"},
+        {"kernel", "sigma 16 at b = 11; b^2 / sigma is the same for every b"},
+        {"tool", "d_max 4 mean steps; strokes of 0.15 steps a tick, up to 2.5 steps deep"},
+        {"recorded path", options.path.empty() ? "a stomach pressed, poked and pulled, at the same places of each map"
+                                               : options.path.filename().string()},
+        {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
     return run;
 }
 

@@ -20,7 +20,7 @@ struct RunSweepOptions {
     std::vector<std::filesystem::path> assets;  ///< meshes, which are baked first, or .dgm files
     std::vector<std::uint32_t> sizes{81, 257};  ///< of the meshes; the paper's 81 is added if it is not there
     std::size_t ticks = 100'000;
-    std::filesystem::path path;  ///< recorded positions (tool_path.h); empty: strokes and random walks alone
+    std::filesystem::path path;  ///< recorded positions (tool_path.h); empty: the program's own recording
     double time_limit_seconds = 600;
 };
 
@@ -37,11 +37,20 @@ struct Subject {
 /// @throws model::Error kInterrupted; what bakes and reads throw
 [[nodiscard]] Run sweep_runtime(const RunSweepOptions& options, bool quiet);
 
+/// Where the tool goes.
+enum class Path { kStroke, kRandom, kRecorded };
+inline constexpr Path kPaths[] = {Path::kStroke, Path::kRandom, Path::kRecorded};
+/// "stroke", "random", "recorded".
+[[nodiscard]] const char* name_of(Path path);
+/// So many positions, local coordinates, a millisecond apart. The recorded one is the user's, else the program's own.
+[[nodiscard]] std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options,
+                                         std::size_t ticks);
+
 /// The parts of the sweep. Each makes its table once and adds rows for each subject.
 [[nodiscard]] Table tick_table();
 void add_tick_rows(Table& table, const Subject& subject, const RunSweepOptions& options, ProgressBar& bar);
 [[nodiscard]] Table tracking_table();
-void add_tracking_rows(Table& table, const Subject& subject, std::size_t ticks);
+void add_tracking_rows(Table& table, const Subject& subject, const RunSweepOptions& options);
 [[nodiscard]] Table contact_table();
 void add_contact_rows(Table& table, const Subject& subject);
 [[nodiscard]] Table level_table();

@@ -15,7 +15,6 @@
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
 #include "bench/tick_times.h"
-#include "bench/tool_path.h"
 #include "bench/welded_surface.h"
 #include "geometry/cgal/exact_geodesics.h"
 
@@ -27,8 +26,6 @@ constexpr std::uint32_t kReaches[] = {6, 21, 33};  ///< beside the paper's
 constexpr std::uint32_t kReferenceReach = 21;      ///< beyond it exact geodesics take longer than all the ticks
 constexpr float kPaperSigma = 16;  ///< at reach 11 the step at the rim is exp(-121/16), 5e-4 of the dent
 constexpr std::size_t kWarmUp = 500, kContacts = 4, kCheckEvery = 997;
-
-enum class Path { kStroke, kRandom, kRecorded };
 
 struct Setting {
     std::string name;
@@ -51,12 +48,9 @@ struct Setting {
 const char* name_of(Footprint f) {
     return f == Footprint::Grid ? "grid" : f == Footprint::Metric ? "metric" : "geodesic";
 }
-const char* name_of(Path p) {
-    return p == Path::kStroke ? "stroke" : p == Path::kRandom ? "random" : "recorded";
-}
 
 /// The paper's setting, then one change at a time.
-std::vector<Setting> settings_for(bool paper_grid, bool recorded) {
+std::vector<Setting> settings_for(bool paper_grid) {
     std::vector<Setting> out;
     Setting paper{paper_grid ? "paper" : "paper's, finer grid"};
     paper.rule = ContactRule::Printed;
@@ -77,7 +71,7 @@ std::vector<Setting> settings_for(bool paper_grid, bool recorded) {
     with("random path", [](Setting& s) { s.path = Path::kRandom; });
     with("random path, geodesic",
          [](Setting& s) { s.path = Path::kRandom, s.footprint = Footprint::Geodesic, s.end = KernelEnd::Compact; });
-    if (recorded) with("recorded path", [](Setting& s) { s.path = Path::kRecorded; });
+    with("recorded path", [](Setting& s) { s.path = Path::kRecorded; });
     return out;
 }
 
@@ -216,15 +210,6 @@ TickOutcome run_ticks(const Subject& subject, const Setting& setting, const std:
     return result;
 }
 
-std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options) {
-    const State state = subject.state();
-    const std::size_t ticks = options.ticks + kWarmUp;
-    if (kind == Path::kStroke) return stroke_path(state, ticks);
-    if (kind == Path::kRandom) return random_path(state, ticks);
-    const auto offset = subject.chart.offset();
-    return recorded_path(options.path, {offset[0], offset[1], offset[2]}, ticks);
-}
-
 }  // namespace
 
 Table tick_table() {
@@ -270,7 +255,7 @@ Table tick_table() {
 void add_tick_rows(Table& table, const Subject& subject, const RunSweepOptions& options, ProgressBar& bar) {
     State state = subject.state();
     GeodesicReference reference(state);
-    const std::vector<Setting> settings = settings_for(subject.paper_grid, !options.path.empty());
+    const std::vector<Setting> settings = settings_for(subject.paper_grid);
     for (std::size_t k = 0; k < settings.size(); ++k) {
         const Setting& s = settings[k];
         bar.update(static_cast<double>(k) / static_cast<double>(settings.size()));
@@ -283,7 +268,7 @@ void add_tick_rows(Table& table, const Subject& subject, const RunSweepOptions& 
         row.set("end", std::string(s.end == KernelEnd::Printed ? "printed" : "compact"));
         row.set("rule", std::string(s.rule == ContactRule::Printed ? "printed" : "smooth"));
         row.set("path", std::string(name_of(s.path)));
-        const TickOutcome ticks = run_ticks(subject, s, path_for(subject, s.path, options));
+        const TickOutcome ticks = run_ticks(subject, s, path_for(subject, s.path, options, options.ticks + kWarmUp));
         row.set("p50_us", ticks.times.median);
         row.set("p99_us", ticks.times.p99);
         row.set("p999_us", ticks.times.p999);

@@ -10,7 +10,6 @@
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
 #include "bench/tick_times.h"
-#include "bench/tool_path.h"
 
 namespace dgm::bench {
 namespace {
@@ -91,13 +90,12 @@ Table tracking_table() {
     return t;
 }
 
-void add_tracking_rows(Table& table, const Subject& subject, std::size_t ticks) {
+void add_tracking_rows(Table& table, const Subject& subject, const RunSweepOptions& options) {
     State state = subject.state();
-    for (const bool random : {false, true})
+    for (const Path kind : kPaths)
         for (const Search& search : kSearches) {
-            const std::size_t count = search.way == Way::kAll ? kChecked : ticks;
-            const std::vector<Vec3> path =
-                random ? random_path(state, count + kWarmUp) : stroke_path(state, count + kWarmUp);
+            const std::size_t count = search.way == Way::kAll ? kChecked : options.ticks;
+            const std::vector<Vec3> path = path_for(subject, kind, options, std::max(count, kChecked) + kWarmUp);
             Tracker timed(state, search);
             float sink = 0;
             const TickTimes times =
@@ -115,7 +113,7 @@ void add_tracking_rows(Table& table, const Subject& subject, std::size_t ticks) 
             row.set("grid", subject.grid);
             row.set("search", std::string(search.name));
             row.set("a", search.a > 0 ? std::to_string(search.a) : std::string());
-            row.set("path", std::string(random ? "random" : "stroke"));
+            row.set("path", std::string(name_of(kind)));
             if (std::isfinite(sink)) row.set("p50_us", times.median);
             row.set("p99_us", times.p99);
             row.set("p999_us", times.p999);

@@ -10,13 +10,55 @@
 #include <sstream>
 #include <string>
 
+#include "bench/recorded_touch.h"
 #include "model/codes.h"
 
 namespace dgm::bench {
 namespace {
 
 constexpr double kStepsPerTick = 0.15, kRoom = 0.42;  ///< of the chart's side, to each side of its middle
-constexpr double kMeanDepth = 1, kDepthSwing = 1.5;   ///< mean grid steps
+constexpr double kTickSeconds = 1e-3;
+constexpr double kMeanDepth = 1, kDepthSwing = 1.5;  ///< mean grid steps
+
+/// A point that walks over a chart by its map coordinates; off a free chart it waits where it was.
+class Walker {
+ public:
+    explicit Walker(const State& state) : state_(state) {
+        while (sample_ + 1 < state.sample_count() && !state.on_surface(sample_)) ++sample_;
+        at_ = state.rest_positions()[sample_];
+    }
+    /// The surface at row u, column v, and `height` over it along the normal.
+    Vec3 over(double u, double v, double height) {
+        const std::uint32_t m = state_.rows(), n = state_.cols();
+        const auto i = static_cast<std::uint32_t>(std::clamp(u, 0.0, m - 2.0)),
+                   j = static_cast<std::uint32_t>(std::clamp(v, 0.0, n - 2.0));
+        const auto a = static_cast<float>(u - i), b = static_cast<float>(v - j);
+        const std::uint32_t s = i * n + j;
+        if (state_.on_surface(s) && state_.on_surface(s + 1) && state_.on_surface(s + n) &&
+            state_.on_surface(s + n + 1)) {
+            const PointView p = state_.rest_positions();
+            at_ = (1 - a) * ((1 - b) * p[s] + b * p[s + 1]) + a * ((1 - b) * p[s + n] + b * p[s + n + 1]);
+            sample_ = s;
+        }
+        return at_ + static_cast<float>(height) * state_.normal(sample_);
+    }
+
+ private:
+    const State& state_;
+    std::uint32_t sample_ = 0;
+    Vec3 at_;
+};
+
+double diagonal_of(const State& state) {
+    Vec3 low{INFINITY, INFINITY, INFINITY}, high = -1.0f * low;
+    for (std::uint32_t k = 0; k < state.sample_count(); ++k) {
+        if (!state.on_surface(k)) continue;
+        const Vec3 p = state.rest_positions()[k];
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    return std::sqrt(static_cast<double>(dot(high - low, high - low)));
+}
 
 Vec3 below(const State& state, std::uint32_t sample, double steps) {
     return state.rest_positions()[sample] - static_cast<float>(steps * state.mean_step()) * state.normal(sample);
@@ -28,24 +70,12 @@ std::vector<Vec3> stroke_path(const State& state, std::size_t ticks) {
     const std::uint32_t m = state.rows(), n = state.cols();
     const double rate = kStepsPerTick / (kRoom * (std::max(m, n) - 1));
     std::vector<Vec3> out;
-    std::uint32_t corner = 0;
-    while (corner + 1 < state.sample_count() && !state.on_surface(corner)) ++corner;
-    Vec3 at = state.rest_positions()[corner];
+    Walker walker(state);
     for (std::size_t k = 0; k < ticks; ++k) {
         const double t = rate * static_cast<double>(k);
         const double u = (0.5 + kRoom * std::sin(t)) * (m - 1), v = (0.5 + kRoom * std::sin(0.618 * t + 1)) * (n - 1);
-        const auto i = static_cast<std::uint32_t>(std::min(u, m - 2.0)),
-                   j = static_cast<std::uint32_t>(std::min(v, n - 2.0));
-        const auto a = static_cast<float>(u - i), b = static_cast<float>(v - j);
-        const std::uint32_t s = i * n + j;
-        // Off a free chart the tool waits where it was.
-        if (state.on_surface(s) && state.on_surface(s + 1) && state.on_surface(s + n) && state.on_surface(s + n + 1)) {
-            const PointView p = state.rest_positions();
-            at = (1 - a) * ((1 - b) * p[s] + b * p[s + 1]) + a * ((1 - b) * p[s + n] + b * p[s + n + 1]);
-            corner = s;
-        }
         const double depth = kMeanDepth + kDepthSwing * std::sin(static_cast<double>(k) / 50);
-        out.push_back(at - static_cast<float>(depth * state.mean_step()) * state.normal(corner));
+        out.push_back(walker.over(u, v, -depth * state.mean_step()));
     }
     return out;
 }
@@ -71,6 +101,39 @@ std::vector<Vec3> random_path(const State& state, std::size_t ticks) {
         }
         if (state.on_surface(next)) sample = next;
         out.push_back(below(state, sample, kMeanDepth + kDepthSwing * (2 * share() - 1)));
+    }
+    return out;
+}
+
+std::vector<Vec3> replayed_path(const State& state, std::size_t ticks) {
+    struct Line {
+        double seconds;
+        Vec3 position;
+    };
+    std::vector<Line> lines;
+    Walker walker(state);
+    const double diagonal = diagonal_of(state);
+    std::istringstream text(kRecordedTouch);
+    text.imbue(std::locale::classic());
+    for (std::string line; std::getline(text, line);) {
+        if (line.empty() || line.front() == '#') continue;
+        std::replace(line.begin(), line.end(), ',', ' ');
+        std::istringstream words(line);
+        words.imbue(std::locale::classic());
+        double seconds = 0, u = 0, v = 0, percent = 0;
+        if (!(words >> seconds >> u >> v >> percent))
+            throw model::Error(model::codes::kInternal, "the program's own recording cannot be read");
+        lines.push_back(
+            {seconds, walker.over(u * (state.rows() - 1), v * (state.cols() - 1), percent / 100 * diagonal)});
+    }
+    std::vector<Vec3> out;
+    std::size_t next = 1;
+    for (double now = lines.front().seconds; out.size() < ticks; now += kTickSeconds) {
+        while (next < lines.size() && lines[next].seconds <= now) ++next;
+        if (next == lines.size()) { next = 1, now = lines.front().seconds; }
+        const Line &a = lines[next - 1], &b = lines[next];
+        const auto t = static_cast<float>((now - a.seconds) / (b.seconds - a.seconds));
+        out.push_back((1 - t) * a.position + t * b.position);
     }
     return out;
 }

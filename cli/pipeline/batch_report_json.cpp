@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pipeline/option_names.h"
+#include "pipeline/repeat_command.h"
 #include "pipeline/report_text.h"
 
 namespace dgm::bake {
@@ -58,11 +59,9 @@ std::string shown(const std::filesystem::path& path) {
 }
 
 json asset_json(const PlannedAsset& asset, const AssetResult& result) {
-    json out{{"source", asset.source.string()},
-             {"name", asset.name},
-             {"outcome", name_of(result.outcome)},
-             {"seconds", result.seconds},
-             {"settings", settings_json(asset.options)}};
+    json out{{"source", asset.source.string()},          {"name", asset.name},
+             {"outcome", name_of(result.outcome)},       {"seconds", result.seconds},
+             {"settings", settings_json(asset.options)}, {"command", repeat_command(asset)}};
     out["outputs"] = json::array();
     for (const std::filesystem::path& output : {asset.dgm, asset.exr})
         if (!output.empty()) out["outputs"].push_back(shown(output));

@@ -170,7 +170,7 @@ class Index {
         out += "<footer class=\"small\">" + escaped(text_of(report_, "generator")) +
                ". Errors are distances between mesh and map, in % of the bounding box's diagonal and in the mesh's "
                "units; rms over the surface, max at the worst spot.</footer>\n</main>\n";
-        out += "<script type=\"application/json\" id=\"report\" class=\"run\">" + script_json(report_) + "</script>\n";
+        out += fmt::format("{}{}{}\n", kReportStart, script_json(report_), kReportEnd);
         return out + "<script>\n" + kIndexScript + "</script>\n</body>\n</html>\n";
     }
 

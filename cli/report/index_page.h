@@ -4,6 +4,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace dgm::report {
@@ -14,6 +15,10 @@ struct PageState {
     std::string thumbnail, error_thumbnail;  ///< data URIs; may be empty
     std::string problem;                     ///< why there is no page, for people; empty if there is or need not be one
 };
+
+/// Around the report that the index carries with it.
+inline constexpr std::string_view kReportStart = "<script type=\"application/json\" id=\"report\" class=\"run\">",
+                                  kReportEnd = "</script>";
 
 /// The index of a batch report (docs/schemas/report.schema.json): failures and refusals first, then all others, worst
 /// rms in % of the diagonal first, then by name. `pages` goes with the report's assets. What differs from run to run

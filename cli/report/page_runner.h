@@ -3,6 +3,7 @@
 // Makes pages in worker processes, several at a time.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -19,8 +20,9 @@ struct PageTask {
 };
 
 struct PageLimits {
-    unsigned jobs = 1;                ///< workers at a time, >= 1
-    double time_limit_seconds = 600;  ///< wall clock of one page
+    unsigned jobs = 1;                                    ///< workers at a time, >= 1
+    double time_limit_seconds = 600;                      ///< wall clock of one page
+    std::uint64_t memory_bytes = std::uint64_t{8} << 30;  ///< address space of one worker; 0: no limit
 };
 
 struct PageOutcome {

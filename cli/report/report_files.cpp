@@ -12,12 +12,11 @@
 
 #include "dgm/hash.h"
 #include "model/codes.h"
+#include "pipeline/batch_runner.h"
 #include "pipeline/output_files.h"
-#include "pipeline/report_text.h"
 #include "pipeline/up_to_date.h"
 #include "report/html.h"
 #include "report/page_runner.h"
-#include "report/repeat_command.h"
 
 namespace dgm::report {
 namespace {
@@ -65,28 +64,32 @@ std::string page_key(const AssetPage& page) {
                               asset.dump(-1, ' ', false, json::error_handler_t::replace)));
 }
 
-bool has_map(const bake::AssetResult& result) {
-    return (result.outcome == bake::Outcome::kBaked || result.outcome == bake::Outcome::kUpToDate) &&
-           !result.files.empty();
+bool is_outcome(const json& asset, bake::Outcome outcome) {
+    return asset.at("outcome").get_ref<const std::string&>() == bake::name_of(outcome);
+}
+
+bool has_map(const json& asset) {
+    return (is_outcome(asset, bake::Outcome::kBaked) || is_outcome(asset, bake::Outcome::kUpToDate)) &&
+           !asset.at("files").empty() && asset.contains("report");
 }
 
 class Report {
  public:
-    Report(const fs::path& index_path, const bake::BatchPlan& plan, const bake::BatchOptions& batch,
-           const std::vector<bake::AssetResult>& results)
+    Report(const fs::path& index_path, const ReportToShow& shown, const PageLimits& limits)
         : folder_(index_path.parent_path() / kFolder),
           index_link_("../" + link_segment(index_path.filename().string())),
-          plan_(plan),
-          batch_(batch),
-          results_(results),
-          report_(json::parse(batch_report_json(plan, batch, results, bake::generator()))),
-          states_(results.size()) {}
+          report_(shown.report),
+          assets_(report_.at("assets")),
+          merged_(shown.merged),
+          limits_(limits),
+          states_(assets_.size()),
+          keys_(assets_.size()) {}
 
     HtmlReport write(const std::function<void(std::size_t, std::size_t)>& on_page) {
-        const bool interrupted = worst_exit(results_) == model::ExitCode::kInterrupted;
+        const bool interrupted = !merged_ && report_.at("exit_code") == static_cast<int>(model::ExitCode::kInterrupted);
         name_pages();
-        for (std::size_t k = 0; k < results_.size(); ++k)
-            if (has_map(results_[k])) prepare(k, !interrupted);
+        for (std::size_t k = 0; k < assets_.size(); ++k)
+            if (has_map(assets_[k])) prepare(k, !interrupted);
         if (!tasks_.empty()) {
             std::error_code error;
             fs::create_directories(folder_, error);
@@ -95,8 +98,7 @@ class Report {
                                    folder_.string());
         }
         run(on_page);
-        for (std::size_t k = 0; k < results_.size(); ++k)
-            if (has_map(results_[k])) take_head(k);
+        for (std::size_t k = 0; k < assets_.size(); ++k) take_head(k);
         out_.interrupted = out_.interrupted || interrupted;
         out_.index = index_page(report_, states_);
         return std::move(out_);
@@ -105,8 +107,8 @@ class Report {
  private:
     void name_pages() {
         std::set<std::string> taken;
-        for (const bake::PlannedAsset& asset : plan_.assets) {
-            const std::string name = page_name(asset.name);
+        for (const json& asset : assets_) {
+            const std::string name = page_name(asset.at("name").get<std::string>());
             std::string unique = name;
             for (int k = 2; !taken.insert(unique).second; ++k) unique = fmt::format("{}-{}", name, k);
             pages_.push_back(folder_ / (unique + ".html"));
@@ -114,11 +116,15 @@ class Report {
     }
 
     void prepare(std::size_t k, bool may_render) {
-        const bake::PlannedAsset& asset = plan_.assets[k];
+        const json& asset = assets_[k];
         PageTask task;
         task.final_path = pages_[k];
-        task.job.page = {report_["assets"][k],  asset.source, results_[k].files[0].path,
-                         repeat_command(asset), {},           index_link_};
+        task.job.page = {asset,
+                         asset.at("source").get<std::string>(),
+                         asset.at("files").at(0).at("path").get<std::string>(),
+                         asset.value("command", std::string()),
+                         {},
+                         index_link_};
         try {
             task.job.page.key = page_key(task.job.page);
         } catch (const model::Error& error) {
@@ -126,10 +132,9 @@ class Report {
             ++out_.failed;
             return;
         }
-        keys_.resize(results_.size());
         keys_[k] = task.job.page.key;
         const bool is_there = read_page_head(pages_[k]).key == keys_[k];
-        if (is_there && results_[k].outcome == bake::Outcome::kUpToDate) {
+        if (is_there && (merged_ || is_outcome(asset, bake::Outcome::kUpToDate))) {
             ++out_.kept;
             return;
         }
@@ -138,19 +143,19 @@ class Report {
             return;
         }
         task.job.output = bake::temporary_for(pages_[k]);
-        task.job.memory_bytes = batch_.memory_bytes;
+        task.job.memory_bytes = limits_.memory_bytes;
         asset_of_.push_back(k);
         tasks_.push_back(std::move(task));
     }
 
     void run(const std::function<void(std::size_t, std::size_t)>& on_page) {
         const auto at_once =
-            static_cast<unsigned>(std::clamp<std::size_t>(tasks_.size(), 1, std::max(1U, batch_.jobs)));
+            static_cast<unsigned>(std::clamp<std::size_t>(tasks_.size(), 1, std::max(1U, limits_.jobs)));
         const unsigned threads = std::max(1U, std::thread::hardware_concurrency() / at_once);
         for (PageTask& task : tasks_) task.job.threads = threads;
         std::size_t done = 0;
         const std::vector<PageOutcome> outcomes =
-            run_pages(tasks_, {at_once, batch_.time_limit_seconds}, [&](std::size_t) {
+            run_pages(tasks_, {at_once, limits_.time_limit_seconds, limits_.memory_bytes}, [&](std::size_t) {
                 if (on_page) on_page(++done, tasks_.size());
             });
         for (std::size_t t = 0; t < outcomes.size(); ++t) {
@@ -170,7 +175,7 @@ class Report {
     /// Links to the page if it shows what was baked; an older one must not pass for it.
     void take_head(std::size_t k) {
         const PageHead head = read_page_head(pages_[k]);
-        if (k >= keys_.size() || keys_[k].empty() || head.key != keys_[k]) return;
+        if (keys_[k].empty() || head.key != keys_[k]) return;
         states_[k].link = std::string(kFolder) + "/" + link_segment(pages_[k].filename().string());
         states_[k].thumbnail = head.thumbnail;
         states_[k].error_thumbnail = head.error_thumbnail;
@@ -178,13 +183,13 @@ class Report {
 
     fs::path folder_;
     std::string index_link_;
-    const bake::BatchPlan& plan_;
-    const bake::BatchOptions& batch_;
-    const std::vector<bake::AssetResult>& results_;
-    json report_;
+    const json& report_;
+    const json& assets_;
+    bool merged_;
+    PageLimits limits_;
     std::vector<PageState> states_;
-    std::vector<fs::path> pages_;
     std::vector<std::string> keys_;
+    std::vector<fs::path> pages_;
     std::vector<PageTask> tasks_;
     std::vector<std::size_t> asset_of_;
     HtmlReport out_;
@@ -212,10 +217,21 @@ PageHead read_page_head(const fs::path& page) {
     return {meta(head, "dgm-page"), thumbnail_in(head, "dgm-thumbnail"), thumbnail_in(head, "dgm-error-thumbnail")};
 }
 
-HtmlReport html_report(const fs::path& index_path, const bake::BatchPlan& plan, const bake::BatchOptions& batch,
-                       const std::vector<bake::AssetResult>& results,
+HtmlReport html_report(const fs::path& index_path, const ReportToShow& shown, const PageLimits& limits,
                        const std::function<void(std::size_t, std::size_t)>& on_page) {
-    return Report(index_path, plan, batch, results).write(on_page);
+    try {
+        return Report(index_path, shown, limits).write(on_page);
+    } catch (const json::exception& error) {
+        throw model::Error(model::codes::kInternal, std::string("the report cannot be shown: ") + error.what());
+    }
+}
+
+std::string report_in_index(std::string_view html) {
+    const std::size_t start = html.find(kReportStart);
+    if (start == std::string_view::npos) return {};
+    const std::string_view rest = html.substr(start + kReportStart.size());
+    const std::size_t end = rest.find(kReportEnd);
+    return end == std::string_view::npos ? std::string() : std::string(rest.substr(0, end));
 }
 
 }  // namespace dgm::report

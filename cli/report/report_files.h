@@ -9,9 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "pipeline/batch_plan.h"
-#include "pipeline/batch_runner.h"
+#include <nlohmann/json.hpp>
+
 #include "report/index_page.h"
+#include "report/page_runner.h"
 
 namespace dgm::report {
 
@@ -21,13 +22,25 @@ struct HtmlReport {
     bool interrupted = false;                    ///< by a signal: not all pages were made
 };
 
-/// Makes the pages that are not there yet and the index's text. A page stays if its asset was up to date and the page
-/// was made from the same contents by the same version. A page that cannot be made fails nothing: the index says why.
-/// Nothing is rendered after a batch that was interrupted. `on_page` is told how many of how many pages are done.
-/// @throws model::Error kWriteFailed if the folder for the pages cannot be made
-[[nodiscard]] HtmlReport html_report(const std::filesystem::path& index_path, const bake::BatchPlan& plan,
-                                     const bake::BatchOptions& batch, const std::vector<bake::AssetResult>& results,
+/// A report in words of its own (docs/schemas/report.schema.json) and what became of it.
+struct ReportToShow {
+    nlohmann::json report;
+    /// Put together from several: pages that show the same contents stay, whatever the run they were made in. Else a
+    /// newly baked asset gets a new page, for its times.
+    bool merged = false;
+};
+
+/// Makes the pages that are not there yet and the index's text. Meshes and maps are looked for where the report says,
+/// from the current folder. A page stays if its asset was up to date and the page was made from the same contents by
+/// the same version. A page that cannot be made fails nothing: the index says why. Nothing is rendered after a batch
+/// that was interrupted. `on_page` is told how many of how many pages are done.
+/// @throws model::Error kWriteFailed if the folder for the pages cannot be made, kInternal if it is no such report
+[[nodiscard]] HtmlReport html_report(const std::filesystem::path& index_path, const ReportToShow& shown,
+                                     const PageLimits& limits,
                                      const std::function<void(std::size_t done, std::size_t all)>& on_page);
+
+/// The report that an index carries with it, as JSON; empty if `html` is no index of ours.
+[[nodiscard]] std::string report_in_index(std::string_view html);
 
 /// "organs/liver.obj" -> "organs_liver.obj-3f2a9c01": a file name without surprises, another one for each name. Names
 /// that are safe already stay.

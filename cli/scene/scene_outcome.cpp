@@ -5,10 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "dgm/dgm_reader.h"
 #include "model/codes.h"
 #include "pipeline/option_names.h"
 #include "pipeline/report_text.h"
@@ -16,17 +15,8 @@
 namespace dgm::scene {
 namespace {
 
+using bake::bytes_text;
 using nlohmann::json;
-
-std::string bytes_text(double bytes) {
-    if (std::abs(bytes) < 10 * 1024) return fmt::format("{:.0f} B", bytes);
-    if (std::abs(bytes) < 10 * 1024 * 1024) return fmt::format("{:.0f} KiB", bytes / 1024);
-    return fmt::format("{:.1f} MiB", bytes / (1024 * 1024));
-}
-
-std::string bytes_text(std::uint64_t bytes) {
-    return bytes_text(static_cast<double>(bytes));
-}
 
 AssetOutcome outcome_of(const SceneAsset& asset, const bake::AssetResult& result) {
     AssetOutcome out;
@@ -41,12 +31,13 @@ AssetOutcome outcome_of(const SceneAsset& asset, const bake::AssetResult& result
     out.reached_percent = percent(goal.kind == bake::ErrorKind::kRms ? error.rms : error.hausdorff);
     const bake::OutputFile& file = result.files.front();
     out.file_bytes = file.bytes;
-    out.savings = savings(formats::read_dgm(file.path));
-    if (asset.touched) out.tick = measure_tick(file.path, asset.footprint, asset.reach);
+    const Asset baked = open_baked(file.path);
+    out.savings = savings(charts_of(baked));
+    if (asset.touched) out.tick = measure_tick(baked, asset.footprint, asset.reach);
     return out;
 }
 
-/// "stomach 1.2 MiB, liver 512 KiB": what takes most.
+/// "stomach 1.2 MB, liver 512.0 kB": what takes most.
 std::string largest_of(const std::vector<AssetOutcome>& assets) {
     constexpr std::size_t kShown = 3;
     std::vector<const AssetOutcome*> order;
@@ -97,7 +88,7 @@ std::string to_text(const Scene& scene, const SceneOutcome& outcome) {
         for (const Saving& step : asset.savings.steps)
             steps +=
                 fmt::format("{}{} {} {}", steps.empty() ? "" : "; ", step.choice, step.bytes >= 0 ? "saves" : "costs",
-                            bytes_text(std::abs(static_cast<double>(step.bytes))));
+                            bytes_text(static_cast<std::uint64_t>(std::abs(step.bytes))));
         if (!steps.empty()) out += "    " + steps + "\n";
         if (asset.tick)
             out += fmt::format("    tick {:.1f} us (p99 {:.1f}), {} samples in reach of {} steps, state {}\n",
@@ -114,18 +105,17 @@ std::string to_text(const Scene& scene, const SceneOutcome& outcome) {
     return out;
 }
 
-std::string with_scene(const std::string& batch_report, const Scene& scene, const SceneOutcome& outcome) {
-    nlohmann::ordered_json report = nlohmann::ordered_json::parse(batch_report);
-    nlohmann::ordered_json assets = json::array();
+void add_scene(json& report, const Scene& scene, const SceneOutcome& outcome) {
+    json assets = json::array();
     for (const AssetOutcome& asset : outcome.assets) {
         if (!asset.there) continue;
-        nlohmann::ordered_json one{{"name", asset.name},
-                                   {"bytes", asset.file_bytes},
-                                   {"error_kind", bake::name_of(bake::kErrorKindNames, asset.kind)},
-                                   {"asked_percent", asset.asked_percent},
-                                   {"reached_percent", asset.reached_percent},
-                                   {"one_size_bytes", asset.savings.one_size},
-                                   {"savings", json::array()}};
+        json one{{"name", asset.name},
+                 {"bytes", asset.file_bytes},
+                 {"error_kind", bake::name_of(bake::kErrorKindNames, asset.kind)},
+                 {"asked_percent", asset.asked_percent},
+                 {"reached_percent", asset.reached_percent},
+                 {"one_size_bytes", asset.savings.one_size},
+                 {"savings", json::array()}};
         for (const Saving& step : asset.savings.steps)
             one["savings"].push_back({{"choice", step.choice}, {"bytes", step.bytes}});
         if (asset.tick)
@@ -141,7 +131,6 @@ std::string with_scene(const std::string& batch_report, const Scene& scene, cons
                        {"over_budget", outcome.over_budget.has_value()},
                        {"warnings", outcome.warnings},
                        {"assets", std::move(assets)}};
-    return report.dump(2) + '\n';
 }
 
 }  // namespace dgm::scene

@@ -2,6 +2,7 @@
 // cli/scene/scene_outcome.h
 // What a scene's bake came to: bytes against one size for all, ticks against the budget.
 #pragma once
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,7 +42,7 @@ struct SceneOutcome {
 /// A few lines for people, with a line end each.
 [[nodiscard]] std::string to_text(const Scene& scene, const SceneOutcome& outcome);
 
-/// The batch report with the outcome as its key "scene".
-[[nodiscard]] std::string with_scene(const std::string& batch_report, const Scene& scene, const SceneOutcome& outcome);
+/// Puts the outcome into a batch report as its key "scene".
+void add_scene(nlohmann::json& batch_report, const Scene& scene, const SceneOutcome& outcome);
 
 }  // namespace dgm::scene

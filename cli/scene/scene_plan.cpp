@@ -174,11 +174,16 @@ std::string plan_text(const Scene& scene) {
     return out;
 }
 
-Savings savings(const model::MapSet& baked) {
+const BakedLayer* BakedChart::find(std::string_view name) const {
+    const auto found = std::find_if(layers.begin(), layers.end(), [&](const BakedLayer& l) { return l.name == name; });
+    return found == layers.end() ? nullptr : &*found;
+}
+
+Savings savings(const std::vector<BakedChart>& charts) {
     constexpr std::uint64_t kOneSize = 257, kF32 = 12, kU16 = 6;
     Savings out;
     std::uint64_t largest = 1;
-    for (const model::Chart& chart : baked.charts) largest = std::max<std::uint64_t>({largest, chart.rows, chart.cols});
+    for (const BakedChart& chart : charts) largest = std::max<std::uint64_t>({largest, chart.rows, chart.cols});
     const double grow =
         static_cast<double>(kOneSize - 1) / static_cast<double>(std::max<std::uint64_t>(1, largest - 1));
     const auto scaled = [&](std::uint32_t side) {
@@ -188,17 +193,17 @@ Savings savings(const model::MapSet& baked) {
     std::set<std::string> dropped;
     std::string grid, texture;
     bool u16 = false;
-    for (const model::Chart& chart : baked.charts) {
+    for (const BakedChart& chart : charts) {
         out.one_size += sum(one_size_bytes(scaled(chart.rows), scaled(chart.cols), kF32));
         at_grid += sum(one_size_bytes(chart.rows, chart.cols, kF32));
-        const model::Layer* geometry = chart.find("geometry");
-        const bool half = geometry != nullptr && geometry->type == model::ElementType::kU16;
+        const BakedLayer* geometry = chart.find("geometry");
+        const bool half = geometry != nullptr && geometry->type == layout::ElementType::kU16;
         u16 = u16 || half;
         ChartBytes bytes = one_size_bytes(chart.rows, chart.cols, half ? kU16 : kF32);
         at_precision += sum(bytes);
         for (auto& [name, size] : bytes.others)
             if (chart.find(name) == nullptr) dropped.insert(name), size = 0;
-        const model::Layer* picture = chart.find("texture");
+        const BakedLayer* picture = chart.find("texture");
         if (picture == nullptr) dropped.insert("texture"), bytes.texture = 0;
         at_layers += sum(bytes);
         if (chart.rows == largest || chart.cols == largest) {
@@ -206,7 +211,7 @@ Savings savings(const model::MapSet& baked) {
             if (picture != nullptr && picture->shape.size() >= 2)
                 texture = size_text(picture->shape[0], picture->shape[1]);
         }
-        for (const model::Layer& layer : chart.layers) out.bytes += layer.bytes.size();
+        for (const BakedLayer& layer : chart.layers) out.bytes += layer.bytes;
     }
     const auto step = [&](const std::string& choice, std::uint64_t before, std::uint64_t after) {
         const auto saved = static_cast<std::int64_t>(before) - static_cast<std::int64_t>(after);

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "model/map_set.h"
+#include <dgm/layout.h>
+
 #include "pipeline/bake_options.h"
 #include "pipeline/batch_plan.h"
 #include "scene/scene_file.h"
@@ -48,8 +50,21 @@ struct Savings {
     std::vector<Saving> steps;   ///< one_size - bytes in parts; steps of nothing are left out
 };
 
+/// What is baked of a chart, as the file's index has it.
+struct BakedLayer {
+    std::string name;
+    layout::ElementType type = layout::ElementType::kU8;
+    std::vector<std::uint64_t> shape;
+    std::uint64_t bytes = 0;
+};
+struct BakedChart {
+    std::uint32_t rows = 0, cols = 0;
+    std::vector<BakedLayer> layers;
+    [[nodiscard]] const BakedLayer* find(std::string_view name) const;
+};
+
 /// The baseline is computed, not baked: design section 4 says what each layer takes, smaller charts get fewer samples
 /// as they did, textures two pixels a grid step where the asset has a texture, bump (2m-1) x (2n-1).
-[[nodiscard]] Savings savings(const model::MapSet& baked);
+[[nodiscard]] Savings savings(const std::vector<BakedChart>& charts);
 
 }  // namespace dgm::scene

@@ -18,8 +18,8 @@ namespace dgm::scene {
 namespace {
 
 template <class T>
-T value_of(Result<T> result, const std::filesystem::path& dgm) {
-    if (!result) throw model::Error(model::codes::kInternal, result.error().message, dgm.string());
+T value_of(Result<T> result) {
+    if (!result) throw model::Error(model::codes::kInternal, result.error().message);
     return std::move(result.value());
 }
 
@@ -37,29 +37,48 @@ dgm::Footprint runtime_footprint(Footprint footprint) {
 
 }  // namespace
 
-TickTime measure_tick(const std::filesystem::path& dgm, Footprint footprint, Reach reach) {
+Asset open_baked(const std::filesystem::path& dgm) {
+    auto asset = Asset::open(dgm.string().c_str());
+    if (!asset) throw model::Error(model::codes::kInternal, asset.error().message, dgm.string());
+    return std::move(asset.value());
+}
+
+std::vector<BakedChart> charts_of(const Asset& asset) {
+    std::vector<BakedChart> out;
+    for (std::uint32_t c = 0; c < asset.chart_count(); ++c) {
+        const Chart chart = value_of(asset.chart(c));
+        BakedChart& baked = out.emplace_back(BakedChart{chart.rows(), chart.cols(), {}});
+        for (std::uint32_t k = 0; k < chart.layer_count(); ++k) {
+            const LayerView layer = value_of(chart.layer(k));
+            baked.layers.push_back({layer.name, layer.type, {layer.shape, layer.shape + layer.rank}, layer.bytes});
+        }
+    }
+    return out;
+}
+
+TickTime measure_tick(const Asset& asset, Footprint footprint, Reach reach) {
     constexpr std::uint32_t kTicks = 2000, kWarmUp = 200;
-    const Asset asset = value_of(Asset::open(dgm.string().c_str()), dgm);
     std::uint32_t largest = 0, samples = 0;
     for (std::uint32_t c = 0; c < asset.chart_count(); ++c) {
-        const Chart chart = value_of(asset.chart(c), dgm);
+        const Chart chart = value_of(asset.chart(c));
         if (chart.sample_count() > samples) samples = chart.sample_count(), largest = c;
     }
-    const Chart chart = value_of(asset.chart(largest), dgm);
+    const Chart chart = value_of(asset.chart(largest));
     StateOptions options{.max_reach = kMaxReach, .metric = footprint == Footprint::kMetric, .max_tools = 1};
     const auto box = chart.bbox();
     const double diagonal = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
-    const double mean_step = value_of(State::create(chart, {.max_reach = 1}), dgm).mean_step();
+    // A step's length is a state's to tell, and the memory of the one that is timed follows from the reach in steps.
+    const double mean_step = value_of(State::create(chart, {.max_reach = 1})).mean_step();
     const double radius = reach.percent ? reach.value / 100 * diagonal : reach.value;
     const double steps = mean_step > 0 ? std::ceil(radius / mean_step) : 1;
     TickTime out;
     out.reach = static_cast<std::uint32_t>(std::clamp(steps, 2.0, static_cast<double>(kMaxReach)));
     options.max_reach = out.reach;
-    State state = value_of(State::create(chart, options), dgm);
+    State state = value_of(State::create(chart, options));
     out.state_bytes = state.usage().bytes;
     const float width = static_cast<float>(out.reach) / 2.5F;
     const DeformTable table =
-        value_of(DeformTable::create({.end = KernelEnd::Compact, .sigma = width * width, .reach = out.reach}), dgm);
+        value_of(DeformTable::create({.end = KernelEnd::Compact, .sigma = width * width, .reach = out.reach}));
     TickOptions tick_options;
     tick_options.d_max = static_cast<float>(mean_step) * 2;
     tick_options.footprint = runtime_footprint(footprint);
@@ -80,7 +99,7 @@ TickTime measure_tick(const std::filesystem::path& dgm, Footprint footprint, Rea
         const auto start = std::chrono::steady_clock::now();
         const auto done = tick(state, table, tick_options, {&tool, 1}, {&touched, 1});
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        if (!done) throw model::Error(model::codes::kInternal, done.error().message, dgm.string());
+        if (!done) throw model::Error(model::codes::kInternal, done.error().message);
         out.samples = std::max(out.samples, done.value().samples);
         if (t >= kWarmUp) times.push_back(seconds.count());
     }

@@ -2,10 +2,14 @@
 // cli/scene/tick_time.h
 // What touching a baked asset costs a haptic loop.
 #pragma once
+#include <dgm/asset.h>
+
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "scene/scene_file.h"
+#include "scene/scene_plan.h"
 
 namespace dgm::scene {
 
@@ -17,9 +21,15 @@ struct TickTime {
     std::uint64_t state_bytes = 0;
 };
 
-/// Opens the file and lets a tool press into its largest chart along a random walk over the samples, 2,000 ticks, the
+/// A file that the runtime has mapped. @throws model::Error kInternal if it refuses it
+[[nodiscard]] Asset open_baked(const std::filesystem::path& dgm);
+
+/// Its charts and layers: nothing but the index is read.
+[[nodiscard]] std::vector<BakedChart> charts_of(const Asset& asset);
+
+/// Lets a tool press into the largest chart along a random walk over the samples, 2,000 ticks, the
 /// first 200 not counted. A figure of this machine at this moment, not a verdict.
-/// @throws model::Error kInternal if the runtime refuses the file
-[[nodiscard]] TickTime measure_tick(const std::filesystem::path& dgm, Footprint footprint, Reach reach);
+/// @throws model::Error kInternal if the runtime refuses the chart
+[[nodiscard]] TickTime measure_tick(const Asset& asset, Footprint footprint, Reach reach);
 
 }  // namespace dgm::scene

@@ -27,8 +27,13 @@ using model::Chart;
 using model::Layer;
 using model::MapSet;
 
-/// Up to so many layers each starts on a page of its own; beyond, padding would outweigh the data.
-constexpr std::size_t kMaxPagedLayers = 64;
+/// Layers start on pages of their own where that costs little: with so many pages a layer, on average, the padding,
+/// half a page a layer, is a thirty-second of the data.
+constexpr std::uint64_t kPagesToAlign = 16;
+constexpr std::size_t kMaxPagedLayers = 64;  ///< charts by the thousand are packed, whatever they hold
+
+/// HDF5 takes room for its own structures in blocks; what is left of the last one is lost.
+constexpr hsize_t kMetadataBlock = 16384, kSmallMetadataBlock = 4096;
 
 [[noreturn]] void refuse(const std::string& message, const std::string& place) {
     throw model::Error(codes::kBadLayerShape, message, place);
@@ -90,7 +95,8 @@ Index plan_index(const MapSet& maps) {
 class H5Writer {
  public:
     /// @param smallest  bytes of the smallest layer that has any
-    H5Writer(const fs::path& path, std::size_t layer_count, std::uint64_t smallest)
+    /// @param all       bytes of all layers together
+    H5Writer(const fs::path& path, std::size_t layer_count, std::uint64_t smallest, std::uint64_t all)
         : check_{codes::kWriteFailed, path.string()} {
         const H5Handle creation = check_.handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
         check_.done(H5Pset_userblock(creation, layout::kUserBlockBytes), "set the user block");
@@ -100,10 +106,11 @@ class H5Writer {
         const H5Handle access = check_.handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
         check_.done(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110), "pin the version");
         // HDF5 aligns what is at least as large as a threshold, metadata too: below the smallest layer it stays packed.
-        const bool paged = layer_count <= kMaxPagedLayers;
+        const bool paged =
+            layer_count <= kMaxPagedLayers && all >= kPagesToAlign * layout::kUserBlockBytes * layer_count;
         check_.done(H5Pset_alignment(access, smallest, paged ? layout::kUserBlockBytes : layout::kMinAlignment),
                     "align");
-        check_.done(H5Pset_meta_block_size(access, 16384), "set the block size");
+        check_.done(H5Pset_meta_block_size(access, paged ? kMetadataBlock : kSmallMetadataBlock), "set the block size");
         file_ = check_.handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), "create the file");
 
         group_creation_ = check_.handle(H5Pcreate(H5P_GROUP_CREATE), "make a property list");
@@ -284,10 +291,12 @@ void write_file(const MapSet& maps, Index index, const fs::path& path) {
     std::uint64_t index_offset = sizeof(layout::FileHeader);
     std::vector<std::byte> records;
     {
-        std::uint64_t smallest = fits ? std::numeric_limits<std::uint64_t>::max() : records_bytes;
-        for (const layout::LayerRecord& layer : index.layers)
+        std::uint64_t smallest = fits ? std::numeric_limits<std::uint64_t>::max() : records_bytes, all = 0;
+        for (const layout::LayerRecord& layer : index.layers) {
             if (layer.bytes > 0) smallest = std::min(smallest, layer.bytes);
-        H5Writer writer(path, index.layers.size(), smallest);
+            all += layer.bytes;
+        }
+        H5Writer writer(path, index.layers.size(), smallest, all);
         writer.write_root(maps);
         for (std::size_t k = 0; k < maps.charts.size(); ++k)
             writer.write_chart(

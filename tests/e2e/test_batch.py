@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import unittest
+from pathlib import Path
 
 import meshes
 import support
@@ -161,6 +162,26 @@ class Batch(support.Folder):
         self.assertEqual(timeless(all_report)["assets"], timeless(local_report)["assets"])
         for key in ("exit_code", "summary", "run", "generator", "report_version"):
             self.assertEqual(all_report[key], local_report[key], key)
+
+    def test_parallel_as_the_manual_says(self):
+        """The line of docs/clusters.md, without its other hosts."""
+        if not shutil.which("parallel"):
+            self.skipTest("there is no GNU parallel")
+        self.fill(4)
+        self.bake_well("in", "-o", "local", *SIZE)
+        line = next(l for l in (Path(__file__).resolve().parents[2] / "docs" / "clusters.md").read_text(encoding="utf-8").splitlines()
+                    if l.startswith("parallel "))
+        line = line.replace("-S host1,host2 ", "").replace("dgm-bake models/", f"{support.BAKE} in/ {' '.join(SIZE)}")
+        result = subprocess.run(["bash", "-c", line], cwd=self.folder, capture_output=True, text=True, check=False,
+                                env={**os.environ, "PARALLEL_HOME": str(self.folder)})
+        self.assertEqual(result.returncode, 0, result.stderr)
+        parts = sorted(p.name for p in self.folder.glob("part*.json"))
+        self.assertEqual(len(parts), 8)
+        self.assertEqual(self.bake("--merge-reports", *parts, "-o", "all.json").returncode, 0)
+        self.assertEqual([a["outcome"] for a in self.report("all.json")["assets"]], ["baked"] * 4)
+        for file in (self.folder / "local").rglob("*.dgm"):
+            twin = self.folder / "baked" / file.relative_to(self.folder / "local")
+            self.assertEqual(twin.read_bytes(), file.read_bytes(), file)
 
     def test_a_second_try_replaces_the_first(self):
         if not support.FAULTY_BAKE:

@@ -104,6 +104,7 @@ class Bench(Folder):
         self.assertLess(ticks["smooth force"]["force_jump"], ticks["paper"]["force_jump"])
         recorded = ticks["recorded path"]
         self.assertAlmostEqual(recorded["hit_share"], 2 / 3, delta=0.01)  # two of its three points are below the sheet
+        self.assertEqual({row["path"] for row in tables["tracking"]}, {"stroke", "random", "recorded"})
         tracking = {(row["search"], row["a"], row["path"]): row["missed_share"] for row in tables["tracking"]}
         self.assertEqual(tracking["window, certified", "4", "random"], 0)
         self.assertEqual(tracking["pyramid", "", "random"], 0)
@@ -113,6 +114,18 @@ class Bench(Folder):
         self.assertLess(levels["4"]["triangles"], levels["1"]["triangles"] / 4)
         kernels = {(row["way"], row["entries"]): row["error"] for row in tables["kernels"]}
         self.assertLess(kernels["table, linear", "1024"], kernels["table, nearest", "1024"] / 10)
+
+    def test_its_own_recording_presses_any_mesh(self):
+        self.bench("run", SHEET, "--sizes", "81", "--ticks", "4000", "-o", "out")
+        table = self.read("out/run.json")["tables"][0]
+        rows = [dict(zip([c["key"] for c in table["columns"]], row)) for row in table["rows"]]
+        recorded = next(row for row in rows if row["path"] == "recorded")
+        # The share of the lines of samples/paths/recorded_touch.csv that are below the surface.
+        lines = (Path(__file__).resolve().parents[2] / "samples/paths/recorded_touch.csv").read_text().splitlines()[1:]
+        below = sum(float(line.split(",")[3]) < 0 for line in lines) / len(lines)
+        self.assertGreater(below, 0.2)
+        self.assertAlmostEqual(recorded["hit_share"], below, delta=0.1)
+        self.assertEqual(recorded["wrong_nearest"], 0)
 
     def look_at_page(self, page):
         self.assertLess(page.stat().st_size, 2 << 20)

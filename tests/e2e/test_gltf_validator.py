@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Khronos' glTF validator finds nothing in exported files. Needs node and its package gltf-validator, by NODE_PATH or
-in a folder where node looks (npm install gltf-validator); is skipped without them."""
+"""Khronos' glTF validator finds nothing in exported files. Needs node and its package gltf-validator: by NODE_PATH, where
+node looks, or from npm, which then puts it into the build folder; is skipped, and says why, without them."""
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import unittest
 import meshes
 import support
 
+PACKAGE = "gltf-validator@2.0.0-dev.3.10"
 SCRIPT = """
 const validator = require('gltf-validator'), fs = require('fs');
 validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1])))
@@ -21,8 +23,27 @@ def missing():
     """What is not there, or None."""
     if shutil.which("node") is None:
         return "there is no node"
+    if node_finds_it():
+        return None
+    folder = os.environ.get("DGM_NODE_FOLDER")
+    if not folder or shutil.which("npm") is None:
+        return "node does not find gltf-validator, and there is no npm to fetch it; set NODE_PATH"
+    os.environ["NODE_PATH"] = os.path.join(folder, "node_modules")
+    if node_finds_it():
+        return None
+    try:
+        fetched = subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", folder, PACKAGE],
+                                 capture_output=True, text=True, timeout=120, check=False)
+    except subprocess.TimeoutExpired:
+        return "npm does not answer"
+    if node_finds_it():
+        return None
+    return f"npm could not fetch {PACKAGE}: {fetched.stderr.strip()[-300:]}"
+
+
+def node_finds_it():
     found = subprocess.run(["node", "-e", "require('gltf-validator')"], capture_output=True, timeout=60, check=False)
-    return None if found.returncode == 0 else "node does not find gltf-validator; set NODE_PATH"
+    return found.returncode == 0
 
 
 class GltfValidator(support.Folder):

@@ -161,6 +161,33 @@ class Report(support.Folder):
         self.assertEqual([p.name for p in self.pages()], ["real-ball.obj.html"])
         self.assertEqual([n for n in self.names() if ".tmp" in n], [])
 
+    def test_shards_become_one_index(self):
+        """Parts bake without pages; the merge makes them, once, and takes indices as well as JSON."""
+        self.bake_three()
+        whole = (self.folder / "out" / "index.html").read_text(encoding="utf-8")
+        names = [p.name for p in self.pages()]
+        shutil.rmtree(self.folder / "out")
+        for k in (1, 2):
+            self.bake("in", "-o", "out/", *SIZE, "--shard", f"{k}/2", "--report", f"part{k}.json")
+        merged = self.bake("--merge-reports", "part1.json", "part2.json", "-o", "out/index.html")
+        self.assertEqual(merged.returncode, 3, merged.stderr)  # the band, as in the whole batch
+        self.assertIn("2 pages made, 0 kept, 0 failed", merged.stdout)
+        self.assertEqual([p.name for p in self.pages()], names)
+        seen = lambda text: re.findall(r'<a href="(assets/[^"]+)">|<h3>(.*?)</h3>', text)
+        self.assertEqual(seen((self.folder / "out" / "index.html").read_text(encoding="utf-8")), seen(whole))
+        self.assertEqual(len(seen(whole)), 3)
+        again = self.bake("--merge-reports", "out/index.html", "part1.json", "-o", "out/index.html")
+        self.assertEqual(again.returncode, 3, again.stderr)
+        self.assertIn("0 pages made, 2 kept, 0 failed", again.stdout)
+        # The pages say how to bake each mesh again, which the merge knows from the parts.
+        self.assertIn("dgm-bake in/ball.obj -o out/ball.dgm", (self.folder / "out/assets/ball.obj.html").read_text("utf-8"))
+        # Where the maps are not, the index says so and stands.
+        shutil.rmtree(self.folder / "out")
+        bare = self.bake("--merge-reports", "part1.json", "part2.json", "-o", "index.html")
+        self.assertEqual(bare.returncode, 3, bare.stderr)
+        self.assertIn("0 pages made, 0 kept, 2 failed", bare.stdout)
+        self.assertIn("no page: ", (self.folder / "index.html").read_text(encoding="utf-8"))
+
     def test_ctrl_c_while_pages_are_made(self):
         for k in range(8):
             meshes.write_obj(self.folder / f"m{k}.obj", meshes.sheet(12 + k))

@@ -99,7 +99,7 @@ class SceneFiles(support.Folder):
         result = self.bake()
         self.assertEqual(result.returncode, 3)
         self.assertIn("DGM3010", result.stderr)
-        self.assertIn("4096 B", result.stderr)
+        self.assertIn("4.1 kB", result.stderr)
         self.assertTrue((self.folder / "out" / "torus.dgm").exists(), "each asset holds what it was asked for")
 
     def test_tolerance_out_of_reach_is_one_failed_asset(self):

@@ -39,11 +39,11 @@ TEST(Recommend, NamesTheCheapestThatHoldsAndWhatOthersNeed) {
     EXPECT_EQ(
         recommend(sweep(), "x.obj"),
         (std::vector<std::string>{
-            "x.obj: for 0.2 % rms use 65x65 stretch f32 fit l2: 0.30 MB, 0.500 s CPU; arap needs 257x257; slim "
+            "x.obj: for 0.2 % rms use 65x65 stretch f32 fit l2: 300.0 kB, 0.500 s CPU; arap needs 257x257; slim "
             "needs at most 257x257; lscm does not reach it on the grids tried",
-            "x.obj: for 0.05 % rms use 129x129 stretch u16 fit l2: 0.31 MB, 0.900 s CPU; arap needs 257x257; "
+            "x.obj: for 0.05 % rms use 129x129 stretch u16 fit l2: 310.0 kB, 0.900 s CPU; arap needs 257x257; "
             "lscm and slim do not reach it on the grids tried",
-            "x.obj: for 0.02 % rms use 257x257 stretch f32 fit l2: 2.40 MB, 3.00 s CPU; arap, lscm and slim do not "
+            "x.obj: for 0.02 % rms use 257x257 stretch f32 fit l2: 2.4 MB, 3.00 s CPU; arap, lscm and slim do not "
             "reach it on the grids tried"}));
     EXPECT_TRUE(recommend(sweep(), "y.obj").empty());
 }
@@ -57,10 +57,17 @@ TEST(BakePoints, OneChoiceAtATimeAndThePaper) {
     EXPECT_EQ(has(paper_point()), 1);
     EXPECT_EQ(has(default_point()), 1);
     for (const std::uint32_t side : o.sizes) EXPECT_EQ(has({"auto", side, "f32", "l2", "all"}), 1);
-    EXPECT_EQ(has({"arap", 257, "f32", "l2", "all"}), 1);
-    EXPECT_EQ(has({"arap", 257, "u16", "l2", "all"}), 0);
-    EXPECT_EQ(points.size(), 4U + 2 + 2 + 2 + 1);  // sizes, arap, best and u16 at 65 and 257, the paper's
-    o.full = true;
+    EXPECT_EQ(has({"arap", 129, "f32", "l2", "all"}), 1);
+    EXPECT_EQ(has({"arap", 129, "u16", "l2", "all"}), 0);
+    EXPECT_EQ(has({"arap", 257, "f32", "l2", "all"}), 0);
+    EXPECT_EQ(points.size(), 4U + 2 + 2 + 2 + 1);  // sizes, arap, best and u16 at 65 and 129, the paper's
+    o.sizes = {33};
+    EXPECT_EQ(plan_points(o).size(), 1U + 1 + 1 + 1 + 1);
+    EXPECT_EQ(repetitions_of({"auto", 257, "f32", "l2", "all"}, 7), 7U);
+    EXPECT_EQ(repetitions_of({"auto", 513, "f32", "l2", "all"}, 7), 3U);
+    EXPECT_EQ(repetitions_of({"auto", 513, "f32", "l2", "all"}, 1), 1U);
+    EXPECT_EQ(repetitions_of({"auto", 1025, "f32", "l2", "all"}, 7), 1U);
+    o.full = true, o.sizes = {33, 65, 129, 257};
     EXPECT_EQ(plan_points(o).size(), 2U * 4 * 2 * 2 + 1);
 }
 

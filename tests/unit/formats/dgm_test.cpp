@@ -27,6 +27,7 @@ using dgm::layout::LayerRecord;
 using dgm::model::Error;
 using dgm::model::MapSet;
 using dgm::test::code_of;
+using dgm::test::random_chart;
 using dgm::test::random_maps;
 using dgm::test::read_bytes;
 using dgm::test::TempFolder;
@@ -108,17 +109,23 @@ TEST(DgmFile, HoldsTwoThousandCharts) {
 
 TEST(DgmFile, LayersStandAtTheirOffsetsAligned) {
     const TempFolder folder;
-    for (const std::size_t charts : {1u, 8u}) {
-        const MapSet maps = random_maps(11, charts);
+    MapSet large;
+    dgm::test::Random random(12);
+    large.charts.push_back(random_chart(random, {.rows = 301, .cols = 299}));
+    for (const MapSet& maps : {random_maps(11, 1), random_maps(11, 8), large}) {
         write_dgm(maps, folder / "a.dgm");
         const std::string bytes = read_bytes(folder / "a.dgm");
         const std::vector<LayerRecord> records = layers_of(bytes);
-        std::size_t next = 0;
+        std::size_t next = 0, all = 0;
+        for (const LayerRecord& record : records) all += record.bytes;
+        const std::size_t alignment = all >= 16 * 4096 * records.size() && records.size() <= 64 ? 4096 : 64;
+        EXPECT_EQ(alignment, maps.charts[0].rows == 301 ? 4096U : 64U);
+        EXPECT_LT(bytes.size(), 4096 + all + alignment * records.size() + 40'000 + 2000 * records.size()) << "padding";
         for (const auto& chart : maps.charts)
             for (const auto& layer : chart.layers) {
                 const LayerRecord& record = records[next++];
                 ASSERT_EQ(std::string(record.name), layer.name);
-                EXPECT_EQ(record.offset % (records.size() <= 64 ? 4096 : 64), 0u);
+                EXPECT_EQ(record.offset % alignment, 0u);
                 ASSERT_LE(record.offset + layer.bytes.size(), bytes.size());
                 const auto stored = std::as_bytes(std::span(bytes)).subspan(record.offset, layer.bytes.size());
                 EXPECT_TRUE(std::equal(stored.begin(), stored.end(), layer.bytes.begin()));
@@ -229,10 +236,17 @@ TEST(DgmFile, ImpossibleRecordsAreRefused) {
                   r.flags = dgm::layout::kLayerRequired;
               }),
               codes::kUnknownLayer.number);
-    // Another layer's bytes, with a hash that fits: HDF5 still knows better.
-    const LayerRecord first = layers_of(good)[0];
+    // Other bytes that no other layer holds, with a hash that fits: HDF5 still knows better.
+    const auto is_free = [&](std::uint64_t begin, std::uint64_t end) {
+        const std::vector<LayerRecord> layers = layers_of(good);
+        return std::none_of(layers.begin(), layers.end(), [&](const LayerRecord& l) {
+            return l.bytes > 0 && std::string(l.name) != "normal" && begin < l.offset + l.bytes && l.offset < end;
+        });
+    };
     EXPECT_EQ(code_with([&](LayerRecord& r) {
-                  r.offset = first.offset + 4096 * ((first.bytes + 4095) / 4096) + 64 * 5;
+                  do r.offset += 64;  // over its own end, at least
+                  while (!is_free(r.offset, r.offset + r.bytes));
+                  if (r.offset + r.bytes > good.size()) throw std::logic_error("no room beside the layers");
                   const auto hash = dgm::formats::hash_bytes(std::as_bytes(std::span(good.data() + r.offset, r.bytes)));
                   std::copy(hash.begin(), hash.end(), r.hash);
               }),

@@ -66,19 +66,17 @@ TEST(ScenePlan, AsksForTheSmallestFileThatHoldsTheWishes) {
     EXPECT_EQ(bake_options(asset).precision, bake::Precision::kU16);
 }
 
-model::Layer layer(const char* name, model::ElementType type, std::vector<std::uint64_t> shape, std::size_t element) {
+BakedLayer layer(const char* name, layout::ElementType type, std::vector<std::uint64_t> shape, std::size_t element) {
     std::uint64_t count = 1;
     for (const std::uint64_t s : shape) count *= s;
-    return {name, type, std::move(shape), std::vector<std::byte>(count * element), {}, false};
+    return {name, type, std::move(shape), count * element};
 }
 
 TEST(ScenePlan, SavingsAddUp) {
-    model::MapSet baked;
-    model::Chart& chart = baked.charts.emplace_back();
-    chart.rows = chart.cols = 129;
-    chart.layers.push_back(layer("geometry", model::ElementType::kU16, {129, 129, 3}, 2));
-    chart.layers.push_back(layer("normal", model::ElementType::kI16, {129, 129, 2}, 2));
-    const Savings s = savings(baked);
+    BakedChart chart{129, 129, {}};
+    chart.layers.push_back(layer("geometry", layout::ElementType::kU16, {129, 129, 3}, 2));
+    chart.layers.push_back(layer("normal", layout::ElementType::kI16, {129, 129, 2}, 2));
+    const Savings s = savings({chart});
     // By hand, per sample of 257 x 257: 12 + 4 + 16 + 8 + cover 4; texture and bump 513 x 513 x (4 + 2);
     // boxes 32^2 + 16^2 + ... + 1 = 1365 of 24 bytes; 256^2 diagonals.
     EXPECT_EQ(s.one_size, 66049U * 44 + 263169U * 6 + 1365U * 24 + 65536U);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/report/repeat_command.cpp
-#include "report/repeat_command.h"
+// cli/pipeline/repeat_command.cpp
+#include "pipeline/repeat_command.h"
 
 #include <fmt/format.h>
 
@@ -9,11 +9,10 @@
 
 #include "pipeline/option_names.h"
 
-namespace dgm::report {
+namespace dgm::bake {
 namespace {
-using bake::BakeOptions;
 
-std::string size_text(const bake::GridSize& size) {
+std::string size_text(const GridSize& size) {
     return fmt::format("{}x{}", size.rows, size.cols);
 }
 
@@ -26,15 +25,15 @@ std::string file_word(const std::filesystem::path& path) {
 void add_grid(const BakeOptions& options, std::string& out) {
     const bool has_goal = options.max_error || options.budget_bytes;
     if (options.auto_samples) {
-        if (!has_goal || *options.auto_samples != bake::kLargestSearched)
+        if (!has_goal || *options.auto_samples != kLargestSearched)
             out += fmt::format(" --size auto:{}", *options.auto_samples);
-    } else if (has_goal || options.size != bake::GridSize{}) {
+    } else if (has_goal || options.size != GridSize{}) {
         out += " --size " + size_text(options.size);
     }
     if (options.max_error) {
         out += fmt::format(" --max-error {}{}", options.max_error->value, options.max_error->percent ? "%" : "");
-        if (options.max_error->kind != bake::ErrorKind::kRms)
-            out += fmt::format(" --max-error-kind {}", name_of(bake::kErrorKindNames, options.max_error->kind));
+        if (options.max_error->kind != ErrorKind::kRms)
+            out += fmt::format(" --max-error-kind {}", name_of(kErrorKindNames, options.max_error->kind));
     }
     if (options.budget_bytes) out += fmt::format(" --budget {}", *options.budget_bytes);
 }
@@ -57,26 +56,29 @@ std::string shell_word(std::string_view text) {
     return out + "'";
 }
 
-std::string repeat_command(const bake::PlannedAsset& asset) {
+std::string repeat_command(const PlannedAsset& asset) {
     const BakeOptions &options = asset.options, defaults;
     std::string out = "dgm-bake " + file_word(asset.source);
     out += " -o " + file_word((asset.dgm.empty() ? asset.exr : asset.dgm).lexically_normal());
     if (!asset.dgm.empty() && !asset.exr.empty()) out += " --format dgm,exr";
     add_grid(options, out);
     if (options.precision != defaults.precision)
-        out += fmt::format(" --precision {}", name_of(bake::kPrecisionNames, options.precision));
+        out += fmt::format(" --precision {}", name_of(kPrecisionNames, options.precision));
     if (!options.layers.empty()) out += " --layers " + joined(options.layers);
     if (!options.texture.empty()) out += " --texture " + file_word(options.texture);
     if (options.texture_size) out += " --texture-size " + size_text(*options.texture_size);
     if (options.bump_size) out += " --bump-size " + size_text(*options.bump_size);
     if (options.exr_layout != defaults.exr_layout)
-        out += fmt::format(" --exr-layout {}", name_of(bake::kExrLayoutNames, options.exr_layout));
+        out += fmt::format(" --exr-layout {}", name_of(kExrLayoutNames, options.exr_layout));
     if (options.method != defaults.method) out += " --method " + shell_word(options.method);
-    if (options.domain != defaults.domain)
-        out += fmt::format(" --domain {}", name_of(bake::kDomainNames, options.domain));
-    if (options.fit != defaults.fit) out += fmt::format(" --fit {}", name_of(bake::kFitNames, options.fit));
+    if (options.domain != defaults.domain) out += fmt::format(" --domain {}", name_of(kDomainNames, options.domain));
+    if (options.fit != defaults.fit) out += fmt::format(" --fit {}", name_of(kFitNames, options.fit));
     if (!options.ablate.empty()) out += " --ablate " + joined(options.ablate);
     return out;
 }
 
-}  // namespace dgm::report
+std::string repeat_scene_command(const std::filesystem::path& scene, const std::filesystem::path& folder) {
+    return "dgm-bake " + file_word(scene) + " -o " + file_word(folder.lexically_normal());
+}
+
+}  // namespace dgm::bake

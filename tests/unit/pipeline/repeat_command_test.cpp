@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "report/repeat_command.h"
+#include "pipeline/repeat_command.h"
 
 #include <gtest/gtest.h>
 
@@ -7,31 +7,31 @@
 
 #include "bake/options.h"
 
-namespace dgm::report {
+namespace dgm::bake {
 namespace {
 
 /// What dgm-bake makes of a command without quotes.
-bake::CommandLine parsed(const std::string& command) {
+CommandLine parsed(const std::string& command) {
     std::istringstream words(command);
     std::vector<std::string> list;
     for (std::string word; words >> word;) list.push_back(word);
     std::vector<const char*> arguments;
     for (const std::string& word : list) arguments.push_back(word.c_str());
-    return std::get<bake::CommandLine>(bake::parse_command_line(static_cast<int>(arguments.size()), arguments.data()));
+    return std::get<CommandLine>(parse_command_line(static_cast<int>(arguments.size()), arguments.data()));
 }
 
 void expect_same(const std::string& options, bool exr = false) {
-    const bake::CommandLine first = parsed("dgm-bake m.obj " + options);
-    const bake::PlannedAsset asset{"m.obj", "out/m.dgm", exr ? "out/m.exr" : "", {}, "m.obj", first.bake};
+    const CommandLine first = parsed("dgm-bake m.obj " + options);
+    const PlannedAsset asset{"m.obj", "out/m.dgm", exr ? "out/m.exr" : "", {}, "m.obj", first.bake};
     const std::string command = repeat_command(asset);
-    const bake::CommandLine again = parsed(command);
+    const CommandLine again = parsed(command);
     EXPECT_EQ(canonical_settings(again.bake), canonical_settings(first.bake)) << command;
     EXPECT_EQ(again.bake.write_exr, exr) << command;
     EXPECT_EQ(again.plan.output, "out/m.dgm");
 }
 
 TEST(RepeatCommand, DefaultsAreLeftOut) {
-    const bake::PlannedAsset asset{"in/m.obj", "out/./m.dgm", "", {}, "m.obj", {}};
+    const PlannedAsset asset{"in/m.obj", "out/./m.dgm", "", {}, "m.obj", {}};
     EXPECT_EQ(repeat_command(asset), "dgm-bake in/m.obj -o out/m.dgm");
 }
 
@@ -50,9 +50,9 @@ TEST(RepeatCommand, NamesAreQuoted) {
     EXPECT_EQ(shell_word("a b"), "'a b'");
     EXPECT_EQ(shell_word("it's; rm $x"), "'it'\\''s; rm $x'");
     EXPECT_EQ(shell_word(""), "''");
-    const bake::PlannedAsset asset{"-x.obj", "-x.dgm", "", {}, "-x.obj", {}};
+    const PlannedAsset asset{"-x.obj", "-x.dgm", "", {}, "-x.obj", {}};
     EXPECT_EQ(repeat_command(asset), "dgm-bake ./-x.obj -o ./-x.dgm");
 }
 
 }  // namespace
-}  // namespace dgm::report
+}  // namespace dgm::bake
