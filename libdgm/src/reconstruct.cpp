@@ -4,6 +4,7 @@
 #include <dgm/reconstruct.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -141,20 +142,32 @@ void interleave(const ConstPlanes& from, std::uint32_t count, std::byte* to, std
     }
 }
 
+void put_normals(const VertexWriter& out, std::uint32_t k, std::uint32_t count, const ConstPlanes& n) noexcept {
+    if (std::byte* to = out.plain_normals(k)) return interleave(n, count, to, out.stride());
+    for (std::uint32_t e = 0; e < count; ++e) out.normal(k + e, StateImpl::at(n, e));
+}
+
 /// Grid samples stored as they are given out. @return false: something else has to be done with them.
 bool copy_grid_positions(const ChartTables& t, const VertexWriter& out) noexcept {
     std::byte* to = out.plain_positions(0);
     const float* from = t.geometry.f32;
     if (to == nullptr || from == nullptr || t.scale[0] != 1 || t.scale[1] != 1 || t.scale[2] != 1) return false;
-    const std::size_t count = 3 * std::size_t{t.grid};
-    bool finite = true;
-    for (std::size_t k = 0; k < count; ++k) finite = finite & (std::fabs(from[k]) <= 3.4028234663852886e38f);
-    if (!finite) return false;
-    if (out.stride() == 3 * sizeof(float)) {
-        std::memcpy(to, from, count * sizeof(float));
-        return true;
+    constexpr std::size_t kSample = 3 * sizeof(float);
+    constexpr std::uint32_t kChunk = 512;  // small enough to be still near when it is copied
+    for (std::uint32_t k = 0; k < t.grid; k += kChunk) {
+        const std::uint32_t count = std::min(kChunk, t.grid - k);
+        std::uint32_t carried = 0;  // into the sign: the exponent is all ones, no finite number
+        for (std::uint32_t e = 0; e < 3 * count; ++e)
+            carried |= (std::bit_cast<std::uint32_t>(from[e]) & 0x7FFFFFFFu) + 0x00800000u;
+        if ((carried & 0x80000000u) != 0) return false;
+        if (out.stride() == kSample) {
+            std::memcpy(to, from, count * kSample);
+            to += count * kSample;
+            from += 3 * std::size_t{count};
+        } else {
+            for (std::uint32_t e = 0; e < count; ++e, to += out.stride(), from += 3) std::memcpy(to, from, kSample);
+        }
     }
-    for (std::uint32_t k = 0; k < t.grid; ++k, to += out.stride(), from += 3) std::memcpy(to, from, 3 * sizeof(float));
     return true;
 }
 
@@ -173,11 +186,21 @@ Result<void> write_stored_positions(const ChartTables& t, const VertexWriter& ou
 Result<void> write_stored_normals(const ChartTables& t, const VertexWriter& out) noexcept {
     if (t.normal == nullptr || (t.total > t.grid && t.border_normal == nullptr))
         return Error{ErrorCode::MissingLayer, kNoOffset, "the chart has no normals"};
-    for (std::uint32_t k = 0; k < t.total; ++k) {
+    constexpr std::uint32_t kChunk = 256;
+    float memory[3][kChunk];
+    for (std::uint32_t k = 0; k < t.total;) {
+        const bool inside = k < t.grid;
         const std::int16_t* code =
-            k < t.grid ? t.normal + 2 * std::size_t{k} : t.border_normal + 2 * std::size_t{k - t.grid};
-        const auto n = decode_octahedral(code[0], code[1]);
-        out.normal(k, {n[0], n[1], n[2]});
+            inside ? t.normal + 2 * std::size_t{k} : t.border_normal + 2 * std::size_t{k - t.grid};
+        const std::uint32_t count = std::min(kChunk, (inside ? t.grid : t.total) - k);
+        for (std::uint32_t e = 0; e < count; ++e) {
+            const auto n = decode_octahedral(code[2 * e], code[2 * e + 1]);
+            memory[0][e] = n[0];
+            memory[1][e] = n[1];
+            memory[2][e] = n[2];
+        }
+        put_normals(out, k, count, {memory[0], memory[1], memory[2]});
+        k += count;
     }
     return {};
 }
@@ -194,8 +217,8 @@ Result<void> write_triangles(const ChartTables& t, std::span<std::uint32_t> out)
             all |= diagonal;
             to[0] = a;
             to[1] = b;
-            to[2] = diagonal != 0 ? a + 1 : b + 1;
-            to[3] = diagonal != 0 ? b : a;
+            to[2] = b + 1 - diagonal * t.cols;  // nobody can foresee diagonals
+            to[3] = a + diagonal * t.cols;
             to[4] = b + 1;
             to[5] = a + 1;
             to += 6;
@@ -209,7 +232,17 @@ Result<void> write_triangles(const ChartTables& t, std::span<std::uint32_t> out)
     return make_indices(t, {}, {}).error();  // knows what is wrong
 }
 
-/// Normals of samples k .. k + count - 1 of a row of the grid, as sample_normal() has them.
+/// Some sample of the run, or a neighbour, has moved since the normals were brought up to date.
+bool is_stale(const StateImpl& s, std::uint32_t k, std::uint32_t count) noexcept {
+    const std::uint32_t i = k / s.tables.cols, j = k % s.tables.cols;
+    const Rect around{i == 0 ? 0 : i - 1, i + 1, j == 0 ? 0 : j - 1, j + count};
+    for (std::uint32_t r = 0; r < s.normal_dirty.count; ++r)
+        if (s.normal_dirty.rects[r].meets(around)) return true;
+    return false;
+}
+
+/// Normals of samples k .. k + count - 1 of a row of the grid, as sample_normal() has them. Irregular ones may have
+/// neighbours anywhere.
 void row_normals(const StateImpl& s, std::uint32_t k, std::uint32_t count, const Planes& to) noexcept {
     const auto inside = [&](std::uint32_t e) { return (s.ring[e] & kRingIrregular) == 0; };
     const ConstPlanes shape = StateImpl::fixed(s.now);
@@ -219,10 +252,15 @@ void row_normals(const StateImpl& s, std::uint32_t k, std::uint32_t count, const
         to.y[e] = n.y;
         to.z[e] = n.z;
     };
+    const bool stale = is_stale(s, k, count);
     for (std::uint32_t e = 0; e < count;) {
         std::uint32_t end = e;
         while (end < count && inside(k + end)) ++end;
-        if (end != e && !normals_inside(s, shape, k + e, end - e, {to.x + e, to.y + e, to.z + e}))
+        if (!stale) {
+            std::copy_n(s.normal.x + k + e, end - e, to.x + e);
+            std::copy_n(s.normal.y + k + e, end - e, to.y + e);
+            std::copy_n(s.normal.z + k + e, end - e, to.z + e);
+        } else if (end != e && !normals_inside(s, shape, k + e, end - e, {to.x + e, to.y + e, to.z + e}))
             for (; e < end; ++e) one(e);
         for (e = end; e < count && !inside(k + e); ++e) one(e);
     }
@@ -249,10 +287,7 @@ void write_normals(const StateImpl& s, const VertexWriter& out) noexcept {
                 }
             n = StateImpl::fixed(chunk);
         }
-        if (std::byte* to = out.plain_normals(k))
-            interleave(n, count, to, out.stride());
-        else
-            for (std::uint32_t e = 0; e < count; ++e) out.normal(k + e, StateImpl::at(n, e));
+        put_normals(out, k, count, n);
         k += count;
     }
 }
