@@ -96,6 +96,12 @@ class VertexWriter {
     [[nodiscard]] std::byte* plain_normals(std::uint32_t k) const noexcept {
         return target_.normal_format == VertexFormat::F32 ? at(k, target_.normal_offset) : nullptr;
     }
+    /// Both as f32, normals right behind positions.
+    [[nodiscard]] bool paired() const noexcept {
+        return wants_position() && wants_normal() && target_.position_format == VertexFormat::F32 &&
+               target_.normal_format == VertexFormat::F32 &&
+               target_.normal_offset == target_.position_offset + 3 * sizeof(float);
+    }
     [[nodiscard]] std::size_t stride() const noexcept { return target_.stride; }
     void uv(std::uint32_t k, float x, float y) const noexcept {
         const float uv[2] = {x, y};
@@ -141,6 +147,42 @@ void interleave(const ConstPlanes& from, std::uint32_t count, std::byte* to, std
         std::memcpy(to, v, sizeof v);
     }
 }
+
+typedef float Four __attribute__((vector_size(16)));
+Four four(const float* p) noexcept {
+    Four v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+}
+#if defined(__clang__) || __GNUC__ >= 12
+#define DGM_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define DGM_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (__attribute__((vector_size(16))) int){__VA_ARGS__})
+#endif
+
+/// Positions with their normals right behind: four vertices at a time are turned in registers.
+void interleave(const ConstPlanes& p, const ConstPlanes& n, std::uint32_t count, std::byte* to,
+                std::size_t stride) noexcept {
+    std::uint32_t k = 0;
+    for (; k + 4 <= count; k += 4) {
+        const Four x = four(p.x + k), y = four(p.y + k), z = four(p.z + k), u = four(n.x + k), v = four(n.y + k),
+                   w = four(n.z + k);
+        const Four xy_low = DGM_SHUFFLE(x, y, 0, 4, 1, 5), xy_high = DGM_SHUFFLE(x, y, 2, 6, 3, 7);
+        const Four zu_low = DGM_SHUFFLE(z, u, 0, 4, 1, 5), zu_high = DGM_SHUFFLE(z, u, 2, 6, 3, 7);
+        const Four vw[2] = {DGM_SHUFFLE(v, w, 0, 4, 1, 5), DGM_SHUFFLE(v, w, 2, 6, 3, 7)};
+        const Four xyzu[4] = {DGM_SHUFFLE(xy_low, zu_low, 0, 1, 4, 5), DGM_SHUFFLE(xy_low, zu_low, 2, 3, 6, 7),
+                              DGM_SHUFFLE(xy_high, zu_high, 0, 1, 4, 5), DGM_SHUFFLE(xy_high, zu_high, 2, 3, 6, 7)};
+        for (int e = 0; e < 4; ++e, to += stride) {
+            std::memcpy(to, &xyzu[e], sizeof(Four));
+            std::memcpy(to + sizeof(Four), reinterpret_cast<const std::byte*>(vw) + 8 * e, 8);
+        }
+    }
+    for (; k < count; ++k, to += stride) {
+        const float v[6] = {p.x[k], p.y[k], p.z[k], n.x[k], n.y[k], n.z[k]};
+        std::memcpy(to, v, sizeof v);
+    }
+}
+#undef DGM_SHUFFLE
 
 void put_normals(const VertexWriter& out, std::uint32_t k, std::uint32_t count, const ConstPlanes& n) noexcept {
     if (std::byte* to = out.plain_normals(k)) return interleave(n, count, to, out.stride());
@@ -206,7 +248,8 @@ Result<void> write_stored_normals(const ChartTables& t, const VertexWriter& out)
 }
 
 /// Triangles of all quads and border faces, as make_indices() has them.
-Result<void> write_triangles(const ChartTables& t, std::span<std::uint32_t> out) noexcept {
+Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t> out) noexcept {
+    const ChartTables t = tables;  // what is written could be in the caller's for all the compiler knows
     std::uint32_t* to = out.data();
     unsigned all = 0;
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
@@ -229,7 +272,7 @@ Result<void> write_triangles(const ChartTables& t, std::span<std::uint32_t> out)
         *to++ = t.faces[k];
     }
     if (good) return {};
-    return make_indices(t, {}, {}).error();  // knows what is wrong
+    return make_indices(tables, {}, {}).error();  // knows what is wrong
 }
 
 /// Some sample of the run, or a neighbour, has moved since the normals were brought up to date.
@@ -266,6 +309,7 @@ void row_normals(const StateImpl& s, std::uint32_t k, std::uint32_t count, const
     }
 }
 
+/// Positions too if they go together.
 void write_normals(const StateImpl& s, const VertexWriter& out) noexcept {
     constexpr std::uint32_t kChunk = 256;
     float memory[3][kChunk];
@@ -287,7 +331,10 @@ void write_normals(const StateImpl& s, const VertexWriter& out) noexcept {
                 }
             n = StateImpl::fixed(chunk);
         }
-        put_normals(out, k, count, n);
+        if (out.paired())
+            interleave({s.now.x + k, s.now.y + k, s.now.z + k}, n, count, out.plain_positions(k), out.stride());
+        else
+            put_normals(out, k, count, n);
         k += count;
     }
 }
@@ -350,7 +397,7 @@ Result<MeshCounts> reconstruct(const State& state, const VertexTarget& vertices,
     return detail::write_mesh(s.tables, vertices, indices, options,
                               [&](const detail::VertexWriter& out) -> Result<void> {
                                   if (out.wants_normal()) detail::write_normals(s, out);
-                                  if (!out.wants_position()) return {};
+                                  if (!out.wants_position() || out.paired()) return {};
                                   if (std::byte* to = out.plain_positions(0))
                                       detail::interleave(detail::StateImpl::fixed(s.now), s.total(), to, out.stride());
                                   else
