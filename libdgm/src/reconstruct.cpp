@@ -250,29 +250,33 @@ Result<void> write_stored_normals(const ChartTables& t, const VertexWriter& out)
 /// Triangles of all quads and border faces, as make_indices() has them.
 Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t> out) noexcept {
     const ChartTables t = tables;  // what is written could be in the caller's for all the compiler knows
-    std::uint32_t* to = out.data();
     unsigned all = 0;
+    if (t.diagonals != nullptr)
+        for (std::size_t k = 0; k < std::size_t{t.rows - 1} * (t.cols - 1); ++k) all |= t.diagonals[k];
+    bool good = all <= 1;
+    for (const std::uint32_t v : t.faces) good = good && v < t.total;
+    if (!good) {  // off the surface, or an error
+        auto made = make_indices(t, {}, out);
+        return made ? Result<void>{} : Result<void>{made.error()};
+    }
+    std::uint32_t* to = out.data();
+    std::size_t left = out.size();  // the file may change under us
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < t.cols; ++j) {
-            if (!t.has_quad(i, j)) continue;
+            if (!t.has_quad(i, j) || left < 6) continue;
             const std::uint32_t a = i * t.cols + j, b = a + t.cols;
-            const unsigned diagonal = t.diagonal(i, j);
-            all |= diagonal;
+            const std::uint32_t turned = (t.diagonal(i, j) & 1) * t.cols;  // nobody can foresee diagonals
             to[0] = a;
             to[1] = b;
-            to[2] = b + 1 - diagonal * t.cols;  // nobody can foresee diagonals
-            to[3] = a + diagonal * t.cols;
+            to[2] = b + 1 - turned;
+            to[3] = a + turned;
             to[4] = b + 1;
             to[5] = a + 1;
             to += 6;
+            left -= 6;
         }
-    bool good = all <= 1;
-    for (std::size_t k = 0; k < t.faces.size() / 3 * 3; ++k) {
-        good = good && t.faces[k] < t.total;
-        *to++ = t.faces[k];
-    }
-    if (good) return {};
-    return make_indices(tables, {}, {}).error();  // knows what is wrong
+    std::copy_n(t.faces.data(), std::min(left, t.faces.size() / 3 * 3), to);
+    return {};
 }
 
 /// Some sample of the run, or a neighbour, has moved since the normals were brought up to date.
