@@ -110,6 +110,7 @@ Result<void> build_rings(StateImpl& s) noexcept {
     for (const std::uint32_t sample : s.class_members) irregular(sample);
     for (const std::uint32_t sample : s.faces) irregular(sample);
     const double mean = quads == 0 ? 0 : area / static_cast<double>(quads);
+    s.normals_of = choose_normals(*s.rows_of, s.uniform ? nullptr : s.ring.data(), 1);
     if (!(mean > 0) || !std::isfinite(mean)) return {};
     s.mean_step = static_cast<float>(std::sqrt(mean));
     if (!(s.mean_step > 0) || !std::isfinite(s.mean_step)) s.mean_step = 1;
@@ -117,6 +118,7 @@ Result<void> build_rings(StateImpl& s) noexcept {
     if (mean < 1e-4 || mean > 1e4) {
         const int power = std::clamp(-std::ilogb(mean), -120, 120);
         s.normal_scale = static_cast<float>(std::ldexp(1.0, power));
+        s.normals_of = choose_normals(*s.rows_of, s.uniform ? nullptr : s.ring.data(), s.normal_scale);
     }
     return {};
 }
@@ -157,7 +159,7 @@ void update_rect(StateImpl& s, const Rect& moved) noexcept {
                       moved.j0 == 0 ? 0 : moved.j0 - 1, std::min(moved.j1 + 1, t.cols - 1)};
     const Rect inner{std::max(around.i0, 1u), std::min(around.i1, t.rows - 2), std::max(around.j0, 1u),
                      std::min(around.j1, t.cols - 2)};
-    if (!inner.empty() && !s.rows_of->normals(job_of(s, inner, StateImpl::fixed(s.now), s.normal)))
+    if (!inner.empty() && !s.normals_of(job_of(s, inner, StateImpl::fixed(s.now), s.normal)))
         for (std::uint32_t i = inner.i0; i <= inner.i1; ++i)
             for (std::uint32_t k = i * t.cols + inner.j0; k <= i * t.cols + inner.j1; ++k)
                 if (s.normal.x[k] == 0 && s.normal.y[k] == 0 && s.normal.z[k] == 0) put_irregular(s, k);
@@ -193,7 +195,7 @@ bool normals_inside(const StateImpl& s, const ConstPlanes& shape, std::uint32_t 
     const ConstPlanes here{shape.x + first, shape.y + first, shape.z + first};
     NormalJob job = job_of(s, Rect{0, 0, 0, count - 1}, here, to);
     if (job.ring != nullptr) job.ring += first;
-    return s.rows_of->normals(job);
+    return s.normals_of(job);
 }
 
 void update_normals(StateImpl& s) noexcept {

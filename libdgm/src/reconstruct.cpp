@@ -4,6 +4,7 @@
 #include <dgm/reconstruct.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -95,6 +96,12 @@ class VertexWriter {
     [[nodiscard]] std::byte* plain_normals(std::uint32_t k) const noexcept {
         return target_.normal_format == VertexFormat::F32 ? at(k, target_.normal_offset) : nullptr;
     }
+    /// Both as f32, normals right behind positions.
+    [[nodiscard]] bool paired() const noexcept {
+        return wants_position() && wants_normal() && target_.position_format == VertexFormat::F32 &&
+               target_.normal_format == VertexFormat::F32 &&
+               target_.normal_offset == target_.position_offset + 3 * sizeof(float);
+    }
     [[nodiscard]] std::size_t stride() const noexcept { return target_.stride; }
     void uv(std::uint32_t k, float x, float y) const noexcept {
         const float uv[2] = {x, y};
@@ -141,20 +148,68 @@ void interleave(const ConstPlanes& from, std::uint32_t count, std::byte* to, std
     }
 }
 
+typedef float Four __attribute__((vector_size(16)));
+Four four(const float* p) noexcept {
+    Four v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+}
+#if defined(__clang__) || __GNUC__ >= 12
+#define DGM_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define DGM_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (__attribute__((vector_size(16))) int){__VA_ARGS__})
+#endif
+
+/// Positions with their normals right behind: four vertices at a time are turned in registers.
+void interleave(const ConstPlanes& p, const ConstPlanes& n, std::uint32_t count, std::byte* to,
+                std::size_t stride) noexcept {
+    std::uint32_t k = 0;
+    for (; k + 4 <= count; k += 4) {
+        const Four x = four(p.x + k), y = four(p.y + k), z = four(p.z + k), u = four(n.x + k), v = four(n.y + k),
+                   w = four(n.z + k);
+        const Four xy_low = DGM_SHUFFLE(x, y, 0, 4, 1, 5), xy_high = DGM_SHUFFLE(x, y, 2, 6, 3, 7);
+        const Four zu_low = DGM_SHUFFLE(z, u, 0, 4, 1, 5), zu_high = DGM_SHUFFLE(z, u, 2, 6, 3, 7);
+        const Four vw[2] = {DGM_SHUFFLE(v, w, 0, 4, 1, 5), DGM_SHUFFLE(v, w, 2, 6, 3, 7)};
+        const Four xyzu[4] = {DGM_SHUFFLE(xy_low, zu_low, 0, 1, 4, 5), DGM_SHUFFLE(xy_low, zu_low, 2, 3, 6, 7),
+                              DGM_SHUFFLE(xy_high, zu_high, 0, 1, 4, 5), DGM_SHUFFLE(xy_high, zu_high, 2, 3, 6, 7)};
+        for (int e = 0; e < 4; ++e, to += stride) {
+            std::memcpy(to, &xyzu[e], sizeof(Four));
+            std::memcpy(to + sizeof(Four), reinterpret_cast<const std::byte*>(vw) + 8 * e, 8);
+        }
+    }
+    for (; k < count; ++k, to += stride) {
+        const float v[6] = {p.x[k], p.y[k], p.z[k], n.x[k], n.y[k], n.z[k]};
+        std::memcpy(to, v, sizeof v);
+    }
+}
+#undef DGM_SHUFFLE
+
+void put_normals(const VertexWriter& out, std::uint32_t k, std::uint32_t count, const ConstPlanes& n) noexcept {
+    if (std::byte* to = out.plain_normals(k)) return interleave(n, count, to, out.stride());
+    for (std::uint32_t e = 0; e < count; ++e) out.normal(k + e, StateImpl::at(n, e));
+}
+
 /// Grid samples stored as they are given out. @return false: something else has to be done with them.
 bool copy_grid_positions(const ChartTables& t, const VertexWriter& out) noexcept {
     std::byte* to = out.plain_positions(0);
     const float* from = t.geometry.f32;
     if (to == nullptr || from == nullptr || t.scale[0] != 1 || t.scale[1] != 1 || t.scale[2] != 1) return false;
-    const std::size_t count = 3 * std::size_t{t.grid};
-    bool finite = true;
-    for (std::size_t k = 0; k < count; ++k) finite = finite & (std::fabs(from[k]) <= 3.4028234663852886e38f);
-    if (!finite) return false;
-    if (out.stride() == 3 * sizeof(float)) {
-        std::memcpy(to, from, count * sizeof(float));
-        return true;
+    constexpr std::size_t kSample = 3 * sizeof(float);
+    constexpr std::uint32_t kChunk = 512;  // small enough to be still near when it is copied
+    for (std::uint32_t k = 0; k < t.grid; k += kChunk) {
+        const std::uint32_t count = std::min(kChunk, t.grid - k);
+        std::uint32_t carried = 0;  // into the sign: the exponent is all ones, no finite number
+        for (std::uint32_t e = 0; e < 3 * count; ++e)
+            carried |= (std::bit_cast<std::uint32_t>(from[e]) & 0x7FFFFFFFu) + 0x00800000u;
+        if ((carried & 0x80000000u) != 0) return false;
+        if (out.stride() == kSample) {
+            std::memcpy(to, from, count * kSample);
+            to += count * kSample;
+            from += 3 * std::size_t{count};
+        } else {
+            for (std::uint32_t e = 0; e < count; ++e, to += out.stride(), from += 3) std::memcpy(to, from, kSample);
+        }
     }
-    for (std::uint32_t k = 0; k < t.grid; ++k, to += out.stride(), from += 3) std::memcpy(to, from, 3 * sizeof(float));
     return true;
 }
 
@@ -173,43 +228,68 @@ Result<void> write_stored_positions(const ChartTables& t, const VertexWriter& ou
 Result<void> write_stored_normals(const ChartTables& t, const VertexWriter& out) noexcept {
     if (t.normal == nullptr || (t.total > t.grid && t.border_normal == nullptr))
         return Error{ErrorCode::MissingLayer, kNoOffset, "the chart has no normals"};
-    for (std::uint32_t k = 0; k < t.total; ++k) {
+    constexpr std::uint32_t kChunk = 256;
+    float memory[3][kChunk];
+    for (std::uint32_t k = 0; k < t.total;) {
+        const bool inside = k < t.grid;
         const std::int16_t* code =
-            k < t.grid ? t.normal + 2 * std::size_t{k} : t.border_normal + 2 * std::size_t{k - t.grid};
-        const auto n = decode_octahedral(code[0], code[1]);
-        out.normal(k, {n[0], n[1], n[2]});
+            inside ? t.normal + 2 * std::size_t{k} : t.border_normal + 2 * std::size_t{k - t.grid};
+        const std::uint32_t count = std::min(kChunk, (inside ? t.grid : t.total) - k);
+        for (std::uint32_t e = 0; e < count; ++e) {
+            const auto n = decode_octahedral(code[2 * e], code[2 * e + 1]);
+            memory[0][e] = n[0];
+            memory[1][e] = n[1];
+            memory[2][e] = n[2];
+        }
+        put_normals(out, k, count, {memory[0], memory[1], memory[2]});
+        k += count;
     }
     return {};
 }
 
 /// Triangles of all quads and border faces, as make_indices() has them.
-Result<void> write_triangles(const ChartTables& t, std::span<std::uint32_t> out) noexcept {
-    std::uint32_t* to = out.data();
+Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t> out) noexcept {
+    const ChartTables t = tables;  // what is written could be in the caller's for all the compiler knows
     unsigned all = 0;
+    if (t.diagonals != nullptr)
+        for (std::size_t k = 0; k < std::size_t{t.rows - 1} * (t.cols - 1); ++k) all |= t.diagonals[k];
+    bool good = all <= 1;
+    for (const std::uint32_t v : t.faces) good = good && v < t.total;
+    if (!good) {  // off the surface, or an error
+        auto made = make_indices(t, {}, out);
+        return made ? Result<void>{} : Result<void>{made.error()};
+    }
+    std::uint32_t* to = out.data();
+    std::size_t left = out.size();  // the file may change under us
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < t.cols; ++j) {
-            if (!t.has_quad(i, j)) continue;
+            if (!t.has_quad(i, j) || left < 6) continue;
             const std::uint32_t a = i * t.cols + j, b = a + t.cols;
-            const unsigned diagonal = t.diagonal(i, j);
-            all |= diagonal;
+            const std::uint32_t turned = (t.diagonal(i, j) & 1) * t.cols;  // nobody can foresee diagonals
             to[0] = a;
             to[1] = b;
-            to[2] = diagonal != 0 ? a + 1 : b + 1;
-            to[3] = diagonal != 0 ? b : a;
+            to[2] = b + 1 - turned;
+            to[3] = a + turned;
             to[4] = b + 1;
             to[5] = a + 1;
             to += 6;
+            left -= 6;
         }
-    bool good = all <= 1;
-    for (std::size_t k = 0; k < t.faces.size() / 3 * 3; ++k) {
-        good = good && t.faces[k] < t.total;
-        *to++ = t.faces[k];
-    }
-    if (good) return {};
-    return make_indices(t, {}, {}).error();  // knows what is wrong
+    std::copy_n(t.faces.data(), std::min(left, t.faces.size() / 3 * 3), to);
+    return {};
 }
 
-/// Normals of samples k .. k + count - 1 of a row of the grid, as sample_normal() has them.
+/// Some sample of the run, or a neighbour, has moved since the normals were brought up to date.
+bool is_stale(const StateImpl& s, std::uint32_t k, std::uint32_t count) noexcept {
+    const std::uint32_t i = k / s.tables.cols, j = k % s.tables.cols;
+    const Rect around{i == 0 ? 0 : i - 1, i + 1, j == 0 ? 0 : j - 1, j + count};
+    for (std::uint32_t r = 0; r < s.normal_dirty.count; ++r)
+        if (s.normal_dirty.rects[r].meets(around)) return true;
+    return false;
+}
+
+/// Normals of samples k .. k + count - 1 of a row of the grid, as sample_normal() has them. Irregular ones may have
+/// neighbours anywhere.
 void row_normals(const StateImpl& s, std::uint32_t k, std::uint32_t count, const Planes& to) noexcept {
     const auto inside = [&](std::uint32_t e) { return (s.ring[e] & kRingIrregular) == 0; };
     const ConstPlanes shape = StateImpl::fixed(s.now);
@@ -219,15 +299,21 @@ void row_normals(const StateImpl& s, std::uint32_t k, std::uint32_t count, const
         to.y[e] = n.y;
         to.z[e] = n.z;
     };
+    const bool stale = is_stale(s, k, count);
     for (std::uint32_t e = 0; e < count;) {
         std::uint32_t end = e;
         while (end < count && inside(k + end)) ++end;
-        if (end != e && !normals_inside(s, shape, k + e, end - e, {to.x + e, to.y + e, to.z + e}))
+        if (!stale) {
+            std::copy_n(s.normal.x + k + e, end - e, to.x + e);
+            std::copy_n(s.normal.y + k + e, end - e, to.y + e);
+            std::copy_n(s.normal.z + k + e, end - e, to.z + e);
+        } else if (end != e && !normals_inside(s, shape, k + e, end - e, {to.x + e, to.y + e, to.z + e}))
             for (; e < end; ++e) one(e);
         for (e = end; e < count && !inside(k + e); ++e) one(e);
     }
 }
 
+/// Positions too if they go together.
 void write_normals(const StateImpl& s, const VertexWriter& out) noexcept {
     constexpr std::uint32_t kChunk = 256;
     float memory[3][kChunk];
@@ -249,10 +335,10 @@ void write_normals(const StateImpl& s, const VertexWriter& out) noexcept {
                 }
             n = StateImpl::fixed(chunk);
         }
-        if (std::byte* to = out.plain_normals(k))
-            interleave(n, count, to, out.stride());
+        if (out.paired())
+            interleave({s.now.x + k, s.now.y + k, s.now.z + k}, n, count, out.plain_positions(k), out.stride());
         else
-            for (std::uint32_t e = 0; e < count; ++e) out.normal(k + e, StateImpl::at(n, e));
+            put_normals(out, k, count, n);
         k += count;
     }
 }
@@ -315,7 +401,7 @@ Result<MeshCounts> reconstruct(const State& state, const VertexTarget& vertices,
     return detail::write_mesh(s.tables, vertices, indices, options,
                               [&](const detail::VertexWriter& out) -> Result<void> {
                                   if (out.wants_normal()) detail::write_normals(s, out);
-                                  if (!out.wants_position()) return {};
+                                  if (!out.wants_position() || out.paired()) return {};
                                   if (std::byte* to = out.plain_positions(0))
                                       detail::interleave(detail::StateImpl::fixed(s.now), s.total(), to, out.stride());
                                   else

@@ -12,6 +12,8 @@ namespace {
 
 /// Tiles looked at by a sweep: more than a tool leaves behind in a tick, on the whole.
 constexpr std::uint32_t kSweep = 4;
+/// exp(-200) leaves nothing of a float displacement, and the clock keeps the small steps of later ticks.
+constexpr double kForgotten = 200;
 
 void copy_rect(const StateImpl& s, const Rect& r) noexcept {
     const std::size_t bytes = r.width() * sizeof(float);
@@ -201,8 +203,12 @@ void fade(StateImpl& s, std::uint32_t sample) noexcept {
 void advance_fading(StateImpl& s, double passed) noexcept {
     Fading& f = s.fading;
     start_fading(s);
-    if (!(passed > 0) || (f.plain.count == 0 && f.special.count == 0 && f.border_low > f.border_high)) return;
-    f.clock += passed;
+    if (f.plain.count == 0 && f.special.count == 0 && f.border_low > f.border_high) {
+        f.clock = f.special_time = 0;  // nothing keeps a time
+        return;
+    }
+    if (!(passed > 0)) return;
+    f.clock += std::min(passed, kForgotten);
     f.behind = true;
 }
 

@@ -123,5 +123,8 @@ struct RowKernels {
 extern const RowKernels kPlainRows;
 /// The fastest loops this processor runs; `plain` forces kPlainRows.
 [[nodiscard]] const RowKernels& choose_rows(bool plain) noexcept;
+/// The fastest normals beside `rows` for jobs with this ring and scale.
+using NormalLoops = bool (*)(const NormalJob& job) noexcept;
+[[nodiscard]] NormalLoops choose_normals(const RowKernels& rows, const std::uint8_t* ring, float scale) noexcept;
 
 }  // namespace dgm::detail

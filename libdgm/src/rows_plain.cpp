@@ -72,6 +72,7 @@ const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merg
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const RowKernels kAvx2Rows;
+extern const NormalLoops kAvx512Normals;
 #endif
 
 const RowKernels& choose_rows(bool plain) noexcept {
@@ -82,6 +83,18 @@ const RowKernels& choose_rows(bool plain) noexcept {
     static_cast<void>(plain);
 #endif
     return kPlainRows;
+}
+
+NormalLoops choose_normals(const RowKernels& rows, const std::uint8_t* ring, float scale) noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+    if (&rows == &kAvx2Rows && ring == nullptr && scale == 1 && __builtin_cpu_supports("avx512f") &&
+        __builtin_cpu_supports("avx512vl"))
+        return kAvx512Normals;
+#else
+    static_cast<void>(ring);
+    static_cast<void>(scale);
+#endif
+    return rows.normals;
 }
 
 }  // namespace dgm::detail

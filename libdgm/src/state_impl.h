@@ -136,6 +136,7 @@ struct StateImpl {
     Allocator allocator;
     std::uint32_t max_reach = 0;
     const RowKernels* rows_of = nullptr;
+    NormalLoops normals_of = nullptr;  ///< one for all normals of a state: incremental is full, to the bit
     ChartTables tables;  ///< mask, diagonals, faces and seams point into the arrays below; layer pointers are null
     /// Twelve planes `plane` floats apart, no two alike modulo 4096 bytes: loads from one must not wait for stores to
     /// another that only look the same to the processor.

@@ -77,7 +77,7 @@ class State {
     /// Square root of the mean area of a rest quad: the length of a grid step, on the whole.
     [[nodiscard]] DGM_API float mean_step() const noexcept;
     [[nodiscard]] DGM_API StateUsage usage() const noexcept;
-    /// Instruction set in use: "plain" or "avx2".
+    /// Instruction set in use: "plain" or "avx2" (with AVX-512 for the normals of uniform diagonals where there is it).
     [[nodiscard]] DGM_API const char* loops() const noexcept;
 
     /// Ends every elastic touch: the present shape becomes the permanent one where it was touched. O(touched samples).

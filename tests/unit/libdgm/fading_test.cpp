@@ -234,6 +234,27 @@ TEST(Fading, FreeBorder) {
     live(free_chart(41, 41, sheet), Footprint::Geodesic, 8);
 }
 
+TEST(Fading, AHugeStepDoesNotStopTheClock) {
+    State state = make_state(grid_chart(33, 33, flat));
+    const DeformTable table = table_of(5);
+    Touch touch;
+    touch.displacement = {0, 0, 1};
+    touch.d_max = 1;
+    for (const std::uint32_t sample : {8u * 33 + 8, 24u * 33 + 24}) {
+        touch.sample = sample;
+        ASSERT_TRUE(deform(state, table, touch).ok());
+        ASSERT_TRUE(state.relax(0.1f, 10).ok());
+        EXPECT_NEAR(double{state.positions().z[sample]}, std::exp(-1.0), 1e-6);
+        ASSERT_TRUE(state.relax(1e30f, 1e30f).ok());
+        EXPECT_EQ(state.positions().z[sample], 0.0f);
+        ASSERT_TRUE(deform(state, table, touch).ok());
+        ASSERT_TRUE(state.relax(1e8f, 1e-30f).ok());
+        EXPECT_EQ(state.positions().z[sample], 1.0f);
+        ASSERT_TRUE(state.relax(0.01f, 10).ok());
+        EXPECT_NEAR(double{state.positions().z[sample]}, std::exp(-0.1), 1e-6);
+    }
+}
+
 TEST(Fading, EndsWhereRoundingWouldHoldItBack) {
     // At 4096 a float's last place is 4.9e-4: less than half of it is asked for in a tick.
     const ChartSpec chart = grid_chart(17, 17, [](double i, double j) {
