@@ -11,14 +11,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "contact_resolver.h"
 
 namespace dgm::detail {
 namespace {
-constexpr double kForeseen =
-    4e-3;  // of the removed volume: the next step is good to some 1e-5, which a few samples can take
-constexpr double kAimed = 1e-8;
+// Of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can take.
+constexpr double kForeseen = 4e-3, kAimed = 1e-8;
 constexpr std::uint32_t kMaxPasses = 10;
 }  // namespace
 
@@ -335,6 +335,66 @@ Double3 Resolver::volume_gradient(std::uint32_t k) const noexcept {
     return (1.0 / 6) * g;
 }
 
+// What the rounding to float has left: single coordinates by a few units in the last place. Of small contacts one such
+// unit along the normal is more than a millionth of what was removed; along the surface it is less, and the difference
+// of two may be as small as one likes.
+double Resolver::nudge(std::span<const std::uint32_t> samples, double left) noexcept {
+    constexpr double kUnits = 16;
+    struct Coordinate {
+        float* at = nullptr;
+        std::uint32_t sample = 0, axis = 0;
+        double gain = 0;  ///< of volume by one unit
+    };
+    const auto coordinate = [&](std::uint32_t sample, std::uint32_t axis, const Double3& g) {
+        float* const at = (axis == 0 ? s_.now.x : axis == 1 ? s_.now.y : s_.now.z) + sample;
+        const float size = std::fabs(*at);
+        const double unit = double{std::nextafter(size, std::numeric_limits<float>::infinity())} - double{size};
+        return Coordinate{at, sample, axis, unit * (axis == 0 ? g.x : axis == 1 ? g.y : g.z)};
+    };
+    const auto move = [&](const Coordinate& c, double units) {
+        const double size = std::fabs(double{*c.at}), old = *c.at;
+        const double unit =
+            double{std::nextafter(static_cast<float>(size), std::numeric_limits<float>::infinity())} - size;
+        *c.at = static_cast<float>(old + units * unit);
+        left += c.gain / unit * (double{*c.at} - old);
+    };
+    const auto needed = [](const Coordinate& c, double rest) {
+        const double units = std::nearbyint(-rest / c.gain);
+        return std::fabs(units) <= kUnits ? units : 0;  // not for NaN
+    };
+    Coordinate finest;
+    for (const std::uint32_t k : samples) {
+        const Double3 g = volume_gradient(k);
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            const Coordinate c = coordinate(k, axis, g);
+            if (c.gain == 0) continue;
+            move(c, needed(c, left));
+            if (finest.at == nullptr || std::fabs(c.gain) < std::fabs(finest.gain)) finest = c;
+        }
+    }
+    if (std::fabs(6 * left) <= kAimed * std::fabs(removed_) || finest.at == nullptr) return left;
+    Coordinate best;
+    double best_units = 0, least = std::fabs(left);
+    for (const std::uint32_t k : samples) {
+        const Double3 g = volume_gradient(k);
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            const Coordinate c = coordinate(k, axis, g);
+            for (double units = -kUnits; units <= kUnits && c.at != finest.at; ++units) {
+                const double rest = left + units * c.gain, then = rest + needed(finest, rest) * finest.gain;
+                if (!(std::fabs(then) < least)) continue;
+                best = c;
+                best_units = units;
+                least = std::fabs(then);
+            }
+        }
+    }
+    if (best.at == nullptr) return left;
+    move(best, best_units);
+    finest = coordinate(finest.sample, finest.axis, volume_gradient(finest.sample));  // the other may be beside it
+    move(finest, needed(finest, left));
+    return left;
+}
+
 void Resolver::polish(double error) noexcept {
     if (std::fabs(error) > 1e-3 * std::fabs(removed_)) return;
     constexpr std::uint32_t kSamples = 32;
@@ -370,24 +430,7 @@ void Resolver::polish(double error) noexcept {
         put(k, o + step * n);
         left += dot(g, widen(s_.point(k)) - o);
     }
-    // What the rounding of these to float has left: single coordinates by a few units in the last place. Of small
-    // contacts one such unit along the normal is more than a millionth of what was removed; along the surface it is
-    // less.
-    for (std::uint32_t e = 0; e < count && std::fabs(6 * left) > kAimed * std::fabs(removed_); ++e) {
-        const Double3 g = volume_gradient(chosen[e]);
-        const auto nudge = [&](float& v, double rate) {
-            const double unit =
-                double{std::nextafter(std::fabs(v), std::numeric_limits<float>::infinity())} - double{std::fabs(v)};
-            const double count_of = std::nearbyint(-left / (rate * unit));
-            if (!(std::fabs(count_of) <= 16)) return;
-            const float old = v;
-            v = static_cast<float>(double{v} + count_of * unit);
-            left += rate * (double{v} - double{old});
-        };
-        nudge(s_.now.x[chosen[e]], g.x);
-        nudge(s_.now.y[chosen[e]], g.y);
-        nudge(s_.now.z[chosen[e]], g.z);
-    }
+    if (std::fabs(6 * left) > kAimed * std::fabs(removed_)) left = nudge({chosen, count}, left);
     report_.volume_error = 6 * left / removed_;
 }
 

@@ -54,6 +54,13 @@ struct Shape {
     /// Surface: where the last search ended. The next one mostly ends near by, and is quicker for it; its answer does
     /// not depend on this.
     mutable std::uint64_t hint = kNoTriangle;
+    /// Surface: all tiles whose boxes meet a ball (own frame) that many searches stay inside of.
+    struct NearTiles {
+        Double3 centre;
+        double radius = -1;
+        std::uint32_t count = 0, tiles[24] = {};
+    };
+    mutable NearTiles near;
 };
 struct Probe {
     double distance = 0;  ///< negative beyond

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "contact_impl.h"
 
@@ -99,6 +100,8 @@ class Resolver {
 
     /// Of a sample that lies inside the grid, off seams.
     [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
+    /// Spends single units in the last place on `left`, a volume. @return what is left then.
+    double nudge(std::span<const std::uint32_t> samples, double left) noexcept;
     /// Puts a small remaining error on a few samples that are free to move, one after another.
     void polish(double error) noexcept;
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "contact_impl.h"
@@ -78,16 +79,29 @@ struct Hit {
         kNoTriangle;  ///< 2 k + t: triangle t of the quad at sample k; from 2 total on border faces
 };
 
+/// Corners of a triangle by Hit::triangle.
+std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
+    const std::uint32_t cols = s.tables.cols;
+    if (name < 2 * std::uint64_t{s.tables.total}) {
+        const auto k = static_cast<std::uint32_t>(name / 2), i = k / cols, j = k % cols;
+        return quad_triangles(i, j, cols, s.tables.diagonal(i, j))[name % 2];
+    }
+    const std::uint32_t* f = s.faces.data() + 3 * static_cast<std::size_t>(name - 2 * std::uint64_t{s.tables.total});
+    return {f[0], f[1], f[2]};
+}
+
 class SurfaceSearch {
  public:
     SurfaceSearch(const Shape& o, Double3 p) noexcept
         : s_(*o.surface),
+          near_(o.near),
           p_(p),
           slack_(o.slack),
           rounding_(o.rounding + 1e-6 * std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)})) {}
 
     Hit run(std::uint64_t hint) noexcept {
         if (hint != kNoTriangle) start_at(hint);
+        if (search_near()) return best_;
         const Pyramid& y = s_.now_boxes;
         struct Entry {
             double square;
@@ -119,6 +133,45 @@ class SurfaceSearch {
     }
 
  private:
+    /// Searches follow each other over the obstacle: the tiles around one serve the next. @return false: start from the
+    /// root.
+    bool search_near() noexcept {
+        const double margin = 4 * double{s_.mean_step};
+        const double reach = std::sqrt(reach_) * (1 + 1e-9);
+        if (!(reach < margin)) return false;
+        const Double3 way = p_ - near_.centre;
+        if (!(std::sqrt(dot(way, way)) * (1 + 1e-9) + reach <= near_.radius) && !list_near(reach + margin))
+            return false;
+        for (std::uint32_t k = 0; k < near_.count; ++k)
+            if (square_to(s_.now_boxes.boxes[near_.tiles[k]]) <= reach_) leaf(near_.tiles[k]);
+        return true;
+    }
+    bool list_near(double radius) noexcept {
+        const Pyramid& y = s_.now_boxes;
+        std::uint32_t stack[4 * kMaxLevels], level_of[4 * kMaxLevels], depth = 0;
+        near_ = {p_, radius};
+        stack[depth] = 0;
+        level_of[depth++] = y.levels - 1;
+        while (depth != 0) {
+            const std::uint32_t node = stack[--depth], level = level_of[depth];
+            if (!(square_to(y.boxes[y.start[level] + node]) <= radius * radius * (1 + 1e-9))) continue;
+            if (level == 0) {
+                if (near_.count == std::size(near_.tiles)) {
+                    near_.radius = -1;
+                    return false;
+                }
+                near_.tiles[near_.count++] = node;
+                continue;
+            }
+            const std::uint32_t r = node / y.cols[level] * 2, c = node % y.cols[level] * 2;
+            for (std::uint32_t i = r; i < std::min(r + 2, y.rows[level - 1]); ++i)
+                for (std::uint32_t j = c; j < std::min(c + 2, y.cols[level - 1]); ++j) {
+                    stack[depth] = i * y.cols[level - 1] + j;
+                    level_of[depth++] = level - 1;
+                }
+        }
+        return true;
+    }
     [[nodiscard]] double square_to(const Box& box) const noexcept {
         const double x = std::max(std::max(box.low[0] - p_.x, p_.x - box.high[0]), 0.0);
         const double y = std::max(std::max(box.low[1] - p_.y, p_.y - box.high[1]), 0.0);
@@ -158,16 +211,24 @@ class SurfaceSearch {
         const double reach = std::sqrt(reach_) + slack_;
         reach_ = reach * reach;
     }
-    [[nodiscard]] Box quad_box(std::uint32_t i, std::uint32_t j) const noexcept {
-        const std::size_t a = std::size_t{i} * s_.tables.cols + j, b = a + s_.tables.cols;
-        Box box;
-        const float* planes[3] = {s_.now.x, s_.now.y, s_.now.z};
-        for (int d = 0; d < 3; ++d) {
-            const float* v = planes[d];
-            box.low[d] = std::min(std::min(v[a], v[a + 1]), std::min(v[b], v[b + 1]));
-            box.high[d] = std::max(std::max(v[a], v[a + 1]), std::max(v[b], v[b + 1]));
+    /// Along the triangle that is nearest so far and one of its edges: boxes around quads beside it are flat.
+    void lay_axes(float (&axis)[3][3]) const noexcept {
+        Double3 e{1, 0, 0}, n{0, 0, 1};
+        if (best_.triangle != kNoTriangle) {
+            const auto f = corners_of(s_, best_.triangle);
+            const Double3 a = at(f[0]), ab = at(f[1]) - a, area = cross(ab, at(f[2]) - a);
+            const double edge = std::sqrt(dot(ab, ab)), length = std::sqrt(dot(area, area));
+            if (length > 1e-3 * edge * edge && edge > 0) {
+                e = (1 / edge) * ab;
+                n = (1 / length) * area;
+            }
         }
-        return box;
+        const Double3 all[3] = {e, cross(n, e), n};
+        for (int d = 0; d < 3; ++d) {
+            axis[d][0] = static_cast<float>(all[d].x);
+            axis[d][1] = static_cast<float>(all[d].y);
+            axis[d][2] = static_cast<float>(all[d].z);
+        }
     }
     void quad(std::uint32_t i, std::uint32_t j) noexcept {
         const ChartTables& t = s_.tables;
@@ -176,9 +237,31 @@ class SurfaceSearch {
         triangle(f[0].data(), k);
         triangle(f[1].data(), k + 1);
     }
+    /// Steps to the quad under the point as the plane of each quad met foresees it: mostly one, and what is left to
+    /// search is small. No answer depends on it.
+    void walk_from(std::uint32_t i, std::uint32_t j) noexcept {
+        const ChartTables& t = s_.tables;
+        for (int step = 0; step < 3; ++step) {
+            quad(i, j);
+            const std::uint32_t k = i * t.cols + j;
+            const Double3 o = at(k), a = at(k + t.cols) - o, b = at(k + 1) - o, v = p_ - o;
+            const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), av = dot(a, v), bv = dot(b, v);
+            const double det = aa * bb - ab * ab;
+            if (!(det > 1e-6 * aa * bb)) return;
+            const auto to = [](std::uint32_t from, double steps, std::uint32_t count) {
+                const double at = std::clamp(std::floor(from + steps), 0.0, count - 2.0);
+                return static_cast<std::uint32_t>(at);
+            };
+            const std::uint32_t next_i = to(i, (av * bb - bv * ab) / det, t.rows);
+            const std::uint32_t next_j = to(j, (bv * aa - av * ab) / det, t.cols);
+            if ((next_i == i && next_j == j) || !t.has_quad(next_i, next_j)) return;
+            i = next_i;
+            j = next_j;
+        }
+    }
     void start_at(std::uint64_t name) noexcept {
         const auto k = static_cast<std::uint32_t>(name / 2);
-        if (k < s_.tables.grid) return quad(k / s_.tables.cols, k % s_.tables.cols);
+        if (k < s_.tables.grid) return walk_from(k / s_.tables.cols, k % s_.tables.cols);
         triangle(s_.faces.data() + 3 * static_cast<std::size_t>(name - 2 * std::uint64_t{s_.tables.total}), name);
     }
 
@@ -190,13 +273,14 @@ class SurfaceSearch {
             const Vec3 p = narrow(p_);
             const double reach = (std::sqrt(reach_) + rounding_) * (1 + 1e-6);
             const float square = reach < 1e15 ? static_cast<float>(reach * reach) : __builtin_inff();
-            std::uint64_t near =
-                s_.rows_of->quads_near({quads, t.cols, StateImpl::fixed(s_.now), {p.x, p.y, p.z}, square});
+            QuadsNearJob job{quads, t.cols, StateImpl::fixed(s_.now), {p.x, p.y, p.z}, {}, square};
+            lay_axes(job.axis);
+            std::uint64_t near = s_.rows_of->quads_near(job);
             for (; near != 0; near &= near - 1) {
                 const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(near));
                 const std::uint32_t i = i0 + bit / 8, j = j0 + bit % 8;
-                // The reach has shrunk since.
-                if (t.has_quad(i, j) && square_to(quad_box(i, j)) <= reach_) quad(i, j);
+                const bool is_done = best_.triangle / 2 == std::uint64_t{i} * t.cols + j;  // both of its triangles
+                if (!is_done && t.has_quad(i, j)) quad(i, j);
             }
         }
         if (s_.face_start.empty()) return;
@@ -208,6 +292,7 @@ class SurfaceSearch {
     }
 
     const StateImpl& s_;
+    Shape::NearTiles& near_;
     const Double3 p_;
     const double slack_, rounding_;
     double reach_ = kInfinity;  ///< square of how far boxes may lie
@@ -225,17 +310,6 @@ Probe surface_probe(const Shape& o, Double3 p) noexcept {
     // Beside the border of an open surface the nearest point is on an edge, and the way to it leans.
     if (length > o.reach || (o.open && -hit.facing < 0.7 * length)) return {length, nearest, facet};
     return {-length, nearest, facet};
-}
-
-/// Corners of a triangle by Hit::triangle.
-std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
-    const std::uint32_t cols = s.tables.cols;
-    if (name < 2 * std::uint64_t{s.tables.total}) {
-        const auto k = static_cast<std::uint32_t>(name / 2), i = k / cols, j = k % cols;
-        return quad_triangles(i, j, cols, s.tables.diagonal(i, j))[name % 2];
-    }
-    const std::uint32_t* f = s.faces.data() + 3 * static_cast<std::size_t>(name - 2 * std::uint64_t{s.tables.total});
-    return {f[0], f[1], f[2]};
 }
 
 constexpr Error kBadObstacle{ErrorCode::BadArgument, kNoOffset, "the obstacle is not finite or out of range"};

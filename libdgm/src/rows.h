@@ -84,13 +84,15 @@ struct NearestJob {
     float tool[3];
 };
 
-/// Quads (i, j) of `rect`, at most 8 by 8, all with four corners in the grid.
+/// Quads (i, j) of `rect`, at most 8 by 8, all with four corners in the grid. Their boxes lie along axes of the
+/// caller's choice: flat ones, along the surface, say most.
 struct QuadsNearJob {
     Rect rect;
     std::uint32_t cols;
     ConstPlanes at;
     float point[3];
-    float square;  ///< of the reach, rounding allowed for by the caller
+    float axis[3][3];  ///< unit vectors, square to each other
+    float square;      ///< of the reach, rounding allowed for by the caller
 };
 
 /// Nearer placements of a row win: key = A x^2 + B x y + C y^2 at (x + k dx, y + k dy), k = 0 .. count - 1.

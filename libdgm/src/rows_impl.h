@@ -317,38 +317,55 @@ void merge(const MergeJob& job) noexcept {
     for (; k < j.count; ++k) merge_block<float, int>(j, k, static_cast<float>(k));
 }
 
-/// Of one coordinate: square of the gap between the point and the quads' boxes. `up` and `down` hold the extremes of
-/// pairs of samples side by side on the two rows.
+/// Of one coordinate: extremes of pairs of samples side by side.
 template <class F>
 struct Span {
     F low, high;
 };
+/// Of all three, over the point and along the axes.
 template <class F>
-static inline __attribute__((always_inline)) Span<F> side_by_side(const float* p) {
-    const F a = load<F>(p), b = load<F>(p + 1);
-    return {lower(a, b), upper(a, b)};
+struct Spans {
+    Span<F> of[3];
+};
+template <class F>
+static inline __attribute__((always_inline)) Spans<F> side_by_side(const QuadsNearJob& j, std::size_t k) {
+    const F px = F{} + j.point[0], py = F{} + j.point[1], pz = F{} + j.point[2];
+    const F ax = load<F>(j.at.x + k) - px, ay = load<F>(j.at.y + k) - py, az = load<F>(j.at.z + k) - pz;
+    const F bx = load<F>(j.at.x + k + 1) - px, by = load<F>(j.at.y + k + 1) - py, bz = load<F>(j.at.z + k + 1) - pz;
+    Spans<F> spans;
+    for (int d = 0; d < 3; ++d) {
+        const F x = F{} + j.axis[d][0], y = F{} + j.axis[d][1], z = F{} + j.axis[d][2];
+        const F a = multiply_add(z, az, multiply_add(y, ay, x * ax)),
+                b = multiply_add(z, bz, multiply_add(y, by, x * bx));
+        spans.of[d] = {lower(a, b), upper(a, b)};
+    }
+    return spans;
 }
+/// Square of the distance of the point from the quads' boxes, between two rows.
 template <class F>
-static inline __attribute__((always_inline)) F gap_square(const Span<F>& up, const Span<F>& down, float v) {
-    const F gap = upper(upper(lower(up.low, down.low) - v, v - upper(up.high, down.high)), F{});
-    return gap * gap;
+static inline __attribute__((always_inline)) F gap_square(const Spans<F>& up, const Spans<F>& down) {
+    F square = {};
+    for (int d = 0; d < 3; ++d) {
+        const F low = lower(up.of[d].low, down.of[d].low), high = upper(up.of[d].high, down.of[d].high);
+        const F gap = upper(upper(low, F{} - high), F{});
+        square = multiply_add(gap, gap, square);
+    }
+    return square;
 }
 template <class F>
 static inline __attribute__((always_inline)) void near_column(const QuadsNearJob& j, std::uint32_t first,
                                                               std::uint64_t& near) {
     std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + j.rect.j0 + first;
-    Span<F> x = side_by_side<F>(j.at.x + k), y = side_by_side<F>(j.at.y + k), z = side_by_side<F>(j.at.z + k);
+    Spans<F> up = side_by_side<F>(j, k);
     for (std::uint32_t i = j.rect.i0, shift = first; i <= j.rect.i1; ++i, shift += 8) {
         k += j.cols;
-        const Span<F> u = side_by_side<F>(j.at.x + k), v = side_by_side<F>(j.at.y + k), w = side_by_side<F>(j.at.z + k);
-        const F square = gap_square(x, u, j.point[0]) + gap_square(y, v, j.point[1]) + gap_square(z, w, j.point[2]);
+        const Spans<F> down = side_by_side<F>(j, k);
+        const F square = gap_square(up, down);
         if constexpr (sizeof(F) == sizeof(float))
             near |= static_cast<std::uint64_t>(square <= j.square) << shift;
         else
             near |= static_cast<std::uint64_t>(sign_bits(square <= j.square)) << shift;
-        x = u;
-        y = v;
-        z = w;
+        up = down;
     }
 }
 

@@ -22,7 +22,7 @@ constexpr float kBall = 9, kCloth = 0.3F;  // radius and thickness, centimetres
 /// A body, its scratch memory for contacts and how it looks.
 struct Pressed {
     explicit Pressed(const std::string& map)
-        : body(map), solver(take(dgm::ContactSolver::create(body.state()), map)), look{texture_of(map), 1, 0.06F} {}
+        : body(map), solver(take(dgm::ContactSolver::create(body.state()), map)), look{texture_of(map), 1, 0} {}
     SoftBody body;
     dgm::ContactSolver solver;
     Look look;

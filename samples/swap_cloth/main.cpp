@@ -31,7 +31,8 @@ void replay(const std::string& map, const std::string& path_file, const std::str
     const dgm::TickOptions options{.d_max = 5, .footprint = dgm::Footprint::Geodesic, .step = kReach / kSteps};
 
     std::vector<Look> wardrobe;
-    for (const char* cloth : cloths) wardrobe.push_back({texture_of(cloth), 1, 0.06F});
+    // Without highlights: cloth has its sheen in its picture, and a white one over dark folds of satin looks like dust.
+    for (const char* cloth : cloths) wardrobe.push_back({texture_of(cloth), 1, 0});
     std::size_t pictures = 0;
     for (const Knot& knot : path.knots()) pictures += !knot.caption.empty();
     Strip strip({15, 14, dgm::render::UpAxis::kZ}, static_cast<std::uint32_t>(pictures), 480);
