@@ -52,7 +52,11 @@ class ComponentBaker {
             if (options_.method == "auto" && !component_.corner_uvs.empty()) add_uv();
             return finish();
         }
+        // Texture coordinates that lay the surface out well cost next to nothing, and what they reach tells how far the
+        // search for a cut may go.
+        if (options_.method == "auto" && may_be_free() && !component_.corner_uvs.empty()) add_uv();
         search_.m = size_.rows, search_.n = size_.cols;
+        search_.only_simplified = best_ && best_psnr() > poor();
         // A small grid is a small part of the asset (component_size): it gets a proportionate search, which measures,
         // since cuts that its few samples cannot hold must be left out.
         const double effort = std::min(1.0, static_cast<double>(size_.rows) * size_.cols / (129.0 * 129.0));
@@ -74,15 +78,14 @@ class ComponentBaker {
             cut_ = cuts_.search(component_, search_, progress_);
         } catch (const Error& e) {
             if (e.code().number == codes::kInterrupted.number || !may_be_free()) throw;
-            failure_ = e;  // no square map at all: a free chart may still do
+            failure_ = e, no_square_ = true;  // a free chart may still do
         }
         for (const std::string& method : methods()) add(method, [&] { return make(method); });
-        if (options_.method == "auto" && !best_ && tried("sphere")) add("stretch", [&] { return make_without_star(); });
+        if (options_.method == "auto" && failed("sphere")) add("stretch", [&] { return make_without_star(); });
         if (options_.method == "auto" && may_be_free() && !tried("arap") && (!best_ || free_may_help())) {
             if (best_) cut_rounds_ = kSecondRounds;
             add("arap", [&] { return make("arap"); });
         }
-        if (options_.method == "auto" && may_be_free() && !component_.corner_uvs.empty()) add_uv();
         return finish();
     }
 
@@ -91,9 +94,9 @@ class ComponentBaker {
         if (options_.method != "auto") return {options_.method};
         const bool square = options_.domain != DomainChoice::kFree, free = options_.domain != DomainChoice::kSquare;
         std::vector<std::string> out;
-        if (square && !failure_) out.push_back(cut_.shares == BorderShares::kEqualArms ? "sphere" : "stretch");
+        if (square && !no_square_) out.push_back(cut_.shares == BorderShares::kEqualArms ? "sphere" : "stretch");
         // A free chart earns its unused samples only where the surface is a panel: flat pieces of cloth above all.
-        if (free && (!square || is_panel())) out.push_back("arap");
+        if (free && (!square || is_panel()) && !(no_square_ && best_)) out.push_back("arap");
         if (free && !square) out.insert(out.end(), {"slim", "lscm"});
         return out;
     }
@@ -107,8 +110,10 @@ class ComponentBaker {
     /// 14 where the square had come to 51.
     [[nodiscard]] bool free_may_help() const {
         const bool handles = measure_topology(component_.positions.size(), component_.faces).genus > 0;
-        return result_.candidates.front().psnr < poor() - (handles ? kHandles : 0);
+        return best_psnr() < poor() - (handles ? kHandles : 0);
     }
+
+    [[nodiscard]] double best_psnr() const { return result_.candidates[best_index_].psnr; }
 
     /// A disk as it stands, not cut by us.
     [[nodiscard]] bool is_panel() const { return cut_.cut_length == 0; }
@@ -124,6 +129,12 @@ class ComponentBaker {
     [[nodiscard]] bool tried(std::string_view method) const {
         for (const CandidateReport& c : result_.candidates)
             if (c.method == method) return true;
+        return false;
+    }
+
+    [[nodiscard]] bool failed(std::string_view method) const {
+        for (const CandidateReport& c : result_.candidates)
+            if (c.method == method) return c.psnr == 0;  // never measured
         return false;
     }
 
@@ -206,6 +217,7 @@ class ComponentBaker {
     int cut_rounds_ = FreeChartTools{}.cut_rounds;
     std::optional<SampledChart> best_;
     std::optional<Error> failure_;
+    bool no_square_ = false;  // no cut could be mapped to one
     std::size_t best_index_ = 0;
     double best_rms_ = 0;
 };

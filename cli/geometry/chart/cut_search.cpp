@@ -363,6 +363,7 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
         return out;
     } catch (const model::Error& e) {
         if (e.code().number == model::codes::kInterrupted.number || options.only_stars) throw;
+        if (options.only_simplified && trial.stars == 0) throw;
         // Where the border has no room for the paths of a simplified mesh, the whole one will find no more.
         if (trial.stars == 0 && e.code().number == model::codes::kGridTooSmall.number && grid.m == wanted.m &&
             grid.n == wanted.n)

@@ -22,6 +22,8 @@ struct CutSearchOptions {
     std::size_t drops = 12;  ///< branches tried without, at most
     std::size_t stars = 0;   ///< octahedra tried on a closed component without handles (star_cut.h), for odd m and n
     bool only_stars = false;
+    /// Where the simplified mesh comes to nothing, give up: for callers who have another chart already.
+    bool only_simplified = false;
 };
 
 struct CutSearchResult {

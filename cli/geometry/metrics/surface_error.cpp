@@ -17,6 +17,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -108,6 +109,33 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
     return samples;
 }
 
+/// More points of the faces with the worst hundredth of the samples: where the largest distance must be looked for. A
+/// face with several such samples gets as many points more.
+std::vector<Sample> around_worst(const TriMesh& mesh, std::span<const Sample> samples, std::span<const double> squared,
+                                 std::uint64_t seed) {
+    constexpr std::size_t kShare = 100, kPoints = 8;
+    std::vector<std::uint32_t> order(samples.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto worst = order.begin() + static_cast<std::ptrdiff_t>(samples.size() / kShare);
+    const auto farther = [&](std::uint32_t a, std::uint32_t b) {
+        return squared[a] != squared[b] ? squared[a] > squared[b] : a < b;
+    };
+    std::nth_element(order.begin(), worst, order.end(), farther);
+    order.erase(worst, order.end());
+    std::sort(order.begin(), order.end());  // face order, for the hints
+    std::vector<Sample> out;
+    out.reserve(order.size() * kPoints);
+    for (const std::uint32_t k : order)
+        for (std::uint64_t p = 0; p < kPoints; ++p) {
+            const std::uint64_t bits = scramble(scramble(seed + 1) ^ (kPoints * k + p));
+            Sample s{{}, samples[k].face, std::sqrt(unit_interval(bits)), unit_interval(scramble(bits))};
+            const auto [a, b, c] = mesh.corners(s.face);
+            s.point = a + (b - a) * (s.r1 * (1 - s.r2)) + (c - a) * (s.r1 * s.r2);
+            out.push_back(s);
+        }
+    return out;
+}
+
 /// Every vertex that a usable face names, with such a face, in vertex order.
 std::vector<Sample> vertex_samples(const TriMesh& mesh) {
     constexpr auto kNone = ClosestPointIndex::kNoFace;
@@ -179,12 +207,18 @@ class Direction {
         };
         run(surface, squared, with_normals_);
         run(vertices, vertex_squared, false);
+        const std::vector<Sample> closer =
+            options.vertices ? around_worst(from_, surface, squared, options.seed) : std::vector<Sample>{};
+        std::vector<double> closer_squared(closer.size());
+        done = std::min(done, total - 1);
+        run(closer, closer_squared, false);
 
         OneSided result;
         result.samples = total;
         double worst = 0;
         for (const double d : squared) worst = std::max(worst, d);
         for (const double d : vertex_squared) worst = std::max(worst, d);
+        for (const double d : closer_squared) worst = std::max(worst, d);
         result.hausdorff = std::sqrt(worst) * unit_;
         const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
         if (!weighted.empty())

@@ -48,8 +48,7 @@ class Ring {
     }
 
     /// Newton steps from x, where the energy is finite; each lowers it.
-    /// @param reach  of the first try, in Newton steps: more than 1 overtakes the neighbours, which follow
-    [[nodiscard]] Vec2d relax(Vec2d x, int steps, double reach = 1) const {
+    [[nodiscard]] Vec2d relax(Vec2d x, int steps) const {
         for (int k = 0; k < steps; ++k) {
             Vec2d g;
             double e = 0, xx = 0, xy = 0, yy = 0;
@@ -75,7 +74,7 @@ class Ring {
             const double a = xx + shift, c = yy + shift, det = a * c - xy * xy;
             if (!(det > 0)) return x;
             const Vec2d step{-(c * g.x - xy * g.y) / det, -(a * g.y - xy * g.x) / det};
-            double s = reach;
+            double s = 1;
             for (int halving = 0; halving < 12; ++halving, s *= 0.5) {
                 const Vec2d y = x + step * s;
                 const double now = energy(y);
@@ -290,7 +289,7 @@ class Multilevel {
                     const std::uint32_t i0 = corners.of[k] % 3, i1 = (i0 + 1) % 3, i2 = (i0 + 2) % 3;
                     ring.wedges.push_back({uv[f[i1]], uv[f[i2]], l[0], l[1 + i0], l[1 + i1], l[1 + i2]});
                 }
-                uv[v] = ring.relax(uv[v], 1, options_.reach);
+                uv[v] = ring.relax(uv[v], 1);
             }
         }
     }

@@ -15,8 +15,6 @@ struct MultilevelOptions {
     std::size_t newton_steps = 25;      ///< on the coarsest level, at most
     int coarsest_sweeps = 100;          ///< of vertex relaxation after them
     int sweeps = 30;                    ///< of vertex relaxation on every finer level
-    /// Of a vertex's first try, in Newton steps; above 1 for over-relaxation [Young 1954], below 2.
-    double reach = 1;
     /// Of the squared stretch that is summed by area. 1 is the L2 norm of [Sander 2001]. The error of a piecewise
     /// linear surface grows with the square of the step, its square with the fourth power: 2. On the corpus' heads,
     /// animals and organs at 257 a side, 2 reconstructs 0.1 to 1.6 dB better than 1.
