@@ -144,7 +144,8 @@ class ComponentBaker {
                                    progress_);
         const std::unique_ptr<Parameterizer> parameterizer =
             method == "stretch" || method == "sphere"
-                ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps)
+                ? make_stretch_parameterizer(options_.ablates("newton") ? 0 : kNewtonSteps,
+                                             !options_.ablates("curvature"))
                 : make_cgal_parameterizer(method);
         if (!parameterizer) throw Error(codes::kUsage, "unknown method: " + method);
         SampledChart chart =

@@ -37,7 +37,7 @@ inline constexpr std::array<std::string_view, 7> kLayerNames{"geometry",  "norma
                                                              "collision", "deformation", "contact"};
 
 /// What --ablate may leave out, for experiments.
-inline constexpr std::array<std::string_view, 3> kAblateNames{"cut-search", "newton", "diagonals"};
+inline constexpr std::array<std::string_view, 4> kAblateNames{"cut-search", "newton", "diagonals", "curvature"};
 
 /// The word for `value`; empty for a value outside the table.
 template <class E, std::size_t N>

@@ -125,14 +125,16 @@ class Joiner {
 
     /// Once the seam is welded, a chord of the strip may have become an edge that stands elsewhere already (its mate
     /// side has the same chord), or a triangle may name one surface point twice (at the end of a cut). Such a chord is
-    /// flipped within the strip.
+    /// flipped within the strip: where its two triangles make a convex quad as long as there are such chords, since the
+    /// others turn over in (u, v).
     void flip_repeated_edges() {
         using Edge = std::pair<std::uint32_t, std::uint32_t>;
         const auto welded = [&](std::uint32_t a, std::uint32_t b) {
             a = chart_.representative[a], b = chart_.representative[b];
             return Edge{std::min(a, b), std::max(a, b)};
         };
-        for (int pass = 0; pass < 8; ++pass) {
+        bool convex = true;
+        for (int pass = 0; pass < 12; ++pass) {
             std::map<Edge, int> uses;  // of the whole welded surface
             for (const Face& f : chart_.faces())
                 for (int k = 0; k < 3; ++k) ++uses[welded(f[k], f[(k + 1) % 3])];
@@ -149,17 +151,28 @@ class Joiner {
                 const Edge w = welded(edge.first, edge.second);
                 if (faces[1] == kNone || (uses[w] <= 2 && w.first != w.second)) continue;
                 if (touched.count(faces[0]) || touched.count(faces[1])) continue;
-                if (!flip(faces[0], faces[1], edge.first, edge.second, uses, welded)) continue;
+                if (!flip(faces[0], faces[1], edge.first, edge.second, uses, welded, convex)) continue;
                 flipped = true;
                 touched.insert(faces[0]), touched.insert(faces[1]);
                 uses[w] -= 2;
             }
-            if (!flipped) return;
+            if (!flipped && !convex) return;
+            convex = flipped;
         }
     }
 
+    /// Twice the signed area in grid coordinates.
+    [[nodiscard]] double doubled_area(const Face& f) const {
+        const auto place = [&](std::uint32_t s) {
+            if (s >= chart_.grid_count()) return border_[s - chart_.grid_count()];
+            return Vec2d{static_cast<double>(s / n_), static_cast<double>(s % n_)};
+        };
+        return cross(place(f[1]) - place(f[0]), place(f[2]) - place(f[0]));
+    }
+
     template <class Uses, class Welded>
-    bool flip(std::uint32_t f, std::uint32_t g, std::uint32_t a, std::uint32_t b, const Uses& uses, Welded welded) {
+    bool flip(std::uint32_t f, std::uint32_t g, std::uint32_t a, std::uint32_t b, const Uses& uses, Welded welded,
+              bool convex) {
         Face &first = chart_.strip[f], &second = chart_.strip[g];
         const auto apex = [&](const Face& face) {
             return face[0] != a && face[0] != b ? 0 : face[1] != a && face[1] != b ? 1 : 2;
@@ -168,8 +181,9 @@ class Joiner {
         const std::uint32_t c = first[p], d = second[q], from = first[(p + 1) % 3], to = first[(p + 2) % 3];
         const auto w = welded(c, d);
         if (w.first == w.second || uses.count(w) != 0) return false;
-        first = {c, from, d};
-        second = {d, to, c};
+        const Face one{c, from, d}, other{d, to, c};
+        if (convex && !(doubled_area(one) > 0 && doubled_area(other) > 0)) return false;
+        first = one, second = other;
         return true;
     }
 

@@ -11,6 +11,7 @@
 
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
+#include "geometry/parameterize/curved_rest_shapes.h"
 #include "geometry/parameterize/multilevel_map.h"
 #include "geometry/parameterize/rest_shapes.h"
 #include "geometry/parameterize/slim.h"
@@ -26,66 +27,10 @@ constexpr std::size_t kLevelSteps = 5;
 constexpr double kLevelPower = 4, kLevelEpsilon = 2;
 constexpr std::size_t kFewFolds = 2;  // of a thousand triangles
 
-/// The faces laid flat at the scale of the unit square, and weighted by 1 + |II|^2 over the square of its mean |II|: a
-/// step h misses a surface by h^2 |II|, so that the levelling evens out errors where plain areas even out steps. After
-/// the fit that is worth 0.9 to 1 dB on heads and organs at 257 a side. The curvature is that of smoothed normals,
-/// smoothed again; a weight of more than 100 would be a sharp edge's, which no step resolves.
-std::vector<RestShape> curved_rest_shapes(const DiskView& disk) {
-    constexpr int kRounds = 2;
-    constexpr double kMostCurved = 100;
-    std::vector<RestShape> rest = rest_shapes(disk);
-    const std::size_t n = disk.positions.size();
-    std::vector<double> around(n, 0.0);
-    std::vector<Vec3d> normals(n);
-    double total = 0;
-    for (std::size_t f = 0; f < rest.size(); ++f) {
-        const Face& t = disk.faces[f];
-        const Vec3d normal =
-            cross(disk.positions[t[1]] - disk.positions[t[0]], disk.positions[t[2]] - disk.positions[t[0]]);
-        for (std::uint32_t v : t) normals[v] = normals[v] + normal, around[v] += rest[f].area;
-        total += rest[f].area;
-    }
-    for (Vec3d& normal : normals) normal = normalized(normal, Vec3d{});
-    for (int round = 0; round < kRounds; ++round) {
-        std::vector<Vec3d> sums(n);
-        for (std::size_t f = 0; f < rest.size(); ++f) {
-            const Face& t = disk.faces[f];
-            const Vec3d share = (normals[t[0]] + normals[t[1]] + normals[t[2]]) * rest[f].area;
-            for (std::uint32_t v : t) sums[v] = sums[v] + share;
-        }
-        for (std::size_t v = 0; v < n; ++v) normals[v] = normalized(sums[v], normals[v]);
-    }
-    std::vector<double> squared(rest.size());  // |II|^2
-    for (std::size_t f = 0; f < rest.size(); ++f) {
-        Vec3d x{}, y{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            x = x + normals[disk.faces[f][k]] * rest[f].hat[k].x;
-            y = y + normals[disk.faces[f][k]] * rest[f].hat[k].y;
-        }
-        squared[f] = dot(x, x) + dot(y, y);
-    }
-    for (int round = 0; round < kRounds; ++round) {
-        std::vector<double> sums(n, 0.0);
-        for (std::size_t f = 0; f < rest.size(); ++f)
-            for (std::uint32_t v : disk.faces[f]) sums[v] += rest[f].area * squared[f];
-        for (std::size_t f = 0; f < rest.size(); ++f) {
-            squared[f] = 0;
-            for (std::uint32_t v : disk.faces[f]) squared[f] += sums[v] / around[v] / 3;
-        }
-    }
-    double mean = 0;
-    for (std::size_t f = 0; f < rest.size(); ++f) mean += rest[f].area / total * std::sqrt(squared[f]);
-    const double scale = std::sqrt(total);
-    for (std::size_t f = 0; f < rest.size(); ++f) {
-        for (Vec2d& b : rest[f].hat) b = b * scale;
-        if (mean * scale > 1e-6) rest[f].area *= 1 + std::min(squared[f] / (mean * mean), kMostCurved);
-    }
-    return rest;
-}
-
 class StretchParameterizer final : public Parameterizer {
  public:
-    explicit StretchParameterizer(std::size_t newton_steps) : newton_steps_(newton_steps) {}
+    StretchParameterizer(std::size_t newton_steps, bool curvature)
+        : newton_steps_(newton_steps), curvature_(curvature) {}
     [[nodiscard]] std::string_view name() const override { return "stretch"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
@@ -103,7 +48,8 @@ class StretchParameterizer final : public Parameterizer {
             if (!map || energy(other) < energy(*map)) map = std::move(other);
         }
         if (count_not_positive(disk.faces, *map) > 0) return std::move(*map);  // the caller refuses it
-        return descend(disk, std::move(*map), kLevelSteps, kLevelEpsilon, progress, curved_rest_shapes(disk));
+        const std::vector<RestShape> rest = curvature_ ? curved_rest_shapes(disk) : std::vector<RestShape>{};
+        return descend(disk, std::move(*map), kLevelSteps, kLevelEpsilon, progress, rest);
     }
 
     [[nodiscard]] std::optional<std::vector<Vec2d>> level(const DiskView& disk, const std::vector<Vec2d>& uv,
@@ -131,6 +77,7 @@ class StretchParameterizer final : public Parameterizer {
     }
 
     std::size_t newton_steps_;
+    bool curvature_;
 };
 
 class ReweightedParameterizer final : public Parameterizer {
@@ -148,8 +95,8 @@ std::unique_ptr<Parameterizer> make_reweighted_parameterizer() {
     return std::make_unique<ReweightedParameterizer>();
 }
 
-std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps) {
-    return std::make_unique<StretchParameterizer>(newton_steps);
+std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps, bool curvature) {
+    return std::make_unique<StretchParameterizer>(newton_steps, curvature);
 }
 
 void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view method) {

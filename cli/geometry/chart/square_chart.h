@@ -20,14 +20,17 @@ namespace dgm::bake {
 
 /// `stretch`: multilevel_map.h, and where that crowds or has no start, stretch_map.h with so many Newton steps for an
 /// ordinary map. The one with the lower stretch is taken, and levelled by a few Newton steps on an energy that minds
-/// shear too. 0 steps: a trial, stretch_map.h alone.
-[[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps);
+/// shear too, and with `curvature` the bending of the surface (curved_rest_shapes.h). 0 steps: a trial, stretch_map.h
+/// alone.
+[[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps,
+                                                                        bool curvature = true);
 
 /// The reweighted convex map [Yoshizawa 2004] alone: crowds limbs about as the named convex methods do, so that a cut
 /// found by it serves those.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_reweighted_parameterizer();
 
-/// @throws model::Error kMapInvalid unless every vertex is finite and every face positively oriented, by exact predicate.
+/// @throws model::Error kMapInvalid unless every vertex is finite and every face positively oriented, by exact
+/// predicate.
 void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view method);
 
 }  // namespace dgm::bake
