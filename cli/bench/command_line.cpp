@@ -266,6 +266,8 @@ int bench_program(int argc, char** argv) noexcept {
     ScaleCommand scale_command(app);
     const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
     bake_command.sweep.repeats.jobs = stability_command.sweep.jobs = cores;
+    // run_tool catches what the body throws.
+    // cppcheck-suppress throwInNoexceptFunction
     return tool::run_tool("dgm-bench", argc, argv, app, [&](std::string&) {
         if (bake_command.app->parsed()) return bake_command.run();
         if (stability_command.app->parsed()) return stability_command.run();

@@ -75,10 +75,11 @@ TriMesh scaled_dome(double scale) {
 }
 
 TriMesh graded_dome(double ratio) {
-    std::vector<double> at{0};
+    std::vector<double> at(kCells + 1, 0.0);
     for (std::uint32_t k = 0; k < kCells; ++k)
-        at.push_back(at.back() + std::pow(ratio, -static_cast<double>(k) / (kCells - 1)));
-    for (double& x : at) x /= at.back();
+        at[k + 1] = at[k] + std::pow(ratio, -static_cast<double>(k) / (kCells - 1));
+    const double length = at[kCells];
+    for (double& x : at) x /= length;
     return dome_over(at, at);
 }
 

@@ -62,8 +62,9 @@ std::vector<std::vector<model::Face>> faces_at_stride(const model::MapSet& maps,
         const Chart chart = taken(asset.chart(k));
         std::vector<std::uint32_t> corners(taken(mesh_counts(chart, options)).indices);
         static_cast<void>(taken(reconstruct(chart, {}, corners, options)));
-        std::vector<model::Face>& faces = out.emplace_back(corners.size() / 3);
+        std::vector<model::Face> faces(corners.size() / 3);
         for (std::size_t c = 0; c < corners.size(); ++c) faces[c / 3][c % 3] = corners[c];
+        out.push_back(std::move(faces));
     }
     return out;
 }

@@ -2,21 +2,15 @@
 // cli/pipeline/worker.cpp
 #include "pipeline/worker.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <malloc.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <limits>
 #include <new>
 #include <optional>
 #include <string_view>
@@ -30,23 +24,6 @@ namespace {
 
 namespace codes = model::codes;
 
-bool write_all(int fd, std::string_view bytes) {
-    while (!bytes.empty()) {
-        const ssize_t n = write(fd, bytes.data(), bytes.size());
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return false;
-        bytes.remove_prefix(static_cast<std::size_t>(n));
-    }
-    return true;
-}
-
-/// Tells the parent before anything else happens: the library that asked may abort, or swallow the exception.
-void on_allocation_failure() {
-    write_all(kMessageDescriptor, kOutOfMemoryLine);
-    std::set_new_handler(nullptr);
-    throw std::bad_alloc();
-}
-
 /// Sends progress at most ten times a second, and each new stage.
 class ProgressSender {
  public:
@@ -55,9 +32,8 @@ class ProgressSender {
         if (stage == stage_ && now - sent_ < std::chrono::milliseconds(100)) return;
         stage_ = stage;
         sent_ = now;
-        write_all(
-            kMessageDescriptor,
-            encode(WorkerMessage{ProgressMessage{stage_, std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0}}));
+        static_cast<void>(send_message(
+            encode(WorkerMessage{ProgressMessage{stage_, std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0}})));
     }
     [[nodiscard]] const std::string& stage() const { return stage_; }
 
@@ -113,7 +89,7 @@ WorkerMessage guarded(std::uint64_t memory_bytes, const ProgressSender& sender, 
 WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
     ProgressSender sender;
     job.options.on_notice = [](const std::string& line) {
-        write_all(kMessageDescriptor, encode(WorkerMessage{NoticeMessage{line}}));
+        static_cast<void>(send_message(encode(WorkerMessage{NoticeMessage{line}})));
     };
     return guarded(job.memory_bytes, sender,
                    [&]() -> WorkerMessage { return ResultMessage{bake_and_write(job, bake, sender)}; });
@@ -129,55 +105,6 @@ WorkerMessage outcome_of_page(std::string_view job, std::uint64_t memory_bytes, 
 
 }  // namespace
 
-bool is_worker(int argc, const char* const* argv) {
-    return argc == 2 && std::string_view(argv[1]) == "--worker";
-}
-
-bool has_message_descriptor() {
-    if (fcntl(kMessageDescriptor, F_GETFD) >= 0) return true;
-    std::fputs("--worker is how these programs start their own workers, not for use by hand\n", stderr);
-    return false;
-}
-
-std::string read_job_text() {
-    std::string text;
-    std::array<char, 65536> buffer;
-    for (;;) {
-        const ssize_t n = read(kJobDescriptor, buffer.data(), buffer.size());
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return text;
-        text.append(buffer.data(), static_cast<std::size_t>(n));
-    }
-}
-
-void limit_worker_memory(std::uint64_t allowed, std::uint32_t threads) {
-    // Each arena of glibc reserves 64 MiB of address space, by default eight a core: they would use the limit up.
-    mallopt(M_ARENA_MAX, static_cast<int>(std::clamp(threads, 1U, 8U)));
-    // A bake takes and gives back blocks of some MiB all the time: each would be mapped, filled with zeros and
-    // unmapped.
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    mallopt(M_TRIM_THRESHOLD, 256 << 20);
-    std::set_new_handler(on_allocation_failure);
-#if defined(__SANITIZE_ADDRESS__)
-    (void)allowed;  // the sanitizer's shadow memory alone is beyond any limit
-#else
-    if (allowed == 0) return;
-    std::uint64_t pages = 0;
-    std::ifstream("/proc/self/statm") >> pages;
-    const std::uint64_t now = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-    if (allowed > std::numeric_limits<std::uint64_t>::max() / 2 - now) return;
-    rlimit limit{};
-    if (getrlimit(RLIMIT_AS, &limit) != 0) return;
-    limit.rlim_cur = std::min<rlim_t>(now + allowed, limit.rlim_max);
-    limit.rlim_max = limit.rlim_cur;
-    setrlimit(RLIMIT_AS, &limit);
-#endif
-}
-
-bool send_message(std::string_view bytes) {
-    return write_all(kMessageDescriptor, bytes);
-}
-
 int run_worker(const BakeFunction& bake, const PageFunction& page) {
     if (!has_message_descriptor()) return static_cast<int>(model::ExitCode::kUsage);
     WorkerMessage outcome = OutOfMemoryMessage{};
@@ -189,7 +116,7 @@ int run_worker(const BakeFunction& bake, const PageFunction& page) {
         outcome = page && is_page_job(text) ? outcome_of_page(text, limits.memory_bytes, page)
                                             : outcome_of(decode_job(text), bake);
     } catch (const model::Error& error) { outcome = ErrorMessage{error}; }
-    if (!write_all(kMessageDescriptor, encode(outcome))) return static_cast<int>(model::ExitCode::kInternal);
+    if (!send_message(encode(outcome))) return static_cast<int>(model::ExitCode::kInternal);
     // Destructors of statics in the libraries have crashed after a good bake before; there is nothing left to save.
     std::fflush(nullptr);
     _exit(static_cast<int>(model::ExitCode::kOk));

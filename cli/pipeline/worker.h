@@ -3,13 +3,12 @@
 // The disposable process that bakes one asset (design section 2.1). What happens in it stays in it: importers and
 // geometry libraries may crash, hang or eat memory, and it costs one asset.
 #pragma once
-#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <string>
 #include <string_view>
 
 #include "pipeline/pipeline.h"
+#include "pipeline/worker_io.h"
 
 namespace dgm::bake {
 
@@ -20,25 +19,11 @@ using BakeFunction =
 /// Makes one page of a report from a job that is_page_job(), and writes it to the file that the job names.
 using PageFunction = std::function<void(std::string_view job)>;
 
-/// True if the arguments are those ChildProcess starts a worker with.
-[[nodiscard]] bool is_worker(int argc, const char* const* argv);
-
 /// Reads a job from descriptor 0. A page job goes to `page`. For any other it bakes, writes the files under the
 /// temporary names it was given, reads them back and compares, and sends progress and the outcome to descriptor 3
 /// (worker_protocol.h). Limits its own memory first. Publishes nothing and removes nothing: the parent does, which is
 /// still there when this process is not.
 /// @return the process's exit code: 0 if an outcome was sent, success or not
 [[nodiscard]] int run_worker(const BakeFunction& bake, const PageFunction& page = {});
-
-/// For workers that do other work, each to be called in a worker alone.
-/// False if the program was called with `--worker` by hand; says so on stderr.
-[[nodiscard]] bool has_message_descriptor();
-/// All of descriptor 0.
-[[nodiscard]] std::string read_job_text();
-/// Limits the address space to what the program has now plus `allowed` (0: no limit). From then on a failed allocation
-/// sends kOutOfMemoryLine before it throws.
-void limit_worker_memory(std::uint64_t allowed, std::uint32_t threads);
-/// Writes all of it to descriptor 3. False if the parent is gone.
-[[nodiscard]] bool send_message(std::string_view bytes);
 
 }  // namespace dgm::bake

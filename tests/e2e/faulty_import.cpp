@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/e2e/faulty_import.cpp
-// import_apart around a reader that fails in the way the mesh's file name asks for. Says "N faces" or the error's code.
+// MESH SECONDS: import_apart around a reader that fails in the way the mesh's file name asks for. Says "N faces" or the
+// error's code.
 #include <unistd.h>
 
 #include <csignal>
@@ -57,9 +58,10 @@ ImportedMesh import(const std::filesystem::path& path) {
 
 int main(int argc, char** argv) {
     if (const auto exit_code = dgm::bake::import_worker(argc, argv, import)) return *exit_code;
-    if (argc != 2) return 1;
+    if (argc != 3) return 1;
     try {
-        const ImportedMesh mesh = dgm::bake::import_apart(argv[1], {.seconds = 3, .memory_bytes = 512u << 20});
+        const ImportedMesh mesh =
+            dgm::bake::import_apart(argv[1], {.seconds = std::atof(argv[2]), .memory_bytes = 512u << 20});
         // As bytes again, it is what reading it here gives.
         if (dgm::bake::encode_import(mesh) != dgm::bake::encode_import(dgm::formats::read_mesh(argv[1]))) return 7;
         std::printf("%zu faces\n", mesh.mesh.faces.size());

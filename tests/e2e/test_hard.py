@@ -12,45 +12,11 @@ import unittest
 import hard_meshes as hard
 import meshes
 import support
+from hard_shapes import BAKED
 
 NAN, INF = math.nan, math.inf
 NO_FACES, NON_ORIENTABLE, IMPORT_FAILED, SCALE = "DGM3001", "DGM3002", "DGM3005", "DGM3008"
 ANY = (NO_FACES, IMPORT_FAILED)
-
-# name: (mesh, least PSNR in dB or None, genus and number of borders of the whole or None)
-BAKED = {
-    "slivers": (lambda: hard.slivers(), 85, (0, 1)),
-    "zero_area_faces": (lambda: hard.with_values(meshes.sheet(12), {40: (0.5, 0.5, 0.0), 41: (0.5, 0.5, 0.0)}), 75, None),
-    "offset_1e7": (lambda: hard.moved(meshes.icosphere(3), shift=(1e7, -2e7, 3e7)), 80, (0, 0)),
-    "tiny_1e-9": (lambda: hard.moved(meshes.torus(), scale=1e-9), 80, (1, 0)),
-    "huge_1e9": (lambda: hard.moved(meshes.torus(), scale=1e9), 80, (1, 0)),
-    "graded_disk": (lambda: hard.graded_disk(), 100, (0, 1)),
-    "finger": (lambda: hard.finger(), 80, (0, 1)),
-    "tube_1000_to_1": (lambda: hard.tube(), 75, (0, 2)),
-    "spikes": (lambda: hard.spiky_ball(), 55, (0, 0)),
-    "tree": (lambda: hard.tree(), 55, (0, 0)),
-    "fan_10000": (lambda: hard.fan(), 100, (0, 1)),
-    "bipyramid_2000": (lambda: hard.bipyramid(), 70, (0, 0)),
-    **{f"genus_{g}": (lambda g=g: hard.plate(g, 2), 68, (g, 0)) for g in range(6)},
-    "genus_81": (lambda: hard.lattice_of_bars(), 40, (81, 0)),
-    "holes_225": (lambda: hard.sheet_with_holes(), 55, (0, 226)),
-    "single_triangle": (lambda: ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), 100, (0, 1)),
-    "two_triangles_folded": (lambda: ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0.9, 0.1, 0.1)], [(0, 1, 2), (1, 0, 3)]), 75,
-                             (0, 1)),
-    "bow_tie": (lambda: hard.bow_tie(), 100, (0, 2)),
-    "duplicate_and_opposite": (lambda: hard.with_bad_faces(meshes.icosphere(2)), 80, None),
-    "random_winding": (lambda: hard.randomly_wound(meshes.torus()), 80, (1, 0)),
-    "unwelded": (lambda: hard.unwelded(meshes.icosphere(2)), 80, (0, 0)),
-    "book": (lambda: hard.book(), 100, None),
-    "nan_and_inf": (lambda: hard.with_values(meshes.sheet(12), {50: (NAN, 0, 0), 70: (0, INF, 0), 90: (0, 0, -INF)}),
-                    40, None),
-    "double_sided": (lambda: ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3), (0, 3, 2, 1)]), None, None),
-    "polygon_300": (lambda: ([(math.cos(k / 300 * 2 * math.pi) * (1 + 0.5 * (k % 2)),
-                               math.sin(k / 300 * 2 * math.pi) * (1 + 0.5 * (k % 2)), 0) for k in range(300)],
-                             [tuple(range(300))]), 100, (0, 1)),
-    "two_balls_at_one_vertex": (lambda: hard.cubes([(0, 0, 0), (1, 1, 1)], 2), 70, None),
-    "two_bodies_at_one_edge": (lambda: hard.cubes([(0, 0, 0), (1, 1, 0)], 2), 70, None),
-}
 
 REFUSED = {
     "moebius": (lambda: meshes.moebius(), (NON_ORIENTABLE,)),
