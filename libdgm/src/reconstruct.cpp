@@ -14,6 +14,9 @@
 #include "mesh_indices.h"
 #include "state_impl.h"
 
+// Vectors stay in this file: how a target without SSE would hand them over is no matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace dgm {
 namespace detail {
 namespace {
