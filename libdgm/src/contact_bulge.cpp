@@ -17,9 +17,8 @@
 
 namespace dgm::detail {
 namespace {
-constexpr double kForeseen =
-    4e-3;  // of the removed volume: the next step is good to some 1e-5, which a few samples can take
-constexpr double kAimed = 1e-8;
+// Of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can take.
+constexpr double kForeseen = 4e-3, kAimed = 1e-8;
 constexpr std::uint32_t kMaxPasses = 10;
 }  // namespace
 
