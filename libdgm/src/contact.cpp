@@ -55,23 +55,9 @@ void Resolver::find_contact() noexcept {
     for (int k = 0; k < 3; ++k)
         largest = std::max({largest, std::fabs(double{root.low[k]}), std::fabs(double{root.high[k]})});
     tolerance_ = 2e-7 * largest;
-    std::uint32_t stack[4 * kMaxLevels], level_of[4 * kMaxLevels], depth = 0;
-    stack[depth] = 0;
-    level_of[depth++] = y.levels - 1;
-    while (depth != 0) {
-        const std::uint32_t node = stack[--depth], level = level_of[depth];
-        if (!(box_distance(shape_, y.boxes[y.start[level] + node]) < -tolerance_)) continue;
-        if (level == 0) {
-            mark_tile(node);
-            continue;
-        }
-        const std::uint32_t r = node / y.cols[level] * 2, c = node % y.cols[level] * 2;
-        for (std::uint32_t i = r; i < std::min(r + 2, y.rows[level - 1]); ++i)
-            for (std::uint32_t j = c; j < std::min(c + 2, y.cols[level - 1]); ++j) {
-                stack[depth] = i * y.cols[level - 1] + j;
-                level_of[depth++] = level - 1;
-            }
-    }
+    each_tile(
+        y, [&](const Box& box) { return box_distance(shape_, box) < -tolerance_; },
+        [&](std::uint32_t tile) { mark_tile(tile); });
 }
 
 void Resolver::mark_tile(std::uint32_t tile) noexcept {

@@ -4,6 +4,7 @@
 #pragma once
 #include <dgm/contact.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -171,6 +172,28 @@ void each_neighbour(const StateImpl& s, std::uint32_t sample, F f) noexcept {
     const std::uint32_t id = s.class_id(sample);
     if (id == kNone) return around(sample);
     for (const std::uint32_t copy : s.members(id)) around(copy);
+}
+
+/// Calls f(tile) for the tiles whose boxes, and those of the nodes above them, meet what meets(box) says.
+template <class Meets, class F>
+void each_tile(const Pyramid& y, Meets meets, F f) noexcept {
+    std::uint32_t stack[4 * kMaxLevels], level_of[4 * kMaxLevels], depth = 0;
+    stack[depth] = 0;
+    level_of[depth++] = y.levels - 1;
+    while (depth != 0) {
+        const std::uint32_t node = stack[--depth], level = level_of[depth];
+        if (!meets(y.boxes[y.start[level] + node])) continue;
+        if (level == 0) {
+            f(node);
+            continue;
+        }
+        const std::uint32_t r = node / y.cols[level] * 2, c = node % y.cols[level] * 2;
+        for (std::uint32_t i = r; i < std::min(r + 2, y.rows[level - 1]); ++i)
+            for (std::uint32_t j = c; j < std::min(c + 2, y.cols[level - 1]); ++j) {
+                stack[depth] = i * y.cols[level - 1] + j;
+                level_of[depth++] = level - 1;
+            }
+    }
 }
 
 /// Mobility of a sample, the same for all copies.

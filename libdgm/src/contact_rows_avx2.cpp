@@ -63,21 +63,22 @@ static inline __attribute__((always_inline)) Wide square_root(const Wide& v) {
     static inline __attribute__((always_inline)) type multiply_subtract(const type& a, const type& b, const type& c) { \
         return static_cast<type>(_mm256_fmsub_##suffix(a, b, c));                                                      \
     }                                                                                                                  \
-    static inline __attribute__((always_inline)) type subtract_product(const type& c, const type& a, const type& b) {  \
+    static inline __attribute__((always_inline, unused)) type subtract_product(const type& c, const type& a,           \
+                                                                               const type& b) {                        \
         return static_cast<type>(_mm256_fnmadd_##suffix(a, b, c));                                                     \
     }
 DGM_FUSED(Wide, ps)
 DGM_FUSED(Doubles, pd)
 #undef DGM_FUSED
-#define DGM_FUSED(type, fma)                                                                      \
-    static inline __attribute__((always_inline)) type multiply_add(type a, type b, type c) {      \
-        return fma(a, b, c);                                                                      \
-    }                                                                                             \
-    static inline __attribute__((always_inline)) type multiply_subtract(type a, type b, type c) { \
-        return fma(a, b, -c);                                                                     \
-    }                                                                                             \
-    static inline __attribute__((always_inline)) type subtract_product(type c, type a, type b) {  \
-        return fma(-a, b, c);                                                                     \
+#define DGM_FUSED(type, fma)                                                                             \
+    static inline __attribute__((always_inline)) type multiply_add(type a, type b, type c) {             \
+        return fma(a, b, c);                                                                             \
+    }                                                                                                    \
+    static inline __attribute__((always_inline)) type multiply_subtract(type a, type b, type c) {        \
+        return fma(a, b, -c);                                                                            \
+    }                                                                                                    \
+    static inline __attribute__((always_inline, unused)) type subtract_product(type c, type a, type b) { \
+        return fma(-a, b, c);                                                                            \
     }
 DGM_FUSED(float, __builtin_fmaf)
 DGM_FUSED(double, __builtin_fma)

@@ -45,18 +45,8 @@ inline float square_root(float v) {
 inline Wide square_root(const Wide& v) {
     return Wide{square_root(v[0]), square_root(v[1]), square_root(v[2]), square_root(v[3])};
 }
-template <class F>
-inline F multiply_add(const F& a, const F& b, const F& c) {
-    return a * b + c;
-}
-template <class F>
-inline F multiply_subtract(const F& a, const F& b, const F& c) {
-    return a * b - c;
-}
-template <class F>
-inline F subtract_product(const F& c, const F& a, const F& b) {
-    return c - a * b;
-}
+#include "unfused.h"
+// The bodies, which need all of the above.
 #include "contact_rows_impl.h"
 }  // namespace
 

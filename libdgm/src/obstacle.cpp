@@ -147,30 +147,16 @@ class SurfaceSearch {
         return true;
     }
     bool list_near(double radius) noexcept {
-        const Pyramid& y = s_.now_boxes;
-        std::uint32_t stack[4 * kMaxLevels], level_of[4 * kMaxLevels], depth = 0;
         near_ = {p_, radius};
-        stack[depth] = 0;
-        level_of[depth++] = y.levels - 1;
-        while (depth != 0) {
-            const std::uint32_t node = stack[--depth], level = level_of[depth];
-            if (!(square_to(y.boxes[y.start[level] + node]) <= radius * radius * (1 + 1e-9))) continue;
-            if (level == 0) {
-                if (near_.count == std::size(near_.tiles)) {
-                    near_.radius = -1;
-                    return false;
-                }
-                near_.tiles[near_.count++] = node;
-                continue;
-            }
-            const std::uint32_t r = node / y.cols[level] * 2, c = node % y.cols[level] * 2;
-            for (std::uint32_t i = r; i < std::min(r + 2, y.rows[level - 1]); ++i)
-                for (std::uint32_t j = c; j < std::min(c + 2, y.cols[level - 1]); ++j) {
-                    stack[depth] = i * y.cols[level - 1] + j;
-                    level_of[depth++] = level - 1;
-                }
-        }
-        return true;
+        bool fits = true;
+        each_tile(
+            s_.now_boxes, [&](const Box& box) { return fits && square_to(box) <= radius * radius * (1 + 1e-9); },
+            [&](std::uint32_t tile) {
+                fits = near_.count < std::size(near_.tiles);
+                if (fits) near_.tiles[near_.count++] = tile;
+            });
+        if (!fits) near_.radius = -1;
+        return fits;
     }
     [[nodiscard]] double square_to(const Box& box) const noexcept {
         const double x = std::max(std::max(box.low[0] - p_.x, p_.x - box.high[0]), 0.0);

@@ -53,18 +53,8 @@ template <int kBit>
 inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
     return (ring & (1 << kBit)) != 0 ? a : b;
 }
-template <class F>
-inline F multiply_add(const F& a, const F& b, const F& c) {
-    return a * b + c;
-}
-template <class F>
-inline F multiply_subtract(const F& a, const F& b, const F& c) {
-    return a * b - c;
-}
-template <class F>
-inline F subtract_product(const F& c, const F& a, const F& b) {
-    return c - a * b;
-}
+#include "unfused.h"
+// The bodies, which need all of the above.
 #include "rows_impl.h"
 }  // namespace
 
