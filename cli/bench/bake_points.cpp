@@ -56,8 +56,10 @@ std::vector<BakePoint> plan_points(const BakeSweepOptions& o) {
         // The second and the third: what a choice is worth at 257 a side is told by these two, for a quarter of the
         // time.
         const std::size_t first = o.sizes.size() > 1 ? 1 : 0, end = std::min<std::size_t>(first + 2, o.sizes.size());
-        const std::vector<std::uint32_t> some(o.sizes.begin() + static_cast<std::ptrdiff_t>(first),
-                                              o.sizes.begin() + static_cast<std::ptrdiff_t>(end));
+        std::vector<std::uint32_t> some = o.compared;
+        if (some.empty())
+            some.assign(o.sizes.begin() + static_cast<std::ptrdiff_t>(first),
+                        o.sizes.begin() + static_cast<std::ptrdiff_t>(end));
         vary(points, o.methods, &BakePoint::method, some);
         vary(points, o.fits, &BakePoint::fit, some);
         vary(points, o.precisions, &BakePoint::precision, some);

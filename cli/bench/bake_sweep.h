@@ -17,8 +17,8 @@ struct BakeSweepOptions {
     std::vector<std::filesystem::path> assets;
     std::vector<std::string> methods, precisions, fits, layers;  ///< layers: names joined by '+', or "all"
     std::vector<std::uint32_t> sizes;                            ///< samples a side, ascending
-    /// All combinations; else the default (auto, f32, l2, all) at every size, and at the second and the third one thing
-    /// changed at a time.
+    std::vector<std::uint32_t> compared;  ///< where one thing at a time is changed; empty: second and third size
+    /// All combinations; else the default (auto, f32, l2, all) at every size, and one thing changed at a time at some.
     bool full = false;
     BakeRepeats repeats;
 };

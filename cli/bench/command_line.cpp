@@ -159,16 +159,18 @@ struct BakeCommand {
             ->delimiter(',')
             ->check(CLI::Range(bake::kMinSide, bake::kMaxSide))
             ->capture_default_str();
+        app->add_option("--compare-at", sweep.compared,
+                        "Samples a side where methods, fits, precisions and layers are compared, one change at a time "
+                        "[the second and the third of --sizes]: at all sizes they would take most of the time and say "
+                        "little more")
+            ->delimiter(',')
+            ->check(CLI::Range(bake::kMinSide, bake::kMaxSide));
         app->add_option("--precisions", sweep.precisions, "f32, u16")->delimiter(',')->capture_default_str();
         app->add_option("--fits", sweep.fits, "sample, l2, best")->delimiter(',')->capture_default_str();
         app->add_option("--layers", sweep.layers, "Sets of layers: all, or names joined by +")
             ->delimiter(',')
             ->capture_default_str();
-        app->add_flag(
-            "--full", sweep.full,
-            "Every combination of these. Else the default at every size, and one change at a time at the second and "
-            "the third (65 and 129): what it leaves out, methods, fits and precisions at other sizes, takes "
-            "most of the time and says least");
+        app->add_flag("--full", sweep.full, "Every combination of these, instead of one change at a time");
         add_repeats(*app, sweep.repeats);
         common.add_to(*app);
     }

@@ -42,24 +42,32 @@ bool knows_smaller(const Table& table, const std::vector<std::size_t>& rows, std
     });
 }
 
+/// "arap", "arap and lscm", "arap, lscm and mvc".
+std::string listed(const std::vector<std::string>& names) {
+    std::string out;
+    for (std::size_t k = 0; k < names.size(); ++k)
+        out += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
+    return out;
+}
+
 /// A method is asked by the grid it needs with the settings that most methods were swept with.
 std::string others(const Table& table, const std::map<std::string, std::vector<std::size_t>>& methods,
                    const std::string& used, double rms) {
-    std::string needs;
+    std::map<std::pair<int, bool>, std::vector<std::string>> needs;  // by side, and whether a smaller one might do
     std::vector<std::string> never;
     for (const auto& [method, rows] : methods) {
         if (method == used) continue;
         if (const auto row = cheapest(table, rows, rms))
-            needs += fmt::format("; {} needs {}{}", method, knows_smaller(table, rows, *row) ? "" : "at most ",
-                                 table.text(*row, "grid"));
+            needs[{side_of(table, *row), !knows_smaller(table, rows, *row)}].push_back(method);
         else
             never.push_back(method);
     }
-    if (never.empty()) return needs;
-    std::string list;
-    for (std::size_t k = 0; k < never.size(); ++k)
-        list += (k == 0 ? "" : k + 1 == never.size() ? " and " : ", ") + never[k];
-    return needs + "; " + list + (never.size() == 1 ? " does" : " do") + " not reach it on the grids tried";
+    std::string out;
+    for (const auto& [grid, names] : needs)
+        out += fmt::format("; {} need{} {}{}x{}", listed(names), names.size() == 1 ? "s" : "",
+                           grid.second ? "at most " : "", grid.first, grid.first);
+    if (never.empty()) return out;
+    return out + fmt::format("; {} do{} not reach it on the grids tried", listed(never), never.size() == 1 ? "es" : "");
 }
 
 }  // namespace

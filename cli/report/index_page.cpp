@@ -191,7 +191,7 @@ class Index {
         if (grades[Grade::kLook] > 0) chip("look", fmt::format("{} worth a look", grades[Grade::kLook]));
         if (grades[Grade::kGood] > 0) chip("good", fmt::format("{} good", grades[Grade::kGood]));
         chip("", bake::bytes_text(bytes));
-        out += fmt::format("<li class=\"run\">{:.0f} s of baking</li>", seconds);
+        if (seconds >= 0.5) out += fmt::format("<li class=\"run\">{:.0f} s of baking</li>", seconds);
         return out + "</ul>\n";
     }
 
@@ -201,11 +201,11 @@ class Index {
             "placeholder=\"part of a name\"></label> <span id=\"shown\" class=\"small\"></span>\n"
             "<table class=\"assets\"><thead><tr><th>map and error</th>"
             "<th data-first=\"up\"><button type=\"button\">name</button></th>"
-            "<th aria-sort=\"descending\"><button type=\"button\">rms</button></th>"
-            "<th><button type=\"button\">max</button></th>"
-            "<th class=\"wide-only\" data-first=\"up\"><button type=\"button\">grid</button></th>"
-            "<th><button type=\"button\">bytes</button></th>"
-            "<th><button type=\"button\">time</button></th></tr></thead>\n<tbody>\n";
+            "<th class=\"n\" aria-sort=\"descending\"><button type=\"button\">rms</button></th>"
+            "<th class=\"n\"><button type=\"button\">max</button></th>"
+            "<th class=\"n wide-only\" data-first=\"up\"><button type=\"button\">grid</button></th>"
+            "<th class=\"n\"><button type=\"button\">bytes</button></th>"
+            "<th class=\"n\"><button type=\"button\">time</button></th></tr></thead>\n<tbody>\n";
         for (const Row& row : rows_) out += row_html(row);
         return out + "</tbody></table></section>\n";
     }

@@ -21,6 +21,7 @@
     return short(cell.median) + spread;
   }
   const heading = column => column.title + (column.unit ? ", " + column.unit : "");
+  const axis_title = column => column.unit === "bytes" ? column.title : heading(column);  // its ticks have kB and MB
 
   // --- light and dark -------------------------------------------------------------------------------------------
   const themes = ["system", "light", "dark"];
@@ -54,13 +55,21 @@
     const room = Math.pow(high / low, 0.04);
     return d3.scale.log().domain([low / room, high * room]).range(range);
   }
-  function axis(scale, orient) {
+  function tick_text(value, unit) {
+    const number = Number(value.toPrecision(6));
+    if (unit === "bytes" && number >= 1000) {
+      const step = Math.min(4, Math.floor(Math.log10(number) / 3 + 1e-9));
+      return short(number / Math.pow(1000, step)) + " " + ["", "kB", "MB", "GB", "TB"][step];
+    }
+    return number >= 1e-5 && number < 1e7 ? String(number) : number.toExponential();
+  }
+  function axis(scale, orient, unit) {
     const [low, high] = scale.domain(), decades = Math.log10(high / low);
     const every = Math.ceil(decades / 9);
     const label = value => {
       const power = Math.floor(Math.log10(value) + 1e-9), lead = Math.round(value / Math.pow(10, power));
       const wanted = decades > 3 ? lead === 1 && power % every === 0 : decades > 1.2 ? [1, 2, 5].includes(lead) : true;
-      return wanted ? short(Number(value.toPrecision(6))) : "";
+      return wanted ? tick_text(value, unit) : "";
     };
     const out = d3.svg.axis().scale(scale).orient(orient).tickFormat(label).outerTickSize(0);
     return decades > 12 ? out.tickValues(d3.range(every * Math.ceil(Math.log10(low) / every), Math.log10(high), every)
@@ -91,14 +100,14 @@
     const up = log_scale(points.map(p => p.y), [height - margin.bottom, margin.top]);
     const size = {x: height - margin.bottom - margin.top, y: width - margin.left - margin.right};
     svg.append("g").attr("class", "axis").attr("transform", "translate(0," + (height - margin.bottom) + ")")
-      .call(axis(across, "bottom").innerTickSize(-size.x).tickPadding(6));
+      .call(axis(across, "bottom", table.columns[x].unit).innerTickSize(-size.x).tickPadding(6));
     svg.append("g").attr("class", "axis").attr("transform", "translate(" + margin.left + ",0)")
-      .call(axis(up, "left").innerTickSize(-size.y).tickPadding(6));
+      .call(axis(up, "left", table.columns[y].unit).innerTickSize(-size.y).tickPadding(6));
     svg.selectAll(".axis line").style("opacity", 0.55);
     svg.append("text").attr("x", margin.left + size.y / 2).attr("y", height - 10).attr("text-anchor", "middle")
-      .text(heading(table.columns[x]));
+      .text(axis_title(table.columns[x]));
     svg.append("text").attr("transform", "translate(14," + (margin.top + size.x / 2) + ")rotate(-90)")
-      .attr("text-anchor", "middle").text(heading(table.columns[y]));
+      .attr("text-anchor", "middle").text(axis_title(table.columns[y]));
 
     const names = [];
     for (const p of points) if (!names.includes(p.series)) names.push(p.series);

@@ -61,7 +61,9 @@ TEST(BakePoints, OneChoiceAtATimeAndThePaper) {
     EXPECT_EQ(has({"arap", 129, "u16", "l2", "all"}), 0);
     EXPECT_EQ(has({"arap", 257, "f32", "l2", "all"}), 0);
     EXPECT_EQ(points.size(), 4U + 2 + 2 + 2 + 1);  // sizes, arap, best and u16 at 65 and 129, the paper's
-    o.sizes = {33};
+    o.compared = {257};
+    EXPECT_EQ(plan_points(o).size(), 4U + 1 + 1 + 1 + 1);
+    o.compared = {}, o.sizes = {33};
     EXPECT_EQ(plan_points(o).size(), 1U + 1 + 1 + 1 + 1);
     EXPECT_EQ(repetitions_of({"auto", 257, "f32", "l2", "all"}, 7), 7U);
     EXPECT_EQ(repetitions_of({"auto", 513, "f32", "l2", "all"}, 7), 3U);
