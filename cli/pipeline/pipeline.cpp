@@ -10,6 +10,7 @@
 
 #include "dgm/dgm_writer.h"
 #include "dgm/hash.h"
+#include "geometry/fit/closest_samples.h"
 #include "geometry/fit/fit.h"
 #include "geometry/layers/layers.h"
 #include "geometry/metrics/bump_normals.h"

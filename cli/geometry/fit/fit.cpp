@@ -2,9 +2,6 @@
 // cli/geometry/fit/fit.cpp
 #include "geometry/fit/fit.h"
 
-#include <tbb/parallel_for.h>
-
-#include <dgm/grid.h>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -12,6 +9,7 @@
 #include <optional>
 
 #include "geometry/fit/border_rails.h"
+#include "geometry/fit/diagonals.h"
 #include "geometry/fit/matches.h"
 #include "geometry/fit/normal_equations.h"
 #include "geometry/fit/turned_search.h"
@@ -32,7 +30,6 @@ constexpr double kUpright = 0.3;      // cosine to the source below, or what it 
 constexpr double kUprightLoss = 0.1;  // ... less this a round, while it is positive
 constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are mended at the start and at the end
 constexpr int kDiagonalRounds = 9;
-constexpr double kMiddleWeight = 2;  // of a diagonal's middle, in source points
 constexpr double kWorstShare = 0.6, kUrgency = 200;
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border, in those of its source points
@@ -494,100 +491,17 @@ class Fitter {
         return dot(n1, below) >= std::min({kUpright, start, std::max(0.0, start - kUprightLoss)}) * after;
     }
 
-    /// Each quad takes the diagonal with the smaller squared distance to the source points over it and of its own
-    /// middle to the source. Quads at the chart's border keep theirs: those may be the only ones that leave the welded
-    /// surface a manifold.
     void split_quads() {
-        const std::uint32_t m = chart_.m, n = chart_.n;
-        grid_.write_positions(chart_);
-        const std::vector<std::uint32_t> quad_of_face = quads_of_faces();
-        const auto corners = [&](const Face& t) {
-            return std::array{chart_.positions[t[0]], chart_.positions[t[1]], chart_.positions[t[2]]};
-        };
-        std::vector<std::array<double, 2>> sums(grid_.face_of_quad.size(), {0, 0});
-        std::array<double, 3> ignored;
-        for (const Match& match : matches_.points) {
-            if (match.hit.face >= quad_of_face.size()) continue;
-            const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
-            for (unsigned d = 0; d < 2; ++d) {
-                const auto t = quad_triangles(i, j, n, d);
-                sums[quad][d] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),
-                                          closest_on_triangle(match.position, corners(t[1]), ignored));
-            }
-        }
-        std::vector<char> changed(grid_.surface.faces.size(), 0);
-        tbb::parallel_for(std::uint32_t{1}, m - 2, [&](std::uint32_t i) {
-            for (std::uint32_t j = 1; j + 2 < n; ++j) {
-                const std::size_t quad = std::size_t{i} * (n - 1) + j, a = std::size_t{i} * n + j;
-                if (grid_.face_of_quad[quad] == kNone) continue;
-                const std::uint32_t start = matches_.middles[grid_.face_of_quad[quad]].hit.face;
-                const auto off = [&](std::size_t from, std::size_t to) {
-                    const Vec3d middle = (chart_.positions[from] + chart_.positions[to]) * 0.5;
-                    return kMiddleWeight * walk_to_closest(source_, middle, start).squared;
-                };
-                sums[quad][0] += off(a, a + n + 1), sums[quad][1] += off(a + n, a + 1);
-                const std::uint8_t old = chart_.diagonals[quad];
-                const bool old_folds = folds(chart_, i, j, old), other_folds = folds(chart_, i, j, !old);
-                if (old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old]) {
-                    chart_.diagonals[quad] = !old;
-                    const std::uint32_t face = grid_.face_of_quad[quad];  // and the next
-                    changed[face] = changed[face + 1] = 1;
-                }
-            }
-        });
+        const std::vector<char> changed = fit_diagonals(chart_, grid_, matches_, source_);
         grid_.link(chart_);
         matches_.update(false, changed);
     }
 
-    /// Other diagonals for the quads of turned faces, where those do not fold (`measured`: are turned less) and are no
-    /// edge yet.
     bool flip_quads(std::span<const std::uint32_t> faces, bool measured) {
-        grid_.write_positions(chart_);
-        const std::vector<std::uint32_t> quad_of_face = quads_of_faces();
-        std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh;
-        for (const std::uint32_t f : faces) {
-            if (f >= quad_of_face.size()) continue;
-            const std::uint32_t quad = quad_of_face[f], i = quad / (chart_.n - 1), j = quad % (chart_.n - 1);
-            const std::uint8_t old = chart_.diagonals[quad];
-            const bool better =
-                measured ? turns_less(i, j, !old) : folds(chart_, i, j, old) && !folds(chart_, i, j, !old);
-            if (!better) continue;
-            const std::uint32_t a = i * chart_.n + j, b = a + chart_.n;
-            const std::uint32_t from = grid_.class_of[old == 0 ? b : a], to = grid_.class_of[old == 0 ? a + 1 : b + 1];
-            const std::pair edge(std::min(from, to), std::max(from, to));
-            if (from == to || std::binary_search(grid_.edges.begin(), grid_.edges.end(), edge) ||
-                std::find(fresh.begin(), fresh.end(), edge) != fresh.end())
-                continue;
-            fresh.push_back(edge);
-            chart_.diagonals[quad] = !old;
-        }
-        if (fresh.empty()) return false;
+        if (!flip_diagonals(chart_, grid_, faces, measured ? &source_index() : nullptr)) return false;
         grid_.link(chart_);
         matches_.update(false);
         return true;
-    }
-
-    /// True if fewer of a quad's triangles are turned by this diagonal than by the other.
-    [[nodiscard]] bool turns_less(std::uint32_t i, std::uint32_t j, unsigned diagonal) {
-        TriMesh both;
-        both.positions.reserve(12);
-        for (const unsigned d : {diagonal, 1 - diagonal})
-            for (const Face& t : quad_triangles(i, j, chart_.n, d)) {
-                const auto first = static_cast<std::uint32_t>(both.positions.size());
-                for (const std::uint32_t s : t) both.positions.push_back(chart_.positions[s]);
-                both.faces.push_back({first, first + 1, first + 2});
-            }
-        int more = 0;
-        for (const std::uint32_t f : find_turned_faces(source_index(), both, kTurnedTie)) more += f < 2 ? -1 : 1;
-        return more > 0;
-    }
-
-    /// Per face of a quad, the quad; strip faces come after them.
-    [[nodiscard]] std::vector<std::uint32_t> quads_of_faces() const {
-        std::vector<std::uint32_t> out;
-        for (std::uint32_t q = 0; q < grid_.face_of_quad.size(); ++q)
-            if (grid_.face_of_quad[q] != kNone) out.insert(out.end(), 2, q);
-        return out;
     }
 
     SampledChart& chart_;
@@ -626,74 +540,6 @@ FitOptions best_fit() {
 
 FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress) {
     return Fitter(chart, options, progress).run();
-}
-
-SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
-    constexpr double kMinCosine = 0.3;  // as ClosestPointIndex::query_preferring
-    SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
-    const TriMesh& mesh = chart.disk.mesh;
-    const LinkedSurface source = link_source(chart.disk);
-    const double slack = 0.25 * std::sqrt(surface_area(source) / static_cast<double>(chart.grid_count()));
-    // A walk from the sample beside the point ends close by, or the index tells; over a source finer than the grid a
-    // walk would stop at the first bump.
-    const bool walks = source.faces.size() <= 2 * chart.grid_count();
-    struct Query {
-        Vec3d point, normal;
-        std::uint32_t start = kNone;
-        bool on_surface = false;
-    };
-    const auto query_at = [&](std::uint32_t r, std::uint32_t c) -> Query {
-        // Position on the chart's own grid, and the quad's triangle under it.
-        const double x = static_cast<double>(r) * (chart.m - 1) / std::max(1u, rows - 1);
-        const double y = static_cast<double>(c) * (chart.n - 1) / std::max(1u, cols - 1);
-        const auto i = std::min(static_cast<std::uint32_t>(x), chart.m - 2),
-                   j = std::min(static_cast<std::uint32_t>(y), chart.n - 2);
-        if (!chart.has_quad(i, j)) return {};
-        const double s = x - i, t = y - j;
-        const unsigned diagonal = chart.diagonals[std::size_t{i} * (chart.n - 1) + j];
-        const auto triangles = quad_triangles(i, j, chart.n, diagonal);
-        // (0,0) (1,0) (1,1) | (0,0) (1,1) (0,1)   or   (0,0) (1,0) (0,1) | (1,0) (1,1) (0,1)
-        const bool second = diagonal == 0 ? t > s : s + t > 1;
-        const Face& f = triangles[second];
-        const std::array<double, 3> b = diagonal == 0
-                                            ? second ? std::array{1 - t, s, t - s} : std::array{1 - s, s - t, t}
-                                        : second ? std::array{1 - t, s + t - 1, 1 - s}
-                                                 : std::array{1 - s - t, s, t};
-        const Vec3d &p = chart.positions[f[0]], &q = chart.positions[f[1]], &w = chart.positions[f[2]];
-        const std::size_t nearest = b[0] >= b[1] && b[0] >= b[2] ? 0 : b[1] >= b[2] ? 1 : 2;
-        return {p * b[0] + q * b[1] + w * b[2], normalized(cross(q - p, w - p), Vec3d{}),
-                chart.samples[f[nearest]].face, true};
-    };
-    std::vector<char> open(grid.samples.size(), 0);
-    tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
-        for (std::uint32_t c = 0; c < cols; ++c) {
-            const Query at = query_at(r, c);
-            if (!at.on_surface) continue;
-            const std::size_t s = std::size_t{r} * cols + c;
-            if (walks && at.start != kNone) {
-                const SurfaceHit hit = walk_to_closest(source, at.point, at.start);
-                if (hit.squared <= slack * slack && dot(source.normals[hit.face], at.normal) > kMinCosine) {
-                    grid.samples[s] = {hit.face, {hit.b[0], hit.b[1], hit.b[2]}};
-                    continue;
-                }
-            }
-            open[s] = 1;
-        }
-    });
-    if (std::find(open.begin(), open.end(), 1) != open.end()) {
-        const ClosestPointIndex index(mesh.positions, mesh.faces);
-        tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
-            for (std::uint32_t c = 0; c < cols; ++c) {
-                const std::size_t s = std::size_t{r} * cols + c;
-                if (!open[s]) continue;
-                const Query at = query_at(r, c);
-                const ClosestPoint hit = index.query_preferring(at.point, at.normal, slack, at.start);
-                grid.samples[s] = {hit.face, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
-            }
-        });
-    }
-    for (const SurfaceSample& s : grid.samples) grid.missing += s.face == kNone;
-    return grid;
 }
 
 }  // namespace dgm::bake

@@ -39,8 +39,4 @@ struct FitReport {
 /// are read there. Deterministic, whatever the number of threads.
 FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress);
 
-/// For each point of a rows x cols grid over the square, the closest point of the source (as a face of chart.disk) to
-/// the chart's surface there: what a rasterization is for an unfitted chart. face is kNone off the surface.
-[[nodiscard]] SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols);
-
 }  // namespace dgm::bake

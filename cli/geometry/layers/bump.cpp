@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/fit/fit.h"
+#include "geometry/fit/closest_samples.h"
 #include "geometry/layers/fit_layers.h"
 #include "geometry/layers/image_lookup.h"
 #include "geometry/layers/layers.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/fit/fit.h"
+#include "geometry/fit/closest_samples.h"
 #include "geometry/layers/grid_least_squares.h"
 #include "geometry/metrics/bump_normals.h"
 #include "geometry/metrics/grid_point.h"

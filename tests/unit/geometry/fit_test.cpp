@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/fit_test.cpp
+#include "geometry/fit/closest_samples.h"
 #include "geometry/fit/fit.h"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/diagonals.cpp
+#include "geometry/fit/diagonals.h"
+
+#include <tbb/parallel_for.h>
+
+#include <dgm/grid.h>
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "geometry/metrics/turned_faces.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kMiddleWeight = 2;  // of a diagonal's middle, in source points
+
+/// Per face of a quad, the quad; strip faces come after them.
+std::vector<std::uint32_t> quads_of_faces(const WeldedGrid& grid) {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t q = 0; q < grid.face_of_quad.size(); ++q)
+        if (grid.face_of_quad[q] != kNone) out.insert(out.end(), 2, q);
+    return out;
+}
+
+/// True if fewer of a quad's triangles are turned by this diagonal than by the other.
+bool turns_less(const SampledChart& chart, const ClosestPointIndex& source, std::uint32_t i, std::uint32_t j,
+                unsigned diagonal) {
+    TriMesh both;
+    both.positions.reserve(12);
+    for (const unsigned d : {diagonal, 1 - diagonal})
+        for (const Face& t : quad_triangles(i, j, chart.n, d)) {
+            const auto first = static_cast<std::uint32_t>(both.positions.size());
+            for (const std::uint32_t s : t) both.positions.push_back(chart.positions[s]);
+            both.faces.push_back({first, first + 1, first + 2});
+        }
+    int more = 0;
+    for (const std::uint32_t f : find_turned_faces(source, both, kTurnedTie)) more += f < 2 ? -1 : 1;
+    return more > 0;
+}
+
+}  // namespace
+
+std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, const Matches& matches,
+                                const LinkedSurface& source) {
+    const std::uint32_t m = chart.m, n = chart.n;
+    grid.write_positions(chart);
+    const std::vector<std::uint32_t> quad_of_face = quads_of_faces(grid);
+    const auto corners = [&](const Face& t) {
+        return std::array{chart.positions[t[0]], chart.positions[t[1]], chart.positions[t[2]]};
+    };
+    std::vector<std::array<double, 2>> sums(grid.face_of_quad.size(), {0, 0});
+    std::array<double, 3> ignored;
+    for (const Match& match : matches.points) {
+        if (match.hit.face >= quad_of_face.size()) continue;
+        const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
+        for (unsigned d = 0; d < 2; ++d) {
+            const auto t = quad_triangles(i, j, n, d);
+            sums[quad][d] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),
+                                      closest_on_triangle(match.position, corners(t[1]), ignored));
+        }
+    }
+    std::vector<char> changed(grid.surface.faces.size(), 0);
+    tbb::parallel_for(std::uint32_t{1}, m - 2, [&](std::uint32_t i) {
+        for (std::uint32_t j = 1; j + 2 < n; ++j) {
+            const std::size_t quad = std::size_t{i} * (n - 1) + j, a = std::size_t{i} * n + j;
+            const std::uint32_t face = grid.face_of_quad[quad];  // and the next
+            if (face == kNone) continue;
+            const std::uint32_t start = matches.middles[face].hit.face;
+            const auto off = [&](std::size_t from, std::size_t to) {
+                const Vec3d middle = (chart.positions[from] + chart.positions[to]) * 0.5;
+                return kMiddleWeight * walk_to_closest(source, middle, start).squared;
+            };
+            sums[quad][0] += off(a, a + n + 1), sums[quad][1] += off(a + n, a + 1);
+            const std::uint8_t old = chart.diagonals[quad];
+            const bool old_folds = folds(chart, i, j, old), other_folds = folds(chart, i, j, !old);
+            if (old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old]) {
+                chart.diagonals[quad] = !old;
+                changed[face] = changed[face + 1] = 1;
+            }
+        }
+    });
+    return changed;
+}
+
+bool flip_diagonals(SampledChart& chart, const WeldedGrid& grid, std::span<const std::uint32_t> faces,
+                    const ClosestPointIndex* source) {
+    grid.write_positions(chart);
+    const std::vector<std::uint32_t> quad_of_face = quads_of_faces(grid);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh;
+    for (const std::uint32_t f : faces) {
+        if (f >= quad_of_face.size()) continue;
+        const std::uint32_t quad = quad_of_face[f], i = quad / (chart.n - 1), j = quad % (chart.n - 1);
+        const std::uint8_t old = chart.diagonals[quad];
+        const bool better = source != nullptr ? turns_less(chart, *source, i, j, !old)
+                                              : folds(chart, i, j, old) && !folds(chart, i, j, !old);
+        if (!better) continue;
+        const std::uint32_t a = i * chart.n + j, b = a + chart.n;
+        const std::uint32_t from = grid.class_of[old == 0 ? b : a], to = grid.class_of[old == 0 ? a + 1 : b + 1];
+        const std::pair edge(std::min(from, to), std::max(from, to));
+        if (from == to || std::binary_search(grid.edges.begin(), grid.edges.end(), edge) ||
+            std::find(fresh.begin(), fresh.end(), edge) != fresh.end())
+            continue;
+        fresh.push_back(edge);
+        chart.diagonals[quad] = !old;
+    }
+    return !fresh.empty();
+}
+
+}  // namespace dgm::bake
