@@ -97,6 +97,7 @@ void fade_footprint(StateImpl& s) noexcept {
 
 std::uint32_t count_samples(const StateImpl& s) noexcept {
     const FootprintScratch& f = s.footprint;
+    if (f.listed != 0) return f.listed;
     std::uint32_t count = f.sample_count;
     bool apart = true;
     for (std::uint32_t k = 0; k < f.frame_count; ++k) {
