@@ -313,6 +313,10 @@ void end_footprint(StateImpl& state) noexcept;
 /// Square domain: copies of the chart placed over the window |x| < b, |y| < b around `start`, into footprint.frames,
 /// with kernel distances of `table` as keys (x^2 + y^2 if null); across seams as far as a copy lies nearest somewhere.
 void place_frames(StateImpl& state, const TableImpl* table, std::uint32_t start, std::uint32_t b) noexcept;
+/// The same where no two frames share a sample, as at most seams: frames and classes only, all keys stay at infinity.
+/// @return false, and nothing placed, where it is not so or a frame's rows are none of the table's.
+[[nodiscard]] bool place_frames_apart(StateImpl& state, const TableImpl& table, std::uint32_t start,
+                                      std::uint32_t b) noexcept;
 
 /// Exact nearest sample of a shape by its pyramid (which must be refitted).
 struct Best {
