@@ -73,6 +73,60 @@ void move_footprint(StateImpl& s, const Contact& c) noexcept {
     if (c.plastic) weld_copies(s, s.base);
 }
 
+/// Moves a frame's rectangle by the rows of the table.
+void move_frame(StateImpl& s, const TableImpl& t, const Frame& f, const Contact& c) noexcept {
+    MoveJob job = job_of(s, f.rect, s.now, c.d);
+    const auto i0 = static_cast<std::int32_t>(f.rect.i0), j0 = static_cast<std::int32_t>(f.rect.j0);
+    const std::int32_t x = f.c * i0 - f.s * j0 + f.x, y = f.s * i0 + f.c * j0 + f.y;
+    // Kernels are even: (row, column) of the first sample, rows growing with i and columns with j. Turned frames take
+    // a kernel that is mirrored as well, whose sign of rows is free.
+    const std::int32_t row = f.c != 0 ? f.c * x : f.s * y, column = f.c != 0 ? f.c * y : -f.s * x;
+    job.weight_step = t.width();
+    job.mirrored = t.mirrored && row < 0;
+    job.centre = static_cast<std::uint32_t>(i0 - row);
+    job.weights = t.row(job.mirrored ? 0 : row, f.c == 0) + column;
+    s.rows_of->move(job);
+    if (!c.plastic) return;
+    job.from = StateImpl::fixed(s.base);
+    job.to = s.base;
+    s.rows_of->move(job);
+}
+
+/// All copies of a class take the place of the one nearest to the contact, whose rectangle has moved; those in no frame
+/// are listed.
+void weld_nearest(StateImpl& s, const TableImpl& t, std::uint32_t id, bool plastic) noexcept {
+    FootprintScratch& f = s.footprint;
+    const auto a = static_cast<float>(t.a), b = static_cast<float>(t.b), c = static_cast<float>(t.c);
+    const auto members = s.members(id);
+    std::uint32_t nearest = members[0];
+    float best = __builtin_inff();
+    for (const std::uint32_t copy : members) {
+        const std::uint32_t i = copy / s.tables.cols, j = copy % s.tables.cols;
+        const Frame* in =
+            std::find_if(f.frames, f.frames + f.frame_count, [&](const Frame& frame) { return frame.rect.has(i, j); });
+        if (in == f.frames + f.frame_count) {
+            f.samples[f.sample_count++] = copy;
+            continue;
+        }
+        const auto row = static_cast<std::int32_t>(i), column = static_cast<std::int32_t>(j);
+        const auto x = static_cast<float>(in->c * row - in->s * column + in->x);
+        const auto y = static_cast<float>(in->s * row + in->c * column + in->y);
+        const float key = a * x * x + b * x * y + c * y * y;
+        if (!(key < best)) continue;
+        best = key;
+        nearest = copy;
+    }
+    for (const std::uint32_t copy : members) {
+        s.now.x[copy] = s.now.x[nearest];
+        s.now.y[copy] = s.now.y[nearest];
+        s.now.z[copy] = s.now.z[nearest];
+        if (!plastic) continue;
+        s.base.x[copy] = s.base.x[nearest];
+        s.base.y[copy] = s.base.y[nearest];
+        s.base.z[copy] = s.base.z[nearest];
+    }
+}
+
 void touch_footprint(StateImpl& s, bool plastic) noexcept {
     const FootprintScratch& f = s.footprint;
     RectList moved;
@@ -95,8 +149,28 @@ void fade_footprint(StateImpl& s) noexcept {
     for (std::uint32_t k = 0; k < f.sample_count; ++k) fade(s, f.samples[k]);
 }
 
+/// A footprint of frames that do not meet: no sample has two places, so that all but copies of classes move in rows.
+/// The tiles of these all fade together, so listed copies are up to date when the frames are.
+void move_frames_apart(StateImpl& s, const TableImpl& t, const Contact& c, DeformReport& report) noexcept {
+    FootprintScratch& f = s.footprint;
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) {
+        fade(s, f.frames[k].rect);
+        report.samples += static_cast<std::uint32_t>(RectList::area(f.frames[k].rect));
+    }
+    // Tiles with classes fade together: copies outside of the frames as well.
+    if (f.class_count != 0) fade(s, s.members(f.classes[0])[0]);
+    for (std::uint32_t k = 0; k < f.frame_count; ++k) move_frame(s, t, f.frames[k], c);
+    for (std::uint32_t k = 0; k < f.class_count; ++k) weld_nearest(s, t, f.classes[k], c.plastic);
+    report.samples += f.sample_count;
+    report.crossed_seam = f.class_count != 0;
+    touch_footprint(s, c.plastic);
+    f.frame_count = 0;  // no keys and weights to be cleared
+    end_footprint(s);
+}
+
 std::uint32_t count_samples(const StateImpl& s) noexcept {
     const FootprintScratch& f = s.footprint;
+    if (f.listed != 0) return f.listed;
     std::uint32_t count = f.sample_count;
     bool apart = true;
     for (std::uint32_t k = 0; k < f.frame_count; ++k) {
@@ -167,6 +241,11 @@ Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Conta
         }
         s.touch(r, c.plastic);
         report.samples = static_cast<std::uint32_t>(RectList::area(r));
+        return report;
+    }
+    if (c.footprint == Footprint::Grid && s.stiffness.empty() && !s.tables.free_domain &&
+        place_frames_apart(s, t, c.sample, t.options.reach)) {
+        move_frames_apart(s, t, c, report);
         return report;
     }
     if (auto r = begin_footprint(s, t, c); !r) return r.error();

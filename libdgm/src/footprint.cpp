@@ -78,6 +78,7 @@ class Builder {
         const GeodesicScratch& g = s_.geodesic;
         const ConstPlanes p = StateImpl::fixed(s_.rest);
         const Vec3 centre = StateImpl::at(p, contact_.sample);
+        const bool even = t_.mirrored && s_.stiffness.empty();
         Vec3 u{}, v{};
         if (!t_.mirrored) tangents(u, v);
         const float per_step = 1 / contact_.step;
@@ -85,25 +86,47 @@ class Builder {
             const std::uint32_t first = g.touched[k], id = s_.class_id(first);
             const float d = g.nodes[first].distance * per_step;
             if (d > reach_) continue;
-            float x = 0, y = 0;
-            if (!t_.mirrored) {
-                const Vec3 e = StateImpl::at(p, first) - centre;
-                x = dot(e, u);
-                y = dot(e, v);
+            if (even) {
+                f_.weight[first] = d < reach_ ? t_.profile(d) : 0;
+            } else {
+                float x = 0, y = 0;
+                if (!t_.mirrored) {
+                    const Vec3 e = StateImpl::at(p, first) - centre;
+                    x = dot(e, u);
+                    y = dot(e, v);
+                }
+                set_by_length(first, x, y, d * d);
             }
-            set_by_length(first, x, y, d * d);
             if (id == kNone) {
                 add_sample(first);
                 continue;
             }
             see_class(id);
             for (const std::uint32_t copy : s_.members(id)) {
-                f_.key[copy] = f_.key[first];
                 f_.weight[copy] = f_.weight[first];
                 add_sample(copy);
             }
         }
         end_geodesic(s_);
+        frame_samples();
+    }
+
+    /// Away from seams: rows of a rectangle are quicker than samples one by one, unless it holds much else. The rest of
+    /// it weighs 0.
+    void frame_samples() noexcept {
+        if (f_.class_count != 0 || f_.sample_count == 0) return;
+        Rect r{kNone, 0, kNone, 0};
+        const double rows_of = 1.0 / s_.tables.cols;
+        for (std::uint32_t k = 0; k < f_.sample_count; ++k) {
+            const std::uint32_t sample = f_.samples[k];
+            if (sample >= s_.tables.grid) return;
+            const auto i = static_cast<std::uint32_t>((sample + 0.5) * rows_of), j = sample - i * s_.tables.cols;
+            r = {std::min(r.i0, i), std::max(r.i1, i), std::min(r.j0, j), std::max(r.j1, j)};
+        }
+        if (RectList::area(r) > 2 * std::uint64_t{f_.sample_count}) return;
+        f_.listed = f_.sample_count;
+        f_.sample_count = 0;
+        f_.frames[f_.frame_count++] = {1, 0, 0, 0, r};
     }
 
     /// Unit tangents of the rest surface at the contact: u along +i, v a quarter turn from it towards +j. Kernels with
@@ -284,7 +307,7 @@ void end_footprint(StateImpl& s) noexcept {
         f.weight[f.samples[k]] = 0;
     }
     for (std::uint32_t k = 0; k < f.class_count; ++k) f.class_seen[f.classes[k]] = 0;
-    f.frame_count = f.sample_count = f.class_count = 0;
+    f.frame_count = f.sample_count = f.class_count = f.listed = 0;
 }
 
 }  // namespace dgm::detail

@@ -20,17 +20,34 @@ class Placer {
         : s_(s), f_(s.footprint), table_(table), r_(static_cast<std::int32_t>(b) - 1) {}
 
     void run(std::uint32_t start) noexcept {
-        const auto i = static_cast<std::int32_t>(start / s_.tables.cols);
-        const auto j = static_cast<std::int32_t>(start % s_.tables.cols);
-        f_.frame_count = 0;
-        add(1, 0, -i, -j);
+        begin(start);
         for (std::uint32_t k = 0; k < f_.frame_count; ++k) {
             place(f_.frames[k]);
             if (s_.class_count != 0) follow_seams(f_.frames[k]);
         }
     }
 
+    /// Frames only; keys stay at infinity. @return false if two meet, or rows run through the kernel's columns.
+    bool run_apart(std::uint32_t start) noexcept {
+        begin(start);
+        for (std::uint32_t k = 0; k < f_.frame_count; ++k) {
+            const Frame& f = f_.frames[k];
+            if (f.c == 0 && !table_->mirrored) return false;
+            for (std::uint32_t e = 0; e < k; ++e)
+                if (f_.frames[e].rect.meets(f.rect)) return false;
+            follow_seams(f);
+        }
+        return !f_.truncated;
+    }
+
  private:
+    void begin(std::uint32_t start) noexcept {
+        const auto i = static_cast<std::int32_t>(start / s_.tables.cols);
+        const auto j = static_cast<std::int32_t>(start % s_.tables.cols);
+        f_.frame_count = 0;
+        add(1, 0, -i, -j);
+    }
+
     void add(std::int32_t c, std::int32_t s, std::int32_t x, std::int32_t y) noexcept {
         for (std::uint32_t k = f_.frame_count; k-- > 0;) {
             const Frame& known = f_.frames[k];
@@ -129,6 +146,14 @@ class Placer {
 
 void place_frames(StateImpl& s, const TableImpl* table, std::uint32_t start, std::uint32_t b) noexcept {
     Placer(s, table, b).run(start);
+}
+
+bool place_frames_apart(StateImpl& s, const TableImpl& table, std::uint32_t start, std::uint32_t b) noexcept {
+    s.footprint.truncated = false;
+    if (Placer(s, &table, b).run_apart(start)) return true;
+    s.footprint.frame_count = 0;
+    end_footprint(s);
+    return false;
 }
 
 }  // namespace dgm::detail

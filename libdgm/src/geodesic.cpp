@@ -8,6 +8,7 @@
 // Our choice: a bucket queue of kBuckets widths instead of a heap; within one width the order is free.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "state_impl.h"
 
@@ -24,49 +25,58 @@ class Front {
         : s_(s),
           g_(s.geodesic),
           nodes_(s.geodesic.nodes.data()),
+          marks_(s.geodesic.marks.data()),
+          heads_(s.total()),
           p_(StateImpl::fixed(s.rest)),
           source_(StateImpl::at(p_, source)),
-          radius_(radius),
-          per_bucket_(static_cast<float>(GeodesicScratch::kBuckets - 1) / radius) {
+          radius2_(radius * radius),
+          per_bucket_(static_cast<float>(GeodesicScratch::kBuckets - 1) / radius),
+          worthwhile_(radius * 1e-5f) {
+        const std::uint32_t n = s.tables.cols;
+        const std::uint32_t around[8] = {n, n + 1, 1, 1 - n, 0 - n, 0 - n - 1, 0u - 1, n - 1};  // modulo 2^32
+        std::copy_n(around, 8, around_);
         offer(s.representative(source), 0);
     }
 
     void run() noexcept {
         for (; bucket_ < GeodesicScratch::kBuckets; ++bucket_)
-            while (g_.head[bucket_] != kNone) {
-                const std::uint32_t v = g_.head[bucket_];
+            for (std::uint32_t v; (v = nodes_[heads_ + bucket_].next) != heads_ + bucket_;) {
                 unlink(nodes_[v]);
-                nodes_[v].known = 1;
-                spread(v);
+                marks_[v] |= kFrontKnown;
+                if (v < s_.tables.grid && (s_.ring[v] & kRingInside) != 0)
+                    spread_inside(v);
+                else
+                    spread_outside(v);
             }
     }
 
  private:
     void unlink(const FrontNode& node) noexcept {
-        (node.previous == kNone ? g_.head[node.bucket] : nodes_[node.previous].next) = node.next;
-        if (node.next != kNone) nodes_[node.next].previous = node.previous;
+        nodes_[node.previous].next = node.next;
+        nodes_[node.next].previous = node.previous;
     }
-    void offer(std::uint32_t v, float d) noexcept {
+    /// A way of this length, squared, to v.
+    [[gnu::always_inline]] void offer(std::uint32_t v, float d2) noexcept {
         FrontNode& node = nodes_[v];
-        if (!(d < node.distance) || !(d <= radius_)) return;
-        const auto to = static_cast<std::uint16_t>(std::max(bucket_, static_cast<std::uint32_t>(d * per_bucket_)));
+        if (!(d2 < node.distance * node.distance) || !(d2 <= radius2_)) return;
+        const float d = std::sqrt(d2);
+        const std::uint32_t to = std::max(bucket_, static_cast<std::uint32_t>(d * per_bucket_));
         if (node.distance == __builtin_inff()) {
             g_.touched[g_.touched_count++] = v;
-        } else if (node.known != 0) {
+        } else if ((marks_[v] & kFrontKnown) != 0) {
             const bool worth = d < node.distance - worthwhile_ && reopened_++ <= 4 * g_.touched_count;
             node.distance = d;
             if (!worth) return;
-            node.known = 0;  // its neighbours have to hear of it
+            marks_[v] &= static_cast<std::uint8_t>(~kFrontKnown);  // its neighbours have to hear of it
         } else {
-            if (node.bucket == to) {
-                node.distance = d;
-                return;
-            }
+            node.distance = d;
+            if (node.bucket == to) return;
             unlink(node);
         }
-        node = {d, g_.head[to], kNone, to, 0, 0};
-        if (node.next != kNone) nodes_[node.next].previous = v;
-        g_.head[to] = v;
+        FrontNode& head = nodes_[heads_ + to];
+        node = {d, head.next, heads_ + to, to};
+        nodes_[head.next].previous = v;
+        head.next = v;
     }
 
     /// A corner of the triangles around a sample, by its representative.
@@ -75,20 +85,22 @@ class Front {
         float distance;
         Vec3 at;
     };
-    [[nodiscard]] Corner corner(std::uint32_t sample) const noexcept {
-        const std::uint32_t r = s_.representative(sample);
+    [[nodiscard, gnu::always_inline]] Corner corner(std::uint32_t r) const noexcept {
         return {r, nodes_[r].distance, StateImpl::at(p_, r)};
     }
 
-    void along_edge(const Corner& v, const Corner& to) noexcept {
-        const Vec3 e = to.at - v.at;
-        offer(to.sample, v.distance + std::sqrt(dot(e, e)));
+    [[gnu::always_inline]] void along_edge(const Corner& v, std::uint32_t to) noexcept {
+        const Vec3 e = StateImpl::at(p_, to) - v.at;
+        const float length2 = dot(e, e), room = nodes_[to].distance - v.distance;
+        if (!(room > 0) || !(length2 < room * room)) return;
+        const float d = v.distance + std::sqrt(length2);
+        offer(to, d * d);
     }
 
     /// Distance of c from those of a and b. In units of the edge ab: the source lies at x along it and height h beyond,
     /// c at cx and height ch on this side. @return false if the edge says nothing about c.
-    bool through(const Corner& a, const Corner& b, const Corner& c) noexcept {
-        const Vec3 e = b.at - a.at, f = c.at - a.at, straight = c.at - source_;
+    [[gnu::always_inline]] bool through(const Corner& a, const Corner& b, std::uint32_t sample) noexcept {
+        const Vec3 at = StateImpl::at(p_, sample), e = b.at - a.at, f = at - a.at;
         const float length2 = dot(e, e), da = a.distance, db = b.distance;
         if (!(length2 > 0)) return false;
         const float inverse = 1 / length2;
@@ -96,64 +108,89 @@ class Front {
         const float h2 = std::max(da * da - x * x * length2, 0.0f), ch2 = std::max(dot(f, f) - cx * cx * length2, 0.0f);
         const float both = std::sqrt(h2 * ch2);
         // Where the line crosses ab. Beside it another plane would have to be crossed.
-        const float sum = h2 + both, crossing = x * both + cx * h2;
-        if (sum > 0 ? !(std::fabs(crossing - 0.5f * sum) < kBeside * sum) : !(std::fabs(x - 0.5f) < kBeside))
-            return false;
-        const float across = (cx - x) * (cx - x) * length2 + h2 + ch2 + 2 * both;
-        offer(c.sample, std::sqrt(std::max(across, dot(straight, straight))));
+        const float sum = h2 + both, aside = x * both + cx * h2 - 0.5f * sum;
+        if (!(std::fabs(aside) < kBeside * sum) && (sum > 0 || !(std::fabs(x - 0.5f) < kBeside))) return false;
+        const float across = (cx - x) * (cx - x) * length2 + sum + ch2 + both, known = nodes_[sample].distance;
+        if (!(across < known * known)) return true;
+        const Vec3 straight = at - source_;
+        offer(sample, std::max(across, dot(straight, straight)));
         return true;
     }
 
-    void spread(std::uint32_t v) noexcept {
-        if (v < s_.tables.grid && (s_.ring[v] & kRingIrregular) == 0) return spread_inside(v);
-        const std::uint32_t id = s_.class_id(v);
-        if (id == kNone) return spread_irregular(v, v);
-        for (const std::uint32_t copy : s_.members(id)) spread_irregular(v, copy);
+    /// Marks of a sample and those beside it in its row, 8 bits each.
+    [[nodiscard, gnu::always_inline]] std::uint32_t three(std::uint32_t sample) const noexcept {
+        const std::uint8_t* m = marks_ + sample - 1;
+        return m[0] | static_cast<std::uint32_t>(m[1]) << 8 | static_cast<std::uint32_t>(m[2]) << 16;
+    }
+    /// The lowest bits of three rows of three, in the order of the ring. The product moves them side by side.
+    [[nodiscard, gnu::always_inline]] static std::uint32_t ring_bits(std::uint32_t beyond, std::uint32_t here,
+                                                                     std::uint32_t behind) noexcept {
+        static constexpr std::uint8_t kBackwards[8] = {0, 0x20, 0x10, 0x30, 0x08, 0x28, 0x18, 0x38};
+        const auto packed = [](std::uint32_t bytes) { return (bytes & 0x10101u) * 0x10204u >> 16 & 7; };
+        const std::uint32_t up = packed(beyond) << 7;
+        return (up & 255) | up >> 8 | (here & 1) << 6 | (here >> 14 & 4) | kBackwards[packed(behind)];
     }
 
-    /// The ring of rows.h. Only samples the front has not met get work, and those with obtuse corners: over these it
-    /// can come from behind, so that a known distance may still be too long.
+    /// The ring of rows.h, bit k of a byte being neighbour k, all in the grid and in no class. Only samples the front
+    /// has not met get work, and those with obtuse corners: over these it can come from behind, so that a known
+    /// distance may still be too long.
     void spread_inside(std::uint32_t sample) noexcept {
-        const std::uint32_t n = s_.tables.cols, bits = s_.ring[sample];
-        const std::uint32_t around[8] = {sample + n, sample + n + 1, sample + 1, sample - n + 1,
-                                         sample - n, sample - n - 1, sample - 1, sample + n - 1};
-        std::uint32_t ring[8], count = 0, known = 0, obtuse = 0;
-        for (std::uint32_t k = 0; k < 8; ++k) {
-            const std::uint32_t in = k % 2 == 0 ? 1 : bits >> (k / 2) & 1, r = s_.representative(around[k]);
-            const std::uint32_t wide = r < s_.tables.grid ? s_.ring[r] / kRingObtuse : 1u;
-            ring[count] = r;
-            known |= (nodes_[r].known & in) << count;
-            obtuse |= (wide & in) << count;
-            count += in;
+        static constexpr std::uint8_t kCorners[16] = {0x55, 0x57, 0x5d, 0x5f, 0x75, 0x77, 0x7d, 0x7f,
+                                                      0xd5, 0xd7, 0xdd, 0xdf, 0xf5, 0xf7, 0xfd, 0xff};
+        const std::uint32_t n = s_.tables.cols;
+        const std::uint32_t beyond = three(sample + n), here = three(sample), behind = three(sample - n);
+        std::uint32_t known = ring_bits(beyond, here, behind);
+        const std::uint32_t in = kCorners[s_.ring[sample] & kRingCorners];
+        const std::uint32_t obtuse =
+            ((beyond | here | behind) & 0x20202) == 0 ? 0 : ring_bits(beyond >> 1, here >> 1, behind >> 1);
+        known &= in;
+        const std::uint32_t open = in & (~known | obtuse);
+        // Neighbours whose forerunner or successor in the ring is known. A corner that is not in it is passed over.
+        const std::uint32_t twice = known | known << 8, out = ~(in | in << 8);
+        const std::uint32_t before = open & (twice >> 7 | (twice >> 6 & out >> 7));
+        const std::uint32_t after = open & (twice >> 1 | (twice >> 2 & out >> 1));
+        const Corner v = corner(sample);
+        std::uint32_t alone = open & ~(known | before | after);
+        std::uint32_t told = 0;
+        for (std::uint32_t left = before | after << 8; left != 0; left &= left - 1) {
+            const auto bit = static_cast<std::uint32_t>(__builtin_ctz(left));
+            const std::uint32_t k = bit & 7, step = bit < 8 ? 7 : 1;
+            const std::uint32_t next = (k + step) & 7, passed = (next + step) & 7;
+            const std::uint32_t side = sample + around_[(in >> next & 1) != 0 ? next : passed];
+            told |= static_cast<std::uint32_t>(through(v, corner(side), sample + around_[k])) << k;
         }
-        const std::uint32_t all = (1u << count) - 1;
-        const Corner v{sample, nodes_[sample].distance, StateImpl::at(p_, sample)};
-        for (std::uint32_t open = (~known | (known & obtuse)) & all; open != 0; open &= open - 1) {
-            const auto k = static_cast<std::uint32_t>(__builtin_ctz(open));
-            const Corner q = corner(ring[k]);
-            const std::uint32_t before = k == 0 ? count - 1 : k - 1, after = k + 1 == count ? 0 : k + 1;
-            const bool fresh = (known >> k & 1) == 0;
-            bool told = false;
-            for (const std::uint32_t side : {before, after})
-                if ((known >> side & 1) != 0) told = through(v, corner(ring[side]), q) || told;
-            if (!told && fresh) along_edge(v, q);
+        for (; alone != 0; alone &= alone - 1) {
+            const std::uint32_t to = sample + around_[__builtin_ctz(alone)];
+            // The front itself comes to those it has seen.
+            if (nodes_[to].distance == __builtin_inff()) along_edge(v, to);
         }
+        for (std::uint32_t left = (before | after) & ~known & ~told; left != 0; left &= left - 1)
+            along_edge(v, sample + around_[__builtin_ctz(left)]);
     }
 
-    void spread_face(std::uint32_t v, std::uint32_t copy, const std::uint32_t* f) noexcept {
+    /// The same anywhere.
+    [[gnu::noinline]] void spread_outside(std::uint32_t v) noexcept {
+        const std::uint32_t id = s_.class_id(v);
+        if (id == kNone) return spread_faces(v, v);
+        for (const std::uint32_t copy : s_.members(id)) spread_faces(v, copy);
+    }
+
+    [[gnu::noinline]] void spread_face(std::uint32_t v, std::uint32_t copy, const std::uint32_t* f) noexcept {
         const int k = f[0] == copy ? 0 : f[1] == copy ? 1 : f[2] == copy ? 2 : 3;
         if (k == 3) return;
-        const Corner at = corner(v), p = corner(f[(k + 1) % 3]), q = corner(f[(k + 2) % 3]);
-        if (p.sample == v || q.sample == v || p.sample == q.sample) return;
-        const bool has_p = nodes_[p.sample].known != 0, has_q = nodes_[q.sample].known != 0;
-        if (!has_p) along_edge(at, p);
-        if (!has_q) along_edge(at, q);
-        // A known distance may still be too long: over an obtuse corner the front can come from behind.
-        if (has_p) through(at, p, q);
-        if (has_q) through(at, q, p);
+        const Corner at = corner(v);
+        std::uint32_t p = s_.representative(f[(k + 1) % 3]), q = s_.representative(f[(k + 2) % 3]);
+        if (p == v || q == v || p == q) return;
+        bool known[2] = {(marks_[p] & kFrontKnown) != 0, (marks_[q] & kFrontKnown) != 0};
+        for (const bool has : known) {
+            if (!has) along_edge(at, p);
+            // A known distance may still be too long: over an obtuse corner the front can come from behind.
+            if (has) through(at, corner(p), q);
+            std::swap(p, q);
+        }
     }
 
-    void spread_irregular(std::uint32_t v, std::uint32_t copy) noexcept {
+    void spread_faces(std::uint32_t v, std::uint32_t copy) noexcept {
         const ChartTables& t = s_.tables;
         if (copy < t.grid) {
             const std::uint32_t i = copy / t.cols, j = copy % t.cols;
@@ -172,10 +209,13 @@ class Front {
     StateImpl& s_;
     GeodesicScratch& g_;
     FrontNode* const nodes_;
+    std::uint8_t* const marks_;
+    const std::uint32_t heads_;  ///< the first bucket's
     const ConstPlanes p_;
     const Vec3 source_;
-    const float radius_, per_bucket_;
-    const float worthwhile_ = radius_ * 1e-5f;  ///< shorter improvements are not worth another turn
+    const float radius2_, per_bucket_;
+    const float worthwhile_;   ///< shorter improvements are not worth another turn
+    std::uint32_t around_[8];  ///< from a grid sample to its neighbours, in the order of rows.h
     std::uint32_t bucket_ = 0;
     std::uint32_t reopened_ = 0;  ///< bounded: crumpled surfaces could go on correcting for long
 };
@@ -187,7 +227,10 @@ void begin_geodesic(StateImpl& s, std::uint32_t start, float radius) noexcept {
 
 void end_geodesic(StateImpl& s) noexcept {
     GeodesicScratch& g = s.geodesic;
-    for (std::uint32_t k = 0; k < g.touched_count; ++k) g.nodes[g.touched[k]] = {};
+    for (std::uint32_t k = 0; k < g.touched_count; ++k) {
+        g.nodes[g.touched[k]] = {};
+        g.marks[g.touched[k]] &= static_cast<std::uint8_t>(~kFrontKnown);
+    }
     g.touched_count = 0;
 }
 

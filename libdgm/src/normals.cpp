@@ -109,6 +109,14 @@ Result<void> build_rings(StateImpl& s) noexcept {
     };
     for (const std::uint32_t sample : s.class_members) irregular(sample);
     for (const std::uint32_t sample : s.faces) irregular(sample);
+    for (std::uint32_t i = 1; i + 1 < t.rows; ++i)
+        for (std::uint32_t j = 1; j + 1 < t.cols; ++j) {
+            const std::uint32_t k = i * t.cols + j;
+            bool apart = (s.ring[k] & kRingIrregular) == 0;
+            for (std::uint32_t row = k - t.cols; apart && row <= k + t.cols; row += t.cols)
+                for (std::uint32_t q = row - 1; q <= row + 1; ++q) apart = apart && s.class_id(q) == kNone;
+            if (apart) s.ring[k] |= kRingInside;
+        }
     const double mean = quads == 0 ? 0 : area / static_cast<double>(quads);
     s.normals_of = choose_normals(*s.rows_of, s.uniform ? nullptr : s.ring.data(), 1);
     if (!(mean > 0) || !std::isfinite(mean)) return {};

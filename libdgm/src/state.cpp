@@ -108,8 +108,13 @@ bool make_scratch(StateImpl& s, std::uint32_t max_tools) noexcept {
         !f.class_seen.allocate(a, s.class_count))
         return false;
     GeodesicScratch& g = s.geodesic;
-    if (!g.nodes.allocate(a, s.total()) || !g.touched.allocate(a, s.total())) return false;
-    for (std::uint32_t& head : g.head) head = kNone;
+    if (!g.nodes.allocate(a, std::uint64_t{s.total()} + GeodesicScratch::kBuckets) || !g.marks.allocate(a, s.total()) ||
+        !g.touched.allocate(a, s.total()))
+        return false;
+    for (std::uint32_t k = s.total(); k < s.total() + GeodesicScratch::kBuckets; ++k)
+        g.nodes[k].next = g.nodes[k].previous = k;
+    for (std::uint32_t k = 0; k < s.tables.grid; ++k)
+        if ((s.ring[k] & kRingObtuse) != 0) g.marks[k] = kFrontObtuse;
     return s.tools.allocate(a, max_tools);
 }
 
@@ -118,11 +123,12 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
     const std::uint64_t walk = t.free_domain ? walk_capacity(t.total, o.max_reach) * (sizeof(WalkNode) + 8) : 0;
     const std::uint64_t tiles = (std::uint64_t{tile_count(t.rows - 1)} * tile_count(t.cols - 1));
     const std::uint64_t shape = 12 * plane_floats(t.total) * sizeof(float);
-    // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (20), classes,
+    // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (21), classes,
     // slots.
-    return shape + std::uint64_t{t.total} * (3 + 12 + 20 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
+    return shape + std::uint64_t{t.total} * (3 + 12 + 21 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
            tiles * (4 * sizeof(Box) + 44) + t.faces.size() * 40 + t.seams.size() * 80 +
-           (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) + 4096;
+           (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
+           GeodesicScratch::kBuckets * sizeof(FrontNode) + 4096;
 }
 
 /// Element `column` of a layer [m][n][width], 0 .. 1 each; nothing is kept if all are 1.

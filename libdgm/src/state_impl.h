@@ -47,6 +47,7 @@ inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
 
 inline constexpr std::uint8_t kRingObtuse = 32;  ///< of a rest triangle with an angle above 93 or below 14 degrees
+inline constexpr std::uint8_t kRingInside = 64;  ///< regular, and neither it nor a neighbour is in a class
 
 inline constexpr std::uint32_t kMaxLevels = 16;  // 8192 leaf tiles a side halve to 1 in 13 steps
 
@@ -82,6 +83,7 @@ struct FootprintScratch {
     std::uint32_t frame_count = 0;
     Array<std::uint32_t> samples;  ///< besides the frames' rectangles
     std::uint32_t sample_count = 0;
+    std::uint32_t listed = 0;      ///< of the frame's samples those in reach, where not all are; else 0
     Array<std::uint32_t> classes;  ///< classes in reach
     std::uint32_t class_count = 0;
     Array<std::uint8_t> class_seen;
@@ -92,16 +94,16 @@ struct FootprintScratch {
 struct FrontNode {
     float distance = __builtin_inff();
     std::uint32_t next = kNone, previous = kNone;  ///< in the bucket's list
-    std::uint16_t bucket = 0;
-    std::uint8_t known = 0;
-    std::uint8_t unused = 0;
+    std::uint32_t bucket = 0;
 };
+inline constexpr std::uint8_t kFrontKnown = 1;   ///< only during a walk
+inline constexpr std::uint8_t kFrontObtuse = 2;  ///< kRingObtuse, for ever
 struct GeodesicScratch {
     static constexpr std::uint32_t kBuckets = 256;
-    Array<FrontNode> nodes;
+    Array<FrontNode> nodes;     ///< of samples, then of buckets: each one's list is a ring through its own node
+    Array<std::uint8_t> marks;  ///< kFront*
     Array<std::uint32_t> touched;
     std::uint32_t touched_count = 0;
-    std::uint32_t head[kBuckets];
 };
 
 struct TileList {
@@ -311,6 +313,10 @@ void end_footprint(StateImpl& state) noexcept;
 /// Square domain: copies of the chart placed over the window |x| < b, |y| < b around `start`, into footprint.frames,
 /// with kernel distances of `table` as keys (x^2 + y^2 if null); across seams as far as a copy lies nearest somewhere.
 void place_frames(StateImpl& state, const TableImpl* table, std::uint32_t start, std::uint32_t b) noexcept;
+/// The same where no two frames share a sample, as at most seams: frames and classes only, all keys stay at infinity.
+/// @return false, and nothing placed, where it is not so or a frame's rows are none of the table's.
+[[nodiscard]] bool place_frames_apart(StateImpl& state, const TableImpl& table, std::uint32_t start,
+                                      std::uint32_t b) noexcept;
 
 /// Exact nearest sample of a shape by its pyramid (which must be refitted).
 struct Best {

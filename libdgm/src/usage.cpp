@@ -41,7 +41,7 @@ StateUsage State::usage() const noexcept {
                                     s.tile_border_start, s.tile_border, s.fading.time, s.fading.left,
                                     s.fading.plain.tiles, s.fading.special.tiles, s.now_boxes.boxes, s.base_boxes.boxes,
                                     s.walk.slot_of, s.walk.nodes, s.walk.heap, s.walk.visited, f.key, f.weight,
-                                    f.samples, f.classes, f.class_seen, s.geodesic.nodes, s.geodesic.touched, s.tools);
+                                    f.samples, f.classes, f.class_seen, s.geodesic.nodes, s.geodesic.marks, s.geodesic.touched, s.tools);
     detail::RectList active = s.elastic;
     detail::add_fading(s, active);
     return {bytes, s.total(), detail::samples_in(s, active), detail::samples_in(s, s.normal_dirty)};

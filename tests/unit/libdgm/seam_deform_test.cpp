@@ -201,5 +201,51 @@ TEST(SeamDeform, FreeBorderContinuesAcrossItsSeam) {
     for (const auto& [representative, copy] : seams) EXPECT_TRUE(same_bits(p[representative], p[copy]));
 }
 
+/// A soft sample far from every contact makes weights be gathered sample by sample. Elsewhere rows of the table move,
+/// which has to give the same bits.
+TEST(SeamDeform, RowsAreTheSamplesOneByOne) {
+    const std::uint32_t n = 33;
+    KernelOptions circle;
+    circle.sigma = 14;
+    circle.reach = 6;
+    KernelOptions ellipse = circle;
+    ellipse.shape = KernelShape::Elliptic;
+    ellipse.radius_a = 4;
+    ellipse.radius_b = 2;
+    ellipse.angle = 0.4f;
+    for (const SeamPairs& seams : {tube_seams(n, n), fold_seams(n, n), corner_seams(n), octahedral_seams(n)})
+        for (const KernelOptions& kernel : {circle, ellipse}) {
+            const ChartSpec plain = grid_chart(n, n, sheet, seams);
+            ChartSpec soft = plain;
+            std::vector<float> layer;
+            for (std::uint32_t k = 0; k < n * n; ++k)
+                layer.insert(layer.end(), {1, 0, 1, k == n * n / 2 ? 0.5f : 1.0f});
+            soft.add("deformation", ElementType::kF32, {n, n, 4}, layer);
+            State rows = make_state(plain), samples = make_state(soft);
+            const DeformTable table = DeformTable::create(kernel).value();
+            int crossed = 0;
+            for (std::uint32_t k = 0; k < n; ++k)
+                for (const std::uint32_t contact : {k, k * n, k * n + 2, (n - 4) * n + k, k * n + n - 1, 3 * n + k}) {
+                    Touch touch;
+                    touch.sample = contact;
+                    touch.displacement = {0.25f, -0.5f, 0.75f};
+                    touch.d_max = 2;
+                    touch.mode = contact % 3 == 0 ? DeformMode::Plastic : DeformMode::Elastic;
+                    const DeformReport one = deform(rows, table, touch).value();
+                    const DeformReport other = deform(samples, table, touch).value();
+                    ASSERT_EQ(one.samples, other.samples) << contact;
+                    ASSERT_EQ(one.crossed_seam, other.crossed_seam) << contact;
+                    crossed += one.crossed_seam ? 1 : 0;
+                    for (std::uint32_t s = 0; s < n * n; ++s)
+                        ASSERT_TRUE(same_bits(rows.positions()[s], samples.positions()[s])) << contact << " " << s;
+                }
+            EXPECT_GT(crossed, 50);
+            rows.release();
+            samples.release();
+            for (std::uint32_t s = 0; s < n * n; ++s)
+                ASSERT_TRUE(same_bits(rows.positions()[s], samples.positions()[s])) << s;
+        }
+}
+
 }  // namespace
 }  // namespace dgm::test
