@@ -14,6 +14,13 @@ namespace dgm::detail {
 
 inline constexpr double kKept = 1e-6;  ///< of the removed volume: what volume_kept says
 
+/// Six times the volume as a function of the height of the bulge.
+struct Cubic {
+    double c[3] = {0, 0, 0};
+    [[nodiscard]] double operator()(double b) const noexcept { return ((c[2] * b + c[1]) * b + c[0]) * b; }
+    [[nodiscard]] double slope(double b) const noexcept { return (3 * c[2] * b + 2 * c[1]) * b + c[0]; }
+};
+
 /// Phi: samples beyond the obstacle. Psi: the ring around them.
 class Resolver {
  public:
@@ -92,11 +99,14 @@ class Resolver {
     /// Keeps a sample that was bulged by beta out of the obstacle, if the loops do not.
     void put_back_sample(std::uint32_t k, double beta) noexcept;
 
-    /// Six times the volume it costs to keep the bulge out of a plane, roughly, and its rate with beta.
-    [[nodiscard]] double held_back(double beta, double& rate) const noexcept;
+    /// Six times the volume it costs to keep the bulge out of a plane. Before anything is bulged.
+    [[nodiscard]] double held_back(double beta) const noexcept;
+    /// The ring moves as its cubic says, within rounding that does not matter.
+    [[nodiscard]] bool is_known(double beta) const noexcept;
+    double judge(double beta, double error) noexcept;
     void bulge() noexcept;
-    /// Bulges all and measures it. @return the error.
-    double settle(double beta) noexcept;
+    /// Bulges all and measures it, but for what `rest` says of c_.ring. @return the error.
+    double settle(double beta, const Cubic& rest) noexcept;
 
     /// Of a sample that lies inside the grid, off seams.
     [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
@@ -118,6 +128,7 @@ class Resolver {
     ContactReport report_;
     Surroundings around_;
     double tolerance_ = 0, total_ = 0;
+    double highest_ = 0;  ///< bulge up to which samples outside kTileNear keep clear of the obstacle
     double area_ = 0;     ///< of the contact, by its quads
     double weights_ = 0;  ///< sum over the ring
     double removed_ = 0;  ///< six times the volume
