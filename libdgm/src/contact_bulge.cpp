@@ -108,7 +108,7 @@ void Resolver::cubic_faces(double* c) const noexcept {
     }
 }
 
-double Resolver::held_back(double beta) const noexcept {
+double Resolver::held_back(const Rect& r, double beta) const noexcept {
     HoldJob job{};
     job.normal = StateImpl::fixed(s_.normal);
     job.weight = c_.weight.data();
@@ -117,11 +117,13 @@ double Resolver::held_back(double beta) const noexcept {
     job.n[1] = static_cast<float>(shape_.normal.y);
     job.n[2] = static_cast<float>(shape_.normal.z);
     job.d = static_cast<float>(shape_.offset);
+    const QuadJob quads = quad_job(r);
+    return quads.rect.empty() ? 0 : c_.rows_of->held_back(quads, job);
+}
+
+double Resolver::held_back(double beta) const noexcept {
     double six = 0;
-    for (const Rect& r : c_.near) {
-        const QuadJob quads = quad_job(r);
-        if (!quads.rect.empty()) six += c_.rows_of->held_back(quads, job);
-    }
+    for (const Rect& r : c_.near) six += held_back(r, beta);
     return six;
 }
 
@@ -140,6 +142,13 @@ void Resolver::part_ring() noexcept {
         if ((c_.tile_bits[tile] & kTilePhi) == 0 && box_distance(shape_, s_.now_boxes.boxes[tile]) > reach) continue;
         for (std::uint32_t i = ti == 0 ? 0 : ti - 1; i <= ti; ++i)
             for (std::uint32_t j = tj == 0 ? 0 : tj - 1; j <= tj; ++j) c_.tile_bits[i * s_.tile_cols + j] |= kTileNear;
+    }
+    for (std::uint32_t e = 0; foreseen() && e < c_.tile_count; ++e) {
+        std::uint8_t& bits = c_.tile_bits[c_.tiles[e]];
+        if ((bits & (kTileBulging | kTileNear)) != (kTileBulging | kTileNear)) continue;
+        const double held = held_back(s_.tile_rect(c_.tiles[e]), std::copysign(highest_, removed_));
+        held_ += held;
+        if (held == 0 && (bits & kTileSinking) == 0) bits &= static_cast<std::uint8_t>(~kTileNear);
     }
     collect(c_.near, kTileBulging | kTileNear, kTileBulging | kTileNear);
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
@@ -222,23 +231,14 @@ double solve(const Cubic& cubic, double aim, double cost, double at, double powe
 }
 }  // namespace
 
-double Resolver::settle(double beta, const Cubic& rest) noexcept {
+double Resolver::settle(double beta) noexcept {
     apply(c_.near, beta);
     apply(c_.ring, beta);
-    return judge(beta, sunk_ + swept(c_.near) + (is_known(beta) ? rest(beta) : swept(c_.ring)) + swept_faces());
-}
-
-double Resolver::judge(double beta, double error) noexcept {
+    const double error = sunk_ + swept(c_.near) + swept(c_.ring) + swept_faces();
     ++report_.passes;
     report_.beta = static_cast<float>(beta);
     report_.volume_error = error / removed_;
     return error;
-}
-
-bool Resolver::is_known(double beta) const noexcept {
-    const double step = s_.mean_step;  // tolerance_: six times what one coordinate's rounding amounts to
-    return (o_.bulge == Bulge::Paper || std::fabs(beta) <= highest_) &&
-           step * step * tolerance_ * std::sqrt(static_cast<double>(report_.ring)) < 0.05 * kKept * std::fabs(removed_);
 }
 
 void Resolver::bulge() noexcept {
@@ -253,37 +253,34 @@ void Resolver::bulge() noexcept {
     report_.first_order_error = (all(first) - removed_) / removed_;
     report_.paper_error = (all(total_) - removed_) / removed_;
     if (o_.bulge == Bulge::Paper) {
-        settle(total_, free);
+        settle(total_);
         return;
     }
     double beta = solve(all, removed_, 0, first, 0);
     // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
     if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
-    double older = 0, older_cost = 0, power = 2, best = beta, best_error = std::numeric_limits<double>::infinity();
+    double older = 0, older_cost = 0, power = 1.8, best = beta, best_error = std::numeric_limits<double>::infinity();
+    if (held_ != 0) {
+        const double next = solve(all, removed_, held_, std::copysign(highest_, first), power);
+        if (next * first > 0 && std::fabs(next) < highest_) beta = next;
+    }
     // The volume grows with |beta|: steps stay between the largest height known to be too low and the lowest known to
     // be too high.
     const double sign = removed_ * first > 0 ? 1 : -1;  // of the error where |beta| is too high, times that of beta
     double low = 0, high = std::numeric_limits<double>::infinity();
     // What a plane costs is known as well, without a sample moved, but for border faces.
-    bool foreseen = shape_.kind == ObstacleKind::Plane && s_.faces.empty();
-    double aim = foreseen ? kSolved : kForeseen;
+    bool known = foreseen();
+    double aim = known ? kSolved : kForeseen;
     Cubic rest = free;
     const auto is_done = [&](double at) {
-        double error = 0;
-        if (foreseen && is_known(at)) {
-            error = judge(at, all(at) - removed_ - held_back(at));
-            apply(c_.near, at);
-            apply(c_.ring, at);
-        } else {
-            error = settle(at, rest);
-        }
-        foreseen = false;
+        const double error = settle(at);
+        known = false;
         if (std::fabs(error) > kAimed * std::fabs(removed_)) polish(error);
         return std::fabs(report_.volume_error) <= 0.1 * kKept || report_.passes > kMaxPasses;
     };
     while (true) {
         double error = 0;
-        if (foreseen) {
+        if (known) {
             error = all(beta) - removed_ - held_back(beta);
         } else {
             apply(c_.near, beta);
@@ -316,7 +313,7 @@ void Resolver::bulge() noexcept {
             // So near that the step leaves next to nothing.
             if (is_done(beta)) return;
             // Too few samples to take the rest, or others rest on the obstacle too: nearer first, and all of them.
-            error = settle(beta, rest);
+            error = settle(beta);
             aim *= 1e-2;
             for (std::uint32_t e = 0; e < c_.tile_count; ++e) c_.tile_bits[c_.tiles[e]] |= kTileNear;
             collect(c_.near, kTileBulging, kTileBulging);

@@ -101,12 +101,14 @@ class Resolver {
 
     /// Six times the volume it costs to keep the bulge out of a plane. Before anything is bulged.
     [[nodiscard]] double held_back(double beta) const noexcept;
-    /// The ring moves as its cubic says, within rounding that does not matter.
-    [[nodiscard]] bool is_known(double beta) const noexcept;
-    double judge(double beta, double error) noexcept;
+    [[nodiscard]] double held_back(const Rect& r, double beta) const noexcept;
+    /// Tells whether held_back() is all there is to measure.
+    [[nodiscard]] bool foreseen() const noexcept {
+        return shape_.kind == ObstacleKind::Plane && o_.bulge == Bulge::Exact && s_.faces.empty();
+    }
     void bulge() noexcept;
-    /// Bulges all and measures it, but for what `rest` says of c_.ring. @return the error.
-    double settle(double beta, const Cubic& rest) noexcept;
+    /// Bulges all and measures it. @return the error.
+    double settle(double beta) noexcept;
 
     /// Of a sample that lies inside the grid, off seams.
     [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
@@ -128,6 +130,7 @@ class Resolver {
     ContactReport report_;
     Surroundings around_;
     double tolerance_ = 0, total_ = 0;
+    double held_ = 0;     ///< what is held back of a bulge of highest_
     double highest_ = 0;  ///< bulge up to which samples outside kTileNear keep clear of the obstacle
     double area_ = 0;     ///< of the contact, by its quads
     double weights_ = 0;  ///< sum over the ring

@@ -194,22 +194,25 @@ double volume(const QuadJob& job) noexcept {
 template <class D>
 struct Mover {
     Triple<D> at, by;
+    WideInts moves;  ///< lanes; read by sparse loops alone
 };
 
 /// Quads by strips: load(k) gives a corner's place and move, quad(there, p, q, r, s) gets them turned so that all are
 /// split along p-r. Mostly all quads of a block are split alike: then nothing is chosen lane by lane.
-template <class Load, class Quad, class End>
+template <bool kSparse, class Load, class Quad, class End>
 static inline __attribute__((always_inline)) void moving_strips(const QuadJob& j, Load load, Quad quad, End end) {
     typedef Mover<Wide> M;
     strips<Many>(
         j, load,
         [&](std::size_t, const WideInts& kinds, const M& a, const M& b, const M& c, const M& d)
             __attribute__((always_inline)) {
+                if (kSparse && !any_lane(a.moves | b.moves | c.moves | d.moves)) return;
                 const auto second = kinds == 1;
                 if (any_lane(second)) {
                     const auto at = turned<Many>(second, a.at, b.at, c.at, d.at);
                     const auto by = turned<Many>(second, a.by, b.by, c.by, d.by);
-                    quad(kinds != kQuadNone, M{at.p, by.p}, M{at.q, by.q}, M{at.r, by.r}, M{at.s, by.s});
+                    quad(kinds != kQuadNone, M{at.p, by.p, second}, M{at.q, by.q, second}, M{at.r, by.r, second},
+                         M{at.s, by.s, second});
                 } else {
                     quad(kinds != kQuadNone, a, b, c, d);
                 }
@@ -235,11 +238,11 @@ double swept(const QuadJob& job, ConstPlanes from) noexcept {
         return Triple<D>{subtract_product(edge.x, half, by.x), subtract_product(edge.y, half, by.y),
                          subtract_product(edge.z, half, by.z)};
     };
-    moving_strips(
+    moving_strips<false>(
         j,
         [&](std::size_t k) __attribute__((always_inline)) {
             const Triple<D> now = place<L>(j.at, k);
-            return Mover<D>{now, minus(now, place<L>(from, k))};
+            return Mover<D>{now, minus(now, place<L>(from, k)), {}};
         },
         [&](const auto& there, const Mover<D>& p, const Mover<D>& q, const Mover<D>& r, const Mover<D>& s)
             __attribute__((always_inline)) {
@@ -259,12 +262,12 @@ void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* 
     typedef Wide D;
     const QuadJob j = job;
     D sums[3] = {};
-    moving_strips(
+    moving_strips<true>(
         j,
         [&](std::size_t k) __attribute__((always_inline)) {
             const D w = L::load(weight + k);
             const Triple<D> n = place<L>(normal, k);
-            return Mover<D>{place<L>(j.at, k), {w * n.x, w * n.y, w * n.z}};
+            return Mover<D>{place<L>(j.at, k), {w * n.x, w * n.y, w * n.z}, w > 0.0f};
         },
         [&](const auto& there, const Mover<D>& p, const Mover<D>& q, const Mover<D>& r, const Mover<D>& s)
             __attribute__((always_inline)) {
@@ -329,6 +332,8 @@ static inline __attribute__((always_inline)) typename L::D beyond(const PlaneJob
 void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
     double deepest = sums.deepest, total = 0;
     std::uint32_t count = 0;
+    Doubles deep = {}, totals = {};
+    Longs counts = {};
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
@@ -336,12 +341,11 @@ void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
             const Doubles d = beyond<Four>(j, k);
             const Longs in = d < -j.tolerance;
             const Doubles depth = in ? -d : Doubles{};
-            for (int lane = 0; lane < 4; ++lane) {
+            for (int lane = 0; lane < 4; ++lane)
                 j.marks[k + static_cast<std::size_t>(lane)] = static_cast<std::uint8_t>(in[lane] & 1);
-                deepest = depth[lane] > deepest ? depth[lane] : deepest;
-            }
-            total += Four::sum(depth);
-            count -= static_cast<std::uint32_t>(in[0] + in[1] + in[2] + in[3]);
+            deep = depth > deep ? depth : deep;
+            totals += depth;
+            counts -= in;
         }
         for (; k < end; ++k) {
             const double d = beyond<One>(j, k);
@@ -353,8 +357,12 @@ void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
             ++count;
         }
     }
+    for (int lane = 0; lane < 4; ++lane) {
+        deepest = deep[lane] > deepest ? deep[lane] : deepest;
+        count += static_cast<std::uint32_t>(counts[lane]);
+    }
     sums.deepest = deepest;
-    sums.total += total;
+    sums.total += total + Four::sum(totals);
     sums.count += count;
 }
 
