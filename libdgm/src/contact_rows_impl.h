@@ -194,19 +194,19 @@ double volume(const QuadJob& job) noexcept {
 template <class D>
 struct Mover {
     Triple<D> at, by;
-    WideInts moves;  ///< lanes; read by sparse loops alone
+    WideInts moves;  ///< lanes
 };
 
 /// Quads by strips: load(k) gives a corner's place and move, quad(there, p, q, r, s) gets them turned so that all are
 /// split along p-r. Mostly all quads of a block are split alike: then nothing is chosen lane by lane.
-template <bool kSparse, class Load, class Quad, class End>
+template <class Load, class Quad, class End>
 static inline __attribute__((always_inline)) void moving_strips(const QuadJob& j, Load load, Quad quad, End end) {
     typedef Mover<Wide> M;
     strips<Many>(
         j, load,
         [&](std::size_t, const WideInts& kinds, const M& a, const M& b, const M& c, const M& d)
             __attribute__((always_inline)) {
-                if (kSparse && !any_lane(a.moves | b.moves | c.moves | d.moves)) return;
+                if (!any_lane(a.moves | b.moves | c.moves | d.moves)) return;
                 const auto second = kinds == 1;
                 if (any_lane(second)) {
                     const auto at = turned<Many>(second, a.at, b.at, c.at, d.at);
@@ -225,35 +225,46 @@ static inline __attribute__((always_inline)) void moving_strips(const QuadJob& j
 //   f = (b_p + b_r) . (t x y) + t . (v x b_s + b_q x u),
 // quadratic along the way: its value half way and a bend. Only differences of coordinates enter: float is enough,
 // however far the origin is.
-double swept(const QuadJob& job, ConstPlanes from) noexcept {
+template <bool kTurned>
+static inline __attribute__((always_inline)) Wide swept_block(const QuadJob& j, const ConstPlanes& from, std::size_t k,
+                                                              const WideInts& kinds) {
     typedef Many L;
-    typedef Wide D;
+    const auto middle = [](const Triple<Wide>& now, const Triple<Wide>& by) __attribute__((always_inline)) {
+        const Wide half = Wide{} + 0.5f;
+        return Triple<Wide>{subtract_product(now.x, half, by.x), subtract_product(now.y, half, by.y),
+                            subtract_product(now.z, half, by.z)};
+    };
+    const std::size_t at[4] = {k, k + j.cols, k + j.cols + 1, k + 1};
+    Corners<Wide> x{place<L>(j.at, at[0]), place<L>(j.at, at[1]), place<L>(j.at, at[2]), place<L>(j.at, at[3])};
+    Corners<Wide> m{minus(x.p, place<L>(from, at[0])), minus(x.q, place<L>(from, at[1])),
+                    minus(x.r, place<L>(from, at[2])), minus(x.s, place<L>(from, at[3]))};
+    if constexpr (kTurned) {
+        x = turned<L>(kinds == 1, x.p, x.q, x.r, x.s);
+        m = turned<L>(kinds == 1, m.p, m.q, m.r, m.s);
+    }
+    const Triple<Wide> mt = minus(m.r, m.p), my = minus(m.s, m.q);
+    const Triple<Wide> t = middle(minus(x.r, x.p), mt), y = middle(minus(x.s, x.q), my);
+    const Wide f = inner(plus(m.p, m.r), times(t, y)), bend = inner(m.p, times(mt, my));
+    const Triple<Wide> u = middle(minus(x.q, x.p), minus(m.q, m.p)), v = plus(u, y);
+    const Wide six = multiply_add(bend, Wide{} + 0.25f, inner_plus(t, times_plus(m.q, u, times(v, m.s)), f));
+    return L::choose(kinds != kQuadNone, six, Wide{});
+}
+
+double swept(const QuadJob& job, ConstPlanes from) noexcept {
     const QuadJob j = job;
     double none = 0;
     Doubles six = {};
-    // Places half way would round: edges half way do not.
-    const auto middle = [](const Mover<D>& b, const Mover<D>& a, const Triple<D>& by) __attribute__((always_inline)) {
-        const Triple<D> edge = minus(b.at, a.at);
-        const D half = D{} + 0.5f;
-        return Triple<D>{subtract_product(edge.x, half, by.x), subtract_product(edge.y, half, by.y),
-                         subtract_product(edge.z, half, by.z)};
-    };
-    moving_strips<false>(
-        j,
-        [&](std::size_t k) __attribute__((always_inline)) {
-            const Triple<D> now = place<L>(j.at, k);
-            return Mover<D>{now, minus(now, place<L>(from, k)), {}};
-        },
-        [&](const auto& there, const Mover<D>& p, const Mover<D>& q, const Mover<D>& r, const Mover<D>& s)
-            __attribute__((always_inline)) {
-                const Triple<D> mt = minus(r.by, p.by), mu = minus(q.by, p.by), mv = minus(s.by, p.by);
-                const Triple<D> t = middle(r, p, mt), u = middle(q, p, mu), v = middle(s, p, mv);
-                const D f = inner(plus(p.by, r.by), times(t, minus(v, u)));
-                const D bend = inner(p.by, times(mt, minus(mv, mu)));
-                const D all = multiply_add(bend, D{} + 0.25f, inner_plus(t, times_plus(q.by, u, times(v, s.by)), f));
-                add_to(L::choose(there, all, D{}), six, none);
-            },
-        []() __attribute__((always_inline)){});
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
+        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
+        for (std::uint32_t left = j.rect.j1 - j.rect.j0 + 1;; left -= Many::kLanes, k += Many::kLanes) {
+            const WideInts kinds = kinds_at<Many>(j, k, left);
+            if (any_lane(kinds == 1))
+                add_to(swept_block<true>(j, from, k, kinds), six, none);
+            else
+                add_to(swept_block<false>(j, from, k, kinds), six, none);
+            if (left <= Many::kLanes) break;
+        }
+    }
     return Four::sum(six);
 }
 
@@ -262,7 +273,7 @@ void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* 
     typedef Wide D;
     const QuadJob j = job;
     D sums[3] = {};
-    moving_strips<true>(
+    moving_strips(
         j,
         [&](std::size_t k) __attribute__((always_inline)) {
             const D w = L::load(weight + k);
