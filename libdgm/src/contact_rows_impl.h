@@ -5,7 +5,7 @@
 //
 // Needs Doubles, Longs (vectors of four), load_four (floats to doubles), store_four (back), four_bytes (bytes to
 // Longs); Wide, WideInts, wide_bytes, square_root; multiply_add (a b + c), multiply_subtract (a b - c) and
-// subtract_product (c - a b), fused or not, for Doubles, Wide and single numbers.
+// subtract_product (c - a b), fused or not, for Doubles and Wide.
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.
@@ -48,7 +48,7 @@ struct One {
     static inline __attribute__((always_inline)) double sum(D v) { return v; }
 };
 
-/// Lanes of as many floats as a register holds, or one.
+/// Lanes of as many floats as a register holds.
 struct Many {
     typedef Wide D;
     static constexpr std::uint32_t kLanes = sizeof(Wide) / sizeof(float);
@@ -63,14 +63,6 @@ struct Many {
         for (std::uint32_t k = 0; k < kLanes; ++k) s += static_cast<double>(v[k]);
         return s;
     }
-};
-struct Single {
-    typedef float D;
-    static constexpr std::uint32_t kLanes = 1;
-    static inline __attribute__((always_inline)) D load(const float* p) { return *p; }
-    static inline __attribute__((always_inline)) int bytes(const std::uint8_t* p) { return *p; }
-    static inline __attribute__((always_inline)) D choose(bool c, D a, D b) { return c ? a : b; }
-    static inline __attribute__((always_inline)) double sum(D v) { return static_cast<double>(v); }
 };
 
 template <class D>
@@ -252,16 +244,15 @@ static inline __attribute__((always_inline)) Wide swept_block(const QuadJob& j, 
 
 double swept(const QuadJob& job, ConstPlanes from) noexcept {
     const QuadJob j = job;
-    double none = 0;
     Doubles six = {};
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         for (std::uint32_t left = j.rect.j1 - j.rect.j0 + 1;; left -= Many::kLanes, k += Many::kLanes) {
             const WideInts kinds = kinds_at<Many>(j, k, left);
             if (any_lane(kinds == 1))
-                add_to(swept_block<true>(j, from, k, kinds), six, none);
+                add_to(swept_block<true>(j, from, k, kinds), six);
             else
-                add_to(swept_block<false>(j, from, k, kinds), six, none);
+                add_to(swept_block<false>(j, from, k, kinds), six);
             if (left <= Many::kLanes) break;
         }
     }

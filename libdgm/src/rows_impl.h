@@ -286,13 +286,10 @@ static inline __attribute__((always_inline)) void plane_bounds(const float* p, c
             high = upper(high, row[k]);
         }
     }
-    for (int half = DGM_LANES / 2; half > 0; half /= 2)
-        for (int k = 0; k < half; ++k) {
-            l[k] = lower(static_cast<float>(l[k]), static_cast<float>(l[k + half]));
-            h[k] = upper(static_cast<float>(h[k]), static_cast<float>(h[k + half]));
-        }
-    low = lower(low, static_cast<float>(l[0]));
-    high = upper(high, static_cast<float>(h[0]));
+    for (int k = 0; k < DGM_LANES; ++k) {
+        low = lower(low, static_cast<float>(l[k]));
+        high = upper(high, static_cast<float>(h[k]));
+    }
 }
 
 void bounds(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept {
