@@ -19,6 +19,7 @@
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
 #include "pipeline/component_bake.h"
+#include "pipeline/component_loop.h"
 #include "pipeline/component_shapes.h"
 #include "pipeline/cpu_clock.h"
 #include "pipeline/grid_search.h"
@@ -392,8 +393,9 @@ class AssetBake {
         FitOptions fit = options_.fit == Fit::kBest ? best_fit() : l2_fit();
         fit.split_quads = !options_.ablates("diagonals");
         fit.on_lattice = u16_;
-        for (std::size_t c = 0; c < mapped_.size(); ++c)
-            fit_chart(mapped_[c].chart, fit, part("fit", c, mapped_.size()));
+        for_each_component(mapped_.size(), part("fit", 0, 1), [&](std::size_t c, const model::Progress& progress) {
+            fit_chart(mapped_[c].chart, fit, progress);
+        });
     }
 
     void make_charts(const std::vector<std::string>& layers) {

@@ -148,10 +148,13 @@ void Matches::update_edges(std::span<const char> near) {
 /// The farthest points are few, decide the largest error, and may have been stopped by a local minimum.
 void Matches::look_again_far_off(std::span<const char> near) {
     constexpr double kFar = 0.3;  // of the largest distance
-    constexpr std::size_t kMost = 5000;
+    const std::array lists{&points, &classes, &middles, &edges};
+    std::size_t all = 0;
+    for (const std::vector<Match>* list : lists) all += list->size();
+    const std::size_t most =
+        std::min<std::size_t>(5000, all / 8);  // few faces are all alike, and far off means nothing
     const double squared = farthest_squared();
     std::size_t count = 0;
-    const std::array lists{&points, &classes, &middles, &edges};
     for (std::size_t which = 0; which < lists.size(); ++which) {
         std::vector<Match>& list = *lists[which];
         for (std::size_t chunk = 0; chunk < farthest_[which].size(); ++chunk) {
@@ -161,7 +164,7 @@ void Matches::look_again_far_off(std::span<const char> near) {
             for (std::size_t k = begin; k < end; ++k) {
                 Match& m = list[k];
                 const bool on_grid = &list == &points;
-                if (m.hit.squared > kFar * kFar * squared && ++count <= kMost && (on_grid || !source_index_) &&
+                if (m.hit.squared > kFar * kFar * squared && ++count <= most && (on_grid || !source_index_) &&
                     (near.empty() || (on_grid ? near[m.hit.face] : &list == &middles && near[k])))
                     m.hit = search_nearby(on_grid ? grid_.surface : source_, m.position, m.hit.face);
                 left = std::max(left, m.hit.squared);

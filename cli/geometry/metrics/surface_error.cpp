@@ -20,6 +20,7 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "geometry/spatial/closest_point.h"
@@ -109,30 +110,18 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
     return samples;
 }
 
-/// More points of the faces with the worst hundredth of the samples: where the largest distance must be looked for. A
-/// face with several such samples gets as many points more.
-std::vector<Sample> around_worst(const TriMesh& mesh, std::span<const Sample> samples, std::span<const double> squared,
-                                 std::uint64_t seed) {
-    constexpr std::size_t kShare = 100, kPoints = 8;
-    std::vector<std::uint32_t> order(samples.size());
+/// The farthest samples, one of a face, farthest first: where the largest distance is looked for.
+std::vector<std::uint32_t> farthest_of_faces(std::span<const Sample> samples, std::span<const double> squared) {
+    constexpr std::size_t kFaces = 256, kLooked = 8192;
+    std::vector<std::uint32_t> order(samples.size()), out;
     std::iota(order.begin(), order.end(), 0u);
-    const auto worst = order.begin() + static_cast<std::ptrdiff_t>(samples.size() / kShare);
-    const auto farther = [&](std::uint32_t a, std::uint32_t b) {
+    const auto looked = order.begin() + static_cast<std::ptrdiff_t>(std::min(kLooked, order.size()));
+    std::partial_sort(order.begin(), looked, order.end(), [&](std::uint32_t a, std::uint32_t b) {
         return squared[a] != squared[b] ? squared[a] > squared[b] : a < b;
-    };
-    std::nth_element(order.begin(), worst, order.end(), farther);
-    order.erase(worst, order.end());
-    std::sort(order.begin(), order.end());  // face order, for the hints
-    std::vector<Sample> out;
-    out.reserve(order.size() * kPoints);
-    for (const std::uint32_t k : order)
-        for (std::uint64_t p = 0; p < kPoints; ++p) {
-            const std::uint64_t bits = scramble(scramble(seed + 1) ^ (kPoints * k + p));
-            Sample s{{}, samples[k].face, std::sqrt(unit_interval(bits)), unit_interval(scramble(bits))};
-            const auto [a, b, c] = mesh.corners(s.face);
-            s.point = a + (b - a) * (s.r1 * (1 - s.r2)) + (c - a) * (s.r1 * s.r2);
-            out.push_back(s);
-        }
+    });
+    std::unordered_set<std::uint32_t> taken;
+    for (auto k = order.begin(); k != looked && out.size() < kFaces; ++k)
+        if (taken.insert(samples[*k].face).second) out.push_back(*k);
     return out;
 }
 
@@ -207,18 +196,18 @@ class Direction {
         };
         run(surface, squared, with_normals_);
         run(vertices, vertex_squared, false);
-        const std::vector<Sample> closer =
-            options.vertices ? around_worst(from_, surface, squared, options.seed) : std::vector<Sample>{};
-        std::vector<double> closer_squared(closer.size());
-        done = std::min(done, total - 1);
-        run(closer, closer_squared, false);
+        const std::vector<std::uint32_t> far =
+            options.vertices ? farthest_of_faces(surface, squared) : std::vector<std::uint32_t>{};
+        std::vector<double> tops(far.size());
+        tbb::parallel_for(std::size_t{0}, far.size(),
+                          [&](std::size_t k) { tops[k] = climb(surface[far[k]], squared[far[k]]); });
 
         OneSided result;
         result.samples = total;
         double worst = 0;
         for (const double d : squared) worst = std::max(worst, d);
         for (const double d : vertex_squared) worst = std::max(worst, d);
-        for (const double d : closer_squared) worst = std::max(worst, d);
+        for (const double d : tops) worst = std::max(worst, d);
         result.hausdorff = std::sqrt(worst) * unit_;
         const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
         if (!weighted.empty())
@@ -240,6 +229,36 @@ class Direction {
         std::vector<double> squares(angles_squared_.size());
         for (std::size_t k = 0; k < squares.size(); ++k) squares[k] = angles_squared_[k][kind];
         return std::sqrt(pairwise_sum(squares) / static_cast<double>(squares.size()));
+    }
+
+    /// Largest squared distance that is found uphill from a sample on its face: by steps towards the corners and away
+    /// from them, halved where none leads up [Hooke, Jeeves 1961]. Samples alone find a sharp maximum to a few percent
+    /// of its height, each seed others; from there any seed climbs to the same top.
+    [[nodiscard]] double climb(const Sample& sample, double squared) const {
+        constexpr int kRounds = 10;
+        const auto corners = from_.corners(sample.face);
+        std::array<double, 3> at{1 - sample.r1, sample.r1 * (1 - sample.r2), sample.r1 * sample.r2};
+        std::uint32_t hint = ClosestPointIndex::kNoFace;
+        double step = 0.5;
+        for (int round = 0; round < kRounds; ++round) {
+            const std::array<double, 3> from = at;
+            bool up = false;
+            for (std::size_t corner = 0; corner < 3; ++corner)
+                for (const double way : {step, -step}) {
+                    std::array<double, 3> to = from;
+                    for (std::size_t k = 0; k < 3; ++k) to[k] += way * ((k == corner ? 1.0 : 0.0) - from[k]);
+                    for (double& b : to) b = std::max(b, 0.0);
+                    const double sum = to[0] + to[1] + to[2];
+                    for (double& b : to) b /= sum;
+                    const Vec3d point = corners[0] * to[0] + corners[1] * to[1] + corners[2] * to[2];
+                    const ClosestPoint found = index_.query(point, hint);
+                    hint = found.face;
+                    const double d = found.distance / unit_;
+                    if (d * d > squared) squared = d * d, at = to, up = true;
+                }
+            if (!up) step /= 2;
+        }
+        return squared;
     }
 
     void measure_block(std::span<const Sample> samples, std::span<double> out, std::size_t begin, std::size_t end,

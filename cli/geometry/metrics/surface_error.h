@@ -40,8 +40,8 @@ struct SurfaceErrorOptions {
 };
 
 /// Symmetric surface-to-surface error by dense area-weighted sampling (deterministic) plus all vertices of both meshes,
-/// with exact point-triangle distances. For `hausdorff` the faces with the worst hundredth of the points get eight times
-/// as many again. The same bits whatever the number of threads.
+/// with exact point-triangle distances. `hausdorff` climbs from the farthest points to the tops on their faces, so that
+/// it hardly depends on where the points fell. The same bits whatever the number of threads.
 /// @throws model::Error kNoFaces if a mesh has no faces
 [[nodiscard]] SurfaceError measure_surface_error(const model::TriMesh& source, const model::TriMesh& map,
                                                  const SurfaceErrorOptions& options = {},
