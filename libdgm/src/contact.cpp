@@ -205,7 +205,8 @@ void Resolver::keep() noexcept {
 
 void Resolver::touch() noexcept {
     RectList moved;
-    each_run([&](const Rect& r) { moved.add(r); });
+    collect(c_.near, kTileMoving, kTileMoving);
+    for (const Rect& r : c_.near) moved.add(r);
     if (c_.border) {
         moved.add_border(s_.tables.grid);
         moved.add_border(s_.total() - 1);

@@ -18,7 +18,7 @@
 namespace dgm::detail {
 namespace {
 // Of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can take.
-constexpr double kForeseen = 4e-3, kAimed = 1e-8;
+constexpr double kForeseen = 4e-3, kSolved = 3e-4, kAimed = 1e-8;
 constexpr std::uint32_t kMaxPasses = 10;
 }  // namespace
 
@@ -108,18 +108,47 @@ void Resolver::cubic_faces(double* c) const noexcept {
     }
 }
 
+double Resolver::held_back(const Rect& r, double beta) const noexcept {
+    HoldJob job{};
+    job.normal = StateImpl::fixed(s_.normal);
+    job.weight = c_.weight.data();
+    job.beta = static_cast<float>(beta);
+    job.n[0] = static_cast<float>(shape_.normal.x);
+    job.n[1] = static_cast<float>(shape_.normal.y);
+    job.n[2] = static_cast<float>(shape_.normal.z);
+    job.d = static_cast<float>(shape_.offset);
+    const QuadJob quads = quad_job(r);
+    return quads.rect.empty() ? 0 : c_.rows_of->held_back(quads, job);
+}
+
+double Resolver::held_back(double beta) const noexcept {
+    double six = 0;
+    for (const Rect& r : c_.near) six += held_back(r, beta);
+    return six;
+}
+
 void Resolver::part_ring() noexcept {
     // More than an even contact needs; should it need more still, the last measurement shows it. Border faces are
     // measured at every step, with all their corners.
-    const double highest = s_.faces.empty() ? 1.6 * std::fabs(removed_) / 6 * report_.samples / (area_ * weights_)
-                                            : std::numeric_limits<double>::infinity();
+    highest_ = s_.faces.empty() ? 1.6 * std::fabs(removed_) / 6 * report_.samples / (area_ * weights_)
+                                : std::numeric_limits<double>::infinity();
     for (std::uint32_t e = 0, listed = c_.tile_count; e < listed; ++e) {
         const std::uint32_t tile = c_.tiles[e], ti = tile / s_.tile_cols, tj = tile % s_.tile_cols;
+        // What quads gained by sinking already is measured with what they gain by bulging.
+        constexpr std::uint8_t kBoth = kTileSinking | kTileBulging;
+        if ((c_.tile_bits[tile] & kBoth) == kBoth) c_.tile_bits[tile] |= kTileNear;
         if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
-        const double reach = highest * double{c_.tile_top[tile]};
+        const double reach = highest_ * double{c_.tile_top[tile]};
         if ((c_.tile_bits[tile] & kTilePhi) == 0 && box_distance(shape_, s_.now_boxes.boxes[tile]) > reach) continue;
         for (std::uint32_t i = ti == 0 ? 0 : ti - 1; i <= ti; ++i)
             for (std::uint32_t j = tj == 0 ? 0 : tj - 1; j <= tj; ++j) c_.tile_bits[i * s_.tile_cols + j] |= kTileNear;
+    }
+    for (std::uint32_t e = 0; foreseen() && e < c_.tile_count; ++e) {
+        std::uint8_t& bits = c_.tile_bits[c_.tiles[e]];
+        if ((bits & (kTileBulging | kTileNear)) != (kTileBulging | kTileNear)) continue;
+        const double held = held_back(s_.tile_rect(c_.tiles[e]), std::copysign(highest_, removed_));
+        held_ += held;
+        if (held == 0 && (bits & kTileSinking) == 0) bits &= static_cast<std::uint8_t>(~kTileNear);
     }
     collect(c_.near, kTileBulging | kTileNear, kTileBulging | kTileNear);
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
@@ -187,12 +216,6 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
 }
 
 namespace {
-struct Cubic {
-    double c[3] = {0, 0, 0};
-    [[nodiscard]] double operator()(double b) const noexcept { return ((c[2] * b + c[1]) * b + c[0]) * b; }
-    [[nodiscard]] double slope(double b) const noexcept { return (3 * c[2] * b + 2 * c[1]) * b + c[0]; }
-};
-
 /// Where cubic(b) - cost (b / at)^power = aim, from b = at.
 double solve(const Cubic& cubic, double aim, double cost, double at, double power) noexcept {
     double b = at;
@@ -218,27 +241,6 @@ double Resolver::settle(double beta) noexcept {
     return error;
 }
 
-double Resolver::held_back(double beta, double& rate) const noexcept {
-    HoldJob job{};
-    job.cols = s_.tables.cols;
-    job.at = StateImpl::fixed(c_.before());
-    job.normal = StateImpl::fixed(s_.normal);
-    job.weight = c_.weight.data();
-    job.beta = static_cast<float>(beta);
-    job.n[0] = static_cast<float>(shape_.normal.x);
-    job.n[1] = static_cast<float>(shape_.normal.y);
-    job.n[2] = static_cast<float>(shape_.normal.z);
-    job.d = static_cast<float>(shape_.offset);
-    double sums[2] = {0, 0};
-    for (const Rect& r : c_.near) {
-        job.rect = r;
-        c_.rows_of->held_back(job, sums);
-    }
-    const double share = 6 * area_ / report_.samples;
-    rate = share * sums[1];
-    return share * sums[0];
-}
-
 void Resolver::bulge() noexcept {
     part_ring();
     Cubic near, free;
@@ -257,30 +259,33 @@ void Resolver::bulge() noexcept {
     double beta = solve(all, removed_, 0, first, 0);
     // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
     if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
-    double older = 0, older_cost = 0, power = 2, best = beta, best_error = std::numeric_limits<double>::infinity();
-    // A first guess of what the plane will cost: samples stand for areas alike.
-    for (int k = 0; k < 2 && shape_.kind == ObstacleKind::Plane; ++k) {
-        double rate = 0;
-        const double cost = held_back(beta, rate);
-        const double next = beta - (all(beta) - cost - removed_) / (all.slope(beta) - rate);
-        if (!(next * first > 0) || std::fabs(next) > 2 * std::fabs(beta)) break;
-        if (cost > 0) power = std::clamp(rate * beta / cost, 1.0, 3.0);
-        beta = next;
+    double older = 0, older_cost = 0, power = 1.8, best = beta, best_error = std::numeric_limits<double>::infinity();
+    if (held_ != 0) {
+        const double next = solve(all, removed_, held_, std::copysign(highest_, first), power);
+        if (next * first > 0 && std::fabs(next) < highest_) beta = next;
     }
     // The volume grows with |beta|: steps stay between the largest height known to be too low and the lowest known to
     // be too high.
     const double sign = removed_ * first > 0 ? 1 : -1;  // of the error where |beta| is too high, times that of beta
     double low = 0, high = std::numeric_limits<double>::infinity();
-    double aim = kForeseen;
+    // What a plane costs is known as well, without a sample moved, but for border faces.
+    bool known = foreseen();
+    double aim = known ? kSolved : kForeseen;
     Cubic rest = free;
     const auto is_done = [&](double at) {
         const double error = settle(at);
+        known = false;
         if (std::fabs(error) > kAimed * std::fabs(removed_)) polish(error);
         return std::fabs(report_.volume_error) <= 0.1 * kKept || report_.passes > kMaxPasses;
     };
     while (true) {
-        apply(c_.near, beta);
-        double error = sunk_ + swept(c_.near) + swept_faces() + rest(beta);
+        double error = 0;
+        if (known) {
+            error = all(beta) - removed_ - held_back(beta);
+        } else {
+            apply(c_.near, beta);
+            error = sunk_ + swept(c_.near) + swept_faces() + rest(beta);
+        }
         ++report_.passes;
         while (true) {
             if (std::fabs(error) < best_error) {

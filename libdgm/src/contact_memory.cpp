@@ -54,8 +54,9 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
     c.cols = t.cols;
     c.total = t.total;
     c.plane = (std::size_t{t.total} + 1023) / 1024 * 1024 + 112;  // as the state's own
-    if (!c.kind.allocate(a, t.total, kQuadNone) || !c.marks.allocate(a, t.total) ||
-        !c.saved.allocate(a, 3 * std::uint64_t{c.plane}) || !c.weight.allocate(a, t.total) ||
+    const std::uint64_t padded = std::uint64_t{t.total} + 16;     // lanes of ContactRows
+    if (!c.kind.allocate(a, padded, kQuadNone) || !c.marks.allocate(a, padded) ||
+        !c.saved.allocate(a, 3 * std::uint64_t{c.plane}) || !c.weight.allocate(a, padded) ||
         !c.square.allocate(a, t.total, std::numeric_limits<float>::infinity()) || !c.source.allocate(a, t.total) ||
         !c.queue.allocate(a, t.total) || !c.tile_bits.allocate(a, tiles) || !c.tiles.allocate(a, tiles) ||
         !c.tile_top.allocate(a, tiles) || !c.inner.rects.allocate(a, tiles) || !c.ring.rects.allocate(a, tiles) ||

@@ -14,6 +14,13 @@ namespace dgm::detail {
 
 inline constexpr double kKept = 1e-6;  ///< of the removed volume: what volume_kept says
 
+/// Six times the volume as a function of the height of the bulge.
+struct Cubic {
+    double c[3] = {0, 0, 0};
+    [[nodiscard]] double operator()(double b) const noexcept { return ((c[2] * b + c[1]) * b + c[0]) * b; }
+    [[nodiscard]] double slope(double b) const noexcept { return (3 * c[2] * b + 2 * c[1]) * b + c[0]; }
+};
+
 /// Phi: samples beyond the obstacle. Psi: the ring around them.
 class Resolver {
  public:
@@ -92,8 +99,13 @@ class Resolver {
     /// Keeps a sample that was bulged by beta out of the obstacle, if the loops do not.
     void put_back_sample(std::uint32_t k, double beta) noexcept;
 
-    /// Six times the volume it costs to keep the bulge out of a plane, roughly, and its rate with beta.
-    [[nodiscard]] double held_back(double beta, double& rate) const noexcept;
+    /// Six times the volume it costs to keep the bulge out of a plane. Before anything is bulged.
+    [[nodiscard]] double held_back(double beta) const noexcept;
+    [[nodiscard]] double held_back(const Rect& r, double beta) const noexcept;
+    /// Tells whether held_back() is all there is to measure.
+    [[nodiscard]] bool foreseen() const noexcept {
+        return shape_.kind == ObstacleKind::Plane && o_.bulge == Bulge::Exact && s_.faces.empty();
+    }
     void bulge() noexcept;
     /// Bulges all and measures it. @return the error.
     double settle(double beta) noexcept;
@@ -118,6 +130,8 @@ class Resolver {
     ContactReport report_;
     Surroundings around_;
     double tolerance_ = 0, total_ = 0;
+    double held_ = 0;     ///< what is held back of a bulge of highest_
+    double highest_ = 0;  ///< bulge up to which samples outside kTileNear keep clear of the obstacle
     double area_ = 0;     ///< of the contact, by its quads
     double weights_ = 0;  ///< sum over the ring
     double removed_ = 0;  ///< six times the volume

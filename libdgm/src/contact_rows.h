@@ -74,9 +74,7 @@ struct BulgeJob {
 };
 
 struct HoldJob {
-    Rect rect;
-    std::uint32_t cols;
-    ConstPlanes at, normal;
+    ConstPlanes normal;
     const float* weight;
     float beta;
     float n[3], d;
@@ -96,9 +94,8 @@ struct ContactRows {
     void (*project)(const PlaneJob& job, const float* mobility) noexcept;
     WeightSums (*weights)(const WeightJob& job) noexcept;
     void (*spread)(const SpreadJob& job) noexcept;
-    /// Adds depth |n . normal| of the samples that beta weight normal would take beyond a plane, and its rate with
-    /// beta.
-    void (*held_back)(const HoldJob& job, double* sums) noexcept;
+    /// Six times the volume it costs to keep samples that beta weight normal would take beyond a plane out of it.
+    double (*held_back)(const QuadJob& job, const HoldJob& hold) noexcept;
     /// to = from + beta weight normal where weight > 0.
     void (*bulge)(const BulgeJob& job) noexcept;
 };

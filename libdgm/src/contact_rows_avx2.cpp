@@ -38,19 +38,10 @@ static inline __attribute__((always_inline)) WideInts wide_bytes(const std::uint
 static inline __attribute__((always_inline)) bool any_lane(const WideInts& v) {
     return _mm256_movemask_ps(reinterpret_cast<__m256>(v)) != 0;
 }
-static inline __attribute__((always_inline)) bool any_lane(bool v) {
-    return v;
-}
-static inline __attribute__((always_inline)) void add_to(const Wide& v, Doubles& sums, double&) {
+static inline __attribute__((always_inline)) void add_to(const Wide& v, Doubles& sums) {
     const __m256 w = static_cast<__m256>(v);
     sums += static_cast<Doubles>(_mm256_cvtps_pd(_mm256_castps256_ps128(w))) +
             static_cast<Doubles>(_mm256_cvtps_pd(_mm256_extractf128_ps(w, 1)));
-}
-static inline __attribute__((always_inline)) void add_to(float v, Doubles&, double& sum) {
-    sum += static_cast<double>(v);
-}
-static inline __attribute__((always_inline)) float square_root(float v) {
-    return __builtin_sqrtf(v);
 }
 static inline __attribute__((always_inline)) Wide square_root(const Wide& v) {
     return static_cast<Wide>(_mm256_sqrt_ps(static_cast<__m256>(v)));
@@ -69,19 +60,6 @@ static inline __attribute__((always_inline)) Wide square_root(const Wide& v) {
     }
 DGM_FUSED(Wide, ps)
 DGM_FUSED(Doubles, pd)
-#undef DGM_FUSED
-#define DGM_FUSED(type, fma)                                                                             \
-    static inline __attribute__((always_inline)) type multiply_add(type a, type b, type c) {             \
-        return fma(a, b, c);                                                                             \
-    }                                                                                                    \
-    static inline __attribute__((always_inline)) type multiply_subtract(type a, type b, type c) {        \
-        return fma(a, b, -c);                                                                            \
-    }                                                                                                    \
-    static inline __attribute__((always_inline, unused)) type subtract_product(type c, type a, type b) { \
-        return fma(-a, b, c);                                                                            \
-    }
-DGM_FUSED(float, __builtin_fmaf)
-DGM_FUSED(double, __builtin_fma)
 #undef DGM_FUSED
 #include "contact_rows_impl.h"
 }  // namespace

@@ -5,7 +5,7 @@
 //
 // Needs Doubles, Longs (vectors of four), load_four (floats to doubles), store_four (back), four_bytes (bytes to
 // Longs); Wide, WideInts, wide_bytes, square_root; multiply_add (a b + c), multiply_subtract (a b - c) and
-// subtract_product (c - a b), fused or not, for Doubles, Wide and single numbers.
+// subtract_product (c - a b), fused or not, for Doubles and Wide.
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.
@@ -48,7 +48,7 @@ struct One {
     static inline __attribute__((always_inline)) double sum(D v) { return v; }
 };
 
-/// Lanes of as many floats as a register holds, or one.
+/// Lanes of as many floats as a register holds.
 struct Many {
     typedef Wide D;
     static constexpr std::uint32_t kLanes = sizeof(Wide) / sizeof(float);
@@ -63,14 +63,6 @@ struct Many {
         for (std::uint32_t k = 0; k < kLanes; ++k) s += static_cast<double>(v[k]);
         return s;
     }
-};
-struct Single {
-    typedef float D;
-    static constexpr std::uint32_t kLanes = 1;
-    static inline __attribute__((always_inline)) D load(const float* p) { return *p; }
-    static inline __attribute__((always_inline)) int bytes(const std::uint8_t* p) { return *p; }
-    static inline __attribute__((always_inline)) D choose(bool c, D a, D b) { return c ? a : b; }
-    static inline __attribute__((always_inline)) double sum(D v) { return static_cast<double>(v); }
 };
 
 template <class D>
@@ -149,184 +141,171 @@ static inline __attribute__((always_inline)) void each_row(const Rect& rect, std
     }
 }
 
-/// Quads of a rectangle by strips of as many columns as there are lanes: quad(k, a, b, c, d) with what load() gave for
-/// its corners, row k + 1 of one being row k of the next; then end() of the strip.
+/// Kinds of the quads from k on, of which `left` are asked for; planes are padded for the lanes beyond.
+template <class L>
+static inline __attribute__((always_inline)) auto kinds_at(const QuadJob& j, std::size_t k, std::uint32_t left) {
+    auto kinds = L::bytes(j.kind + k), lanes = kinds;
+    for (std::uint32_t a = 0; a < L::kLanes; ++a) lanes[a] = static_cast<int>(a);
+    return lanes < static_cast<int>(left) ? kinds : decltype(kinds){} + kQuadNone;
+}
+
+/// Quads of a rectangle by strips of as many columns as there are lanes: quad(k, kinds, a, b, c, d) with what load()
+/// gave for its corners, row k + 1 of one being row k of the next; then end() of the strip.
 template <class L, class Load, class Quad, class End>
-static inline __attribute__((always_inline)) std::uint32_t strips(const QuadJob& j, std::uint32_t first, Load load,
-                                                                  Quad quad, End end) {
-    for (; first + L::kLanes <= j.rect.j1 + 1; first += L::kLanes) {
+static inline __attribute__((always_inline)) void strips(const QuadJob& j, Load load, Quad quad, End end) {
+    for (std::uint32_t first = j.rect.j0; first <= j.rect.j1; first += L::kLanes) {
         std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + first;
         auto a = load(k), d = load(k + 1);
         for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i, k += j.cols) {
             const auto b = load(k + j.cols), c = load(k + j.cols + 1);
-            quad(k, a, b, c, d);
+            quad(k, kinds_at<L>(j, k, j.rect.j1 + 1 - first), a, b, c, d);
             a = b;
             d = c;
         }
         end();
     }
-    return first;
-}
-
-template <class L>
-static inline __attribute__((always_inline)) std::uint32_t volume_strips(const QuadJob& j, std::uint32_t first,
-                                                                         double& sum) {
-    typedef typename L::D D;
-    const Triple<D> o{D{} + j.origin[0], D{} + j.origin[1], D{} + j.origin[2]};
-    D six = {};
-    first = strips<L>(
-        j, first, [&](std::size_t k) __attribute__((always_inline)) { return minus(place<L>(j.at, k), o); },
-        [&](std::size_t k, const Triple<D>& a, const Triple<D>& b, const Triple<D>& c, const Triple<D>& d)
-            __attribute__((always_inline)) {
-                const auto kinds = L::bytes(j.kind + k);
-                const Corners<D> x = turned<L>(kinds == 1, a, b, c, d);
-                six += L::choose(kinds != kQuadNone, inner(x.p, times(minus(x.q, x.s), x.r)), D{});
-            },
-        []() __attribute__((always_inline)){});
-    sum += L::sum(six);
-    return first;
 }
 
 double volume(const QuadJob& job) noexcept {
+    typedef Four L;
     const QuadJob j = job;
-    double sum = 0;
-    volume_strips<One>(j, volume_strips<Four>(j, j.rect.j0, sum), sum);
-    return sum;
+    const Triple<Doubles> o{Doubles{} + j.origin[0], Doubles{} + j.origin[1], Doubles{} + j.origin[2]};
+    Doubles six = {};
+    strips<L>(
+        j, [&](std::size_t k) __attribute__((always_inline)) { return minus(place<L>(j.at, k), o); },
+        [&](std::size_t, const Longs& kinds, const Triple<Doubles>& a, const Triple<Doubles>& b,
+            const Triple<Doubles>& c, const Triple<Doubles>& d) __attribute__((always_inline)) {
+            const Corners<Doubles> x = turned<L>(kinds == 1, a, b, c, d);
+            six += L::choose(kinds != kQuadNone, inner(x.p, times(minus(x.q, x.s), x.r)), Doubles{});
+        },
+        []() __attribute__((always_inline)){});
+    return L::sum(six);
 }
 
-/// Blocks of quads, row by row: quad(lanes, k), k the first corner of the first.
-template <class Quad>
-static inline __attribute__((always_inline)) void each_quad(const Rect& rect, std::uint32_t cols, Quad quad) {
-    for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * cols + rect.j0;
-        const std::size_t end = k + rect.j1 - rect.j0 + 1;
-        for (; k + Many::kLanes <= end; k += Many::kLanes) quad(Many{}, k);
-        for (; k < end; ++k) quad(Single{}, k);
-    }
-}
-
-/// Corners of quads and how they move, turned so that all are split along p-r.
+/// A corner of a quad and how it moves.
 template <class D>
-struct Moving {
-    Corners<D> at, by;
+struct Mover {
+    Triple<D> at, by;
+    WideInts moves;  ///< lanes
 };
-/// As by(k) says for each corner.
-template <class L, bool kTurned, class Kinds, class By>
-static inline __attribute__((always_inline)) Moving<typename L::D> moving(const QuadJob& j, const Kinds& kinds,
-                                                                          std::size_t k, By by) {
-    const std::size_t b = k + j.cols, c = b + 1, d = k + 1;
-    if constexpr (kTurned)
-        return {turned<L>(kinds == 1, place<L>(j.at, k), place<L>(j.at, b), place<L>(j.at, c), place<L>(j.at, d)),
-                turned<L>(kinds == 1, by(k), by(b), by(c), by(d))};
-    else
-        return {{place<L>(j.at, k), place<L>(j.at, b), place<L>(j.at, c), place<L>(j.at, d)},
-                {by(k), by(b), by(c), by(d)}};
+
+/// Quads by strips: load(k) gives a corner's place and move, quad(there, p, q, r, s) gets them turned so that all are
+/// split along p-r. Mostly all quads of a block are split alike: then nothing is chosen lane by lane.
+template <class Load, class Quad, class End>
+static inline __attribute__((always_inline)) void moving_strips(const QuadJob& j, Load load, Quad quad, End end) {
+    typedef Mover<Wide> M;
+    strips<Many>(
+        j, load,
+        [&](std::size_t, const WideInts& kinds, const M& a, const M& b, const M& c, const M& d)
+            __attribute__((always_inline)) {
+                if (!any_lane(a.moves | b.moves | c.moves | d.moves)) return;
+                const auto second = kinds == 1;
+                if (any_lane(second)) {
+                    const auto at = turned<Many>(second, a.at, b.at, c.at, d.at);
+                    const auto by = turned<Many>(second, a.by, b.by, c.by, d.by);
+                    quad(kinds != kQuadNone, M{at.p, by.p, second}, M{at.q, by.q, second}, M{at.r, by.r, second},
+                         M{at.s, by.s, second});
+                } else {
+                    quad(kinds != kQuadNone, a, b, c, d);
+                }
+            },
+        end);
 }
 
 // A triangle whose corners move evenly sweeps the integral of (mean of the moves) . (its area vector). With t = r - p,
 // y = s - q, u = q - p, v = s - p for the edges and b for the moves, six times the rate of a quad's two triangles is
 //   f = (b_p + b_r) . (t x y) + t . (v x b_s + b_q x u),
-// quadratic along the way. Only differences of coordinates enter: float is enough, however far the origin is.
-template <class L, bool kTurned, class Kinds>
-static inline __attribute__((always_inline)) typename L::D swept_block(const QuadJob& j, const ConstPlanes& from,
-                                                                       std::size_t k, const Kinds& kinds) {
-    typedef typename L::D D;
-    const auto middle = [](const Triple<D>& now, const Triple<D>& by) __attribute__((always_inline)) {
-        const D half = D{} + 0.5f;
-        return Triple<D>{subtract_product(now.x, half, by.x), subtract_product(now.y, half, by.y),
-                         subtract_product(now.z, half, by.z)};
+// quadratic along the way: its value half way and a bend. Only differences of coordinates enter: float is enough,
+// however far the origin is.
+template <bool kTurned>
+static inline __attribute__((always_inline)) Wide swept_block(const QuadJob& j, const ConstPlanes& from, std::size_t k,
+                                                              const WideInts& kinds) {
+    typedef Many L;
+    const auto middle = [](const Triple<Wide>& now, const Triple<Wide>& by) __attribute__((always_inline)) {
+        const Wide half = Wide{} + 0.5f;
+        return Triple<Wide>{subtract_product(now.x, half, by.x), subtract_product(now.y, half, by.y),
+                            subtract_product(now.z, half, by.z)};
     };
-    const Moving<D> all = moving<L, kTurned>(
-        j, kinds, k, [&](std::size_t at) __attribute__((always_inline)) {
-            return minus(place<L>(j.at, at), place<L>(from, at));
-        });
-    const Corners<D>&x = all.at, &m = all.by;
-    const Triple<D> mt = minus(m.r, m.p), my = minus(m.s, m.q);
-    const Triple<D> t = middle(minus(x.r, x.p), mt), y = middle(minus(x.s, x.q), my);
-    const D f = inner(plus(m.p, m.r), times(t, y)), bend = inner(m.p, times(mt, my));
-    const Triple<D> u = middle(minus(x.q, x.p), minus(m.q, m.p)), v = middle(minus(x.s, x.p), minus(m.s, m.p));
-    const D six = multiply_add(bend, D{} + 0.25f, inner_plus(t, times_plus(m.q, u, times(v, m.s)), f));
-    return L::choose(kinds != kQuadNone, six, D{});
+    const std::size_t at[4] = {k, k + j.cols, k + j.cols + 1, k + 1};
+    Corners<Wide> x{place<L>(j.at, at[0]), place<L>(j.at, at[1]), place<L>(j.at, at[2]), place<L>(j.at, at[3])};
+    Corners<Wide> m{minus(x.p, place<L>(from, at[0])), minus(x.q, place<L>(from, at[1])),
+                    minus(x.r, place<L>(from, at[2])), minus(x.s, place<L>(from, at[3]))};
+    if constexpr (kTurned) {
+        x = turned<L>(kinds == 1, x.p, x.q, x.r, x.s);
+        m = turned<L>(kinds == 1, m.p, m.q, m.r, m.s);
+    }
+    const Triple<Wide> mt = minus(m.r, m.p), my = minus(m.s, m.q);
+    const Triple<Wide> t = middle(minus(x.r, x.p), mt), y = middle(minus(x.s, x.q), my);
+    const Wide f = inner(plus(m.p, m.r), times(t, y)), bend = inner(m.p, times(mt, my));
+    const Triple<Wide> u = middle(minus(x.q, x.p), minus(m.q, m.p)), v = plus(u, y);
+    const Wide six = multiply_add(bend, Wide{} + 0.25f, inner_plus(t, times_plus(m.q, u, times(v, m.s)), f));
+    return L::choose(kinds != kQuadNone, six, Wide{});
 }
 
-// Mostly all quads of a block are split alike: then nothing has to be chosen lane by lane.
 double swept(const QuadJob& job, ConstPlanes from) noexcept {
     const QuadJob j = job;
-    double sum = 0;
-    Doubles sums = {};
-    each_quad(
-        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-            typedef decltype(lanes) L;
-            const auto kinds = L::bytes(j.kind + k);
+    Doubles six = {};
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
+        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
+        for (std::uint32_t left = j.rect.j1 - j.rect.j0 + 1;; left -= Many::kLanes, k += Many::kLanes) {
+            const WideInts kinds = kinds_at<Many>(j, k, left);
             if (any_lane(kinds == 1))
-                add_to(swept_block<L, true>(j, from, k, kinds), sums, sum);
+                add_to(swept_block<true>(j, from, k, kinds), six);
             else
-                add_to(swept_block<L, false>(j, from, k, kinds), sums, sum);
-        });
-    return sum + Four::sum(sums);
-}
-
-template <class L, bool kTurned, class Kinds>
-static inline __attribute__((always_inline)) void cubic_block(const QuadJob& j, const ConstPlanes& normal,
-                                                              const float* weight, std::size_t k, const Kinds& kinds,
-                                                              Doubles* sums, double* sum) {
-    typedef typename L::D D;
-    const Moving<D> all = moving<L, kTurned>(
-        j, kinds, k, [&](std::size_t at) __attribute__((always_inline)) {
-            const D w = L::load(weight + at);
-            const Triple<D> n = place<L>(normal, at);
-            return Triple<D>{w * n.x, w * n.y, w * n.z};
-        });
-    const Corners<D>&x = all.at, &m = all.by;
-    const Triple<D> mt = minus(m.r, m.p), my = minus(m.s, m.q), t = minus(x.r, x.p), y = minus(x.s, x.q);
-    const Triple<D> w = times_plus(m.q, minus(x.q, x.p), times(minus(x.s, x.p), m.s));
-    const Triple<D> both = plus(m.p, m.r);
-    const auto there = kinds != kQuadNone;
-    add_to(L::choose(there, inner_plus(t, w, inner(both, times(t, y))), D{}), sums[0], sum[0]);
-    const D bend = inner_plus(mt, w, inner(both, times_plus(t, my, times(mt, y))));
-    add_to(L::choose(there, 0.5f * (bend - inner(t, times(m.p, my))), D{}), sums[1], sum[1]);
-    add_to(L::choose(there, inner(m.p, times(mt, my)), D{}), sums[2], sum[2]);
+                add_to(swept_block<false>(j, from, k, kinds), six);
+            if (left <= Many::kLanes) break;
+        }
+    }
+    return Four::sum(six);
 }
 
 void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* out) noexcept {
+    typedef Many L;
+    typedef Wide D;
     const QuadJob j = job;
-    double sum[3] = {0, 0, 0};
-    Doubles sums[3] = {};
-    each_quad(
-        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-            typedef decltype(lanes) L;
-            const auto kinds = L::bytes(j.kind + k);
-            if (any_lane(kinds == 1))
-                cubic_block<L, true>(j, normal, weight, k, kinds, sums, sum);
-            else
-                cubic_block<L, false>(j, normal, weight, k, kinds, sums, sum);
-        });
-    for (int a = 0; a < 3; ++a) out[a] += sum[a] + Four::sum(sums[a]);
-}
-
-template <class L>
-static inline __attribute__((always_inline)) std::uint32_t area_strips(const QuadJob& j, const std::uint8_t* marks,
-                                                                       std::uint32_t first, double& sum) {
-    typedef typename L::D D;
-    D area = {};
-    return strips<L>(
-        j, first, [&](std::size_t k) __attribute__((always_inline)) { return place<L>(j.at, k); },
-        [&](std::size_t k, const Triple<D>& a, const Triple<D>& b, const Triple<D>& c, const Triple<D>& d)
+    D sums[3] = {};
+    moving_strips(
+        j,
+        [&](std::size_t k) __attribute__((always_inline)) {
+            const D w = L::load(weight + k);
+            const Triple<D> n = place<L>(normal, k);
+            return Mover<D>{place<L>(j.at, k), {w * n.x, w * n.y, w * n.z}, w > 0.0f};
+        },
+        [&](const auto& there, const Mover<D>& p, const Mover<D>& q, const Mover<D>& r, const Mover<D>& s)
             __attribute__((always_inline)) {
-                const Triple<D> v = times(minus(c, a), minus(d, b));
-                const auto counts = (L::bytes(marks + k) & 1) > (L::bytes(j.kind + k) >> 1);
-                area += L::choose(counts, 0.5f * square_root(inner(v, v)), D{});
+                const Triple<D> t = minus(r.at, p.at), u = minus(q.at, p.at), v = minus(s.at, p.at), y = minus(v, u);
+                const Triple<D> mt = minus(r.by, p.by), my = minus(s.by, q.by), both = plus(p.by, r.by);
+                const Triple<D> w = times_plus(q.by, u, times(v, s.by)), turn = times(p.by, my);
+                sums[0] += L::choose(there, inner_plus(t, w, inner(both, times(t, y))), D{});
+                const D bend = inner_plus(mt, w, inner(both, times_plus(t, my, times(mt, y))));
+                sums[1] += L::choose(there, 0.5f * (bend - inner(t, turn)), D{});
+                sums[2] -= L::choose(there, inner(mt, turn), D{});
             },
         [&]() __attribute__((always_inline)) {
-            sum += L::sum(area);
-            area = D{};
+            for (int a = 0; a < 3; ++a) {
+                out[a] += L::sum(sums[a]);
+                sums[a] = D{};
+            }
         });
 }
 
 double area(const QuadJob& job, const std::uint8_t* marks) noexcept {
+    typedef Many L;
     const QuadJob j = job;
     double sum = 0;
-    area_strips<Single>(j, marks, area_strips<Many>(j, marks, j.rect.j0, sum), sum);
+    Wide area = {};
+    strips<L>(
+        j, [&](std::size_t k) __attribute__((always_inline)) { return place<L>(j.at, k); },
+        [&](std::size_t k, const WideInts& kinds, const Triple<Wide>& a, const Triple<Wide>& b, const Triple<Wide>& c,
+            const Triple<Wide>& d) __attribute__((always_inline)) {
+            const Triple<Wide> v = times(minus(c, a), minus(d, b));
+            const auto counts = (L::bytes(marks + k) & 1) > (kinds >> 1);
+            area += L::choose(counts, 0.5f * square_root(inner(v, v)), Wide{});
+        },
+        [&]() __attribute__((always_inline)) {
+            sum += L::sum(area);
+            area = Wide{};
+        });
     return sum;
 }
 
@@ -355,6 +334,8 @@ static inline __attribute__((always_inline)) typename L::D beyond(const PlaneJob
 void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
     double deepest = sums.deepest, total = 0;
     std::uint32_t count = 0;
+    Doubles deep = {}, totals = {};
+    Longs counts = {};
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
@@ -362,12 +343,11 @@ void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
             const Doubles d = beyond<Four>(j, k);
             const Longs in = d < -j.tolerance;
             const Doubles depth = in ? -d : Doubles{};
-            for (int lane = 0; lane < 4; ++lane) {
+            for (int lane = 0; lane < 4; ++lane)
                 j.marks[k + static_cast<std::size_t>(lane)] = static_cast<std::uint8_t>(in[lane] & 1);
-                deepest = depth[lane] > deepest ? depth[lane] : deepest;
-            }
-            total += Four::sum(depth);
-            count -= static_cast<std::uint32_t>(in[0] + in[1] + in[2] + in[3]);
+            deep = depth > deep ? depth : deep;
+            totals += depth;
+            counts -= in;
         }
         for (; k < end; ++k) {
             const double d = beyond<One>(j, k);
@@ -379,8 +359,12 @@ void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
             ++count;
         }
     }
+    for (int lane = 0; lane < 4; ++lane) {
+        deepest = deep[lane] > deepest ? deep[lane] : deepest;
+        count += static_cast<std::uint32_t>(counts[lane]);
+    }
     sums.deepest = deepest;
-    sums.total += total;
+    sums.total += total + Four::sum(totals);
     sums.count += count;
 }
 
@@ -520,19 +504,44 @@ void bulge(const BulgeJob& job) noexcept {
     }
 }
 
-void held_back(const HoldJob& job, double* sums) noexcept {
-    const HoldJob j = job;
-    Doubles fours[2] = {};
-    each_quad(
-        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-            typedef decltype(lanes) L;
-            typedef typename L::D D;
-            const Triple<D> n{D{} + j.n[0], D{} + j.n[1], D{} + j.n[2]};
-            const D w = L::load(j.weight + k), facing = inner(n, place<L>(j.normal, k)), fall = w * facing;
-            const D height = multiply_add(fall, D{} + j.beta, inner(n, place<L>(j.at, k)) - j.d);
-            const auto held = (height < 0.0f) & (fall < 0.0f);
-            add_to(L::choose(held, height * facing, D{}), fours[0], sums[0]);
-            add_to(L::choose(held, fall * facing, D{}), fours[1], sums[1]);
+// Samples taken beyond the plane go back along its normal n by h: with t, u, v as above a quad loses
+//   n . (area vectors weighed with h) = (T . v) (h_p + h_r + h_s) - (T . u) (h_p + h_r + h_q), T = n x t.
+double held_back(const QuadJob& job, const HoldJob& hold_job) noexcept {
+    typedef Many L;
+    typedef Wide D;
+    const QuadJob j = job;
+    const HoldJob hold = hold_job;
+    double sum = 0;
+    struct Held {
+        Triple<D> at;
+        D back;
+    };
+    const Triple<D> n{D{} + hold.n[0], D{} + hold.n[1], D{} + hold.n[2]};
+    D six = {};
+    strips<L>(
+        j,
+        [&](std::size_t k) __attribute__((always_inline)) {
+            const D w = L::load(hold.weight + k), step = w * hold.beta;
+            const Triple<D> now = place<L>(j.at, k), by = place<L>(hold.normal, k);
+            const Triple<D> at{multiply_add(step, by.x, now.x), multiply_add(step, by.y, now.y),
+                               multiply_add(step, by.z, now.z)};
+            const D height = inner(n, at) - hold.d;
+            return Held{at, L::choose((w > 0.0f) & (height < 0.0f), height, D{})};
+        },
+        [&](std::size_t, const WideInts& kinds, const Held& a, const Held& b, const Held& c, const Held& d)
+            __attribute__((always_inline)) {
+                if (!any_lane(a.back + b.back + c.back + d.back < 0.0f)) return;
+                const auto second = kinds == 1;
+                const Corners<D> x = turned<L>(second, a.at, b.at, c.at, d.at);
+                const D both = L::choose(second, b.back + d.back, a.back + c.back);
+                const Triple<D> t = minus(x.r, x.p), side = times(n, t);
+                const D far = both + L::choose(second, a.back, d.back), near = both + L::choose(second, c.back, b.back);
+                const D lost = inner(side, minus(x.s, x.p)) * far - inner(side, minus(x.q, x.p)) * near;
+                six += L::choose(kinds != kQuadNone, lost, D{});
+            },
+        [&]() __attribute__((always_inline)) {
+            sum += L::sum(six);
+            six = D{};
         });
-    for (int a = 0; a < 2; ++a) sums[a] += Four::sum(fours[a]);
+    return sum;
 }

@@ -30,20 +30,11 @@ inline WideInts wide_bytes(const std::uint8_t* p) {
 inline bool any_lane(const WideInts& v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;
 }
-inline bool any_lane(bool v) {
-    return v;
-}
-inline void add_to(const Wide& v, Doubles& sums, double&) {
+inline void add_to(const Wide& v, Doubles& sums) {
     for (int k = 0; k < 4; ++k) sums[k] += static_cast<double>(v[k]);
 }
-inline void add_to(float v, Doubles&, double& sum) {
-    sum += static_cast<double>(v);
-}
-inline float square_root(float v) {
-    return __builtin_sqrtf(v);
-}
 inline Wide square_root(const Wide& v) {
-    return Wide{square_root(v[0]), square_root(v[1]), square_root(v[2]), square_root(v[3])};
+    return Wide{__builtin_sqrtf(v[0]), __builtin_sqrtf(v[1]), __builtin_sqrtf(v[2]), __builtin_sqrtf(v[3])};
 }
 #include "unfused.h"
 // The bodies, which need all of the above.

@@ -93,7 +93,7 @@ struct ContactReport {
     std::uint32_t ring = 0;                ///< bulged samples (Psi), copies counted
     float ring_reach = 0, ring_sigma = 0;  ///< R and sigma in use
     float beta = 0;                        ///< height of the bulge at the rim
-    std::uint32_t passes = 0;              ///< measurements of the bulged volume
+    std::uint32_t passes = 0;              ///< bulged volumes worked out or measured
     double removed = 0;                    ///< volume the projection took; positive for outward normals
     double volume_error = 0;       ///< volume gained by the call / removed, measured on the triangles within 1e-8
     double first_order_error = 0;  ///< the same for beta by the gradient alone, before clamping
