@@ -57,7 +57,7 @@ PARTS = (
          "the pages of --report: pictures and words about what the pipeline made"),
     Part("cli/scene", 5, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
     Part("cli/bench", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, SYSTEM), "a program"),
+    Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/validate", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/info", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
     Part("cli/export", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),

@@ -126,6 +126,14 @@ class ComponentBaker {
         add("uv", [&] { return make_uv_chart(component_, size_.rows, size_.cols, tools(), progress_); });
     }
 
+    /// Of charts as good as each other, but for a percent or for rounding, the one that uses all samples wins; then the
+    /// earlier one.
+    [[nodiscard]] bool wins(const SampledChart& chart, double rms) const {
+        if (chart.domain == layout::Domain::kSquare && best_->domain == layout::Domain::kFree)
+            return kGain * rms < best_rms_ || rms <= kExact;
+        return rms < kGain * best_rms_ && best_rms_ > kExact;
+    }
+
     [[nodiscard]] bool tried(std::string_view method) const {
         for (const CandidateReport& c : result_.candidates)
             if (c.method == method) return true;
@@ -174,7 +182,7 @@ class ComponentBaker {
             const SurfaceError error = quick_error(component_, chart, 20'000);
             report.psnr = error.psnr();
             report.outcome = "higher error";
-            if (!best_ || (error.rms < kGain * best_rms_ && best_rms_ > kExact)) {
+            if (!best_ || wins(chart, error.rms)) {
                 best_ = std::move(chart), best_rms_ = error.rms, best_index_ = result_.candidates.size();
             }
         } catch (const Error& e) {

@@ -527,7 +527,8 @@ class AssetBake {
                                    chart.normal_rms_bump_degrees};
         for (int k = 0; k < 3; ++k) normals_squared_[k] += share * degrees[k] * degrees[k];
     }
-    static constexpr std::uint64_t kErrorSamples = 200'000, kFewSamples = 1000;
+    static constexpr std::uint64_t kErrorSamples = kSurfaceSamples;  // as dgm-validate: the same points
+    static constexpr std::uint64_t kFewSamples = 1000;
     inline static const std::vector<std::string> kGeometryOnly{"geometry"};
 
     const std::filesystem::path& source_;

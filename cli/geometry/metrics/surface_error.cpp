@@ -110,9 +110,10 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
     return samples;
 }
 
-/// The farthest samples, one of a face, farthest first: where the largest distance is looked for.
-std::vector<std::uint32_t> farthest_of_faces(std::span<const Sample> samples, std::span<const double> squared) {
-    constexpr std::size_t kFaces = 256, kLooked = 8192;
+/// The farthest samples, and the farthest of other faces: where the largest distance is looked for. A large face may
+/// have several tops, and a small one the highest.
+std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared) {
+    constexpr std::size_t kFirst = 256, kOtherFaces = 256, kLooked = 8192;
     std::vector<std::uint32_t> order(samples.size()), out;
     std::iota(order.begin(), order.end(), 0u);
     const auto looked = order.begin() + static_cast<std::ptrdiff_t>(std::min(kLooked, order.size()));
@@ -120,8 +121,8 @@ std::vector<std::uint32_t> farthest_of_faces(std::span<const Sample> samples, st
         return squared[a] != squared[b] ? squared[a] > squared[b] : a < b;
     });
     std::unordered_set<std::uint32_t> taken;
-    for (auto k = order.begin(); k != looked && out.size() < kFaces; ++k)
-        if (taken.insert(samples[*k].face).second) out.push_back(*k);
+    for (auto k = order.begin(); k != looked && out.size() < kFirst + kOtherFaces; ++k)
+        if (taken.insert(samples[*k].face).second || out.size() < kFirst) out.push_back(*k);
     return out;
 }
 
@@ -197,7 +198,7 @@ class Direction {
         run(surface, squared, with_normals_);
         run(vertices, vertex_squared, false);
         const std::vector<std::uint32_t> far =
-            options.vertices ? farthest_of_faces(surface, squared) : std::vector<std::uint32_t>{};
+            options.vertices ? farthest(surface, squared) : std::vector<std::uint32_t>{};
         std::vector<double> tops(far.size());
         tbb::parallel_for(std::size_t{0}, far.size(),
                           [&](std::size_t k) { tops[k] = climb(surface[far[k]], squared[far[k]]); });
@@ -235,7 +236,7 @@ class Direction {
     /// from them, halved where none leads up [Hooke, Jeeves 1961]. Samples alone find a sharp maximum to a few percent
     /// of its height, each seed others; from there any seed climbs to the same top.
     [[nodiscard]] double climb(const Sample& sample, double squared) const {
-        constexpr int kRounds = 10;
+        constexpr int kRounds = 8;
         const auto corners = from_.corners(sample.face);
         std::array<double, 3> at{1 - sample.r1, sample.r1 * (1 - sample.r2), sample.r1 * sample.r2};
         std::uint32_t hint = ClosestPointIndex::kNoFace;

@@ -26,8 +26,11 @@ struct SurfaceError {
     [[nodiscard]] double psnr() const;  ///< 20 log10(diagonal / rms), capped at 300 dB for identical surfaces
 };
 
+/// What baker and validator measure with; of one and the same seed, so that they look at the same points.
+inline constexpr std::uint64_t kSurfaceSamples = 400'000;
+
 struct SurfaceErrorOptions {
-    std::uint64_t samples = 400'000;  ///< area-weighted random points each way, beside every vertex
+    std::uint64_t samples = kSurfaceSamples;  ///< area-weighted random points each way, beside every vertex
     std::uint64_t seed = 1;
     /// Without them `hausdorff` is of the random points alone, and the faces of the worst are not looked at more closely;
     /// rms is the same.
