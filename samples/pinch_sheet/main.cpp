@@ -37,13 +37,10 @@ void replay(const std::string& map, const std::string& path_file, const std::str
     Strip strip({25, 28, dgm::render::UpAxis::kZ}, 2, 640);
     for (const dgm::KernelOptions& kernel : kernels) {
         const auto table = take(dgm::DeformTable::create(kernel), "kernel");
-        dgm::Vec3 tool;
         path.replay(
             1e-3,
             [&](const Knot& knot, float) {
-                tool = knot.position;
-                const dgm::ToolInput input{
-                    .kind = knot.kind, .position = sheet.local(knot.position), .engaged = knot.engaged};
+                const dgm::ToolInput input = sheet.input(knot);
                 static_cast<void>(take(dgm::tick(sheet.state(), table, options, {&input, 1}, {}), "tick"));
             },
             [&](const std::string& caption) {

@@ -42,8 +42,7 @@ void replay(const std::string& map, const std::string& path_file, const std::str
         1e-3,
         [&](const Knot& knot, float) {
             tool = knot.position;
-            const dgm::ToolInput input{
-                .kind = knot.kind, .position = organ.local(knot.position), .engaged = knot.engaged};
+            const dgm::ToolInput input = organ.input(knot);
             moved += take(dgm::tick(organ.state(), table, options, {&input, 1}, {&felt, 1}), "tick").samples;
             strongest = std::max(strongest, std::sqrt(dot(felt.force, felt.force)));
             ++ticks;

@@ -11,9 +11,11 @@
 #include <dgm/asset.h>
 #include <dgm/reconstruct.h>
 #include <dgm/state.h>
+#include <dgm/tick.h>
 
 #include "image/image.h"
 #include "model/codes.h"
+#include "support/tool_path.h"
 
 namespace dgm::samples {
 
@@ -40,6 +42,10 @@ class SoftBody {
     [[nodiscard]] Chart chart() const { return asset_.chart(0).value(); }
     /// From the mesh's frame to the state's, which may have its origin elsewhere.
     [[nodiscard]] Vec3 local(Vec3 source) const { return source - origin_; }
+    /// What a recorded tool does, for tick().
+    [[nodiscard]] ToolInput input(const Knot& knot) const {
+        return {.kind = knot.kind, .position = local(knot.position), .engaged = knot.engaged};
+    }
     /// The present shape in the mesh's frame; `triangles` never change.
     [[nodiscard]] std::vector<Vertex> vertices() const;
     [[nodiscard]] std::span<const std::uint32_t> triangles() const { return triangles_; }

@@ -42,8 +42,7 @@ void replay(const std::string& map, const std::string& path_file, const std::str
             1e-3,
             [&](const Knot& knot, float) {
                 tool = knot.position;
-                const dgm::ToolInput input{
-                    .kind = knot.kind, .position = body.local(knot.position), .engaged = knot.engaged};
+                const dgm::ToolInput input = body.input(knot);
                 static_cast<void>(take(dgm::tick(body.state(), table, options, {&input, 1}, {}), "tick"));
             },
             [&](const std::string& caption) {
