@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "contact_impl.h"
 #include "contact_resolver.h"
@@ -24,7 +25,8 @@ ContactReport Resolver::run() noexcept {
     size_ring();
     const bool bulging = c_.closed && o_.bulge != Bulge::None;
     if (bulging) update_normals(s_);
-    if (bulging || (!c_.closed && o_.smoothing != 0)) grow_ring(s_, c_, shape_, report_.ring_reach);
+    if (bulging || (!c_.closed && o_.smoothing != 0))
+        grow_ring(s_, c_, shape_, report_.ring_reach, bulging ? ~0u : o_.smoothing);
     if (bulging) weigh();
     list_quads();
     save();
@@ -86,10 +88,19 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
 bool Resolver::mark_sample(std::uint32_t k) noexcept {
     const Double3 p = widen(s_.point(k));
     if (around_.clearance(shape_, p) > 0) return false;
-    const double d = probe(shape_, p).distance;
+    const Probe there = probe(shape_, p);
+    const double d = there.distance;
     around_.note(p, d);
     if (!(d < -tolerance_)) return false;
     c_.marks[k] = kInside;
+    if (remembers()) {
+        const Vec3 to = projected(k, p, there);
+        const Planes saved = c_.before();
+        saved.x[k] = to.x;
+        saved.y[k] = to.y;
+        saved.z[k] = to.z;
+        if (!c_.closed) c_.source[k] = there.facet;  // the walk of an open surface's ring leaves it
+    }
     if (s_.representative(k) != k) return true;
     const double m = mobility_of(s_, k);
     report_.sunk = report_.sunk || -d * (1 - m) > tolerance_;
@@ -154,27 +165,47 @@ void Resolver::collect(Runs& runs, std::uint8_t mask, std::uint8_t bits) noexcep
 
 void Resolver::save() noexcept {
     const Planes to = c_.before();
+    const auto keep = [&](std::uint32_t k) {
+        if (remembers() && (c_.marks[k] & kInside) != 0) return;  // project() exchanges it
+        to.x[k] = s_.now.x[k];
+        to.y[k] = s_.now.y[k];
+        to.z[k] = s_.now.z[k];
+    };
     each_run([&](Rect r) {
         // Quads at its end reach into the tiles beyond.
         r.i1 = std::min(r.i1 + 1, s_.tables.rows - 1);
         r.j1 = std::min(r.j1 + 1, s_.tables.cols - 1);
-        c_.rows_of->copy(StateImpl::fixed(s_.now), to, r, s_.tables.cols);
+        if (!remembers()) return c_.rows_of->copy(StateImpl::fixed(s_.now), to, r, s_.tables.cols);
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+            for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) keep(k);
     });
-    const std::size_t border = s_.total() - s_.tables.grid;
-    std::copy_n(s_.now.x + s_.tables.grid, border, to.x + s_.tables.grid);
-    std::copy_n(s_.now.y + s_.tables.grid, border, to.y + s_.tables.grid);
-    std::copy_n(s_.now.z + s_.tables.grid, border, to.z + s_.tables.grid);
+    for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) keep(k);
+}
+
+Vec3 Resolver::projected(std::uint32_t k, Double3 from, const Probe& there) const noexcept {
+    const double m = mobility_of(s_, k);
+    if (m == 0 || there.distance == 0) return s_.point(k);
+    // The plane's own rounding, as of ContactRows::project.
+    return narrow(shape_.kind == ObstacleKind::Plane ? from - (there.distance * m) * shape_.normal
+                                                     : from + m * (there.nearest - from));
 }
 
 void Resolver::project_sample(std::uint32_t k) noexcept {
     if ((c_.marks[k] & kInside) == 0) return;
+    const Planes saved = c_.before();
+    if (remembers()) {
+        std::swap(s_.now.x[k], saved.x[k]);
+        std::swap(s_.now.y[k], saved.y[k]);
+        std::swap(s_.now.z[k], saved.z[k]);
+        c_.queue[k] = c_.closed ? kNone : c_.source[k];
+        return;
+    }
     const Double3 p = widen(s_.point(k));
-    const Probe there = probe(shape_, p);
-    c_.queue[k] = there.facet;
-    const double m = mobility_of(s_, k);
-    if (m == 0 || there.distance == 0) return;
-    // The plane's own rounding, as of ContactRows::project.
-    put(k, shape_.kind == ObstacleKind::Plane ? p - (there.distance * m) * shape_.normal : p + m * (there.nearest - p));
+    const Vec3 to = projected(k, p, probe(shape_, p));
+    c_.queue[k] = kNone;
+    s_.now.x[k] = to.x;
+    s_.now.y[k] = to.y;
+    s_.now.z[k] = to.z;
 }
 
 void Resolver::project() noexcept {

@@ -205,7 +205,9 @@ void each_tile(const Pyramid& y, Meets meets, F f) noexcept {
 /// Open surfaces: averages the displacement of contact and ring with the neighbours', staying out of the obstacle.
 void smooth_contact(StateImpl& state, ContactImpl& contact, const Shape& shape, std::uint32_t rounds) noexcept;
 
-/// Squared surface distances from the rim of the marked samples, up to `reach`, into contact.square; lists tiles.
-void grow_ring(const StateImpl& state, ContactImpl& contact, const Shape& shape, double reach) noexcept;
+/// Squared surface distances from the rim of the marked samples, up to `reach`, into contact.square; lists tiles. Of
+/// open surfaces only samples within `steps` edges of the contact need to be met: no displacement gets farther.
+void grow_ring(const StateImpl& state, ContactImpl& contact, const Shape& shape, double reach,
+               std::uint32_t steps) noexcept;
 
 }  // namespace dgm::detail

@@ -83,6 +83,9 @@ class Resolver {
         s_.now.y[k] = v.y;
         s_.now.z[k] = v.z;
     }
+    /// A search of a surface is dear: where a sample goes is kept from marking to projecting.
+    [[nodiscard]] bool remembers() const noexcept { return shape_.kind == ObstacleKind::Surface; }
+    [[nodiscard]] Vec3 projected(std::uint32_t k, Double3 from, const Probe& there) const noexcept;
     void project_sample(std::uint32_t k) noexcept;
     template <class F>
     void each_sample(std::uint32_t tile, F f) const noexcept {

@@ -39,10 +39,14 @@ class Walk {
         else
             offer_corners(k, r);
     }
-    void run() noexcept {
+    void run(std::uint32_t steps) noexcept {
         // A sample is handed on again only when its distance fell. Bounded all the same.
         std::uint64_t left = 16 * std::uint64_t{s_.total()};
-        while (count_ != 0 && left-- != 0) {
+        for (std::uint32_t round = count_; count_ != 0 && left-- != 0; --round) {
+            if (round == 0) {
+                if (--steps == 0) break;
+                round = count_;
+            }
             const std::uint32_t k = c_.queue[head_];
             head_ = head_ + 1 == c_.total ? 0 : head_ + 1;
             --count_;
@@ -273,13 +277,13 @@ void fill_between(const StateImpl& s, ContactImpl& c, const Walk& walk, float li
 }
 }  // namespace
 
-void grow_ring(const StateImpl& s, ContactImpl& c, const Shape& shape, double reach) noexcept {
+void grow_ring(const StateImpl& s, ContactImpl& c, const Shape& shape, double reach, std::uint32_t steps) noexcept {
     const float limit = static_cast<float>(reach * reach);
     const bool wide = c.closed && !s.tables.free_domain && s.tables.mask == nullptr && s.total() == s.tables.grid &&
                       reach > kWideRing * double{s.mean_step};
     Walk walk(s, c, limit, wide ? kStride : 1);
     seed_rim(s, c, shape, walk);
-    walk.run();
+    walk.run(steps);
     c.spread = wide;
     if (wide) fill_between(s, c, walk, limit);
 }

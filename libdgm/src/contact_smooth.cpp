@@ -69,6 +69,9 @@ class Smoother {
     void place(std::uint32_t k) noexcept {
         const Vec3 d{c_.square[k], c_.weight[k], std::bit_cast<float>(c_.source[k])};
         Double3 p = widen(StateImpl::at(c_.before(), k) + d);
+        // Displacements come a step a round from the contact: most of the ring has none yet, and stays.
+        const auto is_none = [](Vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; };
+        if (is_none(d) && (c_.marks[k] & kInside) == 0 && is_none(s_.point(k) - StateImpl::at(c_.before(), k))) return;
         // On the way the plane of the facet that was nearest will do; it is the last round that must be right.
         const bool exact = last_ || shape_.kind != ObstacleKind::Surface || c_.queue[k] == kNone;
         if (!exact || !(around_.clearance(shape_, p) > 0)) {
