@@ -77,9 +77,19 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
         return;
     }
     bool any = false;
-    for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+    look_into(shape_, s_.now_boxes.boxes[tile]);
+    // Copies of a class must agree: each by a search of its own.
+    const bool plain = remembers() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
+    const auto clear = [&](const Rect& part) {
+        const Double3 p = widen(s_.point(part.i0 * s_.tables.cols + part.j0));
+        return plain && probe(shape_, p).distance > 0 && is_apart(shape_, s_, part);
+    };
+    if (clear(r)) return;
+    for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
+        if (clear({i, i, r.j0, r.j1})) continue;
         for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k)
             any = (s_.tables.on_surface(k) && mark_sample(k)) || any;
+    }
     for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b)
         if (mark_sample(s_.tile_border[b])) c_.border = any = true;
     if (any) c_.add_tile(tile, kTilePhi);
@@ -302,6 +312,8 @@ Result<ContactReport> resolve_contact(State& state, const ContactSolver& solver,
         return Error{ErrorCode::BadArgument, kNoOffset, "a shape cannot be its own obstacle"};
     auto shape = detail::make_shape(obstacle);
     if (!shape) return shape.error();
+    shape.value().near = &c.near_tiles;
+    c.near_tiles.listed = c.near_tiles.wanted = false;
     return detail::Resolver(s, c, shape.value(), options).run();
 }
 

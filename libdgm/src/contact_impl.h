@@ -40,6 +40,19 @@ struct Double3 {
 
 inline constexpr std::uint64_t kNoTriangle = ~std::uint64_t{0};
 
+/// All tiles of an obstacle's surface whose boxes meet a box that many searches stay inside of, and the boxes of their
+/// quads: laid along the surface once, asked by each search.
+struct NearTiles {
+    static constexpr std::uint32_t kMost = 32;
+    bool wanted = false, listed = false;
+    Double3 want[2];  ///< where the next searches are, own frame
+    Double3 low, high;
+    BoxFrame frame;
+    std::uint32_t count = 0, tiles[kMost] = {};
+    float boxes[6 * kMost] = {};  ///< of the tiles, as BoxesNearJob::boxes
+    float quads[kMost][6 * 64] = {};
+};
+
 /// A checked obstacle.
 struct Shape {
     ObstacleKind kind = ObstacleKind::Plane;
@@ -55,13 +68,7 @@ struct Shape {
     /// Surface: where the last search ended. The next one mostly ends near by, and is quicker for it; its answer does
     /// not depend on this.
     mutable std::uint64_t hint = kNoTriangle;
-    /// Surface: all tiles whose boxes meet a ball (own frame) that many searches stay inside of.
-    struct NearTiles {
-        Double3 centre;
-        double radius = -1;
-        std::uint32_t count = 0, tiles[24] = {};
-    };
-    mutable NearTiles near;
+    NearTiles* near = nullptr;  ///< surface: or null, then every search starts at the root
 };
 struct Probe {
     double distance = 0;  ///< negative beyond
@@ -72,6 +79,11 @@ struct Probe {
 [[nodiscard]] Result<Shape> make_shape(const Obstacle& obstacle) noexcept;
 /// A function of the point alone: copies of a class get the same bits.
 [[nodiscard]] Probe probe(const Shape& shape, Double3 point) noexcept;
+/// The next searches are in or near a box (local frame).
+void look_into(const Shape& shape, const Box& box) noexcept;
+/// After a search in the box looked into: no part of the surface lies among samples of a row of the grid, so that all
+/// are on the same side. @return false where that is not known.
+[[nodiscard]] bool is_apart(const Shape& shape, const StateImpl& state, const Rect& samples) noexcept;
 /// Distance from the plane of a facet that probe() found near by.
 [[nodiscard]] Probe facet_probe(const Shape& shape, std::uint32_t facet, Double3 point) noexcept;
 /// What one search of a surface says about points near by: distances change by no more than the way gone.
@@ -130,7 +142,8 @@ struct ContactImpl {
     Array<float> weight, square;  ///< 0 and infinity between contacts; square: heights over the obstacle while bulging
     Array<std::uint32_t> source;  ///< place in `rim`
     Array<std::uint32_t> queue;   ///< of the ring's walk; then Probe::facet of samples in contact or smoothed
-    Array<Vec3> rim;              ///< where edges cross the obstacle's border
+    NearTiles near_tiles;
+    Array<Vec3> rim;  ///< where edges cross the obstacle's border
     std::uint32_t rim_count = 0;
     Array<std::uint8_t> tile_bits;
     Array<std::uint32_t> tiles;  ///< listed ones

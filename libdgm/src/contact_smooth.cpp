@@ -35,6 +35,7 @@ class Smoother {
     void each(F f) const noexcept {
         for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
             const Rect r = s_.tile_rect(c_.tiles[e]);
+            look_into(shape_, s_.now_boxes.boxes[c_.tiles[e]]);
             for (std::uint32_t i = r.i0; i <= r.i1; ++i)
                 for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) f(k);
         }

@@ -94,7 +94,7 @@ class SurfaceSearch {
  public:
     SurfaceSearch(const Shape& o, Double3 p) noexcept
         : s_(*o.surface),
-          near_(o.near),
+          o_(o),
           p_(p),
           slack_(o.slack),
           rounding_(o.rounding + 1e-6 * std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)})) {}
@@ -136,27 +136,96 @@ class SurfaceSearch {
     /// Searches follow each other over the obstacle: the tiles around one serve the next. @return false: start from the
     /// root.
     bool search_near() noexcept {
-        const double margin = 4 * double{s_.mean_step};
+        if (o_.near == nullptr) return false;
+        NearTiles& n = *o_.near;
         const double reach = std::sqrt(reach_) * (1 + 1e-9);
-        if (!(reach < margin)) return false;
-        const Double3 way = p_ - near_.centre;
-        if (!(std::sqrt(dot(way, way)) * (1 + 1e-9) + reach <= near_.radius) && !list_near(reach + margin))
-            return false;
-        for (std::uint32_t k = 0; k < near_.count; ++k)
-            if (square_to(s_.now_boxes.boxes[near_.tiles[k]]) <= reach_) leaf(near_.tiles[k]);
+        if (!(reach < 4 * double{s_.mean_step})) return false;
+        const Double3 r{reach, reach, reach};
+        if (!(n.listed && holds(n.low, p_ - r) && holds(p_ + r, n.high)) && !list_near(n, reach)) return false;
+        BoxesNearJob job = near_job(n.frame, n.boxes, NearTiles::kMost, (n.count + 7) / 8 * 8);
+        std::uint64_t tiles = s_.rows_of->boxes_near(job);
+        job.stride = job.count = 64;
+        for (; tiles != 0; tiles &= tiles - 1) {
+            const auto e = static_cast<std::uint32_t>(__builtin_ctzll(tiles));
+            job.boxes = n.quads[e];
+            search_quads(n.tiles[e], s_.rows_of->boxes_near(job));
+        }
         return true;
     }
-    bool list_near(double radius) noexcept {
-        near_ = {p_, radius};
+    static bool holds(Double3 low, Double3 high) noexcept {
+        return low.x <= high.x && low.y <= high.y && low.z <= high.z;
+    }
+    bool list_near(NearTiles& n, double reach) noexcept {
+        const double step = s_.mean_step;
+        n.listed = false;
+        if (n.wanted && holds(n.want[0], p_) && holds(p_, n.want[1]) &&
+            list_near(n, n.want[0], n.want[1], 1.5 * reach + step))
+            return true;
+        n.wanted = false;
+        return list_near(n, p_, p_, reach + 4 * step);
+    }
+    bool list_near(NearTiles& n, Double3 low, Double3 high, double margin) noexcept {
+        const Double3 m{margin, margin, margin};
+        n.low = low - m;
+        n.high = high + m;
+        const Vec3 centre = narrow(0.5 * (low + high));
+        n.frame.centre[0] = centre.x;
+        n.frame.centre[1] = centre.y;
+        n.frame.centre[2] = centre.z;
+        lay_axes(n.frame.axis);
+        n.count = 0;
         bool fits = true;
         each_tile(
-            s_.now_boxes, [&](const Box& box) { return fits && square_to(box) <= radius * radius * (1 + 1e-9); },
+            s_.now_boxes,
+            [&](const Box& box) {
+                return fits && holds(n.low, {box.high[0], box.high[1], box.high[2]}) &&
+                       holds({box.low[0], box.low[1], box.low[2]}, n.high);
+            },
             [&](std::uint32_t tile) {
-                fits = near_.count < std::size(near_.tiles);
-                if (fits) near_.tiles[near_.count++] = tile;
+                fits = n.count < NearTiles::kMost;
+                if (fits) n.tiles[n.count++] = tile;
             });
-        if (!fits) near_.radius = -1;
-        return fits;
+        if (!fits) return false;
+        for (std::uint32_t e = 0; e < NearTiles::kMost; ++e) n.boxes[e] = __builtin_inff();
+        for (std::uint32_t e = 0; e < n.count; ++e) {
+            const std::uint32_t tile = n.tiles[e];
+            lay_boxes(n.frame, tile, n.quads[e]);
+            const bool border = s_.tile_border_start[tile] != s_.tile_border_start[tile + 1];
+            for (int d = 0; d < 3; ++d) {
+                const float *lows = n.quads[e] + 128 * d, *highs = lows + 64;
+                // Faces beside the grid are searched with any of their tiles.
+                float least = border ? -__builtin_inff() : __builtin_inff(), most = -least;
+                for (int k = 0; k < 64; ++k) {
+                    if (n.quads[e][k] == __builtin_inff()) continue;
+                    least = std::min(least, lows[k]);
+                    most = std::max(most, highs[k]);
+                }
+                n.boxes[2 * d * NearTiles::kMost + e] = least;
+                n.boxes[(2 * d + 1) * NearTiles::kMost + e] = most;
+            }
+        }
+        n.listed = true;
+        return true;
+    }
+    /// @return false if the tile has no quad.
+    bool lay_boxes(const BoxFrame& frame, std::uint32_t tile, float* boxes) const noexcept {
+        const ChartTables& t = s_.tables;
+        if (t.rows < 2 || t.cols < 2) return false;
+        const std::uint32_t i0 = tile / s_.tile_cols * kTileQuads, j0 = tile % s_.tile_cols * kTileQuads;
+        const Rect quads{i0, std::min(i0 + kTileQuads, t.rows - 1) - 1, j0, std::min(j0 + kTileQuads, t.cols - 1) - 1};
+        s_.rows_of->quad_boxes({quads, t.cols, StateImpl::fixed(s_.now), frame}, boxes);
+        return true;
+    }
+    [[nodiscard]] BoxesNearJob near_job(const BoxFrame& f, const float* boxes, std::uint32_t stride,
+                                        std::uint32_t count) const noexcept {
+        BoxesNearJob job{boxes, stride, count, {}, {}, 0};
+        const Double3 v = p_ - Double3{f.centre[0], f.centre[1], f.centre[2]};
+        for (int d = 0; d < 3; ++d) {
+            job.low[d] = job.high[d] = static_cast<float>(dot(Double3{f.axis[d][0], f.axis[d][1], f.axis[d][2]}, v));
+        }
+        const double reach = (std::sqrt(reach_) + rounding_) * (1 + 1e-6);
+        job.square = reach < 1e15 ? static_cast<float>(reach * reach) : 3e38f;
+        return job;
     }
     [[nodiscard]] double square_to(const Box& box) const noexcept {
         const double x = std::max(std::max(box.low[0] - p_.x, p_.x - box.high[0]), 0.0);
@@ -223,27 +292,27 @@ class SurfaceSearch {
         triangle(f[0].data(), k);
         triangle(f[1].data(), k + 1);
     }
-    /// Steps to the quad under the point as the plane of each quad met foresees it: mostly one, and what is left to
-    /// search is small. No answer depends on it.
+    /// Steps to the quad under the point as the plane of each quad met foresees it: mostly that is the one, and what is
+    /// left to search is small. No answer depends on it.
     void walk_from(std::uint32_t i, std::uint32_t j) noexcept {
         const ChartTables& t = s_.tables;
         for (int step = 0; step < 3; ++step) {
-            quad(i, j);
             const std::uint32_t k = i * t.cols + j;
             const Double3 o = at(k), a = at(k + t.cols) - o, b = at(k + 1) - o, v = p_ - o;
             const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), av = dot(a, v), bv = dot(b, v);
             const double det = aa * bb - ab * ab;
-            if (!(det > 1e-6 * aa * bb)) return;
+            if (!(det > 1e-6 * aa * bb)) break;
             const auto to = [](std::uint32_t from, double steps, std::uint32_t count) {
                 const double at = std::clamp(std::floor(from + steps), 0.0, count - 2.0);
                 return static_cast<std::uint32_t>(at);
             };
             const std::uint32_t next_i = to(i, (av * bb - bv * ab) / det, t.rows);
             const std::uint32_t next_j = to(j, (bv * aa - av * ab) / det, t.cols);
-            if ((next_i == i && next_j == j) || !t.has_quad(next_i, next_j)) return;
+            if ((next_i == i && next_j == j) || !t.has_quad(next_i, next_j)) break;
             i = next_i;
             j = next_j;
         }
+        quad(i, j);
     }
     void start_at(std::uint64_t name) noexcept {
         const auto k = static_cast<std::uint32_t>(name / 2);
@@ -252,22 +321,24 @@ class SurfaceSearch {
     }
 
     void leaf(std::uint32_t tile) noexcept {
+        BoxFrame frame{};
+        const Vec3 p = narrow(p_);
+        frame.centre[0] = p.x;
+        frame.centre[1] = p.y;
+        frame.centre[2] = p.z;
+        lay_axes(frame.axis);
+        float boxes[6 * 64];
+        const bool any = lay_boxes(frame, tile, boxes);
+        search_quads(tile, any ? s_.rows_of->boxes_near(near_job(frame, boxes, 64, 64)) : 0);
+    }
+    void search_quads(std::uint32_t tile, std::uint64_t near) noexcept {
         const ChartTables& t = s_.tables;
         const std::uint32_t i0 = tile / s_.tile_cols * kTileQuads, j0 = tile % s_.tile_cols * kTileQuads;
-        const Rect quads{i0, std::min(i0 + kTileQuads, t.rows - 1) - 1, j0, std::min(j0 + kTileQuads, t.cols - 1) - 1};
-        if (t.rows > 1 && t.cols > 1) {
-            const Vec3 p = narrow(p_);
-            const double reach = (std::sqrt(reach_) + rounding_) * (1 + 1e-6);
-            const float square = reach < 1e15 ? static_cast<float>(reach * reach) : __builtin_inff();
-            QuadsNearJob job{quads, t.cols, StateImpl::fixed(s_.now), {p.x, p.y, p.z}, {}, square};
-            lay_axes(job.axis);
-            std::uint64_t near = s_.rows_of->quads_near(job);
-            for (; near != 0; near &= near - 1) {
-                const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(near));
-                const std::uint32_t i = i0 + bit / 8, j = j0 + bit % 8;
-                const bool is_done = best_.triangle / 2 == std::uint64_t{i} * t.cols + j;  // both of its triangles
-                if (!is_done && t.has_quad(i, j)) quad(i, j);
-            }
+        for (; near != 0; near &= near - 1) {
+            const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(near));
+            const std::uint32_t i = i0 + bit / 8, j = j0 + bit % 8;
+            const bool is_done = best_.triangle / 2 == std::uint64_t{i} * t.cols + j;  // both of its triangles
+            if (!is_done && t.has_quad(i, j)) quad(i, j);
         }
         if (s_.face_start.empty()) return;
         for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b) {
@@ -278,7 +349,7 @@ class SurfaceSearch {
     }
 
     const StateImpl& s_;
-    Shape::NearTiles& near_;
+    const Shape& o_;
     const Double3 p_;
     const double slack_, rounding_;
     double reach_ = kInfinity;  ///< square of how far boxes may lie
@@ -380,6 +451,57 @@ Probe probe(const Shape& o, Double3 p) noexcept {
             break;
     }
     return surface_probe(o, p);
+}
+
+void look_into(const Shape& o, const Box& box) noexcept {
+    if (o.near == nullptr || o.kind != ObstacleKind::Surface) return;
+    NearTiles& n = *o.near;
+    n.listed = false;
+    const Double3 low{box.low[0], box.low[1], box.low[2]}, high{box.high[0], box.high[1], box.high[2]};
+    const Double3 centre = to_own(o, 0.5 * (low + high)), half = 0.5 * (high - low);
+    double own[3];
+    for (int d = 0; d < 3; ++d)
+        own[d] = (1 + 1e-6) *
+                 (std::fabs(o.axis[d].x) * half.x + std::fabs(o.axis[d].y) * half.y + std::fabs(o.axis[d].z) * half.z);
+    const Double3 reach{own[0], own[1], own[2]};
+    n.want[0] = centre - reach;
+    n.want[1] = centre + reach;
+    n.wanted = true;
+}
+
+bool is_apart(const Shape& o, const StateImpl& s, const Rect& samples) noexcept {
+    // An open surface may be gone round, and a limited reach ends in the open.
+    if (o.near == nullptr || o.open || o.reach < kInfinity || !o.surface->faces.empty()) return false;
+    const NearTiles& n = *o.near;
+    if (!n.listed || !n.wanted) return false;
+    const BoxFrame& f = n.frame;
+    const Double3 centre{f.centre[0], f.centre[1], f.centre[2]};
+    double low[3] = {kInfinity, kInfinity, kInfinity}, high[3] = {-kInfinity, -kInfinity, -kInfinity};
+    for (std::uint32_t i = samples.i0; i <= samples.i1; ++i)
+        for (std::uint32_t k = i * s.tables.cols + samples.j0; k <= i * s.tables.cols + samples.j1; ++k) {
+            const Double3 p = to_own(o, widen(s.point(k))), v = p - centre;
+            if (!(p.x >= n.low.x && p.y >= n.low.y && p.z >= n.low.z && p.x <= n.high.x && p.y <= n.high.y &&
+                  p.z <= n.high.z))
+                return false;
+            for (int d = 0; d < 3; ++d) {
+                const double at = f.axis[d][0] * v.x + f.axis[d][1] * v.y + f.axis[d][2] * v.z;
+                low[d] = std::min(low[d], at);
+                high[d] = std::max(high[d], at);
+            }
+        }
+    const double slack = 4 * o.rounding;
+    BoxesNearJob job{n.boxes, NearTiles::kMost, (n.count + 7) / 8 * 8, {}, {}, static_cast<float>(slack * slack)};
+    for (int d = 0; d < 3; ++d) {
+        job.low[d] = static_cast<float>(low[d]);
+        job.high[d] = static_cast<float>(high[d]);
+    }
+    std::uint64_t tiles = o.surface->rows_of->boxes_near(job);
+    job.stride = job.count = 64;
+    for (; tiles != 0; tiles &= tiles - 1) {
+        job.boxes = n.quads[__builtin_ctzll(tiles)];
+        if (o.surface->rows_of->boxes_near(job) != 0) return false;
+    }
+    return true;
 }
 
 Probe facet_probe(const Shape& o, std::uint32_t facet, Double3 p) noexcept {

@@ -55,8 +55,8 @@ struct MoveJob {
     float d[3];
 };
 
-/// now = base + factor (now - base), and base where no component differs by more than `still`. Where rounding would hold
-/// a sample back for ever less than kStuck of its coordinate away, it goes one step of the floats on.
+/// now = base + factor (now - base), and base where no component differs by more than `still`. Where rounding would
+/// hold a sample back for ever less than kStuck of its coordinate away, it goes one step of the floats on.
 struct RelaxJob {
     Rect rect;
     std::uint32_t cols;
@@ -84,15 +84,25 @@ struct NearestJob {
     float tool[3];
 };
 
-/// Quads (i, j) of `rect`, at most 8 by 8, all with four corners in the grid. Their boxes lie along axes of the
-/// caller's choice: flat ones, along the surface, say most.
-struct QuadsNearJob {
+/// Boxes along axes of the caller's choice, over places from `centre` on: flat ones, along the surface, say most.
+struct BoxFrame {
+    float centre[3];
+    float axis[3][3];  ///< unit vectors, square to each other
+};
+/// Quads (i, j) of `rect`, at most 8 by 8, all with four corners in the grid.
+struct QuadBoxesJob {
     Rect rect;
     std::uint32_t cols;
     ConstPlanes at;
-    float point[3];
-    float axis[3][3];  ///< unit vectors, square to each other
-    float square;      ///< of the reach, rounding allowed for by the caller
+    BoxFrame frame;
+};
+/// Lows and highs of boxes along each axis in turn, in six planes `stride` apart; `count` is a multiple of eight, and
+/// the lows of those that are none are infinite.
+struct BoxesNearJob {
+    const float* boxes;
+    std::uint32_t stride, count;
+    float low[3], high[3];  ///< of the box asked for, or a point twice
+    float square;           ///< of the reach, finite, rounding allowed for by the caller
 };
 
 /// Nearer placements of a row win: key = A x^2 + B x y + C y^2 at (x + k dx, y + k dy), k = 0 .. count - 1.
@@ -117,8 +127,10 @@ struct RowKernels {
     /// Grows low/high by the samples of a full rectangle.
     void (*bounds)(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept;
     void (*merge)(const MergeJob& job) noexcept;
-    /// Bit 8 i + j: the box of quad (i, j), counted from the rectangle's corner, is no farther than the reach.
-    std::uint64_t (*quads_near)(const QuadsNearJob& job) noexcept;
+    /// Box of quad (i, j), counted from the rectangle's corner, at 8 i + j of planes of 64.
+    void (*quad_boxes)(const QuadBoxesJob& job, float* boxes) noexcept;
+    /// Bit k: box k is no farther than the reach.
+    std::uint64_t (*boxes_near)(const BoxesNearJob& job) noexcept;
 };
 
 /// The plain loops: what the compiler makes of four lanes on any target.

@@ -71,7 +71,7 @@ static inline __attribute__((always_inline)) float inverse_root(float v) {
 }  // namespace
 
 extern const RowKernels kAvx2Rows;
-const RowKernels kAvx2Rows{"avx2", move, relax, normals, nearest, bounds, merge, quads_near};
+const RowKernels kAvx2Rows{"avx2", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near};
 
 }  // namespace dgm::detail
 

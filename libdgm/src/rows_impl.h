@@ -322,59 +322,65 @@ template <class F>
 struct Span {
     F low, high;
 };
-/// Of all three, over the point and along the axes.
+/// Of all three, along the axes.
 template <class F>
 struct Spans {
     Span<F> of[3];
 };
 template <class F>
-static inline __attribute__((always_inline)) Spans<F> side_by_side(const QuadsNearJob& j, std::size_t k) {
-    const F px = F{} + j.point[0], py = F{} + j.point[1], pz = F{} + j.point[2];
+static inline __attribute__((always_inline)) Spans<F> side_by_side(const QuadBoxesJob& j, std::size_t k) {
+    const float* o = j.frame.centre;
+    const F px = F{} + o[0], py = F{} + o[1], pz = F{} + o[2];
     const F ax = load<F>(j.at.x + k) - px, ay = load<F>(j.at.y + k) - py, az = load<F>(j.at.z + k) - pz;
     const F bx = load<F>(j.at.x + k + 1) - px, by = load<F>(j.at.y + k + 1) - py, bz = load<F>(j.at.z + k + 1) - pz;
     Spans<F> spans;
     for (int d = 0; d < 3; ++d) {
-        const F x = F{} + j.axis[d][0], y = F{} + j.axis[d][1], z = F{} + j.axis[d][2];
+        const float* axis = j.frame.axis[d];
+        const F x = F{} + axis[0], y = F{} + axis[1], z = F{} + axis[2];
         const F a = multiply_add(z, az, multiply_add(y, ay, x * ax)),
                 b = multiply_add(z, bz, multiply_add(y, by, x * bx));
         spans.of[d] = {lower(a, b), upper(a, b)};
     }
     return spans;
 }
-/// Square of the distance of the point from the quads' boxes, between two rows.
 template <class F>
-static inline __attribute__((always_inline)) F gap_square(const Spans<F>& up, const Spans<F>& down) {
-    F square = {};
-    for (int d = 0; d < 3; ++d) {
-        const F low = lower(up.of[d].low, down.of[d].low), high = upper(up.of[d].high, down.of[d].high);
-        const F gap = upper(upper(low, F{} - high), F{});
-        square = multiply_add(gap, gap, square);
-    }
-    return square;
-}
-template <class F>
-static inline __attribute__((always_inline)) void near_column(const QuadsNearJob& j, std::uint32_t first,
-                                                              std::uint64_t& near) {
+static inline __attribute__((always_inline)) void box_column(const QuadBoxesJob& j, std::uint32_t first, float* boxes) {
     std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + j.rect.j0 + first;
     Spans<F> up = side_by_side<F>(j, k);
-    for (std::uint32_t i = j.rect.i0, shift = first; i <= j.rect.i1; ++i, shift += 8) {
+    boxes += first;
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i, boxes += 8) {
         k += j.cols;
         const Spans<F> down = side_by_side<F>(j, k);
-        const F square = gap_square(up, down);
-        if constexpr (sizeof(F) == sizeof(float))
-            near |= static_cast<std::uint64_t>(square <= j.square) << shift;
-        else
-            near |= static_cast<std::uint64_t>(sign_bits(square <= j.square)) << shift;
+        for (int d = 0; d < 3; ++d) {
+            store<F>(boxes + 128 * d, lower(up.of[d].low, down.of[d].low));
+            store<F>(boxes + 128 * d + 64, upper(up.of[d].high, down.of[d].high));
+        }
         up = down;
     }
 }
 
-std::uint64_t quads_near(const QuadsNearJob& job) noexcept {
-    const QuadsNearJob j = job;
+void quad_boxes(const QuadBoxesJob& job, float* boxes) noexcept {
+    const QuadBoxesJob j = job;
     const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
-    std::uint64_t near = 0;
+    if (count < 8 || j.rect.i1 - j.rect.i0 < 7)
+        for (int k = 0; k < 64; ++k) boxes[k] = __builtin_inff();
     std::uint32_t k = 0;
-    for (; k + DGM_LANES <= count; k += DGM_LANES) near_column<Floats>(j, k, near);
-    for (; k < count; ++k) near_column<float>(j, k, near);
+    for (; k + DGM_LANES <= count; k += DGM_LANES) box_column<Floats>(j, k, boxes);
+    for (; k < count; ++k) box_column<float>(j, k, boxes);
+}
+
+std::uint64_t boxes_near(const BoxesNearJob& job) noexcept {
+    const BoxesNearJob j = job;
+    std::uint64_t near = 0;
+    for (std::uint32_t k = 0; k < j.count; k += DGM_LANES) {
+        Floats square = {};
+        for (int d = 0; d < 3; ++d) {
+            const float* low = j.boxes + 2 * static_cast<std::size_t>(d) * j.stride + k;
+            const Floats gap =
+                upper(upper(load<Floats>(low) - j.high[d], j.low[d] - load<Floats>(low + j.stride)), Floats{});
+            square = multiply_add(gap, gap, square);
+        }
+        near |= static_cast<std::uint64_t>(sign_bits(square <= j.square)) << k;
+    }
     return near;
 }

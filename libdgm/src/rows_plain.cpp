@@ -58,7 +58,7 @@ inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
 #include "rows_impl.h"
 }  // namespace
 
-const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quads_near};
+const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near};
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const RowKernels kAvx2Rows;
