@@ -189,32 +189,24 @@ class SurfaceSearch {
         for (std::uint32_t e = 0; e < NearTiles::kMost; ++e) n.boxes[e] = __builtin_inff();
         for (std::uint32_t e = 0; e < n.count; ++e) {
             const std::uint32_t tile = n.tiles[e];
-            lay_boxes(n.frame, tile, n.quads[e]);
+            float whole[6];
+            lay_boxes(n.frame, tile, n.quads[e], whole);
+            // Faces beside the grid are searched with any of their tiles.
             const bool border = s_.tile_border_start[tile] != s_.tile_border_start[tile + 1];
-            for (int d = 0; d < 3; ++d) {
-                const float *lows = n.quads[e] + 128 * d, *highs = lows + 64;
-                // Faces beside the grid are searched with any of their tiles.
-                float least = border ? -__builtin_inff() : __builtin_inff(), most = -least;
-                for (int k = 0; k < 64; ++k) {
-                    if (n.quads[e][k] == __builtin_inff()) continue;
-                    least = std::min(least, lows[k]);
-                    most = std::max(most, highs[k]);
-                }
-                n.boxes[2 * d * NearTiles::kMost + e] = least;
-                n.boxes[(2 * d + 1) * NearTiles::kMost + e] = most;
+            for (std::size_t side = 0; side < 6; ++side) {
+                const float far = side % 2 == 0 ? -__builtin_inff() : __builtin_inff();
+                n.boxes[side * NearTiles::kMost + e] = border ? far : whole[side];
             }
         }
         n.listed = true;
         return true;
     }
-    /// @return false if the tile has no quad.
-    bool lay_boxes(const BoxFrame& frame, std::uint32_t tile, float* boxes) const noexcept {
+    void lay_boxes(const BoxFrame& frame, std::uint32_t tile, float* boxes, float* whole) const noexcept {
         const ChartTables& t = s_.tables;
-        if (t.rows < 2 || t.cols < 2) return false;
         const std::uint32_t i0 = tile / s_.tile_cols * kTileQuads, j0 = tile % s_.tile_cols * kTileQuads;
-        const Rect quads{i0, std::min(i0 + kTileQuads, t.rows - 1) - 1, j0, std::min(j0 + kTileQuads, t.cols - 1) - 1};
-        s_.rows_of->quad_boxes({quads, t.cols, StateImpl::fixed(s_.now), frame}, boxes);
-        return true;
+        Rect quads{i0, std::min(i0 + kTileQuads, t.rows - 1) - 1, j0, std::min(j0 + kTileQuads, t.cols - 1) - 1};
+        if (t.rows < 2 || t.cols < 2) quads = {};
+        s_.rows_of->quad_boxes({quads, t.cols, StateImpl::fixed(s_.now), frame}, boxes, whole);
     }
     [[nodiscard]] BoxesNearJob near_job(const BoxFrame& f, const float* boxes, std::uint32_t stride,
                                         std::uint32_t count) const noexcept {
@@ -327,9 +319,9 @@ class SurfaceSearch {
         frame.centre[1] = p.y;
         frame.centre[2] = p.z;
         lay_axes(frame.axis);
-        float boxes[6 * 64];
-        const bool any = lay_boxes(frame, tile, boxes);
-        search_quads(tile, any ? s_.rows_of->boxes_near(near_job(frame, boxes, 64, 64)) : 0);
+        float boxes[6 * 64], whole[6];
+        lay_boxes(frame, tile, boxes, whole);
+        search_quads(tile, s_.rows_of->boxes_near(near_job(frame, boxes, 64, 64)));
     }
     void search_quads(std::uint32_t tile, std::uint64_t near) noexcept {
         const ChartTables& t = s_.tables;
@@ -522,7 +514,10 @@ double box_distance(const Shape& o, const Box& box) noexcept {
         return dot(o.normal, centre) - o.offset -
                (std::fabs(o.normal.x) * half.x + std::fabs(o.normal.y) * half.y + std::fabs(o.normal.z) * half.z);
     // Distances change by no more than the way gone. Behind a surface of limited reach they change sign again.
-    const double distance = probe(o, centre).distance, radius = std::sqrt(dot(half, half));
+    Shape far = o;  // from one box to the next there is nothing near to share
+    far.near = nullptr;
+    const double distance = probe(far, centre).distance, radius = std::sqrt(dot(half, half));
+    o.hint = far.hint;
     const bool limited = o.kind == ObstacleKind::Surface && (o.open || o.reach < kInfinity);
     return limited ? std::fabs(distance) - radius - o.reach : distance - radius;
 }

@@ -127,8 +127,9 @@ struct RowKernels {
     /// Grows low/high by the samples of a full rectangle.
     void (*bounds)(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept;
     void (*merge)(const MergeJob& job) noexcept;
-    /// Box of quad (i, j), counted from the rectangle's corner, at 8 i + j of planes of 64.
-    void (*quad_boxes)(const QuadBoxesJob& job, float* boxes) noexcept;
+    /// Box of quad (i, j), counted from the rectangle's corner, at 8 i + j of planes of 64; lows and highs of all along
+    /// each axis into `whole`.
+    void (*quad_boxes)(const QuadBoxesJob& job, float* boxes, float* whole) noexcept;
     /// Bit k: box k is no farther than the reach.
     std::uint64_t (*boxes_near)(const BoxesNearJob& job) noexcept;
 };

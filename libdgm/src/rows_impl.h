@@ -344,7 +344,8 @@ static inline __attribute__((always_inline)) Spans<F> side_by_side(const QuadBox
     return spans;
 }
 template <class F>
-static inline __attribute__((always_inline)) void box_column(const QuadBoxesJob& j, std::uint32_t first, float* boxes) {
+static inline __attribute__((always_inline)) void box_column(const QuadBoxesJob& j, std::uint32_t first, float* boxes,
+                                                             Spans<F>& whole) {
     std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + j.rect.j0 + first;
     Spans<F> up = side_by_side<F>(j, k);
     boxes += first;
@@ -352,21 +353,37 @@ static inline __attribute__((always_inline)) void box_column(const QuadBoxesJob&
         k += j.cols;
         const Spans<F> down = side_by_side<F>(j, k);
         for (int d = 0; d < 3; ++d) {
-            store<F>(boxes + 128 * d, lower(up.of[d].low, down.of[d].low));
-            store<F>(boxes + 128 * d + 64, upper(up.of[d].high, down.of[d].high));
+            const F low = lower(up.of[d].low, down.of[d].low), high = upper(up.of[d].high, down.of[d].high);
+            store<F>(boxes + 128 * d, low);
+            store<F>(boxes + 128 * d + 64, high);
+            whole.of[d] = {lower(low, whole.of[d].low), upper(high, whole.of[d].high)};
         }
         up = down;
     }
 }
 
-void quad_boxes(const QuadBoxesJob& job, float* boxes) noexcept {
+void quad_boxes(const QuadBoxesJob& job, float* boxes, float* whole) noexcept {
     const QuadBoxesJob j = job;
     const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
     if (count < 8 || j.rect.i1 - j.rect.i0 < 7)
         for (int k = 0; k < 64; ++k) boxes[k] = __builtin_inff();
+    Spans<Floats> all;
+    Spans<float> some;
+    for (int d = 0; d < 3; ++d) {
+        some.of[d] = {__builtin_inff(), -__builtin_inff()};
+        all.of[d] = {Floats{} + some.of[d].low, Floats{} + some.of[d].high};
+    }
     std::uint32_t k = 0;
-    for (; k + DGM_LANES <= count; k += DGM_LANES) box_column<Floats>(j, k, boxes);
-    for (; k < count; ++k) box_column<float>(j, k, boxes);
+    for (; k + DGM_LANES <= count; k += DGM_LANES) box_column<Floats>(j, k, boxes, all);
+    for (; k < count; ++k) box_column<float>(j, k, boxes, some);
+    for (int d = 0; d < 3; ++d) {
+        for (int lane = 0; lane < DGM_LANES; ++lane) {
+            some.of[d].low = lower(some.of[d].low, static_cast<float>(all.of[d].low[lane]));
+            some.of[d].high = upper(some.of[d].high, static_cast<float>(all.of[d].high[lane]));
+        }
+        whole[2 * d] = some.of[d].low;
+        whole[2 * d + 1] = some.of[d].high;
+    }
 }
 
 std::uint64_t boxes_near(const BoxesNearJob& job) noexcept {
