@@ -81,8 +81,10 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
     // Copies of a class must agree: each by a search of its own.
     const bool plain = remembers() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
     const auto clear = [&](const Rect& part) {
+        if (!plain) return false;
         const Double3 p = widen(s_.point(part.i0 * s_.tables.cols + part.j0));
-        return plain && probe(shape_, p).distance > 0 && is_apart(shape_, s_, part);
+        if (!(around_.clearance(shape_, p) > 0)) around_.note(p, probe(shape_, p).distance);
+        return around_.clearance(shape_, p) > 0 && is_apart(shape_, s_, part);
     };
     if (clear(r)) return;
     for (std::uint32_t i = r.i0; i <= r.i1; ++i) {

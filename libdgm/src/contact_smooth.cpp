@@ -53,10 +53,15 @@ class Smoother {
     [[nodiscard]] Double3 average(std::uint32_t k) const noexcept {
         Double3 sum;
         double count = 0;
-        each_neighbour(s_, k, [&](std::uint32_t other) {
+        const auto add = [&](std::uint32_t other) {
             sum = sum + displacement(other);
             ++count;
-        });
+        };
+        const std::uint32_t cols = s_.tables.cols;
+        if (k < s_.tables.grid && (s_.ring[k] & kRingIrregular) == 0)
+            for (const std::uint32_t other : {k - cols, k - 1, k + 1, k + cols}) add(other);
+        else
+            each_neighbour(s_, k, add);
         const double m = mobility_of(s_, k);
         return count == 0 ? displacement(k) : m * (0.5 * displacement(k) + (0.5 / count) * sum);
     }

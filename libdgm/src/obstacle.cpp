@@ -158,9 +158,13 @@ class SurfaceSearch {
     bool list_near(NearTiles& n, double reach) noexcept {
         const double step = s_.mean_step;
         n.listed = false;
-        if (n.wanted && holds(n.want[0], p_) && holds(p_, n.want[1]) &&
-            list_near(n, n.want[0], n.want[1], 1.5 * reach + step))
-            return true;
+        const Double3 grace{4 * step, 4 * step, 4 * step};
+        if (n.wanted && holds(n.want[0] - grace, p_) && holds(p_, n.want[1] + grace)) {
+            // Samples may have moved since the box was made.
+            n.want[0] = {std::min(n.want[0].x, p_.x), std::min(n.want[0].y, p_.y), std::min(n.want[0].z, p_.z)};
+            n.want[1] = {std::max(n.want[1].x, p_.x), std::max(n.want[1].y, p_.y), std::max(n.want[1].z, p_.z)};
+            if (list_near(n, n.want[0], n.want[1], 1.5 * reach + step)) return true;
+        }
         n.wanted = false;
         return list_near(n, p_, p_, reach + 4 * step);
     }

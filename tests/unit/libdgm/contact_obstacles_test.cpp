@@ -285,5 +285,41 @@ TEST(Contact, ClosedFreeChartKeepsVolume) {
         }
 }
 
+TEST(Contact, SharedSearchesFindWhatSingleOnesDo) {
+    // A cover about as far from the body as the body's waves are high: tiles that are clear of it, cross it, sink.
+    const auto rest = [](double i, double j) {
+        const double x = (i - 40) / 50, y = (j - 40) / 50, length = std::sqrt(x * x + y * y + 1);
+        const double r = 1 + 0.03 * std::sin(9 * x + 4 * y);
+        return Point{static_cast<float>(r * x / length), static_cast<float>(r * y / length),
+                     static_cast<float>(r / length)};
+    };
+    for (const bool is_free : {false, true})
+        for (const bool turned : {false, true}) {
+            SCOPED_TRACE(testing::Message() << is_free << ' ' << turned);
+            State body = make_state(is_free ? free_sphere(65) : sphere_chart(97));
+            State cover = make_state(grid_chart(81, 81, rest));
+            const ContactSolver solver = ContactSolver::create(cover).value();
+            Obstacle o{.kind = ObstacleKind::Surface, .point = {0.01f, 0, 0.004f}, .surface = &body};
+            if (turned) std::copy_n(kTurn, 9, o.rotation);
+            std::uint32_t sunk = 0;
+            double total = 0, deepest = 0;
+            for (std::uint32_t k = 0; k < cover.sample_count(); ++k) {
+                const double d = obstacle_distance(o, cover.positions()[k]).value().distance;
+                if (d >= -3e-7) continue;
+                ++sunk;
+                total -= d;
+                deepest = std::max(deepest, -d);
+            }
+            const auto r = resolve_contact(cover, solver, o).value();
+            EXPECT_NEAR(r.samples, sunk, 1 + sunk / 1000);  // single precision decides about a few at the rim
+            EXPECT_GT(sunk, 1000u);
+            EXPECT_LT(sunk, cover.sample_count() - 1000);
+            EXPECT_NEAR(r.total, total, 1e-5 * total);
+            EXPECT_NEAR(r.deepest, deepest, 1e-6);
+            for (std::uint32_t k = 0; k < cover.sample_count(); ++k)
+                ASSERT_GT(obstacle_distance(o, cover.positions()[k]).value().distance, -2e-6) << k;
+        }
+}
+
 }  // namespace
 }  // namespace dgm::test
