@@ -343,47 +343,37 @@ static inline __attribute__((always_inline)) Spans<F> side_by_side(const QuadBox
     }
     return spans;
 }
-template <class F>
-static inline __attribute__((always_inline)) void box_column(const QuadBoxesJob& j, std::uint32_t first, float* boxes,
-                                                             Spans<F>& whole) {
-    std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + j.rect.j0 + first;
-    Spans<F> up = side_by_side<F>(j, k);
-    boxes += first;
-    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i, boxes += 8) {
-        k += j.cols;
-        const Spans<F> down = side_by_side<F>(j, k);
-        for (int d = 0; d < 3; ++d) {
-            const F low = lower(up.of[d].low, down.of[d].low), high = upper(up.of[d].high, down.of[d].high);
-            store<F>(boxes + 128 * d, low);
-            store<F>(boxes + 128 * d + 64, high);
-            whole.of[d] = {lower(low, whole.of[d].low), upper(high, whole.of[d].high)};
-        }
-        up = down;
-    }
-}
-
 void quad_boxes(const QuadBoxesJob& job, float* boxes, float* whole) noexcept {
     const QuadBoxesJob j = job;
     const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
     if (count < 8 || j.rect.i1 - j.rect.i0 < 7)
         for (int k = 0; k < 64; ++k) boxes[k] = __builtin_inff();
-    Spans<Floats> all;
-    Spans<float> some;
-    for (int d = 0; d < 3; ++d) {
-        some.of[d] = {__builtin_inff(), -__builtin_inff()};
-        all.of[d] = {Floats{} + some.of[d].low, Floats{} + some.of[d].high};
-    }
-    std::uint32_t k = 0;
-    for (; k + DGM_LANES <= count; k += DGM_LANES) box_column<Floats>(j, k, boxes, all);
-    for (; k < count; ++k) box_column<float>(j, k, boxes, some);
-    for (int d = 0; d < 3; ++d) {
-        for (int lane = 0; lane < DGM_LANES; ++lane) {
-            some.of[d].low = lower(some.of[d].low, static_cast<float>(all.of[d].low[lane]));
-            some.of[d].high = upper(some.of[d].high, static_cast<float>(all.of[d].high[lane]));
+    const Floats far = Floats{} + __builtin_inff();
+    Floats all[6] = {far, -far, far, -far, far, -far};
+    Ints lane = {};
+    for (int k = 0; k < DGM_LANES; ++k) lane[k] = k;
+    for (std::uint32_t first = 0; first < count; first += DGM_LANES) {
+        // Planes are padded for the lanes beyond, which stay empty.
+        const Ints in = lane < static_cast<int>(count - first);
+        std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + j.rect.j0 + first;
+        float* to = boxes + first;
+        Spans<Floats> up = side_by_side<Floats>(j, k);
+        for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i, to += 8) {
+            k += j.cols;
+            const Spans<Floats> down = side_by_side<Floats>(j, k);
+            for (int d = 0; d < 3; ++d) {
+                const Floats low = in ? lower(up.of[d].low, down.of[d].low) : far,
+                             high = in ? upper(up.of[d].high, down.of[d].high) : -far;
+                store<Floats>(to + 128 * d, low);
+                store<Floats>(to + 128 * d + 64, high);
+                all[2 * d] = lower(low, all[2 * d]);
+                all[2 * d + 1] = upper(high, all[2 * d + 1]);
+            }
+            up = down;
         }
-        whole[2 * d] = some.of[d].low;
-        whole[2 * d + 1] = some.of[d].high;
     }
+    for (int side = 0; side < 6; ++side)
+        whole[side] = side % 2 == 0 ? -largest_lane(-all[side]) : largest_lane(all[side]);
 }
 
 std::uint64_t boxes_near(const BoxesNearJob& job) noexcept {
