@@ -236,8 +236,7 @@ dgm_code dgm_state_create(const dgm_asset* asset, uint32_t chart, const dgm_stat
     auto found = chart_of(asset, chart);
     if (!found) return finish(found.error(), error);
     dgm_state_options o;
-    if (auto r = get(options, o); !r) return finish(r.error(), error);
-    auto a = allocator_of(allocator);
+    auto a = get(options, o, allocator);
     if (!a) return finish(a.error(), error);
     dgm::StateOptions wishes;
     if (o.max_reach != 0) wishes.max_reach = o.max_reach;

@@ -63,12 +63,10 @@ dgm_code dgm_resolve_contact(dgm_state* state, const dgm_contact_solver* solver,
     if (o.ring_count > kMaxRings)
         return finish({ErrorCode::BadArgument, kNoOffset, "more ring sizes than allowed"}, error);
     dgm::RingSize rings[kMaxRings];
-    for (std::size_t k = 0; k < o.ring_count; ++k) {
-        if (k > 0 && element(o.rings, k)->struct_size != o.rings->struct_size) return finish(kBadSize, error);
-        dgm_ring_size size;
-        if (auto r = get(element(o.rings, k), size); !r) return finish(r.error(), error);
+    const auto read = get_each(o.rings, o.ring_count, [&](std::size_t k, const dgm_ring_size& size) {
         rings[k] = {size.total, size.reach, size.sigma};
-    }
+    });
+    if (!read) return finish(read.error(), error);
     dgm::ContactOptions wishes;
     wishes.bulge = static_cast<dgm::Bulge>(o.bulge);
     wishes.mode = static_cast<dgm::DeformMode>(o.mode);
@@ -103,8 +101,7 @@ dgm_code dgm_snapshots_create(const dgm_state* state, const dgm_snapshot_options
     if (state == nullptr || snapshots == nullptr) return finish(kNull, error);
     *snapshots = nullptr;
     dgm_snapshot_options o;
-    if (auto r = get(options, o); !r) return finish(r.error(), error);
-    auto a = allocator_of(allocator);
+    auto a = get(options, o, allocator);
     if (!a) return finish(a.error(), error);
     dgm::SnapshotOptions wishes;
     if (o.slots != 0) wishes.slots = o.slots;

@@ -84,6 +84,13 @@ inline Result<dgm::Allocator> allocator_of(const dgm_allocator* from) noexcept {
     return dgm::Allocator{a.user, a.allocate, a.release};
 }
 
+/// Options and where the memory is to come from.
+template <class T>
+Result<dgm::Allocator> get(const T* from, T& to, const dgm_allocator* allocator) noexcept {
+    if (auto r = get(from, to); !r) return r.error();
+    return allocator_of(allocator);
+}
+
 /// Moves a C++ object into a handle from the same allocator.
 template <class Handle, class T>
 dgm_code hand_out(Result<T>&& made, const dgm::Allocator& allocator, Handle** out, dgm_error* error) noexcept {
@@ -108,6 +115,17 @@ template <class T>
 T* element(T* first, std::size_t k) noexcept {
     using Byte = std::conditional_t<std::is_const_v<T>, const char, char>;
     return reinterpret_cast<T*>(reinterpret_cast<Byte*>(first) + k * first->struct_size);
+}
+/// Reads `count` of them, all of one size: take(k, read).
+template <class T, class F>
+Result<void> get_each(const T* first, std::size_t count, F take) noexcept {
+    for (std::size_t k = 0; k < count; ++k) {
+        if (k > 0 && element(first, k)->struct_size != first->struct_size) return kBadSize;
+        T one;
+        if (auto r = get(element(first, k), one); !r) return r;
+        take(k, one);
+    }
+    return {};
 }
 
 }  // namespace dgm::c_api

@@ -54,8 +54,7 @@ dgm_code dgm_table_create(const dgm_kernel_options* options, const dgm_allocator
     if (table == nullptr || options == nullptr) return finish(kNull, error);
     *table = nullptr;
     dgm_kernel_options o;
-    if (auto r = get(options, o); !r) return finish(r.error(), error);
-    auto a = allocator_of(allocator);
+    auto a = get(options, o, allocator);
     if (!a) return finish(a.error(), error);
     if (o.values == nullptr && o.value_count != 0) return finish(kNull, error);
     dgm::KernelOptions kernel;
@@ -136,12 +135,10 @@ dgm_code dgm_tick(dgm_state* state, const dgm_table* table, const dgm_tick_optio
     if (!o) return finish(o.error(), error);
     dgm::ToolInput in[kMaxTools];
     dgm::ToolOutput out[kMaxTools];
-    for (std::size_t k = 0; k < tool_count; ++k) {
-        if (k > 0 && element(tools, k)->struct_size != tools->struct_size) return finish(kBadSize, error);
-        dgm_tool_input t;
-        if (auto r = get(element(tools, k), t); !r) return finish(r.error(), error);
+    const auto read = get_each(tools, tool_count, [&](std::size_t k, const dgm_tool_input& t) {
         in[k] = {t.tool, static_cast<dgm::ToolKind>(t.kind), vec(t.position), t.lifted == 0};
-    }
+    });
+    if (!read) return finish(read.error(), error);
     auto done = dgm::tick(state->value, table->value, o.value(), {in, tool_count}, {out, tool_count});
     if (!done) return finish(done.error(), error);
     for (std::size_t k = 0; outputs != nullptr && k < tool_count; ++k) {
