@@ -207,8 +207,10 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         const std::uint32_t tile = c_.tiles[e];
         if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
         const bool near = (c_.tile_bits[tile] & kTileNear) != 0;
-        if (all ? !near && box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]}
-                : near)
+        if (near == all) continue;
+        // Of a surface the box costs a search, and its samples mostly know their heights.
+        const bool asked = near && remembers();
+        if (asked || box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]})
             each_sample(tile, put_back);
     }
     if (c_.border && !all)
