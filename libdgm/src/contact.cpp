@@ -76,7 +76,7 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
         c_.add_tile(tile, kTilePhi);
         return;
     }
-    bool any = false;
+    bool any = false, sunk = false;
     look_into(shape_, s_.now_boxes.boxes[tile]);
     // Copies of a class must agree: each by a search of its own.
     const bool plain = remembers() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
@@ -87,11 +87,15 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
         return around_.clearance(shape_, p) > 0 && is_apart(shape_, s_, part);
     };
     if (clear(r)) return;
-    for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
-        if (clear({i, i, r.j0, r.j1})) continue;
-        for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k)
-            any = (s_.tables.on_surface(k) && mark_sample(k)) || any;
-    }
+    for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+        for (std::uint32_t j = r.j0; j <= r.j1; j += 4) {
+            const std::uint32_t last = std::min(j + 3, r.j1), cols = s_.tables.cols;
+            if (!sunk && clear({i, i, j, last})) continue;  // beside one that is beyond most are
+            for (std::uint32_t k = i * cols + j; k <= i * cols + last; ++k) {
+                sunk = s_.tables.on_surface(k) && mark_sample(k);
+                any = any || sunk;
+            }
+        }
     for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b)
         if (mark_sample(s_.tile_border[b])) c_.border = any = true;
     if (any) c_.add_tile(tile, kTilePhi);
