@@ -90,6 +90,11 @@ std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) 
     return {f[0], f[1], f[2]};
 }
 
+/// low <= high in each coordinate.
+bool holds(Double3 low, Double3 high) noexcept {
+    return low.x <= high.x && low.y <= high.y && low.z <= high.z;
+}
+
 class SurfaceSearch {
  public:
     SurfaceSearch(const Shape& o, Double3 p) noexcept
@@ -151,9 +156,6 @@ class SurfaceSearch {
             search_quads(n.tiles[e], s_.rows_of->boxes_near(job));
         }
         return true;
-    }
-    static bool holds(Double3 low, Double3 high) noexcept {
-        return low.x <= high.x && low.y <= high.y && low.z <= high.z;
     }
     bool list_near(NearTiles& n, double reach) noexcept {
         const double step = s_.mean_step;
@@ -452,16 +454,18 @@ Probe probe(const Shape& o, Double3 p) noexcept {
 void look_into(const Shape& o, const Box& box) noexcept {
     if (o.near == nullptr || o.kind != ObstacleKind::Surface) return;
     NearTiles& n = *o.near;
-    n.listed = false;
     const Double3 low{box.low[0], box.low[1], box.low[2]}, high{box.high[0], box.high[1], box.high[2]};
     const Double3 centre = to_own(o, 0.5 * (low + high)), half = 0.5 * (high - low);
     double own[3];
     for (int d = 0; d < 3; ++d)
         own[d] = (1 + 1e-6) *
                  (std::fabs(o.axis[d].x) * half.x + std::fabs(o.axis[d].y) * half.y + std::fabs(o.axis[d].z) * half.z);
-    const Double3 reach{own[0], own[1], own[2]};
-    n.want[0] = centre - reach;
-    n.want[1] = centre + reach;
+    const Double3 reach{own[0], own[1], own[2]}, first = centre - reach, last = centre + reach;
+    const bool same =
+        holds(n.want[0], first) && holds(first, n.want[0]) && holds(n.want[1], last) && holds(last, n.want[1]);
+    n.listed = n.listed && n.wanted && same;
+    n.want[0] = first;
+    n.want[1] = last;
     n.wanted = true;
 }
 
@@ -518,10 +522,13 @@ double box_distance(const Shape& o, const Box& box) noexcept {
         return dot(o.normal, centre) - o.offset -
                (std::fabs(o.normal.x) * half.x + std::fabs(o.normal.y) * half.y + std::fabs(o.normal.z) * half.z);
     // Distances change by no more than the way gone. Behind a surface of limited reach they change sign again.
-    Shape far = o;  // from one box to the next there is nothing near to share
-    far.near = nullptr;
-    const double distance = probe(far, centre).distance, radius = std::sqrt(dot(half, half));
-    o.hint = far.hint;
+    const double radius = std::sqrt(dot(half, half));
+    Shape alone = o;  // from one large box to the next there is nothing near to share
+    alone.near = nullptr;
+    const bool small = o.kind == ObstacleKind::Surface && radius < 2 * kTileQuads * double{o.surface->mean_step};
+    if (small) look_into(o, box);
+    const double distance = probe(small ? o : alone, centre).distance;
+    if (!small) o.hint = alone.hint;
     const bool limited = o.kind == ObstacleKind::Surface && (o.open || o.reach < kInfinity);
     return limited ? std::fabs(distance) - radius - o.reach : distance - radius;
 }
