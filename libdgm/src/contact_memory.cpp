@@ -99,7 +99,7 @@ Result<ContactSolver> ContactSolver::create(const State& state, const Allocator&
     if (!detail::is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
     const detail::StateImpl& s = *state.impl();
     const std::uint64_t tiles = std::uint64_t{s.tile_rows} * s.tile_cols;
-    if (std::uint64_t{s.total()} * 64 + tiles * 64 + s.faces.size() * 12 + 65536 > max_bytes)
+    if (std::uint64_t{s.total()} * 64 + tiles * 64 + s.faces.size() * 12 + 131072 > max_bytes)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "the contact would take more memory than the limit allows"};
     detail::ContactImpl* impl = detail::create<detail::ContactImpl>(allocator, allocator);
     if (impl == nullptr) return detail::kNoMemory;

@@ -100,7 +100,7 @@ struct ContactReport {
     double paper_error = 0;        ///< and for eq. 11 as printed
 };
 
-/// Scratch memory for contacts of one state (about 40 bytes a sample), and what of its surface never changes.
+/// Scratch memory for contacts of one state (about 40 bytes a sample and 50 KB), and what of its surface never changes.
 class ContactSolver {
  public:
     /// @return OutOfMemory, LimitExceeded beyond `max_bytes`, BadArgument (half an allocator).
