@@ -226,6 +226,12 @@ class Multilevel {
     bool map_coarsest(const Level& level, std::vector<Vec2d>& uv) {
         const std::vector<std::uint32_t> border = border_on(ladder_.size() - 1);
         const DiskView view{level.mesh.positions, level.mesh.faces, border, disk_.border_uv};
+        if (options_.map_coarsest) {
+            std::optional<std::vector<Vec2d>> given = options_.map_coarsest(view);
+            if (!given || count_not_positive(view.faces, *given) > 0) return false;
+            uv = std::move(*given);
+            return true;
+        }
         uv = damped_stretch_map(view, 12, progress_);
         if (count_not_positive(view.faces, uv) > 0) uv = reweighted_stretch_map(view, {}, progress_);
         if (count_not_positive(view.faces, uv) > 0) return false;
