@@ -5,17 +5,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+
+#include "geometry/parameterize/convex_map.h"
+#include "geometry/parameterize/multilevel_map.h"
 
 namespace dgm::bake {
 namespace {
 constexpr int kRounds = 40;
 constexpr std::size_t kStepsPerRound = 3;
-constexpr double kOutsideWeight = 0.01;  // of all triangles outside, against the surface
-constexpr double kMargin = 0.5;          // of the chart's extent, between it and the box
-constexpr std::uint32_t kBoxPoints = 8;  // per side
-constexpr double kTolerance = 2e-3;      // of the energy, gained by a round
-constexpr double kRoughly = 2e-2;        // the same where another energy follows
+constexpr double kOutsideWeight = 0.01;     // of all triangles outside, against the surface
+constexpr double kMargin = 0.5;             // of the chart's extent, between it and the box
+constexpr std::uint32_t kBoxPoints = 8;     // per side
+constexpr double kTolerance = 2e-3;         // of the energy, gained by a round
+constexpr double kRoughly = 2e-2;           // the same where another energy follows
+constexpr double kOnceMore = 2e-2;          // the same where a coarser level has come to kTolerance
+constexpr std::size_t kCoarseFaces = 3000;  // of that level, beside two for each border vertex
 
 double twice_area(Vec2d a, Vec2d b, Vec2d c) {
     return cross(b - a, c - a);
@@ -131,36 +137,73 @@ class Augmented {
     std::vector<Face> faces_;
     double area_ = 0;
 };
-}  // namespace
-
-std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> start, FlipFreeEnergy energy,
+/// Rounds for one energy after the other, each until one gains less than its share.
+std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv,
+                                     std::span<const std::pair<FlipFreeEnergy, double>> energies,
                                      const Triangulate& triangulate, const model::Progress& progress) {
     Augmented augmented(disk, triangulate);
     double map = 0;
-    for (const Face& f : disk.faces) map += 0.5 * twice_area(start[f[0]], start[f[1]], start[f[2]]);
+    for (const Face& f : disk.faces) map += 0.5 * twice_area(uv[f[0]], uv[f[1]], uv[f[2]]);
     if (!(map > 0)) throw model::Error(model::codes::kMapInvalid, "the start of the descent has no area");
-    std::vector<Vec2d> uv = std::move(start);
     for (Vec2d& p : uv) p = p * std::sqrt(augmented.area() / map);
-    // The symmetric Dirichlet energy unfolds a crowded start; the others would stay near it.
-    std::vector<FlipFreeEnergy> energies{FlipFreeEnergy::kSymmetricDirichlet};
-    if (energy != energies.front()) energies.push_back(energy);
-    for (const FlipFreeEnergy current : energies) {
+    for (const auto& [energy, tolerance] : energies) {
         SlimOptions options;
-        options.energy = current;
+        options.energy = energy;
         double last = flip_free_energy(disk, uv, options);
         for (int round = 0; round < kRounds; ++round) {
             progress.update("parameterize", static_cast<double>(round) / kRounds);
             std::vector<Vec2d> next = uv;
-            augmented.improve(next, current, progress);
+            augmented.improve(next, energy, progress);
             const double lowered = flip_free_energy(disk, next, options);
             if (!(lowered < last)) break;
             uv = std::move(next);
-            const bool done = last - lowered < (current == energy ? kTolerance : kRoughly) * lowered;
+            const bool done = last - lowered < tolerance * lowered;
             last = lowered;
             if (done) break;
         }
     }
     return uv;
+}
+
+/// The same descent on a coarse level that keeps the whole border, from its convex outline in `start`, with the other
+/// vertices put back: a border that does not overlap itself there does not here. Nothing where that does not work out.
+std::optional<std::vector<Vec2d>> descend_coarsely(const DiskView& disk, const std::vector<Vec2d>& start,
+                                                   std::span<const std::pair<FlipFreeEnergy, double>> energies,
+                                                   const Triangulate& triangulate, const model::Progress& progress) {
+    std::vector<Vec2d> outline;
+    for (const std::uint32_t v : disk.border) outline.push_back(start[v]);
+    MultilevelOptions options;
+    options.coarsest_faces = kCoarseFaces;
+    options.coarsest_sweeps = 0, options.sweeps = 3, options.power = 1;
+    options.map_coarsest = [&](const DiskView& coarse) -> std::optional<std::vector<Vec2d>> {
+        ConvexMapSolver solver(coarse.positions.size(), coarse.faces, coarse.border);
+        std::vector<Vec2d> uv =
+            solver.solve(positive_cotangent_weights(coarse.positions, coarse.faces, solver.edges()), coarse.border_uv);
+        if (count_not_positive(coarse.faces, uv) > 0) return std::nullopt;
+        return descend_in_rounds(coarse, std::move(uv), energies, triangulate, progress);
+    };
+    try {
+        return multilevel_stretch_map({disk.positions, disk.faces, disk.border, outline}, options, progress);
+    } catch (const model::Error& e) {
+        if (e.code().number != model::codes::kMapInvalid.number) throw;
+        return std::nullopt;
+    }
+}
+}  // namespace
+
+std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> start, FlipFreeEnergy energy,
+                                     const Triangulate& triangulate, const model::Progress& progress) {
+    using Steps = std::vector<std::pair<FlipFreeEnergy, double>>;
+    // The symmetric Dirichlet energy unfolds a crowded start; the others would stay near it.
+    Steps steps{{energy, kTolerance}};
+    if (energy != FlipFreeEnergy::kSymmetricDirichlet)
+        steps.insert(steps.begin(), {FlipFreeEnergy::kSymmetricDirichlet, kRoughly});
+    if (disk.faces.size() > 2 * (kCoarseFaces + 2 * disk.border.size()))
+        if (auto coarse = descend_coarsely(disk, start, steps, triangulate, progress)) {
+            start = std::move(*coarse);
+            steps = {{energy, kOnceMore}};  // the long way is behind it
+        }
+    return descend_in_rounds(disk, std::move(start), steps, triangulate, progress);
 }
 
 }  // namespace dgm::bake

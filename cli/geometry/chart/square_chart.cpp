@@ -35,7 +35,15 @@ class StretchParameterizer final : public Parameterizer {
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
         if (newton_steps_ == 0) return stretch_map(disk, 0, progress);
-        std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress);
+        const auto level_out = [&](const DiskView& on, std::vector<Vec2d> uv) {
+            const std::vector<RestShape> rest = curvature_ ? curved_rest_shapes(on) : std::vector<RestShape>{};
+            return descend(on, std::move(uv), kLevelSteps, kLevelEpsilon, progress, rest);
+        };
+        // The grid has far fewer samples than a large mesh has vertices: where they go is settled on a coarser level.
+        MultilevelOptions options;
+        bool levelled = disk.faces.size() > options.finish_faces;
+        if (levelled) options.finish = level_out;
+        std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, options, progress);
         const auto energy = [&](const std::vector<Vec2d>& uv) {
             return stretch_energy(disk.positions, disk.faces, uv);
         };
@@ -45,11 +53,10 @@ class StretchParameterizer final : public Parameterizer {
         // Normalised stretch: the square has area 1.
         if (!map || std::sqrt(energy(*map)) > kCrowded * area) {
             std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
-            if (!map || energy(other) < energy(*map)) map = std::move(other);
+            if (!map || energy(other) < energy(*map)) map = std::move(other), levelled = false;
         }
-        if (count_not_positive(disk.faces, *map) > 0) return std::move(*map);  // the caller refuses it
-        const std::vector<RestShape> rest = curvature_ ? curved_rest_shapes(disk) : std::vector<RestShape>{};
-        return descend(disk, std::move(*map), kLevelSteps, kLevelEpsilon, progress, rest);
+        if (levelled || count_not_positive(disk.faces, *map) > 0) return std::move(*map);  // flipped: refused
+        return level_out(disk, std::move(*map));
     }
 
     [[nodiscard]] std::optional<std::vector<Vec2d>> level(const DiskView& disk, const std::vector<Vec2d>& uv,

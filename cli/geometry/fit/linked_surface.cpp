@@ -22,6 +22,13 @@ double closest_on_segment(const Vec3d& p, const Vec3d& a, const Vec3d& e, double
     return dot(r, r);
 }
 
+/// True only if the triangle, which lies within its longer edge l of its first corner, is farther than the root of
+/// `squared`: by (a + b)^2 <= 2 (a^2 + b^2), and a margin for rounding.
+bool surely_farther(const Vec3d& p, const std::array<Vec3d, 3>& q, double squared) {
+    const Vec3d d = p - q[0], e0 = q[1] - q[0], e1 = q[2] - q[0];
+    return dot(d, d) > 2.001 * (squared + std::max(dot(e0, e0), dot(e1, e1)));
+}
+
 }  // namespace
 
 double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& q, std::array<double, 3>& b) {
@@ -121,8 +128,10 @@ SurfaceHit search_nearby(const LinkedSurface& surface, const Vec3d& p, std::uint
     SurfaceHit best = walk_to_closest(surface, p, start);
     for (std::size_t k = 0; k < reached.size(); ++k) {
         SurfaceHit hit{reached[k], 0, {}};
-        hit.squared = closest_on_triangle(p, surface.corners(hit.face), hit.b);
-        if (hit.squared < best.squared) best = hit;
+        if (const auto q = surface.corners(hit.face); !surely_farther(p, q, best.squared)) {
+            hit.squared = closest_on_triangle(p, q, hit.b);
+            if (hit.squared < best.squared) best = hit;
+        }
         for (const std::uint32_t next : surface.neighbours[hit.face])
             if (next != kNone && reached.size() < kNearby && insert(next)) reached.push_back(next);
     }

@@ -21,21 +21,28 @@ namespace dgm::bake {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// s^-p; the powers in use are spared the logarithm.
+inline double inverse_power(double s, double p) {
+    if (p == 4) return 1 / (s * s * s * s);
+    if (p == 0.5) return 1 / std::sqrt(s);
+    return std::pow(s, -p);
+}
+
 /// g'(s) = c1 s + c0 + c2 s^-2 + c3 s^-3: the energies are rows of one family, but for powers that are not 2.
 struct Density {
     double c1 = 0, c0 = 0, c2 = 0, c3 = 0, constant = 0;
     double power = 0;  ///< if positive, g(s) = c1 s^2 / 2 + s^-power instead
 
     [[nodiscard]] double value(double s) const {
-        if (power > 0) return 0.5 * c1 * s * s + std::pow(s, -power);
+        if (power > 0) return 0.5 * c1 * s * s + inverse_power(s, power);
         return 0.5 * c1 * s * s + c0 * s - c2 / s - 0.5 * c3 / (s * s) + constant;
     }
     [[nodiscard]] double slope(double s) const {
-        if (power > 0) return c1 * s - power * std::pow(s, -power - 1);
+        if (power > 0) return c1 * s - power * inverse_power(s, power) / s;
         return c1 * s + c0 + (c2 + c3 / s) / (s * s);
     }
     [[nodiscard]] double curvature(double s) const {
-        if (power > 0) return c1 + power * (power + 1) * std::pow(s, -power - 2);
+        if (power > 0) return c1 + power * (power + 1) * inverse_power(s, power) / (s * s);
         return c1 - (2 * c2 + 3 * c3 / s) / (s * s * s);
     }
     /// (g'(s1) - g'(s2)) / (s1 - s2), written out because it cancels where s1 = s2.

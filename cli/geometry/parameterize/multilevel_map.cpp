@@ -180,13 +180,16 @@ class Multilevel {
         std::vector<Vec2d> uv;
         if (!map_coarsest(coarsest, uv)) return std::nullopt;
         relax(coarsest, uv, ladder_.size() - 1, options_.coarsest_sweeps);
+        const std::size_t finished = options_.finish ? finish_level() : ladder_.size();
+        if (finished == ladder_.size() - 1) finish(finished, uv);
         for (std::size_t l = ladder_.size() - 1; l-- > 0;) {
             const Level &fine = ladder_[l], &coarse = ladder_[l + 1];
             std::vector<Vec2d> finer(fine.mesh.positions.size());
             for (std::size_t v = 0; v < uv.size(); ++v) finer[coarse.original[v]] = uv[v];
             if (!put_back(fine, finer)) return std::nullopt;
             uv = std::move(finer);
-            relax(fine, uv, l, options_.sweeps);
+            relax(fine, uv, l, finished < ladder_.size() && l < finished ? options_.sweeps_after : options_.sweeps);
+            if (l == finished) finish(l, uv);
         }
         if (count_not_positive(disk_.faces, uv) > 0) return std::nullopt;
         return uv;
@@ -221,17 +224,14 @@ class Multilevel {
     }
 
     bool map_coarsest(const Level& level, std::vector<Vec2d>& uv) {
-        // Vertices of the border by their number on this level.
-        std::vector<std::uint32_t> finest(level.mesh.positions.size());
-        for (std::uint32_t v = 0; v < finest.size(); ++v) {
-            std::uint32_t at = v;
-            for (std::size_t l = ladder_.size(); l-- > 1;) at = ladder_[l].original[at];
-            finest[v] = at;
-        }
-        std::vector<std::uint32_t> here(disk_.positions.size(), kNone), border;
-        for (std::uint32_t v = 0; v < finest.size(); ++v) here[finest[v]] = v;
-        for (std::uint32_t v : disk_.border) border.push_back(here[v]);
+        const std::vector<std::uint32_t> border = border_on(ladder_.size() - 1);
         const DiskView view{level.mesh.positions, level.mesh.faces, border, disk_.border_uv};
+        if (options_.map_coarsest) {
+            std::optional<std::vector<Vec2d>> given = options_.map_coarsest(view);
+            if (!given || count_not_positive(view.faces, *given) > 0) return false;
+            uv = std::move(*given);
+            return true;
+        }
         uv = damped_stretch_map(view, 12, progress_);
         if (count_not_positive(view.faces, uv) > 0) uv = reweighted_stretch_map(view, {}, progress_);
         if (count_not_positive(view.faces, uv) > 0) return false;
@@ -242,6 +242,31 @@ class Multilevel {
         newton.tolerance = 1e-4;
         uv = descend_flip_free(view, std::move(uv), newton, progress_);
         return true;
+    }
+
+    /// Vertices of the border by their number on level l.
+    [[nodiscard]] std::vector<std::uint32_t> border_on(std::size_t l) const {
+        std::vector<std::uint32_t> here(disk_.positions.size(), kNone), border;
+        for (std::uint32_t v = 0; v < ladder_[l].mesh.positions.size(); ++v) {
+            std::uint32_t at = v;
+            for (std::size_t k = l; k >= 1; --k) at = ladder_[k].original[at];
+            here[at] = v;
+        }
+        for (std::uint32_t v : disk_.border) border.push_back(here[v]);
+        return border;
+    }
+
+    [[nodiscard]] std::size_t finish_level() const {
+        std::size_t l = 0;
+        while (l + 1 < ladder_.size() && ladder_[l].mesh.faces.size() > options_.finish_faces) ++l;
+        return l;
+    }
+
+    void finish(std::size_t l, std::vector<Vec2d>& uv) const {
+        const TriMesh& mesh = ladder_[l].mesh;
+        const std::vector<std::uint32_t> border = border_on(l);
+        const DiskView view{mesh.positions, mesh.faces, border, disk_.border_uv};
+        if (count_not_positive(view.faces, uv) == 0) uv = options_.finish(view, std::move(uv));
     }
 
     /// Takes the collapses below `fine` back, last one first.
@@ -277,11 +302,14 @@ class Multilevel {
         std::vector<std::array<double, 4>> shapes(faces.size());
         for (std::size_t f = 0; f < faces.size(); ++f) shapes[f] = shape(level.mesh.positions, faces[f]);
         Ring ring(options_.power);
+        // A vertex that hardly moved rests until one next to it has moved.
+        constexpr double kStill = 1e-3;  // of its farthest neighbour's distance
+        std::vector<char> awake(n, 1);
         for (int sweep = 0; sweep < sweeps; ++sweep) {
             progress_.update("parameterize", 0.5 + 0.5 * sweep / sweeps);
             for (std::uint32_t i = 0; i < n; ++i) {
                 const std::uint32_t v = sweep % 2 == 0 ? i : static_cast<std::uint32_t>(n - 1 - i);
-                if (fixed[v]) continue;
+                if (fixed[v] || !awake[v]) continue;
                 ring.wedges.clear();
                 for (std::uint32_t k = corners.first[v]; k < corners.first[v + 1]; ++k) {
                     const Face& f = faces[corners.of[k] / 3];
@@ -289,7 +317,15 @@ class Multilevel {
                     const std::uint32_t i0 = corners.of[k] % 3, i1 = (i0 + 1) % 3, i2 = (i0 + 2) % 3;
                     ring.wedges.push_back({uv[f[i1]], uv[f[i2]], l[0], l[1 + i0], l[1 + i1], l[1 + i2]});
                 }
-                uv[v] = ring.relax(uv[v], 1);
+                const Vec2d to = ring.relax(uv[v], 1), by = to - uv[v];
+                double reach = 0;  // squared
+                for (const Wedge& w : ring.wedges) reach = std::max(reach, dot(w.p1 - to, w.p1 - to));
+                uv[v] = to;
+                awake[v] = 0;
+                if (!(dot(by, by) > kStill * kStill * reach)) continue;
+                awake[v] = 1;
+                for (std::uint32_t k = corners.first[v]; k < corners.first[v + 1]; ++k)
+                    for (const std::uint32_t u : faces[corners.of[k] / 3]) awake[u] = 1;
             }
         }
     }

@@ -3,6 +3,7 @@
 // The stretch-minimal map of a large disk, found on a small one and refined.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,14 @@ struct MultilevelOptions {
     /// linear surface grows with the square of the step, its square with the fourth power: 2. On the corpus' heads,
     /// animals and organs at 257 a side, 2 reconstructs 0.1 to 1.6 dB better than 1.
     double power = 2;
+    /// Maps the coarsest level, flip-free; the border stays on the levels above where this puts it. Empty: reweighting
+    /// and Newton steps, with the border on `border_uv`.
+    std::function<std::optional<std::vector<Vec2d>>(const DiskView&)> map_coarsest = {};
+    /// Moves the map of the finest level of at most `finish_faces` faces (the coarsest, if none is that small) on its
+    /// way up, flip-free; the levels above it follow with `sweeps_after` sweeps. Empty: nothing.
+    std::function<std::vector<Vec2d>(const DiskView&, std::vector<Vec2d>)> finish = {};
+    std::size_t finish_faces = 60'000;
+    int sweeps_after = 4;
 };
 
 /// Simplifies the disk level by level with its border untouched (simplify.h), maps the coarsest level by reweighting

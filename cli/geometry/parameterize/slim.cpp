@@ -79,15 +79,19 @@ class NewtonSystem {
     /// Newton direction, or false if the matrix cannot be factorized. A free border leaves translations and a rotation
     /// undetermined: a relative shift of the diagonal fixes them and does not depend on the scale of any face.
     bool find_direction() {
+        const auto diagonal = [&](Eigen::Index k) -> double& {
+            return matrix_.valuePtr()[matrix_.outerIndexPtr()[k]];  // lower: first of its column
+        };
+        diagonal_.resize(static_cast<std::size_t>(matrix_.outerSize()));
+        for (Eigen::Index k = 0; k < matrix_.outerSize(); ++k) diagonal_[static_cast<std::size_t>(k)] = diagonal(k);
         double shift = 1e-9;
         for (int attempt = 0; attempt < 5; ++attempt, shift *= 100) {
-            SparseMatrix shifted = matrix_;
-            for (int k = 0; k < shifted.outerSize(); ++k) {
-                double& diagonal = shifted.valuePtr()[shifted.outerIndexPtr()[k]];  // lower: first of its column
-                diagonal = diagonal > 0 ? diagonal * (1 + shift) : std::numeric_limits<double>::min();
+            for (Eigen::Index k = 0; k < matrix_.outerSize(); ++k) {
+                const double own = diagonal_[static_cast<std::size_t>(k)];
+                diagonal(k) = own > 0 ? own * (1 + shift) : std::numeric_limits<double>::min();
             }
             ++factorizations_;
-            if (!solver_.factorize(shifted)) continue;
+            if (!solver_.factorize(matrix_)) continue;
             direction_ = -gradient_;
             solver_.solve({direction_.data(), static_cast<std::size_t>(direction_.size())});
             if (direction_.allFinite() && slope() < 0) return true;
@@ -124,6 +128,7 @@ class NewtonSystem {
     SparseMatrix matrix_;
     std::vector<std::int64_t> slots_;
     SparseCholesky solver_;
+    std::vector<double> diagonal_;  // of the matrix, unshifted
     Eigen::VectorXd gradient_, direction_;
     std::size_t factorizations_ = 0;
 };

@@ -233,6 +233,7 @@ struct SparseCholesky::State {
     std::vector<std::pair<Index, Wide>> entry;  // entry of A, place in the front
     std::vector<double> values;
     Wide largest_front = 0, largest_stack = 0;
+    std::vector<double> front_buffer, stack_buffer;  // of factorize(), kept: fresh pages cost as much as the sums
 
     [[nodiscard]] Wide own(const Supernode& s) const { return static_cast<Wide>(s.end - s.begin) * width(); }
     [[nodiscard]] Wide front(const Supernode& s) const { return own(s) + s.below * width(); }
@@ -416,7 +417,8 @@ void SparseCholesky::analyze(const SparseMatrix& lower, Ordering ordering, int b
 bool SparseCholesky::factorize(const SparseMatrix& lower) {
     State& s = *state_;
     const Wide width = s.width();
-    std::vector<double> front(s.largest_front * s.largest_front), stack(s.largest_stack);
+    std::vector<double>&front = s.front_buffer, &stack = s.stack_buffer;
+    front.resize(s.largest_front * s.largest_front), stack.resize(s.largest_stack);
     std::vector<Wide> local(static_cast<Wide>(s.columns)), place;
     std::vector<Index> waiting;  // supernodes whose update is on the stack
     Wide top = 0;
