@@ -17,8 +17,10 @@
 #include "bench/machine_facts.h"
 #include "bench/run_files.h"
 #include "bench/run_sweep.h"
+#include "bench/sample_asset.h"
 #include "bench/scale_sweep.h"
 #include "bench/stability_sweep.h"
+#include "bench/temporary_folder.h"
 #include "dgm/atomic_file.h"
 #include "pipeline/output_files.h"
 #include "tool/tool.h"
@@ -28,6 +30,23 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace codes = model::codes;
+
+constexpr tool::Example kExamples[] = {
+    {"dgm-bench bake stomach.obj -o out/", "methods, sizes, precision, fit and layers, one change at a time"},
+    {"dgm-bench bake", "the same of a sample stomach"},
+    {"dgm-bench bake stomach.obj --compare out/bake.json", "faster, slower, better, worse, beyond the noise"},
+    {"dgm-bench run stomach.dgm", "ticks, tracking, contact, levels of detail"},
+    {"dgm-bench stability --families sliver,genus", "where methods start to fail, and what takes over"},
+    {"dgm-bench scale --faces 10000,100000,1000000", "time and memory as meshes grow"},
+};
+constexpr tool::Manual kManual{
+    "dgm-bench bake [ASSET...] [options]\ndgm-bench run [ASSET...] [options]\ndgm-bench stability "
+    "[options]\ndgm-bench scale [options]",
+    kExamples,
+    "0    measured; a mesh that is refused is a row that says why\n1    wrong command line\n2    a file cannot be read "
+    "or "
+    "written\n3    a mesh of run is refused\n4    internal error, or a worker crashed\n130  interrupted",
+    "dgm-bake(1), dgm-info(1)"};
 
 constexpr double kBusy = 0.5;  ///< load a core beyond which times are not to be trusted
 
@@ -119,6 +138,49 @@ int measure(Common& common, const std::string& command, const std::vector<fs::pa
     return finish(sweep(), common, then);
 }
 
+/// The same for a sweep of assets: those that are named, else the sample, which lasts as long as the sweep.
+template <class Sweep>
+int measure_assets(Common& common, const std::string& command, std::vector<fs::path>& assets, const Sweep& sweep) {
+    return measure(common, command, assets, [&] {
+        std::optional<TemporaryFolder> folder;
+        const bool none_named = assets.empty();
+        if (none_named) assets = {make_sample_asset(folder.emplace().path())};
+        Run run = sweep();
+        if (none_named) run.settings.emplace_back("asset", "the sample stomach of dgm-make-samples");
+        return run;
+    });
+}
+
+void add_assets(CLI::App& app, std::vector<fs::path>& assets, const std::string& what) {
+    app.add_option("ASSET", assets, what + " [a stomach of 11 540 triangles, which is made on the spot]");
+}
+
+void add_methods(CLI::App& app, std::vector<std::string>& methods) {
+    methods = kAllMethods;
+    app.add_option("--methods", methods, "Methods, comma-separated")->delimiter(',')->capture_default_str();
+}
+
+CLI::Option* add_sides(CLI::App& app, const char* name, std::vector<std::uint32_t>& sides, const char* what) {
+    return app.add_option(name, sides, what)->delimiter(',')->check(CLI::Range(bake::kMinSide, bake::kMaxSide));
+}
+
+/// A list of words.
+void add_words(CLI::App& app, const char* name, std::vector<std::string>& words, const char* what) {
+    app.add_option(name, words, what)->delimiter(',')->capture_default_str();
+}
+
+/// A list of numbers from 1, or from `least`, to `most`.
+template <class Number>
+void add_counts(CLI::App& app, const char* name, std::vector<Number>& counts, const char* what, int most,
+                int least = 1) {
+    app.add_option(name, counts, what)->delimiter(',')->check(CLI::Range(least, most))->capture_default_str();
+}
+
+void add_jobs(CLI::App& app, unsigned& jobs) {
+    jobs = std::max(1U, std::thread::hardware_concurrency());
+    app.add_option("-j,--jobs", jobs, "Bakes at a time [one a core]")->check(CLI::Range(1, 1024));
+}
+
 void add_time_limit(CLI::App& app, double& seconds) {
     app.add_option("--time-limit", seconds, "Seconds that one bake may take")
         ->check(CLI::PositiveNumber)
@@ -137,7 +199,7 @@ void add_repeats(CLI::App& app, BakeRepeats& repeats) {
            "Times each bake is made; fewer than 3: no ratios. Grids above 300 a side: at most 3 times, above 600: once")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
-    app.add_option("-j,--jobs", repeats.jobs, "Bakes at a time [one a core]")->check(CLI::Range(1, 1024));
+    add_jobs(app, repeats.jobs);
     add_time_limit(app, repeats.time_limit_seconds);
 }
 
@@ -148,35 +210,27 @@ struct BakeCommand {
     CLI::App* app;
 
     explicit BakeCommand(CLI::App& parent) : app(parent.add_subcommand("bake", "Bake meshes with every choice")) {
-        sweep.methods = kAllMethods;
         sweep.sizes = {33, 65, 129, 257, 513, 1025};
         sweep.precisions = {"f32", "u16"};
         sweep.fits = {"sample", "l2", "best"};
         sweep.layers = {"all", "geometry", "geometry+normal"};
-        app->add_option("ASSET", sweep.assets, "Meshes to bake")->required();
-        app->add_option("--methods", sweep.methods, "Methods, comma-separated")->delimiter(',')->capture_default_str();
-        app->add_option("--sizes", sweep.sizes, "Samples a side")
-            ->delimiter(',')
-            ->check(CLI::Range(bake::kMinSide, bake::kMaxSide))
-            ->capture_default_str();
-        app->add_option("--compare-at", sweep.compared,
-                        "Samples a side where methods, fits, precisions and layers are compared, one change at a time "
-                        "[the second and the third of --sizes]: at all sizes they would take most of the time and say "
-                        "little more")
-            ->delimiter(',')
-            ->check(CLI::Range(bake::kMinSide, bake::kMaxSide));
-        app->add_option("--precisions", sweep.precisions, "f32, u16")->delimiter(',')->capture_default_str();
-        app->add_option("--fits", sweep.fits, "sample, l2, best")->delimiter(',')->capture_default_str();
-        app->add_option("--layers", sweep.layers, "Sets of layers: all, or names joined by +")
-            ->delimiter(',')
-            ->capture_default_str();
+        add_assets(*app, sweep.assets, "Meshes to bake");
+        add_methods(*app, sweep.methods);
+        add_sides(*app, "--sizes", sweep.sizes, "Samples a side")->capture_default_str();
+        add_sides(*app, "--compare-at", sweep.compared,
+                  "Samples a side where methods, fits, precisions and layers are compared, one change at a time [the "
+                  "second and the third of --sizes]: at all sizes they would take most of the time and say little "
+                  "more");
+        add_words(*app, "--precisions", sweep.precisions, "f32, u16");
+        add_words(*app, "--fits", sweep.fits, "sample, l2, best");
+        add_words(*app, "--layers", sweep.layers, "Sets of layers: all, or names joined by +");
         app->add_flag("--full", sweep.full, "Every combination of these, instead of one change at a time");
         add_repeats(*app, sweep.repeats);
         common.add_to(*app);
     }
     int run() {
         std::sort(sweep.sizes.begin(), sweep.sizes.end());
-        return measure(common, "bake", sweep.assets, [&] { return sweep_bakes(sweep, common.quiet); });
+        return measure_assets(common, "bake", sweep.assets, [&] { return sweep_bakes(sweep, common.quiet); });
     }
 };
 
@@ -187,10 +241,8 @@ struct RunCommand {
 
     explicit RunCommand(CLI::App& parent)
         : app(parent.add_subcommand("run", "Press, track and rebuild with every choice")) {
-        app->add_option("ASSET", sweep.assets, "Meshes, which are baked first, or .dgm files")->required();
-        app->add_option("--sizes", sweep.sizes, "Samples a side of the meshes' maps; 81, the paper's, is always there")
-            ->delimiter(',')
-            ->check(CLI::Range(bake::kMinSide, bake::kMaxSide))
+        add_assets(*app, sweep.assets, "Meshes, which are baked first, or .dgm files");
+        add_sides(*app, "--sizes", sweep.sizes, "Samples a side of the meshes' maps; 81, the paper's, is always there")
             ->capture_default_str();
         app->add_option("--ticks", sweep.ticks, "Ticks of each setting")
             ->check(CLI::Range(1000, 100'000'000))
@@ -202,7 +254,7 @@ struct RunCommand {
         common.add_to(*app);
     }
     int run() {
-        return measure(common, "run", sweep.assets, [&] { return sweep_runtime(sweep, common.quiet); });
+        return measure_assets(common, "run", sweep.assets, [&] { return sweep_runtime(sweep, common.quiet); });
     }
 };
 
@@ -213,12 +265,11 @@ struct StabilityCommand {
 
     explicit StabilityCommand(CLI::App& parent)
         : app(parent.add_subcommand("stability", "Bake meshes that get harder and harder")) {
-        sweep.methods = kAllMethods;
         sweep.families = family_names();
-        app->add_option("--methods", sweep.methods, "Methods, comma-separated")->delimiter(',')->capture_default_str();
-        app->add_option("--families", sweep.families, "Families of meshes")->delimiter(',')->capture_default_str();
+        add_methods(*app, sweep.methods);
+        add_words(*app, "--families", sweep.families, "Families of meshes");
         add_side(*app, sweep.side);
-        app->add_option("-j,--jobs", sweep.jobs, "Bakes at a time [one a core]")->check(CLI::Range(1, 1024));
+        add_jobs(*app, sweep.jobs);
         add_time_limit(*app, sweep.time_limit_seconds);
         common.add_to(*app);
     }
@@ -234,18 +285,9 @@ struct ScaleCommand {
 
     explicit ScaleCommand(CLI::App& parent)
         : app(parent.add_subcommand("scale", "Bake larger and larger meshes, and more and more of them")) {
-        app->add_option("--faces", sweep.faces, "Faces of the meshes")
-            ->delimiter(',')
-            ->check(CLI::Range(80, 20'000'000))
-            ->capture_default_str();
-        app->add_option("--assets", sweep.assets, "Meshes of the batches")
-            ->delimiter(',')
-            ->check(CLI::Range(1, 10'000))
-            ->capture_default_str();
-        app->add_option("--threads", sweep.threads, "Threads")
-            ->delimiter(',')
-            ->check(CLI::Range(1, 1024))
-            ->capture_default_str();
+        add_counts(*app, "--faces", sweep.faces, "Faces of the meshes", 20'000'000, 80);
+        add_counts(*app, "--assets", sweep.assets, "Meshes of the batches", 10'000);
+        add_counts(*app, "--threads", sweep.threads, "Threads", 1024);
         add_side(*app, sweep.side);
         add_time_limit(*app, sweep.time_limit_seconds);
         common.add_to(*app);
@@ -266,11 +308,9 @@ int bench_program(int argc, char** argv) noexcept {
     RunCommand run_command(app);
     StabilityCommand stability_command(app);
     ScaleCommand scale_command(app);
-    const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-    bake_command.sweep.repeats.jobs = stability_command.sweep.jobs = cores;
     // run_tool catches what the body throws.
     // cppcheck-suppress throwInNoexceptFunction
-    return tool::run_tool("dgm-bench", argc, argv, app, [&](std::string&) {
+    return tool::run_tool("dgm-bench", argc, argv, app, kManual, [&](std::string&) {
         if (bake_command.app->parsed()) return bake_command.run();
         if (stability_command.app->parsed()) return stability_command.run();
         if (scale_command.app->parsed()) return scale_command.run();

@@ -72,6 +72,55 @@ std::string roff(std::string_view text) {
     return out;
 }
 
+/// The commands of a program such as `dgm-bench bake`; none for most.
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
+}
+
+void append_positionals(std::string& out, const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options())
+        if (option->get_positional() && !option->get_group().empty())
+            out += ".TP\n.I " + roff(option->get_name(true)) + "\n" + roff(option->get_description()) + "\n";
+}
+
+void append_option(std::string& out, const CLI::Option& option) {
+    std::string names;
+    for (const std::string& typed : typed_names(option))
+        names += (names.empty() ? "" : ", ") + ("\\fB" + roff(typed) + "\\fR");
+    if (takes_value(option)) names += " \\fI" + roff(option.get_type_name()) + "\\fR";
+    out += ".TP\n" + names + "\n" + roff(option.get_description()) + "\n";
+}
+
+/// The words after `--` of a program or of one of its commands, and for bash the cases of options that take a value.
+struct Completion {
+    std::string words, cases;
+};
+
+Completion completion_of(const CLI::App& app) {
+    Completion out;
+    for (const CLI::Option* option : shown_options(app)) {
+        std::string pattern;
+        for (const std::string& typed : typed_names(*option)) {
+            out.words += (out.words.empty() ? "" : " ") + typed;
+            pattern += (pattern.empty() ? "" : "|") + typed;
+        }
+        if (!takes_value(*option)) continue;
+        const std::vector<std::string> listed = listed_words(option->get_type_name());
+        const bool is_file = option->get_type_name().find("FILE") != std::string::npos ||
+                             option->get_type_name().find("MESH") != std::string::npos;
+        out.cases += "        " + pattern + ") ";
+        if (!listed.empty())
+            out.cases += fmt::format("COMPREPLY=($(compgen -W \"{}\" -- \"$current\"))", fmt::join(listed, " "));
+        else
+            out.cases +=
+                is_file
+                    ? "local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\")); compopt -o filenames 2>/dev/null"
+                    : "COMPREPLY=()";
+        out.cases += "; return ;;\n";
+    }
+    return out;
+}
+
 constexpr std::size_t kHelpColumns = 100, kNameColumns = 30;
 
 class Formatter : public CLI::Formatter {
@@ -135,7 +184,9 @@ std::string unknown_word(std::string_view what, std::string_view word, const std
 std::string unknown_option(const CLI::App& app, std::string_view option) {
     const std::string_view name = option.substr(0, option.find('='));
     std::string out = "there is no option " + std::string(name);
-    const std::vector<std::string> names = option_names(app);
+    std::vector<std::string> names = option_names(app);
+    for (const CLI::App* command : app.get_subcommands())  // those that were typed
+        for (std::string& its : option_names(*command)) names.push_back(std::move(its));
     std::string_view meant = nearest(name, names);
     if (meant.empty() && name.size() > 4)  // a beginning, or a word of a longer name: --report-fmt, --error
         for (const std::string& other : names)
@@ -174,9 +225,7 @@ std::string man_page(const CLI::App& app, const Manual& manual, std::string_view
     out += ".SH NAME\n" + roff(name) + " \\- " + roff(brief) + "\n";
     out += ".SH SYNOPSIS\n.nf\n" + roff(manual.synopsis) + "\n.fi\n";
     out += ".SH OPTIONS\n";
-    for (const CLI::Option* option : app.get_options())
-        if (option->get_positional() && !option->get_group().empty())
-            out += ".TP\n.I " + roff(option->get_name(true)) + "\n" + roff(option->get_description()) + "\n";
+    append_positionals(out, app);
     std::vector<std::string> groups;
     const std::vector<const CLI::Option*> options = shown_options(app);
     for (const CLI::Option* option : options)
@@ -184,14 +233,15 @@ std::string man_page(const CLI::App& app, const Manual& manual, std::string_view
             groups.push_back(option->get_group());
     for (const std::string& group : groups) {
         out += ".SS " + roff(group) + "\n";
-        for (const CLI::Option* option : options) {
-            if (option->get_group() != group) continue;
-            std::string names;
-            for (const std::string& typed : typed_names(*option))
-                names += (names.empty() ? "" : ", ") + ("\\fB" + roff(typed) + "\\fR");
-            if (takes_value(*option)) names += " \\fI" + roff(option->get_type_name()) + "\\fR";
-            out += ".TP\n" + names + "\n" + roff(option->get_description()) + "\n";
-        }
+        for (const CLI::Option* option : options)
+            if (option->get_group() == group) append_option(out, *option);
+    }
+    const std::vector<const CLI::App*> commands = commands_of(app);
+    if (!commands.empty()) out += ".SH COMMANDS\n";
+    for (const CLI::App* command : commands) {
+        out += ".SS " + roff(command->get_name()) + "\n" + roff(command->get_description()) + ".\n";
+        append_positionals(out, *command);
+        for (const CLI::Option* option : shown_options(*command)) append_option(out, *option);
     }
     out += ".SH EXAMPLES\n";
     for (const Example& example : manual.examples)
@@ -205,34 +255,28 @@ std::string bash_completion(const CLI::App& app) {
     const std::string& name = app.get_name();
     std::string function = "_" + name;
     std::replace(function.begin(), function.end(), '-', '_');
-    std::string words, cases;
-    for (const CLI::Option* option : shown_options(app)) {
-        std::string pattern;
-        for (const std::string& typed : typed_names(*option)) {
-            words += (words.empty() ? "" : " ") + typed;
-            pattern += (pattern.empty() ? "" : "|") + typed;
-        }
-        if (!takes_value(*option)) continue;
-        const std::vector<std::string> listed = listed_words(option->get_type_name());
-        const bool is_file = option->get_type_name().find("FILE") != std::string::npos ||
-                             option->get_type_name().find("MESH") != std::string::npos;
-        cases += "        " + pattern + ") ";
-        if (!listed.empty()) {
-            std::string list;
-            for (const std::string& word : listed) list += (list.empty() ? "" : " ") + word;
-            cases += "COMPREPLY=($(compgen -W \"" + list + "\" -- \"$current\"))";
-        } else {
-            cases +=
-                is_file
-                    ? "local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\")); compopt -o filenames 2>/dev/null"
-                    : "COMPREPLY=()";
-        }
-        cases += "; return ;;\n";
+    const Completion own = completion_of(app);
+    std::string text = "# Completion of " + name +
+                       " for bash; for zsh after `autoload -U bashcompinit && bashcompinit`.\n" + function +
+                       "() {\n    local current=\"$2\" previous=\"$3\" words=\"" + own.words + "\"\n" +
+                       "    case \"$previous\" in\n" + own.cases + "    esac\n";
+    const std::vector<const CLI::App*> commands = commands_of(app);
+    std::string names;
+    if (!commands.empty()) text += "    case \"${COMP_WORDS[1]}\" in\n";
+    for (const CLI::App* command : commands) {
+        const Completion its = completion_of(*command);
+        names += (names.empty() ? "" : " ") + command->get_name();
+        text += "    " + command->get_name() + ")\n    words=\"" + its.words + "\"\n    case \"$previous\" in\n" +
+                its.cases + "    esac ;;\n";
     }
-    return "# Completion of " + name + " for bash; for zsh after `autoload -U bashcompinit && bashcompinit`.\n" +
-           function + "() {\n    local current=\"$2\" previous=\"$3\"\n" + "    case \"$previous\" in\n" + cases +
-           "    esac\n" + "    if [[ \"$current\" == -* ]]; then\n        COMPREPLY=($(compgen -W \"" + words +
-           "\" -- \"$current\"))\n    else\n        local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\"))\n" +
+    if (!commands.empty())
+        text +=
+            "    esac\n    if [[ \"$COMP_CWORD\" == 1 && \"$current\" != -* ]]; then\n        COMPREPLY=($(compgen -W "
+            "\"" +
+            names + "\" -- \"$current\"))\n        return\n    fi\n";
+    return text +
+           "    if [[ \"$current\" == -* ]]; then\n        COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n" +
+           "    else\n        local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\"))\n" +
            "        compopt -o filenames 2>/dev/null\n    fi\n}\ncomplete -F " + function + " " + name + "\n";
 }
 

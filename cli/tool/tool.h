@@ -44,12 +44,13 @@ int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, c
         app.name(program);
         app.set_version_flag("-V,--version", version_line(program), "Print the version and exit");
         app.formatter(help_formatter());
+        for (CLI::App* command : app.get_subcommands({})) command->formatter(help_formatter());
         if (!manual.examples.empty()) app.footer(help_footer(manual));
         if (print_manual(argc, argv, app, manual, kVersion)) return 0;
         try {
             app.parse(argc, argv);
         } catch (const CLI::ExtrasError& error) {
-            const std::vector<std::string> unknown = app.remaining();
+            const std::vector<std::string> unknown = app.remaining(true);
             const bool is_option = !unknown.empty() && unknown.front().starts_with('-');
             print_error(program, {},
                         model::Error(model::codes::kUsage,
@@ -73,12 +74,6 @@ int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, c
         print_error(program, subject, model::Error(model::codes::kInternal, error.what()));
     } catch (...) { std::fputs("internal error\n", stderr); }
     return static_cast<int>(model::ExitCode::kInternal);
-}
-
-/// The same for a program without a manual.
-template <class Body>
-int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, Body body) noexcept {
-    return run_tool(program, argc, argv, app, Manual{}, std::move(body));
 }
 
 }  // namespace dgm::tool

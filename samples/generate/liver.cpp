@@ -63,7 +63,7 @@ Textured make_liver(int texture_size) {
     orient_outward(mesh);
     project_to_atlas(mesh, texture_size);
     Picture picture = paint_atlas(mesh, texture_size, liver_shade);
-    return {std::move(mesh), std::move(picture)};
+    return {"liver", 0.05, std::move(mesh), std::move(picture)};
 }
 
 }  // namespace dgm::samples

@@ -16,7 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using model::Vec3d;
 
-constexpr int kOrganTexture = 1024;
 constexpr int kFabricTexture = 512;
 constexpr int kClothTexture = 2048;  // threads are finer than skin
 
@@ -35,17 +34,6 @@ void report(const fs::path& path, const PolyMesh& mesh) {
 
 MaterialText material(const char* name, double bump_scale, double shininess) {
     return {name, "colour.png", bump_scale > 0 ? "bump.png" : "", bump_scale, shininess};
-}
-
-void write_organ(const Textured& organ, const char* name, double bump_scale, bool with_3ds, const fs::path& root) {
-    const fs::path folder = subfolder(root, name);
-    write_colour_png(organ.picture, folder / "colour.png");
-    write_relief_png(organ.picture, folder / "bump.png");
-    const fs::path obj = folder / (std::string(name) + ".obj");
-    const MaterialText m = material(name, bump_scale, 60);
-    write_obj({{name, organ.mesh}}, m, obj);
-    if (with_3ds) write_3ds({{name, organ.mesh}}, m, fs::path(obj).replace_extension(".3ds"));
-    report(obj, organ.mesh);
 }
 
 void write_cushion(const fs::path& root) {
@@ -99,8 +87,11 @@ void dress(const PolyMesh& stomach, const Picture& cloth, const std::string& nam
 
 void write_all(const fs::path& root) {
     const Textured stomach = make_stomach(kOrganTexture);
-    write_organ(stomach, "stomach", 0.08, true, root);
-    write_organ(make_liver(kOrganTexture), "liver", 0.05, false, root);
+    const fs::path stomach_obj = write_organ(stomach, subfolder(root, "stomach"));
+    write_3ds({{stomach.name, stomach.mesh}}, organ_material(stomach), fs::path(stomach_obj).replace_extension(".3ds"));
+    report(stomach_obj, stomach.mesh);
+    const Textured liver = make_liver(kOrganTexture);
+    report(write_organ(liver, subfolder(root, "liver")), liver.mesh);
     write_cushion(root);
     const Picture denim = make_denim(kFabricTexture), satin = make_satin(kFabricTexture);
     dress(stomach.mesh, denim, "denim", root);

@@ -289,7 +289,7 @@ Textured make_stomach(int texture_size) {
     project_to_atlas(mesh, texture_size);
     const VesselTree vessels(stomach);
     Picture picture = paint_atlas(mesh, texture_size, [&](const Vec3d& p) { return shade(stomach, vessels, p); });
-    return {std::move(mesh), std::move(picture)};
+    return {"stomach", 0.08, std::move(mesh), std::move(picture)};
 }
 
 Picture dress_stomach(const PolyMesh& mesh, const Picture& cloth, int texture_size) {

@@ -115,11 +115,32 @@ class Bench(Folder):
         kernels = {(row["way"], row["entries"]): row["error"] for row in tables["kernels"]}
         self.assertLess(kernels["table, linear", "1024"], kernels["table, nearest", "1024"] / 10)
 
+    def rows(self, run, key):
+        table = next(t for t in run["tables"] if t["key"] == key)
+        return [dict(zip([c["key"] for c in table["columns"]], row)) for row in table["rows"]]
+
+    def test_without_an_asset_the_sample_is_measured(self):
+        few = ("--sizes", "9", "--methods", "auto", "--fits", "l2", "--precisions", "f32", "--layers", "all", "--repeat", "1")
+        self.bench("bake", *few, "-o", "made")
+        self.bench("bake", Path(SAMPLES) / "stomach" / "stomach.obj", *few, "-o", "named")
+        made, named = (self.rows(self.read(f"{out}/bake.json"), "bake") for out in ("made", "named"))
+        for row in made + named:  # what a clock or a scheduler may change
+            for key in [k for k in row if k.endswith(("_seconds", "_ms", "_mib"))]:
+                del row[key]
+        self.assertEqual([row["asset"] for row in made], ["stomach.obj"] * len(made))
+        self.assertEqual(made, named)  # the very sample of dgm-make-samples: same bytes, same errors
+        self.assertEqual(self.read("made/bake.json")["settings"]["asset"], "the sample stomach of dgm-make-samples")
+        for file in (self.folder / "made").iterdir():  # nothing of where it was made
+            self.assertNotIn("/tmp", file.read_text(encoding="utf-8"), file.name)
+
+        self.bench("run", "--sizes", "81", "--ticks", "1000", "-o", "pressed")
+        ticks = self.rows(self.read("pressed/run.json"), "ticks")
+        self.assertEqual({(row["asset"], row["grid"]) for row in ticks}, {("stomach.obj", "81x81")})
+        self.assertIn("made on the spot", " ".join(self.bench("bake", "--help").stdout.split()))
+
     def test_its_own_recording_presses_any_mesh(self):
         self.bench("run", SHEET, "--sizes", "81", "--ticks", "4000", "-o", "out")
-        table = self.read("out/run.json")["tables"][0]
-        rows = [dict(zip([c["key"] for c in table["columns"]], row)) for row in table["rows"]]
-        recorded = next(row for row in rows if row["path"] == "recorded")
+        recorded = next(row for row in self.rows(self.read("out/run.json"), "ticks") if row["path"] == "recorded")
         # The share of the lines of samples/paths/recorded_touch.csv that are below the surface.
         lines = (Path(__file__).resolve().parents[2] / "samples/paths/recorded_touch.csv").read_text().splitlines()[1:]
         below = sum(float(line.split(",")[3]) < 0 for line in lines) / len(lines)

@@ -12,12 +12,24 @@ import support
 MANUAL = Path(os.environ.get("DGM_MANUAL", "."))
 PROGRAMS = {"dgm-bake": support.BAKE, "dgm-validate": support.VALIDATE, "dgm-info": os.environ.get("DGM_INFO", ""),
             "dgm-export": support.EXPORT}
+if support.BENCH:
+    PROGRAMS["dgm-bench"] = support.BENCH
+COMMANDS = {"dgm-bench": ("bake", "run", "stability", "scale")}
 
 
 class Manual(support.Folder):
     def options_in_help(self, program):
         text = self.run_program(program, "--help").stdout
-        return text, set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", text, re.MULTILINE))
+        return text, self.options_of(text)
+
+    @staticmethod
+    def options_of(text):
+        return set(re.findall(r"^ +(?:-\w,)?(--[a-z-]+)", text, re.MULTILINE))
+
+    def options_of_commands(self, name):
+        """Those of each command of a program: {"bake": {"--sizes", ...}, ...}."""
+        return {command: self.options_of(self.run_program(PROGRAMS[name], command, "--help").stdout)
+                for command in COMMANDS.get(name, ())}
 
     def test_the_page_has_what_help_has(self):
         for name, program in PROGRAMS.items():
@@ -27,7 +39,11 @@ class Manual(support.Folder):
             self.assertIn("Exit codes:", text)
             page = (MANUAL / f"{name}.1").read_text()
             in_page = set(re.findall(r"\\fB(--[a-z-]+)\\fR", page.replace("\\-", "-")))
-            self.assertEqual(in_page, options, name)
+            commands = self.options_of_commands(name)
+            self.assertEqual(in_page, options.union(*commands.values()), name)
+            for command, its in commands.items():  # in the part of the page that is about it
+                part = page.split(f"\n.SS {command}\n")[1].split("\n.SS ")[0].split("\n.SH ")[0]
+                self.assertEqual(set(re.findall(r"\\fB(--[a-z-]+)\\fR", part.replace("\\-", "-"))), its, command)
             for line in text.splitlines():  # each example as it stands in the help
                 if line.startswith(f"  {name} "):
                     self.assertIn(line.strip(), page.replace("\\-", "-").replace("\\e", "\\"))
@@ -42,7 +58,8 @@ class Manual(support.Folder):
     def complete(self, name, *words, shell="bash"):
         """What TAB offers at the end of the last word."""
         start = "autoload -U compinit bashcompinit; compinit -u -D; bashcompinit; " if shell == "zsh" else ""
-        script = (f"{start}source '{MANUAL}/{name}.bash'; _{name.replace('-', '_')} {name} '{words[-1]}' '{words[-2]}'; "
+        typed = " ".join(f"'{word}'" for word in words)
+        script = (f"{start}source '{MANUAL}/{name}.bash'; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _{name.replace('-', '_')} {name} '{words[-1]}' '{words[-2]}'; "
                   "printf '%s\\n' \"${COMPREPLY[@]}\"")
         result = subprocess.run([shell, "-c", script], cwd=self.folder, capture_output=True, text=True, check=False)
         # Of what it is offered, zsh itself drops what does not begin with the word.
@@ -62,6 +79,12 @@ class Manual(support.Folder):
         for name, program in PROGRAMS.items():
             offered = set(self.complete(name, name, "--"))
             self.assertEqual(offered, self.options_in_help(program)[1], name)
+        for name, commands in COMMANDS.items():
+            if name in PROGRAMS:
+                self.assertEqual(self.complete(name, name, ""), list(commands))
+                for command, options in self.options_of_commands(name).items():
+                    self.assertEqual(set(self.complete(name, name, command, "--")), options, command)
+                self.assertEqual(sorted(self.complete(name, name, commands[0], "tw")), ["twins.json", "two words.obj"])
         self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--fit", ""), ["sample", "l2", "best"])
         self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--method", "sl"), ["slim"])
         self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--rep"), ["--report", "--report-format"])
