@@ -255,7 +255,8 @@ class Search {
     /// allows it.
     void hide() {
         constexpr std::size_t kSingles = 4;
-        if (out_.rms < kExact || best_->length() <= 0) return;
+        // The arms of a star are even on the sphere; detours would fold what lies between them.
+        if (out_.shares == BorderShares::kEqualArms || out_.rms < kExact || best_->length() <= 0) return;
         CutGraph cut = *best_;
         cut.weigh(hiding_factors(component_, best_->opposite()));
         const std::vector<CutWay> ways = hideable_ways(cut);
@@ -266,10 +267,9 @@ class Search {
         const auto serves = [&](const CutGraph& hidden) {
             const std::optional<std::uint32_t> rotation = transfer_rotation(
                 best_->open(), options_.m, options_.n, out_.rotation, same, hidden.open(), options_.m, options_.n);
-            const bool star = out_.shares == BorderShares::kEqualArms;
-            const Trial trial = attempt(hidden, star ? 0 : rotation, out_.shares);
+            const Trial trial = attempt(hidden, rotation);
             if (trial.rms > most) return false;
-            keep(hidden, trial, out_.shares);
+            keep(hidden, trial);
             return true;
         };
         CutGraph all = cut;

@@ -23,7 +23,7 @@ struct CutSearchOptions {
     std::size_t stars = 0;   ///< octahedra tried on a closed component without handles (star_cut.h), for odd m and n
     bool only_stars = false;
     /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows to at most so many times what it
-    /// is without. 0: they are not. Measured trials do not look for such places.
+    /// is without. 0: they are not. Nor are stars, nor where trials are measured.
     double given_to_hide = 1.01;
     /// Where the simplified mesh comes to nothing, give up: for callers who have another chart already.
     bool only_simplified = false;
