@@ -72,6 +72,7 @@ class ComponentBaker {
             search_.measured = search_.reweighted = true;
         if (options_.ablates("cut-search"))  // the first cut that can be mapped at all
             search_.patience = -1, search_.rotations = 1, search_.drops = 0, search_.measured = true;
+        if (options_.ablates("hidden-cuts")) search_.given_to_hide = 0;
         if (options_.method == "auto") search_.stars = kStars;
         if (options_.method == "sphere") search_.measured = false, search_.stars = kStars, search_.only_stars = true;
         try {

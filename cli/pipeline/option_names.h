@@ -37,7 +37,8 @@ inline constexpr std::array<std::string_view, 7> kLayerNames{"geometry",  "norma
                                                              "collision", "deformation", "contact"};
 
 /// What --ablate may leave out, for experiments.
-inline constexpr std::array<std::string_view, 4> kAblateNames{"cut-search", "newton", "diagonals", "curvature"};
+inline constexpr std::array<std::string_view, 5> kAblateNames{"cut-search", "newton", "diagonals", "curvature",
+                                                              "hidden-cuts"};
 
 /// The word for `value`; empty for a value outside the table.
 template <class E, std::size_t N>

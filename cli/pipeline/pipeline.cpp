@@ -10,6 +10,7 @@
 
 #include "dgm/dgm_writer.h"
 #include "dgm/hash.h"
+#include "geometry/chart/hidden_cut.h"
 #include "geometry/fit/closest_samples.h"
 #include "geometry/fit/fit.h"
 #include "geometry/layers/layers.h"
@@ -470,6 +471,7 @@ class AssetBake {
             report.source_faces = component.faces.size();
             report.seam_gap = reconstruction.seam_gap;
             report.cut_length = chart.cut_length * frame.diagonal;
+            report.cut_exposure = seam_exposure(chart.disk, component);
             report.map = measure_map(chart.disk.mesh.positions, chart.disk.mesh.faces, chart.uv);
             std::size_t used = 0;
             for (std::size_t s = 0; s < chart.grid_count(); ++s) used += chart.on_surface(s);

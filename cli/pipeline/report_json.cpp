@@ -52,6 +52,7 @@ void fields(A& a, T& c) requires std::is_same_v<std::remove_const_t<T>, ChartRep
     a("source_vertices", c.source_vertices), a("source_faces", c.source_faces);
     a("error", c.error), a("map", c.map);
     a("utilisation", c.utilisation), a("seam_gap", c.seam_gap), a("cut_length", c.cut_length);
+    a("cut_exposure", c.cut_exposure);
     a("volume_relative_error", c.volume_relative_error), a("seam_pairs", c.seam_pairs);
     a("turned_faces", c.turned_faces);
     a("source_topology", c.source_topology), a("map_topology", c.map_topology);

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "geometry/chart/cut_transfer.h"
+#include "geometry/chart/hidden_cut.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/chart/star_cut.h"
 #include "geometry/chart/trial_map.h"
@@ -60,6 +62,7 @@ class Search {
         }
         if (options_.stars > 0 && !(best_ && out_.rms < kExact)) try_stars();
         if (!best_) throw *failure_;
+        if (options_.given_to_hide > 0 && !options_.measured) hide();
         out_.disk = best_->open();
         out_.cut_length = best_->length();
         return std::move(out_);
@@ -246,6 +249,37 @@ class Search {
         }
         if (!failure_)
             failure_.emplace(model::codes::kMapInvalid, "sphere: no star of arms can be laid on the surface");
+    }
+
+    /// Leads the seams of the best cut through hidden places, all of them or those that gain most, where the error
+    /// allows it.
+    void hide() {
+        constexpr std::size_t kSingles = 4;
+        // The arms of a star are even on the sphere; detours would fold what lies between them.
+        if (out_.shares == BorderShares::kEqualArms || out_.rms < kExact || best_->length() <= 0) return;
+        CutGraph cut = *best_;
+        cut.weigh(hiding_factors(component_, best_->opposite()));
+        const std::vector<CutWay> ways = hideable_ways(cut);
+        if (ways.empty()) return;
+        const double most = options_.given_to_hide * out_.rms;
+        std::vector<std::uint32_t> same(component_.positions.size());
+        std::iota(same.begin(), same.end(), 0u);
+        const auto serves = [&](const CutGraph& hidden) {
+            const std::optional<std::uint32_t> rotation = transfer_rotation(
+                best_->open(), options_.m, options_.n, out_.rotation, same, hidden.open(), options_.m, options_.n);
+            const Trial trial = attempt(hidden, rotation);
+            if (trial.rms > most) return false;
+            keep(hidden, trial);
+            return true;
+        };
+        CutGraph all = cut;
+        for (const CutWay& way : ways) hide_way(all, way);
+        if (serves(all)) return;
+        for (std::size_t k = 0; k < std::min(kSingles, ways.size()) && ways.size() > 1; ++k) {
+            CutGraph one = cut;
+            hide_way(one, ways[k]);
+            if (serves(one)) cut = std::move(one);
+        }
     }
 
     const TriMesh& component_;

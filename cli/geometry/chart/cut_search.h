@@ -22,6 +22,9 @@ struct CutSearchOptions {
     std::size_t drops = 12;  ///< branches tried without, at most
     std::size_t stars = 0;   ///< octahedra tried on a closed component without handles (star_cut.h), for odd m and n
     bool only_stars = false;
+    /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows to at most so many times what it
+    /// is without. 0: they are not. Nor are stars, nor where trials are measured.
+    double given_to_hide = 1.01;
     /// Where the simplified mesh comes to nothing, give up: for callers who have another chart already.
     bool only_simplified = false;
 };
@@ -30,8 +33,8 @@ struct CutSearchResult {
     Disk disk;                   ///< opened along the best cut, border not yet laid
     std::uint32_t rotation = 0;  ///< on the m x n grid
     BorderShares shares = BorderShares::kByLength;
-    double rms = 0;              ///< of the best trial, as predicted or measured, normalised units
-    double cut_length = 0;       ///< normalised units
+    double rms = 0;         ///< of the best trial, as predicted or measured, normalised units
+    double cut_length = 0;  ///< normalised units
     int trials = 0, extremities = 0;
 };
 
@@ -41,7 +44,8 @@ struct CutSearchResult {
 /// The error is predicted (trial_map.h), and a large component is searched in simplified form and the cut carried back
 /// (cut_transfer.h); where that comes to nothing, and if `measured` asks for it, every trial is baked on the component
 /// itself.
-/// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map; kMethodUnsuited if stars alone are asked
+/// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map; kMethodUnsuited if stars alone are
+/// asked
 ///     of a surface or a grid that has none
 [[nodiscard]] CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options,
                                          const model::Progress& progress);

@@ -27,8 +27,8 @@ VertexGraph build_graph(const TriMesh& mesh, std::span<const std::uint32_t> oppo
     std::vector<std::uint32_t> fill(g.first.begin(), g.first.end() - 1);
     each_edge([&](std::uint32_t h, std::uint32_t a, std::uint32_t b) {
         const double l = length(mesh.positions[a] - mesh.positions[b]);
-        g.arcs[fill[a]++] = {b, h, l};
-        g.arcs[fill[b]++] = {a, h, l};
+        g.arcs[fill[a]++] = {b, h, l, l};
+        g.arcs[fill[b]++] = {a, h, l, l};
     });
     return g;
 }
@@ -48,7 +48,8 @@ CutGraph::CutGraph(const TriMesh& component)
 }
 
 template <class Stop>
-std::uint32_t CutGraph::search(std::span<const std::uint32_t> sources, Stop stop, Search& out) const {
+std::uint32_t CutGraph::search(std::span<const std::uint32_t> sources, Stop stop, Search& out,
+                               std::span<const char> closed) const {
     out.distance.assign(mesh_->positions.size(), kInfinity);
     out.arc.assign(mesh_->positions.size(), kNone);
     using Entry = std::pair<double, std::uint32_t>;
@@ -61,10 +62,11 @@ std::uint32_t CutGraph::search(std::span<const std::uint32_t> sources, Stop stop
         if (stop(v)) return v;
         for (std::uint32_t a = graph_.first[v]; a < graph_.first[v + 1]; ++a) {
             const auto& arc = graph_.arcs[a];
-            if (d + arc.length < out.distance[arc.to]) {
-                out.distance[arc.to] = d + arc.length;
+            if (!closed.empty() && (closed[arc.to] || cut_[arc.half_edge])) continue;
+            if (d + arc.cost < out.distance[arc.to]) {
+                out.distance[arc.to] = d + arc.cost;
                 out.arc[arc.to] = a;
-                queue.emplace(d + arc.length, arc.to);
+                queue.emplace(d + arc.cost, arc.to);
             }
         }
     }
@@ -162,9 +164,7 @@ void CutGraph::cut_handles(std::uint32_t root) {
     for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
         if (opposite_[h] == kNone || opposite_[h] < h) continue;
         const std::uint32_t a = origin(mesh_->faces, h), b = target(mesh_->faces, h);
-        edges.push_back(
-            {in_tree[h] != 0,
-             tree.distance[a] + tree.distance[b] + dgm::model::length(mesh_->positions[a] - mesh_->positions[b]), h});
+        edges.push_back({in_tree[h] != 0, tree.distance[a] + tree.distance[b] + edge_cost(h), h});
     }
     std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
         if (x.on_path != y.on_path) return y.on_path;
@@ -206,14 +206,16 @@ void CutGraph::shorten() {
             // its parts have their turn in the next round.
             if (path.mate == kNone || !stands || path.half_edges.front() > opposite_[path.half_edges.back()]) continue;
             if (++tried > most) return;
-            shorter = reroute(path.half_edges, path.length, detours) || shorter;
+            double cost = 0;
+            for (const std::uint32_t h : path.half_edges) cost += edge_cost(h);
+            shorter = reroute(path.half_edges, cost, detours) || shorter;
         }
     }
 }
 
 /// The search runs on the opened surface without making it: a vertex of that is a sector between cut edges about a
 /// vertex, and is called by its first half-edge, clockwise (by its lowest, if nothing is cut there).
-bool CutGraph::reroute(std::span<const std::uint32_t> half_edges, double old_length, Detours& detours) {
+bool CutGraph::reroute(std::span<const std::uint32_t> half_edges, double old_cost, Detours& detours) {
     const auto blocked = [&](std::uint32_t h) { return opposite_[h] == kNone || cut_[h]; };
     const auto next_border = [&](std::uint32_t h) {
         std::uint32_t g = next_half_edge(h);
@@ -255,7 +257,7 @@ bool CutGraph::reroute(std::span<const std::uint32_t> half_edges, double old_len
         d.distance[h] = 0, d.arc[h] = kNone, d.stamp[h] = d.now;
         queue.emplace(0.0, h);
     }
-    const double limit = (1 - 1e-6) * old_length;
+    const double limit = (1 - 1e-6) * old_cost;
     while (!queue.empty()) {
         const auto [distance, at] = queue.top();
         queue.pop();
@@ -269,8 +271,7 @@ bool CutGraph::reroute(std::span<const std::uint32_t> half_edges, double old_len
         for (std::uint32_t h = at;;) {
             if (!blocked(h)) {
                 const std::uint32_t to = sector(opposite_[h]);
-                const double along = distance + dgm::model::length(mesh_->positions[origin(mesh_->faces, h)] -
-                                                                   mesh_->positions[target(mesh_->faces, h)]);
+                const double along = distance + edge_cost(h);
                 if (d.stamp[to] != d.now || along < d.distance[to]) {
                     d.distance[to] = along, d.arc[to] = h, d.from[to] = at, d.stamp[to] = d.now;
                     if (along < limit) queue.emplace(along, to);
@@ -327,14 +328,25 @@ void CutGraph::join_boundary_loops() {
     }
 }
 
-void CutGraph::prune() {
+std::vector<std::uint32_t> CutGraph::cut_degrees() const {
     std::vector<std::uint32_t> degree(mesh_->positions.size(), 0);
-    std::vector<char> border(mesh_->positions.size(), 0);
-    const auto each = [&](auto visit) {
-        for (std::uint32_t h = 0; h < cut_.size(); ++h)
-            if (cut_[h] && h < opposite_[h]) visit(h, origin(mesh_->faces, h), target(mesh_->faces, h));
-    };
-    each([&](std::uint32_t, std::uint32_t a, std::uint32_t b) { ++degree[a], ++degree[b]; });
+    for (std::uint32_t h = 0; h < cut_.size(); ++h)
+        if (cut_[h] && h < opposite_[h]) ++degree[origin(mesh_->faces, h)], ++degree[target(mesh_->faces, h)];
+    return degree;
+}
+
+std::vector<char> CutGraph::tips() const {
+    const std::vector<std::uint32_t> degree = cut_degrees();
+    std::vector<char> out(degree.size(), 0);
+    for (std::size_t v = 0; v < out.size(); ++v) out[v] = degree[v] == 1;
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h)
+        if (opposite_[h] == kNone) out[origin(mesh_->faces, h)] = 0;
+    return out;
+}
+
+void CutGraph::prune() {
+    std::vector<std::uint32_t> degree = cut_degrees();
+    std::vector<char> border(degree.size(), 0);
     for (std::uint32_t h = 0; h < opposite_.size(); ++h)
         if (opposite_[h] == kNone) border[origin(mesh_->faces, h)] = 1;
     std::vector<std::uint32_t> leaves;
@@ -353,6 +365,30 @@ void CutGraph::prune() {
             if (is_leaf(arc.to)) leaves.push_back(arc.to);
         }
     }
+}
+
+void CutGraph::weigh(std::span<const double> factors) {
+    factors_.assign(factors.begin(), factors.end());
+    for (VertexGraph::Arc& arc : graph_.arcs) arc.cost = edge_cost(arc.half_edge);
+}
+
+double CutGraph::edge_cost(std::uint32_t half_edge) const {
+    const double length = dgm::model::length(mesh_->positions[origin(mesh_->faces, half_edge)] -
+                                             mesh_->positions[target(mesh_->faces, half_edge)]);
+    // kNone is the largest number.
+    return factors_.empty() ? length : length * factors_[std::min(half_edge, opposite_[half_edge])];
+}
+
+double CutGraph::connect(std::uint32_t from, std::uint32_t to) {
+    std::vector<char> closed(mesh_->positions.size(), 0);
+    for (std::uint32_t v : cut_vertices()) closed[v] = 1;
+    closed[to] = 0;
+    Search s;
+    const std::uint32_t end = search(
+        std::span(&from, 1), [&](std::uint32_t v) { return v == to; }, s, closed);
+    if (end == kNone || end == from) return kInfinity;
+    mark_path(s, end);
+    return s.distance[end];
 }
 
 double CutGraph::join(std::uint32_t vertex) {

@@ -18,6 +18,7 @@ struct VertexGraph {
     struct Arc {
         std::uint32_t to, half_edge;  ///< a half-edge between the two, either direction
         double length;
+        double cost;  ///< what shortest paths add up: the length, unless CutGraph::weigh() was told otherwise
     };
     std::vector<std::uint32_t> first;  ///< arcs of vertex v: arcs[first[v]] .. arcs[first[v + 1] - 1]
     std::vector<Arc> arcs;
@@ -33,15 +34,26 @@ class CutGraph {
     /// @param root  where the loops about the handles meet; kNone: at the middle of the surface
     void cut_to_disk(std::uint32_t root = kNone);
 
-    /// Adds the shortest path from `vertex` to the cut (or to the border). Returns its length; 0 if it is on it
-    /// already.
+    /// From now on an edge costs its length times the factor of its lower half-edge, and paths are shortest by cost.
+    /// Factors are positive.
+    void weigh(std::span<const double> factors);
+
+    /// Adds the shortest path from `vertex` to the cut (or to the border). Returns its cost; 0 if it is on it already.
     double join(std::uint32_t vertex);
 
-    /// Distance of each vertex to the cut and the border along edges.
+    /// Adds the shortest path between two vertices that meets the cut and the border nowhere else. Returns its cost;
+    /// infinity, and nothing marked, if there is no such path.
+    double connect(std::uint32_t from, std::uint32_t to);
+
+    /// Distance of each vertex to the cut and the border along edges, in cost.
     [[nodiscard]] std::vector<double> distance_to_cut() const;
+
+    /// Per vertex, nonzero where a dead end of the cut ends.
+    [[nodiscard]] std::vector<char> tips() const;
 
     [[nodiscard]] Disk open() const;
     [[nodiscard]] double length() const;
+    [[nodiscard]] double edge_cost(std::uint32_t half_edge) const;
     [[nodiscard]] bool is_cut(std::uint32_t half_edge) const { return cut_[half_edge] != 0; }
     /// Cuts or heals an edge (both half-edges).
     void mark(std::uint32_t half_edge, bool cut);
@@ -58,25 +70,30 @@ class CutGraph {
         std::vector<double> distance;
         std::vector<std::uint32_t> arc;  ///< arc by which a vertex was reached (index into arcs, from the vertex back)
     };
-    /// Dijkstra from `sources`; stops at the first settled vertex for which `stop` holds and returns it.
+    /// Dijkstra from `sources`; stops at the first settled vertex for which `stop` holds and returns it. Where
+    /// `closed` is given, it enters no vertex for which it is set, and takes no edge of the cut.
     template <class Stop>
-    std::uint32_t search(std::span<const std::uint32_t> sources, Stop stop, Search& out) const;
+    std::uint32_t search(std::span<const std::uint32_t> sources, Stop stop, Search& out,
+                         std::span<const char> closed = {}) const;
     void mark_path(const Search& search, std::uint32_t from);
     [[nodiscard]] std::uint32_t middle() const;
     void cut_handles(std::uint32_t root);
     void join_boundary_loops();
     struct Detours;
     void shorten();
-    /// Replaces the cut path `half_edges` by the shortest one that opens the same surface; false if that is no shorter.
-    bool reroute(std::span<const std::uint32_t> half_edges, double length, Detours& detours);
+    /// Replaces the cut path `half_edges` by the cheapest one that opens the same surface; false if that is no cheaper.
+    bool reroute(std::span<const std::uint32_t> half_edges, double cost, Detours& detours);
     void prune();
     [[nodiscard]] std::vector<std::uint32_t> cut_vertices() const;
+    /// Number of cut edges at each vertex.
+    [[nodiscard]] std::vector<std::uint32_t> cut_degrees() const;
 
     const TriMesh* mesh_;
     std::vector<std::uint32_t> opposite_;
     VertexGraph graph_;
     std::vector<std::uint32_t> loops_;  ///< one half-edge per boundary loop
     std::vector<char> cut_;             ///< per half-edge
+    std::vector<double> factors_;       ///< of cost, per half-edge; empty: 1
     std::int64_t genus_ = 0;
 };
 
