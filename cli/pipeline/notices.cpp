@@ -14,8 +14,9 @@ namespace dgm::bake {
 namespace {
 
 /// Exporters split vertices along texture seams and leave unused ones behind: that says nothing about the model.
-constexpr std::array<std::string_view, 3> kOrdinaryRepairs{"open vertices welded", "unused vertices left out",
-                                                           "zero-height faces flipped away"};
+constexpr std::array<std::string_view, 4> kOrdinaryRepairs{"open vertices welded", "unused vertices left out",
+                                                           "zero-height faces flipped away",
+                                                           "zero-height faces collapsed"};
 
 }  // namespace
 

@@ -357,12 +357,11 @@ class AssetBake {
 
     void map_components(GridSize largest) {
         mapped_.clear();
-        std::vector<GridSize> sizes;
+        std::vector<GridSize> full;
+        for (std::size_t c = 0; c < areas_.size(); ++c) full.push_back(full_size(c, largest));
+        const std::vector<GridSize> sizes = component_sizes(full, areas_, largest_);
         std::uint64_t samples = 0;
-        for (std::size_t c = 0; c < areas_.size(); ++c) {
-            sizes.push_back(component_size(full_size(c, largest), areas_[c], areas_[largest_]));
-            samples += std::uint64_t{sizes[c].rows} * sizes[c].cols;
-        }
+        for (const GridSize& size : sizes) samples += std::uint64_t{size.rows} * size.cols;
         if (samples > kMaxSamples)
             throw Error(codes::kTooLarge, std::to_string(areas_.size()) + " components would need " +
                                               std::to_string(samples) + " samples, more than " +

@@ -7,19 +7,12 @@
 #include <cmath>
 
 #include "geometry/mesh/half_edges.h"
+#include "geometry/repair/face_height.h"
 
 namespace dgm::bake {
 namespace {
 
-constexpr double kHeightShare = 1e-10;  // of the longest edge
 constexpr int kMaxPasses = 16;
-
-double height_share(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    const double longest = std::max({length(b - a), length(c - b), length(a - c)});
-    if (!(longest > 0)) return 0;
-    const Vec3d u = (b - a) / longest, v = (c - a) / longest;
-    return length(cross(u, v));
-}
 
 bool joined(const TriMesh& mesh, const std::vector<std::uint32_t>& opposite, std::uint32_t h, std::uint32_t vertex) {
     // Walks the fan of origin(h) both ways and looks for `vertex`.
@@ -43,7 +36,8 @@ void set_corner(TriMesh& mesh, std::uint32_t to, const TriMesh& old, std::uint32
 }
 
 /// Attributes of r, taken from the neighbour's edge that r lies on.
-void blend_corner(TriMesh& mesh, std::uint32_t to, const TriMesh& old, std::uint32_t at_p, std::uint32_t at_q, double t) {
+void blend_corner(TriMesh& mesh, std::uint32_t to, const TriMesh& old, std::uint32_t at_p, std::uint32_t at_q,
+                  double t) {
     if (!mesh.corner_normals.empty())
         mesh.corner_normals[to] =
             normalized(old.corner_normals[at_p] * (1 - t) + old.corner_normals[at_q] * t, Vec3d{});
@@ -58,8 +52,7 @@ std::uint64_t flip_degenerate(TriMesh& mesh) {
     for (int pass = 0; pass < kMaxPasses; ++pass) {
         std::vector<std::uint32_t> thin;
         for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) {
-            const auto q = mesh.corners(f);
-            if (height_share(q[0], q[1], q[2]) < kHeightShare) thin.push_back(f);
+            if (without_height(mesh.corners(f))) thin.push_back(f);
         }
         if (thin.empty()) break;
         const std::vector<std::uint32_t> opposite = opposite_half_edges(mesh.faces);
@@ -79,8 +72,8 @@ std::uint64_t flip_degenerate(TriMesh& mesh) {
             const std::uint32_t r = target(old.faces, next_half_edge(h)), s = target(old.faces, next_half_edge(o));
             if (r == s || locked[p] || locked[q] || locked[r] || locked[s]) continue;
             const Vec3d &P = old.positions[p], &Q = old.positions[q], &R = old.positions[r], &S = old.positions[s];
-            const double before = height_share(P, Q, R);
-            if (std::min(height_share(P, S, R), height_share(S, Q, R)) <= 10 * before) continue;
+            const double before = height_share({P, Q, R});
+            if (std::min(height_share({P, S, R}), height_share({S, Q, R})) <= 10 * before) continue;
             if (joined(old, opposite, previous_half_edge(h), s)) continue;
             const double l = edge_length(h), t = std::clamp(dot(R - P, Q - P) / (l * l), 0.0, 1.0);
             const std::uint32_t g = o / 3, at_q = o, at_p = next_half_edge(o), at_s = previous_half_edge(o);

@@ -18,6 +18,8 @@
 #include "geometry/mesh/half_edges.h"
 #include "geometry/mesh/split_edge.h"
 #include "geometry/mesh/union_find.h"
+#include "geometry/repair/collapse_degenerate.h"
+#include "geometry/repair/face_height.h"
 #include "geometry/repair/flip_degenerate.h"
 #include "model/codes.h"
 
@@ -41,7 +43,8 @@ class Repairer {
         glue_edges();
         orient();
         build_components();
-        for (TriMesh& component : out_.components) count("zero-height faces flipped away", flip_degenerate(component));
+        drop_components_without_height();
+        for (TriMesh& component : out_.components) remove_degenerate(component);
         double area = 0;
         for (const TriMesh& component : out_.components)
             for (std::size_t f = 0; f < component.faces.size(); ++f) area += face_area(component.corners(f));
@@ -403,6 +406,38 @@ class Repairer {
             if (!source_.corner_colours.empty()) mesh.corner_colours.push_back(source_.corner_colours[base + k]);
         }
         if (!source_.face_materials.empty()) mesh.face_materials.push_back(source_.face_materials[original_[f]]);
+    }
+
+    /// What lies within a line cannot be seen, and has no map. A mesh of nothing else is left for the area to tell.
+    void drop_components_without_height() {
+        const auto visible = [](const TriMesh& component) {
+            for (std::size_t f = 0; f < component.faces.size(); ++f)
+                if (!without_height(component.corners(f))) return true;
+            return false;
+        };
+        std::vector<TriMesh> kept;
+        std::uint64_t dropped = 0;
+        for (TriMesh& component : out_.components) {
+            if (visible(component))
+                kept.push_back(std::move(component));
+            else
+                dropped += component.faces.size();
+        }
+        if (kept.empty()) throw Error(codes::kNoFaces, "the faces have no area: all corners lie on one line");
+        out_.components = std::move(kept);
+        count("zero-height faces apart from all others dropped", dropped);
+    }
+
+    /// Each step makes room for the other: an edge collapsed may leave a face that a neighbour can take in, and a flip
+    /// a corner whose faces all lie within a line.
+    void remove_degenerate(TriMesh& component) {
+        constexpr int kMaxRounds = 32;
+        for (int round = 0; round < kMaxRounds; ++round) {
+            const std::uint64_t flipped = flip_degenerate(component), collapsed = collapse_degenerate(component);
+            count("zero-height faces flipped away", flipped);
+            count("zero-height faces collapsed", collapsed);
+            if (flipped + collapsed == 0) break;
+        }
     }
 
     const TriMesh& source_;

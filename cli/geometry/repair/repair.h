@@ -31,12 +31,15 @@ struct RepairedMesh {
 ///  1. faces with non-finite or out-of-range corners, faces that repeat a corner, and faces that stand twice (also with
 ///     opposite winding) are dropped;
 ///  2. vertices on open edges are welded, exactly first and then within 1e-3 of their shortest open edge, at most 1e-6
-///     of the diagonal; vertices inside a surface are left as the file connects them, so two coincident sheets stay two;
+///     of the diagonal; vertices inside a surface are left as the file connects them, so two coincident sheets stay
+///     two;
 ///  3. an edge of more than two faces is taken apart into pairs by the angle around it;
 ///  4. windings are made to agree; a closed component whose windings were mixed is turned outward;
-///  5. faces without height are flipped away where a neighbour can take their longest edge.
+///  5. faces without height are flipped away where a neighbour can take their longest edge, collapsed where no
+///     neighbour has height either, and dropped where a whole component has none.
 ///
-/// @throws model::Error kNoFaces if nothing with an area is left, kNonOrientable with the first face where the sides meet
+/// @throws model::Error kNoFaces if nothing with an area is left, kNonOrientable with the first face where the sides
+/// meet
 [[nodiscard]] RepairedMesh repair(const model::TriMesh& source);
 
 }  // namespace dgm::bake

@@ -373,6 +373,75 @@ TEST(Repair, ZeroHeightCapIsFlippedAway) {
     }
 }
 
+/// Two quads in the plane, with a strip of n x m vertices between them whose points all lie on the line x = 1: no face
+/// of the strip has height, and no neighbour of those in its middle has any either.
+TEST(Repair, StripWithinALineIsCollapsed) {
+    constexpr std::uint32_t kRows = 9, kColumns = 7;
+    TriMesh mesh;
+    for (std::uint32_t j = 0; j < kColumns; ++j)
+        for (std::uint32_t i = 0; i < kRows; ++i) {
+            const double x = j == 0 ? 0 : j + 1 == kColumns ? 2 : 1;
+            mesh.positions.push_back({x, i / (kRows - 1.0), 0});
+        }
+    for (std::uint32_t j = 0; j + 1 < kColumns; ++j)
+        for (std::uint32_t i = 0; i + 1 < kRows; ++i) {
+            const std::uint32_t a = j * kRows + i, b = a + kRows;
+            mesh.faces.push_back({a, b, b + 1});
+            mesh.faces.push_back({a, b + 1, a + 1});
+        }
+    test::paint_positions(mesh);
+    const RepairedMesh out = repair(mesh);
+    ASSERT_EQ(out.components.size(), 1u);
+    expect_component(out, 0, 1, 0);
+    const TriMesh& got = out.components[0];
+    const double d = out.frame.diagonal;
+    EXPECT_NEAR(test::surface_area(got) * d * d, 2, 1e-12);
+    std::size_t with_height = 0;
+    for (std::size_t f = 0; f < got.faces.size(); ++f) {
+        const auto q = got.corners(f);
+        const double twice = cross(q[1] - q[0], q[2] - q[0]).z * d * d;
+        EXPECT_GT(twice, -1e-12);
+        if (twice < 1e-9) continue;
+        ++with_height;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d p = out.frame.centre + q[k] * d;
+            EXPECT_NEAR(got.corner_uvs[3 * f + k].x, p.x, 1e-12);
+            EXPECT_NEAR(got.corner_uvs[3 * f + k].y, p.y, 1e-12);
+        }
+    }
+    EXPECT_GE(with_height, 4 * (kRows - 1));
+    EXPECT_EQ(got.faces.size(), with_height);
+    // The strip's ends are welded first: they lie on the border.
+    EXPECT_EQ(count(out, "faces that repeat a corner dropped"), 2 * (kColumns - 3));
+    EXPECT_EQ(got.faces.size() + count(out, "zero-height faces collapsed"), mesh.faces.size() - 2 * (kColumns - 3));
+    EXPECT_GT(count(out, "zero-height faces collapsed"), 0u);
+}
+
+/// A ball with faces of no height about an edge of no length.
+TEST(Repair, CoincidentNeighboursInsideASurfaceAreJoined) {
+    TriMesh mesh;  // an octahedron whose top is two vertices at one place
+    mesh.positions = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, 1}, {0, 0, -1}};
+    mesh.faces = {{0, 1, 4}, {4, 1, 5}, {1, 2, 5}, {2, 3, 5}, {5, 3, 4},
+                  {3, 0, 4}, {1, 0, 6}, {2, 1, 6}, {3, 2, 6}, {0, 3, 6}};
+    const RepairedMesh out = repair(mesh);
+    ASSERT_EQ(out.components.size(), 1u);
+    expect_component(out, 0, 0, 0);
+    EXPECT_EQ(count(out, "zero-height faces collapsed"), 2u);
+    EXPECT_EQ(out.components[0].faces.size(), 8u);
+    EXPECT_EQ(out.components[0].positions.size(), 6u);
+}
+
+TEST(Repair, ComponentWithinALineIsDroppedBesideOthers) {
+    TriMesh stray;
+    stray.positions = {{5, 0, 0}, {6, 0, 0}, {5.5, 0, 0}};
+    stray.faces = {{0, 1, 2}};
+    const RepairedMesh out = repair(joined(test::torus(2, 0.6, 20, 12), stray));
+    ASSERT_EQ(out.components.size(), 1u);
+    expect_component(out, 0, 0, 1);
+    EXPECT_EQ(count(out, "zero-height faces apart from all others dropped"), 1u);
+    EXPECT_EQ(code_of(stray), codes::kNoFaces.number);
+}
+
 TEST(Repair, ScaleAndOffsetChangeNothing) {
     std::mt19937 random(8);
     TriMesh mesh = test::soup(test::torus(2, 0.6, 20, 12));
