@@ -357,7 +357,7 @@ void quad_boxes(const QuadBoxesJob& job, float* boxes, float* whole) noexcept {
     const QuadBoxesJob j = job;
     const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
     if (count < 8 || j.rect.i1 - j.rect.i0 < 7)
-        for (int k = 0; k < 64; ++k) boxes[k] = __builtin_inff();
+        for (int k = 0; k < 6 * 64; ++k) boxes[k] = __builtin_inff();
     const Floats far = Floats{} + __builtin_inff();
     Floats all[6] = {far, -far, far, -far, far, -far};
     Ints lane = {};
