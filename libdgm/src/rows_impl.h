@@ -66,10 +66,22 @@ template <class F>
 static inline __attribute__((always_inline)) F upper(F a, F b) {
     return a < b ? b : a;
 }
-static inline __attribute__((always_inline)) float largest_lane(const Floats& v) {
-    float most = v[0];
-    for (int k = 1; k < DGM_LANES; ++k) most = upper(most, static_cast<float>(v[k]));
-    return most;
+template <bool kLargest>
+static inline __attribute__((always_inline)) Floats pick(const Floats& a, const Floats& b) {
+    return kLargest ? upper(a, b) : lower(a, b);
+}
+/// The largest or smallest of all lanes, half of them at a time.
+template <bool kLargest>
+static inline __attribute__((always_inline)) float extreme_lane(Floats v) {
+#if DGM_LANES == 8
+    v = pick<kLargest>(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = pick<kLargest>(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+    v = pick<kLargest>(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6));
+#else
+    v = pick<kLargest>(v, __builtin_shufflevector(v, v, 2, 3, 0, 1));
+    v = pick<kLargest>(v, __builtin_shufflevector(v, v, 1, 0, 3, 2));
+#endif
+    return v[0];
 }
 
 /// One float on towards `base`, which is so near that it has the same sign.
@@ -116,7 +128,7 @@ float relax(const RelaxJob& job) noexcept {
         for (; k + DGM_LANES <= count; k += DGM_LANES) relax_block<Floats, Ints>(j, first + k, most);
         for (; k < count; ++k) relax_block<float, int>(j, first + k, most_one);
     }
-    most_one = upper(most_one, largest_lane(most));
+    most_one = upper(most_one, extreme_lane<true>(most));
     return most_one > j.still ? most_one : 0;
 }
 
@@ -286,10 +298,8 @@ static inline __attribute__((always_inline)) void plane_bounds(const float* p, c
             high = upper(high, row[k]);
         }
     }
-    for (int k = 0; k < DGM_LANES; ++k) {
-        low = lower(low, static_cast<float>(l[k]));
-        high = upper(high, static_cast<float>(h[k]));
-    }
+    low = lower(low, extreme_lane<false>(l));
+    high = upper(high, extreme_lane<true>(h));
 }
 
 void bounds(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept {
@@ -347,7 +357,7 @@ void quad_boxes(const QuadBoxesJob& job, float* boxes, float* whole) noexcept {
     const QuadBoxesJob j = job;
     const std::uint32_t count = j.rect.j1 - j.rect.j0 + 1;
     if (count < 8 || j.rect.i1 - j.rect.i0 < 7)
-        for (int k = 0; k < 64; ++k) boxes[k] = __builtin_inff();
+        for (int k = 0; k < 6 * 64; ++k) boxes[k] = __builtin_inff();
     const Floats far = Floats{} + __builtin_inff();
     Floats all[6] = {far, -far, far, -far, far, -far};
     Ints lane = {};
@@ -373,7 +383,7 @@ void quad_boxes(const QuadBoxesJob& job, float* boxes, float* whole) noexcept {
         }
     }
     for (int side = 0; side < 6; ++side)
-        whole[side] = side % 2 == 0 ? -largest_lane(-all[side]) : largest_lane(all[side]);
+        whole[side] = side % 2 == 0 ? extreme_lane<false>(all[side]) : extreme_lane<true>(all[side]);
 }
 
 std::uint64_t boxes_near(const BoxesNearJob& job) noexcept {
