@@ -71,17 +71,13 @@ Table empty_table() {
         "figures; "
         "the outcome says why. Errors in % of the diagonal; one bake each, so times have no spread and no ratio can be "
         "had from them.";
-    t.columns = {key_column("family", "family"),
-                 exact_column("hardness", "hardness", "", Sense::kNone),
-                 key_column("level", "level"),
-                 key_column("method", "method"),
-                 text_column("outcome", "outcome"),
-                 text_column("maps", "maps made by"),
-                 exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01),
+    t.columns =
+        joined({{key_column("family", "family"), exact_column("hardness", "hardness", "", Sense::kNone),
+                 key_column("level", "level"), key_column("method", "method"), text_column("outcome", "outcome"),
+                 text_column("maps", "maps made by"), exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01),
                  exact_column("hausdorff_percent", "max", "%", Sense::kLower, 0.05),
-                 exact_column("stretch_l2", "stretch", "", Sense::kLower, 1e-3),
-                 time_column("cpu_seconds", "bake CPU", "s"),
-                 time_column("memory_mib", "peak memory", "MiB")};
+                 exact_column("stretch_l2", "stretch", "", Sense::kLower, 1e-3)},
+                bake_columns()});
     t.plots = {{"Error as it gets harder", "hardness", "rms_percent", "method", "family", true},
                {"Time as it gets harder", "hardness", "cpu_seconds", "method", "family", true}};
     return t;
@@ -138,9 +134,7 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
                     row.set("rms_percent", exactly(100 * error.rms / error.diagonal));
                     row.set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
                     row.set("stretch_l2", exactly(worst_stretch(result)));
-                    const std::vector<AssetResult> only{result};
-                    row.set("cpu_seconds", figure_of(only, cpu_seconds));
-                    row.set("memory_mib", figure_of(only, peak_mib));
+                    set_bake(row, {result});
                 }
                 table.rows.push_back(row.row());
             }
