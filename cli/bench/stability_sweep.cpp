@@ -113,20 +113,26 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
             meshes.push_back(folder.path() / fmt::format("{}.obj", k));
             formats::write_obj(meshes.back(), family.make(family.levels[k]));
         }
-        for (const std::string& method : options.methods) {
-            bar.begin(std::string(family.name) + " " + method, 1);
-            bake::BakeOptions bake_options;
-            bake_options.size = {options.side, options.side};
-            bake_options.method = method;
-            const std::vector<AssetResult> results =
-                bake_repeatedly(meshes, bake_options, once, folder.path(), [&](double s) { bar.update(s); });
-            for (std::size_t k = 0; k < results.size(); ++k) {
-                const AssetResult& result = results[k];
+        // All methods' at once: what runs out of time keeps one core busy, and the others need not wait for it.
+        std::vector<BakeTask> tasks;
+        for (const std::string& method : options.methods)
+            for (const fs::path& mesh : meshes) {
+                tasks.push_back({mesh, {}});
+                tasks.back().options.size = {options.side, options.side};
+                tasks.back().options.method = method;
+            }
+        bar.begin(family.name, static_cast<double>(options.methods.size()));
+        const std::vector<std::vector<AssetResult>> results = bake_all(
+            tasks, once, folder.path(), [&](double s) { bar.update(s); },
+            [&](std::size_t k) { bar.at(fmt::format("{} {}", family.name, tasks[k].options.method)); });
+        for (std::size_t m = 0; m < options.methods.size(); ++m)
+            for (std::size_t k = 0; k < meshes.size(); ++k) {
+                const AssetResult& result = results[m * meshes.size() + k].front();
                 RowBuilder row(table);
                 row.set("family", std::string(family.name));
                 row.set("hardness", exactly(family.levels[k]));
                 row.set("level", fmt::format("{:g}", family.levels[k]));
-                row.set("method", method);
+                row.set("method", options.methods[m]);
                 row.set("outcome", result.error ? error_name(*result.error) : "ok");
                 if (result.outcome == bake::Outcome::kBaked) {
                     const bake::SurfaceError& error = result.report.error;
@@ -138,7 +144,6 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
                 }
                 table.rows.push_back(row.row());
             }
-        }
     }
     run.findings = failure_lines(table);
     for (const Family& family : asked)
