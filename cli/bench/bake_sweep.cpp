@@ -63,15 +63,10 @@ Table empty_table() {
         "diagonal; CPU is user and system time of the whole process, wall the time until the file is in place. Load: "
         "open and check every layer's hash; reconstruct: vertices, normals and triangles; both on one thread with warm "
         "pages. The row 'paper' is the paper's setting: 81x81, samples on the surface.";
-    t.columns = {key_column("asset", "asset"),
-                 key_column("point", "point"),
-                 key_column("method", "method"),
-                 key_column("grid", "grid"),
-                 key_column("precision", "precision"),
-                 key_column("fit", "fit"),
-                 key_column("layers", "layers"),
-                 text_column("outcome", "outcome"),
-                 text_column("series", "drawn as"),
+    t.columns =
+        joined({{key_column("asset", "asset"), key_column("point", "point"), key_column("method", "method"),
+                 key_column("grid", "grid"), key_column("precision", "precision"), key_column("fit", "fit"),
+                 key_column("layers", "layers"), text_column("outcome", "outcome"), text_column("series", "drawn as"),
                  exact_column("rms_percent", "rms", "%", Sense::kLower, kRmsTolerance),
                  exact_column("hausdorff_percent", "max", "%", Sense::kLower, kMaxTolerance),
                  exact_column("psnr", "PSNR", "dB", Sense::kHigher, 0.001),
@@ -81,12 +76,9 @@ Table empty_table() {
                  exact_column("turned_faces", "turned faces", "", Sense::kLower),
                  exact_column("utilisation", "utilisation", "", Sense::kHigher, 1e-6),
                  exact_column("bytes", "file", "bytes", Sense::kLower),
-                 exact_column("geometry_bytes", "geometry", "bytes", Sense::kLower),
-                 time_column("cpu_seconds", "bake CPU", "s"),
-                 time_column("wall_seconds", "bake wall", "s"),
-                 time_column("memory_mib", "peak memory", "MiB"),
-                 time_column("load_ms", "load", "ms"),
-                 time_column("reconstruct_ms", "reconstruct", "ms")};
+                 exact_column("geometry_bytes", "geometry", "bytes", Sense::kLower)},
+                bake_columns(),
+                {time_column("load_ms", "load", "ms"), time_column("reconstruct_ms", "reconstruct", "ms")}});
     for (const char* stage : kStages) t.columns.push_back(time_column(std::string(stage) + "_seconds", stage, "s"));
     t.plots = {{"Error against bake time", "cpu_seconds", "rms_percent", "series", "asset", false},
                {"Error against file size", "bytes", "rms_percent", "series", "asset", false},
@@ -139,9 +131,7 @@ class BakeRow : public RowBuilder {
         set("utilisation", exactly(used / samples));
         set("bytes", exactly(static_cast<double>(file.bytes)));
         set("geometry_bytes", exactly(static_cast<double>(file.geometry_bytes)));
-        set("cpu_seconds", figure_of(results, cpu_seconds));
-        set("wall_seconds", figure_of(results, wall_seconds));
-        set("memory_mib", figure_of(results, peak_mib));
+        set_bake(*this, results);
         set("load_ms", scaled(file.load_seconds, 1e3));
         set("reconstruct_ms", scaled(file.reconstruct_seconds, 1e3));
         for (const char* stage : kStages)
@@ -149,6 +139,19 @@ class BakeRow : public RowBuilder {
                 figure_of(results, [&](const AssetResult& r) { return stage_seconds(r, stage); }));
     }
 };
+
+/// The points from `first` on that are baked in one go: as many as leave some 300 MB of files to be timed, one at
+/// least.
+std::size_t end_of_group(const std::vector<BakePoint>& points, std::size_t first) {
+    constexpr double kMostSamples = 4e6;  // a sample takes 73 bytes with all layers
+    double samples = 0;
+    std::size_t end = first;
+    for (; end < points.size(); ++end) {
+        samples += static_cast<double>(points[end].side) * points[end].side;
+        if (end > first && samples > kMostSamples) break;
+    }
+    return end;
+}
 
 /// Names of the assets as rows show them: the file's, with its folder where two are alike.
 std::vector<std::string> names_of(const std::vector<fs::path>& assets) {
@@ -187,20 +190,36 @@ Run sweep_bakes(const BakeSweepOptions& options, bool quiet) {
         cheap.side = 17;
         bar.begin(names[a] + " warm-up", 0);
         (void)bake_repeatedly({options.assets[a]}, options_of(cheap), warm_up, folder.path(), [](double) {});
-        for (const BakePoint& point : points) {
-            BakeRow row(table, point);
-            row.set("asset", names[a]);
-            BakeRepeats repeats = options.repeats;
-            repeats.repetitions = repetitions(point);
-            bar.begin(fmt::format("{} {} {}x{}", names[a], series_of(point), point.side, point.side),
-                      work_of(point, repeats.repetitions));
-            const std::vector<AssetResult> results = bake_repeatedly({options.assets[a]}, options_of(point), repeats,
-                                                                     folder.path(), [&](double s) { bar.update(s); });
-            const std::optional<model::Error>& error = results.front().error;
-            row.set("outcome", error ? error_name(*error) : methods_of(results.front()));
-            if (results.front().outcome == bake::Outcome::kBaked)
-                row.set_measured(results, measure_file(results.front().files.front().path));
-            table.rows.push_back(row.row());
+        for (std::size_t first = 0; first < points.size();) {
+            const std::size_t end = end_of_group(points, first);
+            const std::vector<BakePoint> group(points.begin() + static_cast<std::ptrdiff_t>(first),
+                                               points.begin() + static_cast<std::ptrdiff_t>(end));
+            first = end;
+            std::vector<BakeTask> tasks;
+            double group_work = 0;
+            for (const BakePoint& point : group) {
+                tasks.push_back({options.assets[a], options_of(point), repetitions(point), work_of(point, 1)});
+                group_work += work_of(point, repetitions(point));
+            }
+            bar.begin(names[a], group_work);
+            const std::vector<std::vector<AssetResult>> results = bake_all(
+                tasks, options.repeats, folder.path(), [&](double s) { bar.update(s); },
+                [&](std::size_t k) {
+                    bar.at(fmt::format("{} {} {}x{}", names[a], series_of(group[k]), group[k].side, group[k].side));
+                });
+            // Loading is timed when no bake runs beside it.
+            for (std::size_t k = 0; k < group.size(); ++k) {
+                const AssetResult& result = results[k].front();
+                BakeRow row(table, group[k]);
+                row.set("asset", names[a]);
+                row.set("outcome", result.error ? error_name(*result.error) : methods_of(result));
+                if (result.outcome == bake::Outcome::kBaked) {
+                    row.set_measured(results[k], measure_file(result.files.front().path));
+                    std::error_code ignored;
+                    fs::remove(result.files.front().path, ignored);
+                }
+                table.rows.push_back(row.row());
+            }
         }
         for (const std::string& line : recommend(table, names[a])) run.findings.push_back(line);
     }

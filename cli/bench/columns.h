@@ -2,8 +2,10 @@
 // cli/bench/columns.h
 // Short ways to write the columns and rows of a sweep down.
 #pragma once
+#include <initializer_list>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bench/table.h"
 
@@ -31,6 +33,19 @@ namespace dgm::bench {
     Column out{std::move(key), std::move(title), std::move(unit), sense};
     out.tolerance = tolerance;
     return out;
+}
+
+/// One list after the other.
+[[nodiscard]] inline std::vector<Column> joined(std::initializer_list<std::vector<Column>> lists) {
+    std::vector<Column> out;
+    for (const std::vector<Column>& list : lists) out.insert(out.end(), list.begin(), list.end());
+    return out;
+}
+
+/// What a bake takes, for set_bake() (result_figures.h).
+[[nodiscard]] inline std::vector<Column> bake_columns() {
+    return {time_column("cpu_seconds", "bake CPU", "s"), time_column("wall_seconds", "bake wall", "s"),
+            time_column("memory_mib", "peak memory", "MiB")};
 }
 
 /// A row of `table`, filled by keys. @throws model::Error kInternal for a key that the table does not have

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace dgm::bench {
 
@@ -18,6 +19,8 @@ class ProgressBar {
 
     /// The next `work` (same unit as the total) is about `what`.
     void begin(std::string what, double work);
+    /// The step begun last is at this now.
+    void at(std::string what) { what_ = std::move(what); }
     /// Share of the step begun last, 0..1.
     void update(double share);
     /// Takes the bar off the screen, before other text is printed.

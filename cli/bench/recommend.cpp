@@ -42,14 +42,6 @@ bool knows_smaller(const Table& table, const std::vector<std::size_t>& rows, std
     });
 }
 
-/// "arap", "arap and lscm", "arap, lscm and mvc".
-std::string listed(const std::vector<std::string>& names) {
-    std::string out;
-    for (std::size_t k = 0; k < names.size(); ++k)
-        out += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
-    return out;
-}
-
 /// A method is asked by the grid it needs with the settings that most methods were swept with.
 std::string others(const Table& table, const std::map<std::string, std::vector<std::size_t>>& methods,
                    const std::string& used, double rms) {
@@ -71,6 +63,13 @@ std::string others(const Table& table, const std::map<std::string, std::vector<s
 }
 
 }  // namespace
+
+std::string listed(const std::vector<std::string>& names) {
+    std::string out;
+    for (std::size_t k = 0; k < names.size(); ++k)
+        out += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
+    return out;
+}
 
 std::vector<std::string> recommend(const Table& table, const std::string& asset) {
     std::vector<std::size_t> all;

@@ -16,4 +16,7 @@ namespace dgm::bench {
 /// at. `table` is that of a bake sweep (bake_sweep.h).
 [[nodiscard]] std::vector<std::string> recommend(const Table& table, const std::string& asset);
 
+/// "arap", "arap and lscm", "arap, lscm and mvc".
+[[nodiscard]] std::string listed(const std::vector<std::string>& names);
+
 }  // namespace dgm::bench

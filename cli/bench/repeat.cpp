@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "model/codes.h"
 
@@ -22,16 +25,24 @@ double seconds_since(Clock::time_point start) {
 
 }  // namespace
 
-std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem::path>& sources,
-                                               const bake::BakeOptions& options, const BakeRepeats& repeats,
-                                               const std::filesystem::path& folder,
-                                               const std::function<void(double)>& on_share) {
+std::vector<std::vector<bake::AssetResult>> bake_all(const std::vector<BakeTask>& tasks, const BakeRepeats& repeats,
+                                                     const std::filesystem::path& folder,
+                                                     const std::function<void(double)>& on_share,
+                                                     const std::function<void(std::size_t)>& on_task) {
+    std::vector<std::size_t> order(tasks.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return tasks[a].work > tasks[b].work; });
     bake::BatchPlan plan;
     plan.folder = folder;
-    for (const std::filesystem::path& source : sources)
-        for (unsigned k = 0; k < repeats.repetitions; ++k) {
+    std::vector<std::size_t> task_of;  // each planned bake's
+    double work = 0;
+    for (const std::size_t task : order)
+        for (unsigned k = 0; k < tasks[task].repetitions; ++k) {
             const std::string name = std::to_string(plan.assets.size()) + ".dgm";
-            plan.assets.push_back({source, folder / name, {}, std::nullopt, name, options});
+            plan.assets.push_back({tasks[task].source, folder / name, {}, std::nullopt, name, tasks[task].options});
+            task_of.push_back(task);
+            work += tasks[task].work;
         }
     bake::BatchOptions batch;
     batch.force = true;
@@ -39,18 +50,38 @@ std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem
     batch.threads = repeats.threads;
     batch.time_limit_seconds = repeats.time_limit_seconds;
     batch.memory_bytes = repeats.memory_bytes;
-    std::size_t ended = 0;
+    double done = 0;
     bake::BatchObserver observer;
-    observer.on_end = [&](std::size_t) {
-        ++ended;
-        on_share(static_cast<double>(ended) / static_cast<double>(plan.assets.size()));
+    observer.on_start = [&](std::size_t k) {
+        if (on_task) on_task(task_of[k]);
     };
-    observer.on_tick = [&] { on_share(static_cast<double>(ended) / static_cast<double>(plan.assets.size())); };
+    observer.on_end = [&](std::size_t k) {
+        done += tasks[task_of[k]].work;
+        on_share(done / work);
+        std::error_code ignored;
+        if (k > 0 && task_of[k - 1] == task_of[k]) std::filesystem::remove(plan.assets[k].dgm, ignored);
+    };
+    observer.on_tick = [&] { on_share(done / work); };
     std::vector<bake::AssetResult> results = bake::run_batch(plan, batch, observer);
-    for (const bake::AssetResult& r : results)
-        if (r.outcome == bake::Outcome::kInterrupted || r.outcome == bake::Outcome::kNotStarted)
+    std::vector<std::vector<bake::AssetResult>> out(tasks.size());
+    for (std::size_t k = 0; k < results.size(); ++k) {
+        if (results[k].outcome == bake::Outcome::kInterrupted || results[k].outcome == bake::Outcome::kNotStarted)
             throw model::Error(model::codes::kInterrupted, "the sweep was interrupted");
-    return results;
+        out[task_of[k]].push_back(std::move(results[k]));
+    }
+    return out;
+}
+
+std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem::path>& sources,
+                                               const bake::BakeOptions& options, const BakeRepeats& repeats,
+                                               const std::filesystem::path& folder,
+                                               const std::function<void(double)>& on_share) {
+    std::vector<BakeTask> tasks;
+    for (const std::filesystem::path& source : sources) tasks.push_back({source, options, repeats.repetitions});
+    std::vector<bake::AssetResult> out;
+    for (std::vector<bake::AssetResult>& results : bake_all(tasks, repeats, folder, on_share))
+        std::move(results.begin(), results.end(), std::back_inserter(out));
+    return out;
 }
 
 Figure figure_of(const std::vector<bake::AssetResult>& results,

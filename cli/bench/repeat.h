@@ -20,9 +20,27 @@ struct BakeRepeats {
     std::uint64_t memory_bytes = std::uint64_t{8} << 30;
 };
 
-/// Bakes `sources` one after the other, each as often as asked, as dgm-bake does: in worker processes, files read back.
-/// Results in the order of the sources, repetitions of one together; files land in `folder`.
+/// One thing to bake, and how often.
+struct BakeTask {
+    std::filesystem::path source;
+    bake::BakeOptions options;
+    unsigned repetitions = 1;
+    double work = 1;  ///< of one bake, in any unit
+};
+
+/// Bakes tasks as dgm-bake does: in worker processes, files read back. `repeats.jobs` at a time, those with most work
+/// first, so that no core waits long for the last one; repetitions of a task one after the other.
+/// @param on_share  told the share of the work that is done
+/// @param on_task   told which task is begun; may be empty
+/// @return for each task the results of its repetitions. The file of the first stays in `folder`; the others' are
+///         removed, or a sweep would fill the disk.
 /// @throws model::Error kInterrupted when a signal says so
+[[nodiscard]] std::vector<std::vector<bake::AssetResult>> bake_all(
+    const std::vector<BakeTask>& tasks, const BakeRepeats& repeats, const std::filesystem::path& folder,
+    const std::function<void(double)>& on_share, const std::function<void(std::size_t)>& on_task = {});
+
+/// The same for sources with the same options, each as often as asked. Results in the order of the sources, repetitions
+/// of one together.
 [[nodiscard]] std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem::path>& sources,
                                                              const bake::BakeOptions& options,
                                                              const BakeRepeats& repeats,

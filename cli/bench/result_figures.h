@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "bench/columns.h"
+#include "bench/repeat.h"
 #include "pipeline/batch_runner.h"
 
 namespace dgm::bench {
@@ -39,6 +41,13 @@ namespace dgm::bench {
 
 [[nodiscard]] inline double peak_mib(const bake::AssetResult& result) {
     return static_cast<double>(result.report.peak_memory_bytes) / (1U << 20U);
+}
+
+/// Fills bake_columns(): figures over the bakes of one point.
+inline void set_bake(RowBuilder& row, const std::vector<bake::AssetResult>& results) {
+    row.set("cpu_seconds", figure_of(results, cpu_seconds));
+    row.set("wall_seconds", figure_of(results, wall_seconds));
+    row.set("memory_mib", figure_of(results, peak_mib));
 }
 
 /// CPU seconds of a stage; writing has wall time alone. Only the grid that was written has stages of plain names.

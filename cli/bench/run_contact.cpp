@@ -7,10 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/columns.h"
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
-#include "bench/tick_times.h"
 
 namespace dgm::bench {
 namespace {
@@ -48,16 +46,11 @@ Table contact_table() {
         "on "
         "the triangles: 0 is exact, 1 is no bulge at all, and eq. 11 of the paper ('paper') depends on the number of "
         "samples. Open shapes enclose no volume.";
-    t.columns = {key_column("asset", "asset"),
-                 key_column("grid", "grid"),
-                 key_column("mode", "mode"),
-                 key_column("share", "beyond"),
-                 time_column("p50_us", "p50", "us"),
-                 time_column("p99_us", "p99", "us"),
-                 exact_column("samples", "samples in contact", "", Sense::kNone),
-                 exact_column("ring", "samples bulged", "", Sense::kNone),
-                 exact_column("volume_error", "volume error", "", Sense::kLower, 1e-3),
-                 text_column("outcome", "outcome")};
+    t.columns = subject_columns(
+        {key_column("mode", "mode"), key_column("share", "beyond"), time_column("p50_us", "p50", "us"),
+         time_column("p99_us", "p99", "us"), exact_column("samples", "samples in contact", "", Sense::kNone),
+         exact_column("ring", "samples bulged", "", Sense::kNone),
+         exact_column("volume_error", "volume error", "", Sense::kLower, 1e-3), text_column("outcome", "outcome")});
     t.plots = {{"Volume error against time", "p50_us", "volume_error", "mode", "asset", false}};
     return t;
 }
@@ -84,9 +77,7 @@ void add_contact_rows(Table& table, const Subject& subject) {
                 error = std::fabs(solver.volume(state) - before) / std::fabs(report.removed);
             state.release();
             state.update_normals();
-            RowBuilder row(table);
-            row.set("asset", subject.asset);
-            row.set("grid", subject.grid);
+            SubjectRow row(table, subject);
             row.set("mode", std::string(name_of(bulge)));
             row.set("share", fmt::format("{:.0f} %", 100 * share));
             row.set("p50_us", times.median);

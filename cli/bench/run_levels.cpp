@@ -3,7 +3,6 @@
 // Level of detail by stride: triangles and time against the distance from the full grid.
 #include <dgm/reconstruct.h>
 
-#include "bench/columns.h"
 #include "bench/repeat.h"
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
@@ -19,14 +18,11 @@ Table level_table() {
     t.note =
         "Triangles and vertices (positions and normals) of the present shape, made anew at every stride; errors are "
         "distances from the full grid's surface in % of its diagonal.";
-    t.columns = {key_column("asset", "asset"),
-                 key_column("grid", "grid"),
-                 key_column("stride", "stride"),
-                 exact_column("triangles", "triangles", "", Sense::kLower),
-                 time_column("reconstruct_us", "reconstruct", "us"),
-                 time_column("indices_us", "indices alone", "us"),
-                 exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01),
-                 exact_column("hausdorff_percent", "max", "%", Sense::kLower, 0.05)};
+    t.columns = subject_columns(
+        {key_column("stride", "stride"), exact_column("triangles", "triangles", "", Sense::kLower),
+         time_column("reconstruct_us", "reconstruct", "us"), time_column("indices_us", "indices alone", "us"),
+         exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01),
+         exact_column("hausdorff_percent", "max", "%", Sense::kLower, 0.05)});
     t.plots = {{"Error against triangles", "triangles", "rms_percent", "grid", "asset", false}};
     return t;
 }
@@ -44,9 +40,7 @@ void add_level_rows(Table& table, const Subject& subject) {
         options.lod_stride = stride;
         const MeshCounts counts = take(mesh_counts(state, options));
         std::vector<std::uint32_t> indices(counts.indices);
-        RowBuilder row(table);
-        row.set("asset", subject.asset);
-        row.set("grid", subject.grid);
+        SubjectRow row(table, subject);
         row.set("stride", std::to_string(stride));
         row.set("triangles", exactly(static_cast<double>(counts.indices) / 3));
         row.set("reconstruct_us",

@@ -80,6 +80,26 @@ std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOpti
     return recorded_path(options.path, {offset[0], offset[1], offset[2]}, ticks);
 }
 
+std::vector<Column> subject_columns(std::vector<Column> rest) {
+    return joined({{key_column("asset", "asset"), key_column("grid", "grid")}, rest});
+}
+
+std::vector<Column> percentile_columns() {
+    return {time_column("p50_us", "p50", "us"), time_column("p99_us", "p99", "us"),
+            time_column("p999_us", "p99.9", "us")};
+}
+
+SubjectRow::SubjectRow(const Table& table, const Subject& subject) : RowBuilder(table) {
+    set("asset", subject.asset);
+    set("grid", subject.grid);
+}
+
+void SubjectRow::set_percentiles(const TickTimes& times) {
+    set("p50_us", times.median);
+    set("p99_us", times.p99);
+    set("p999_us", times.p999);
+}
+
 State Subject::state() const {
     StateOptions options;
     options.metric = true;

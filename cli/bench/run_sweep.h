@@ -10,9 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "bench/columns.h"
 #include "bench/progress_bar.h"
 #include "bench/repeat.h"
 #include "bench/table.h"
+#include "bench/tick_times.h"
 
 namespace dgm::bench {
 
@@ -45,6 +47,18 @@ inline constexpr Path kPaths[] = {Path::kStroke, Path::kRandom, Path::kRecorded}
 /// So many positions, local coordinates, a millisecond apart. The recorded one is the user's, else the program's own.
 [[nodiscard]] std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options,
                                          std::size_t ticks);
+
+/// The columns that say what was touched, then the rest.
+[[nodiscard]] std::vector<Column> subject_columns(std::vector<Column> rest);
+/// Those of SubjectRow::set_percentiles().
+[[nodiscard]] std::vector<Column> percentile_columns();
+
+/// A row about a subject.
+class SubjectRow : public RowBuilder {
+ public:
+    SubjectRow(const Table& table, const Subject& subject);
+    void set_percentiles(const TickTimes& times);
+};
 
 /// The parts of the sweep. Each makes its table once and adds rows for each subject.
 [[nodiscard]] Table tick_table();

@@ -11,10 +11,8 @@
 #include <cmath>
 #include <random>
 
-#include "bench/columns.h"
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
-#include "bench/tick_times.h"
 #include "bench/welded_surface.h"
 #include "geometry/cgal/exact_geodesics.h"
 
@@ -224,19 +222,17 @@ Table tick_table() {
         "contacts, up to b = 21. Force jump: largest part of the force's change in a tick, as a share of f_max, "
         "that twice the tool's own step does not explain. Wrong nearest: share of ticks, of those looked at by "
         "search of all samples.";
-    t.columns = {key_column("asset", "asset"),
-                 key_column("grid", "grid"),
-                 key_column("setting", "setting"),
-                 key_column("footprint", "footprint"),
-                 key_column("b", "b"),
-                 key_column("end", "kernel's end"),
-                 key_column("rule", "force"),
-                 key_column("path", "path"),
-                 time_column("p50_us", "p50", "us"),
-                 time_column("p99_us", "p99", "us"),
-                 time_column("p999_us", "p99.9", "us"),
-                 time_column("max_us", "max", "us"),
-                 exact_column("samples", "samples in reach", "", Sense::kNone),
+    t.columns = subject_columns(
+        joined({{
+                    key_column("setting", "setting"),
+                    key_column("footprint", "footprint"),
+                    key_column("b", "b"),
+                    key_column("end", "kernel's end"),
+                    key_column("rule", "force"),
+                    key_column("path", "path"),
+                },
+                percentile_columns(),
+                {time_column("max_us", "max", "us"), exact_column("samples", "samples in reach", "", Sense::kNone),
                  exact_column("table_error", "table error", "", Sense::kLower, 1e-3),
                  exact_column("surface_error_rms", "surface error, rms", "", Sense::kLower, 1e-3),
                  exact_column("surface_error_max", "surface error, max", "", Sense::kLower, 1e-3),
@@ -244,7 +240,7 @@ Table tick_table() {
                  exact_column("hit_share", "ticks with hit", "", Sense::kNone),
                  exact_column("lost_share", "ticks that searched", "", Sense::kLower, 1e-3),
                  exact_column("wrong_nearest", "wrong nearest", "", Sense::kLower),
-                 time_column("preempted", "preempted ticks", "")};
+                 time_column("preempted", "preempted ticks", "")}}));
     t.columns.back().sense = Sense::kNone;
     t.plots = {{"Error of the dent against tick time", "p50_us", "surface_error_rms", "setting", "asset", false},
                {"Force jump against tick time", "p50_us", "force_jump", "setting", "asset", false},
@@ -259,9 +255,7 @@ void add_tick_rows(Table& table, const Subject& subject, const RunSweepOptions& 
     for (std::size_t k = 0; k < settings.size(); ++k) {
         const Setting& s = settings[k];
         bar.update(static_cast<double>(k) / static_cast<double>(settings.size()));
-        RowBuilder row(table);
-        row.set("asset", subject.asset);
-        row.set("grid", subject.grid);
+        SubjectRow row(table, subject);
         row.set("setting", s.name);
         row.set("footprint", std::string(name_of(s.footprint)));
         row.set("b", std::to_string(s.reach));
@@ -269,9 +263,7 @@ void add_tick_rows(Table& table, const Subject& subject, const RunSweepOptions& 
         row.set("rule", std::string(s.rule == ContactRule::Printed ? "printed" : "smooth"));
         row.set("path", std::string(name_of(s.path)));
         const TickOutcome ticks = run_ticks(subject, s, path_for(subject, s.path, options, options.ticks + kWarmUp));
-        row.set("p50_us", ticks.times.median);
-        row.set("p99_us", ticks.times.p99);
-        row.set("p999_us", ticks.times.p999);
+        row.set_percentiles(ticks.times);
         row.set("max_us", ticks.times.longest);
         const auto preempted = static_cast<double>(ticks.times.preempted);
         row.set("preempted", Figure{preempted, preempted, preempted, 1, false});

@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/columns.h"
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
-#include "bench/tick_times.h"
 
 namespace dgm::bench {
 namespace {
@@ -76,16 +74,14 @@ Table tracking_table() {
         "The paper tracks the nearest sample in the (2a+1) x (2a+1) window around the last one, which can lose it for "
         "good; 'certified' is that window and the pyramid's lower bounds. Missed: share of ticks in which a sample was "
         "nearer than the one found, by search of all samples; too far: the mean of how much, in mean grid steps.";
-    t.columns = {key_column("asset", "asset"),
-                 key_column("grid", "grid"),
-                 key_column("search", "search"),
-                 key_column("a", "a"),
-                 key_column("path", "path"),
-                 time_column("p50_us", "p50", "us"),
-                 time_column("p99_us", "p99", "us"),
-                 time_column("p999_us", "p99.9", "us"),
-                 exact_column("missed_share", "missed", "", Sense::kLower),
-                 exact_column("too_far_steps", "too far", "steps", Sense::kLower, 1e-3)};
+    t.columns = subject_columns(joined({{
+                                            key_column("search", "search"),
+                                            key_column("a", "a"),
+                                            key_column("path", "path"),
+                                        },
+                                        percentile_columns(),
+                                        {exact_column("missed_share", "missed", "", Sense::kLower),
+                                         exact_column("too_far_steps", "too far", "steps", Sense::kLower, 1e-3)}}));
     t.plots = {{"Missed nearest samples against time", "p50_us", "missed_share", "search", "asset", false}};
     return t;
 }
@@ -97,9 +93,9 @@ void add_tracking_rows(Table& table, const Subject& subject, const RunSweepOptio
             const std::size_t count = search.way == Way::kAll ? kChecked : options.ticks;
             const std::vector<Vec3> path = path_for(subject, kind, options, std::max(count, kChecked) + kWarmUp);
             Tracker timed(state, search);
-            float sink = 0;
+            volatile float sink = 0;  // or the search may be left out
             const TickTimes times =
-                time_ticks(kWarmUp, count, nullptr, [&](std::size_t k) { sink += timed.find(path[k]); });
+                time_ticks(kWarmUp, count, nullptr, [&](std::size_t k) { sink = timed.find(path[k]); });
             Tracker checked(state, search);
             double missed = 0, too_far = 0;
             for (std::size_t k = 0; k < kChecked; ++k) {
@@ -108,15 +104,11 @@ void add_tracking_rows(Table& table, const Subject& subject, const RunSweepOptio
                 missed += found > exact ? 1 : 0;
                 too_far += (found - exact) / state.mean_step();
             }
-            RowBuilder row(table);
-            row.set("asset", subject.asset);
-            row.set("grid", subject.grid);
+            SubjectRow row(table, subject);
             row.set("search", std::string(search.name));
             row.set("a", search.a > 0 ? std::to_string(search.a) : std::string());
             row.set("path", std::string(name_of(kind)));
-            if (std::isfinite(sink)) row.set("p50_us", times.median);
-            row.set("p99_us", times.p99);
-            row.set("p999_us", times.p999);
+            row.set_percentiles(times);
             row.set("missed_share", exactly(missed / kChecked));
             row.set("too_far_steps", exactly(too_far / kChecked));
             table.rows.push_back(row.row());

@@ -31,15 +31,11 @@ Table face_table() {
     t.key = "faces";
     t.title = "Larger meshes";
     t.note = "Closed bumpy balls, baked with the defaults of dgm-bake, one at a time. Map: cut and parameterization.";
-    t.columns = {key_column("threads", "threads"),
-                 exact_column("faces", "faces", "", Sense::kNone),
-                 key_column("mesh", "mesh"),
-                 text_column("outcome", "outcome"),
-                 time_column("cpu_seconds", "bake CPU", "s"),
-                 time_column("wall_seconds", "bake wall", "s"),
-                 time_column("map_seconds", "map CPU", "s"),
-                 time_column("memory_mib", "peak memory", "MiB"),
-                 exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01)};
+    t.columns = joined(
+        {{key_column("threads", "threads"), exact_column("faces", "faces", "", Sense::kNone),
+          key_column("mesh", "mesh"), text_column("outcome", "outcome")},
+         bake_columns(),
+         {time_column("map_seconds", "map CPU", "s"), exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01)}});
     t.plots = {{"Time against faces", "faces", "wall_seconds", "threads", "", true},
                {"CPU time against faces", "faces", "cpu_seconds", "threads", "", true},
                {"Memory against faces", "faces", "memory_mib", "threads", "", true}};
@@ -54,6 +50,7 @@ Table asset_table() {
     t.columns = {key_column("threads", "threads"),
                  exact_column("assets", "assets", "", Sense::kNone),
                  key_column("batch", "batch"),
+                 text_column("outcome", "outcome"),
                  time_column("wall_seconds", "wall", "s"),
                  time_column("cpu_seconds", "CPU of all", "s"),
                  time_column("memory_mib", "largest peak memory", "MiB")};
@@ -88,11 +85,9 @@ void add_mesh_rows(Table& table, const ScaleOptions& options, const fs::path& fo
             const AssetResult& first = results.front();
             row.set("outcome", first.error ? error_name(*first.error) : methods_of(first));
             if (first.outcome == bake::Outcome::kBaked) {
-                row.set("cpu_seconds", figure_of(results, cpu_seconds));
-                row.set("wall_seconds", figure_of(results, wall_seconds));
+                set_bake(row, results);
                 row.set("map_seconds",
                         figure_of(results, [](const AssetResult& r) { return stage_seconds(r, "map"); }));
-                row.set("memory_mib", figure_of(results, peak_mib));
                 row.set("rms_percent", exactly(100 * first.report.error.rms / first.report.error.diagonal));
             }
             table.rows.push_back(row.row());
@@ -118,7 +113,11 @@ void add_batch_rows(Table& table, const ScaleOptions& options, const fs::path& f
                 bake_repeatedly({mesh}, bake_options, batch, folder, [&](double s) { bar.update(s); });
             const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             double cpu = 0, memory = 0;
+            std::size_t baked = 0;
+            std::string outcome;  // of the first that failed
             for (const AssetResult& r : results) {
+                baked += r.outcome == bake::Outcome::kBaked ? 1 : 0;
+                if (r.error && outcome.empty()) outcome = error_name(*r.error);
                 cpu += r.report.cpu_seconds;
                 memory = std::max(memory, peak_mib(r));
             }
@@ -126,6 +125,8 @@ void add_batch_rows(Table& table, const ScaleOptions& options, const fs::path& f
             row.set("threads", std::to_string(threads));
             row.set("assets", exactly(count));
             row.set("batch", fmt::format("{} x {} faces at 65x65", count, options.faces_of_assets));
+            row.set("outcome", outcome.empty() ? fmt::format("{} baked", baked)
+                                               : fmt::format("{} of {} baked, {}", baked, count, outcome));
             row.set("wall_seconds", once(wall));
             row.set("cpu_seconds", once(cpu));
             row.set("memory_mib", once(memory));

@@ -71,17 +71,13 @@ Table empty_table() {
         "figures; "
         "the outcome says why. Errors in % of the diagonal; one bake each, so times have no spread and no ratio can be "
         "had from them.";
-    t.columns = {key_column("family", "family"),
-                 exact_column("hardness", "hardness", "", Sense::kNone),
-                 key_column("level", "level"),
-                 key_column("method", "method"),
-                 text_column("outcome", "outcome"),
-                 text_column("maps", "maps made by"),
-                 exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01),
+    t.columns =
+        joined({{key_column("family", "family"), exact_column("hardness", "hardness", "", Sense::kNone),
+                 key_column("level", "level"), key_column("method", "method"), text_column("outcome", "outcome"),
+                 text_column("maps", "maps made by"), exact_column("rms_percent", "rms", "%", Sense::kLower, 0.01),
                  exact_column("hausdorff_percent", "max", "%", Sense::kLower, 0.05),
-                 exact_column("stretch_l2", "stretch", "", Sense::kLower, 1e-3),
-                 time_column("cpu_seconds", "bake CPU", "s"),
-                 time_column("memory_mib", "peak memory", "MiB")};
+                 exact_column("stretch_l2", "stretch", "", Sense::kLower, 1e-3)},
+                bake_columns()});
     t.plots = {{"Error as it gets harder", "hardness", "rms_percent", "method", "family", true},
                {"Time as it gets harder", "hardness", "cpu_seconds", "method", "family", true}};
     return t;
@@ -117,20 +113,26 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
             meshes.push_back(folder.path() / fmt::format("{}.obj", k));
             formats::write_obj(meshes.back(), family.make(family.levels[k]));
         }
-        for (const std::string& method : options.methods) {
-            bar.begin(std::string(family.name) + " " + method, 1);
-            bake::BakeOptions bake_options;
-            bake_options.size = {options.side, options.side};
-            bake_options.method = method;
-            const std::vector<AssetResult> results =
-                bake_repeatedly(meshes, bake_options, once, folder.path(), [&](double s) { bar.update(s); });
-            for (std::size_t k = 0; k < results.size(); ++k) {
-                const AssetResult& result = results[k];
+        // All methods' at once: what runs out of time keeps one core busy, and the others need not wait for it.
+        std::vector<BakeTask> tasks;
+        for (const std::string& method : options.methods)
+            for (const fs::path& mesh : meshes) {
+                tasks.push_back({mesh, {}});
+                tasks.back().options.size = {options.side, options.side};
+                tasks.back().options.method = method;
+            }
+        bar.begin(family.name, static_cast<double>(options.methods.size()));
+        const std::vector<std::vector<AssetResult>> results = bake_all(
+            tasks, once, folder.path(), [&](double s) { bar.update(s); },
+            [&](std::size_t k) { bar.at(fmt::format("{} {}", family.name, tasks[k].options.method)); });
+        for (std::size_t m = 0; m < options.methods.size(); ++m)
+            for (std::size_t k = 0; k < meshes.size(); ++k) {
+                const AssetResult& result = results[m * meshes.size() + k].front();
                 RowBuilder row(table);
                 row.set("family", std::string(family.name));
                 row.set("hardness", exactly(family.levels[k]));
                 row.set("level", fmt::format("{:g}", family.levels[k]));
-                row.set("method", method);
+                row.set("method", options.methods[m]);
                 row.set("outcome", result.error ? error_name(*result.error) : "ok");
                 if (result.outcome == bake::Outcome::kBaked) {
                     const bake::SurfaceError& error = result.report.error;
@@ -138,13 +140,10 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
                     row.set("rms_percent", exactly(100 * error.rms / error.diagonal));
                     row.set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
                     row.set("stretch_l2", exactly(worst_stretch(result)));
-                    const std::vector<AssetResult> only{result};
-                    row.set("cpu_seconds", figure_of(only, cpu_seconds));
-                    row.set("memory_mib", figure_of(only, peak_mib));
+                    set_bake(row, {result});
                 }
                 table.rows.push_back(row.row());
             }
-        }
     }
     run.findings = failure_lines(table);
     for (const Family& family : asked)

@@ -20,8 +20,10 @@ struct StabilityOptions {
 /// @throws model::Error kUsage for an unknown word, kInterrupted
 [[nodiscard]] Run sweep_stability(const StabilityOptions& options, bool quiet);
 
-/// "sliver: tutte refuses from 1e-12 on (DGM3003 MAP_INVALID)", and for auto which methods it chose. `table` is that of
-/// sweep_stability.
+/// Where each method starts to fail, and what auto takes instead:
+/// "genus: mvc and tutte fail at 16 (DGM3006 GRID_TOO_SMALL), 5 of 6 levels baked; arap bakes every level; auto takes
+/// stretch, from 16 on arap". A method that ran out of time is said to have done so: on a busy machine that is no
+/// failure of its own. `table` is that of sweep_stability.
 [[nodiscard]] std::vector<std::string> failure_lines(const Table& table);
 
 /// The names of the families of meshes.

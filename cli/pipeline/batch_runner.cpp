@@ -15,9 +15,9 @@
 
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
-#include "pipeline/child_process.h"
 #include "pipeline/memory_budget.h"
 #include "pipeline/output_files.h"
+#include "pipeline/running_worker.h"
 #include "pipeline/signal_scope.h"
 #include "pipeline/up_to_date.h"
 #include "pipeline/worker_protocol.h"
@@ -32,9 +32,6 @@ using Clock = std::chrono::steady_clock;
 /// A mesh may have thousands of faults; nobody reads more than some.
 constexpr std::size_t kMaxNotices = 20, kMaxNoticeBytes = 400;
 
-/// Interrupted, the program ends within a second, workers with gigabytes to give back on a busy machine or not.
-constexpr auto kLastWait = std::chrono::milliseconds(500);
-
 Outcome outcome_of(const model::Error& error) {
     const int number = error.code().number;
     const bool about_the_mesh = number / 1000 == 3 || error.code().exit == model::ExitCode::kUnsupported;
@@ -42,17 +39,15 @@ Outcome outcome_of(const model::Error& error) {
 }
 
 /// One asset while its worker runs.
-struct Running {
-    std::size_t asset;
-    ChildProcess child;
-    Clock::time_point started;
+struct Running : RunningWorker {
+    using RunningWorker::RunningWorker;
+    std::size_t asset = 0;
     fs::path dgm, exr;           ///< temporary names
     std::uint64_t expected = 0;  ///< bytes at its peak
     std::string stage;
     std::size_t notices = 0;
     bool out_of_memory = false;
     std::optional<WorkerMessage> last_word;  ///< ResultMessage or ErrorMessage
-    std::optional<model::Error> verdict;     ///< set by us: time, nonsense
 };
 
 class Batch {
@@ -75,7 +70,7 @@ class Batch {
         while (!signals_.stop_requested() && (can_start() || !running_.empty())) {
             skipped_ = false;  // after each one that is up to date, signals are heard and results are told
             while (can_start() && running_.size() < batch_.jobs && !skipped_ && has_memory()) start(next_++);
-            wait();
+            signals_.wait(children_of(running_), skipped_);
             for (auto it = running_.begin(); it != running_.end();)
                 it = advance(*it) ? running_.erase(it) : std::next(it);
             report_finished();
@@ -150,37 +145,19 @@ class Batch {
                 check_writable(*final_path);
                 *temporary = temporary_for(*final_path);
             }
-            running_.push_back(
-                {k, ChildProcess(encode(job)), Clock::now(), job.dgm, job.exr, expected_peak(k), {}, 0, {}, {}, {}});
+            const std::uint64_t expected = expected_peak(k);
+            Running& r = running_.emplace_back(encode(job));
+            r.asset = k;
+            r.dgm = job.dgm, r.exr = job.exr;
+            r.expected = expected;
         } catch (const model::Error& error) { fail(k, error); }
-    }
-
-    void wait() const {
-        std::vector<const ChildProcess*> workers;
-        for (const Running& r : running_) workers.push_back(&r.child);
-        signals_.wait(workers, skipped_);
     }
 
     /// Takes what a worker has sent; true if it is through and its result stands.
     bool advance(Running& r) {
-        r.child.read_errors();
-        std::vector<std::string> lines;
-        bool sane = r.child.read_messages(lines, kMaxMessageBytes);
-        for (const std::string& line : lines) sane = sane && take(r, line);
-        if (!sane)
-            r.verdict = model::Error(codes::kWorkerCrashed, "the worker sent something that is not a message");
-        else if (Clock::now() - r.started > std::chrono::duration<double>(batch_.time_limit_seconds))
-            r.verdict = model::Error(codes::kWorkerTimeout,
-                                     fmt::format("it was not done after {} s", batch_.time_limit_seconds));
-        if (r.verdict) {
-            r.child.kill();
-            finish(r, {});
-            return true;
-        }
-        if (r.child.messages() >= 0 || r.child.errors() >= 0) return false;
-        const std::optional<ChildEnd> end = r.child.poll_end();
-        if (end) finish(r, *end);
-        return end.has_value();
+        if (!r.advance(batch_.time_limit_seconds, [&](const std::string& line) { return take(r, line); })) return false;
+        finish(r);
+        return true;
     }
 
     bool take(Running& r, const std::string& line) {
@@ -200,11 +177,11 @@ class Batch {
         return true;
     }
 
-    void finish(Running& r, ChildEnd end) {
+    void finish(Running& r) {
         AssetResult& result = results_[r.asset];
         result.seconds = std::chrono::duration<double>(Clock::now() - r.started).count();
         result.worker_output = r.child.error_text();
-        std::optional<model::Error> error = error_of(r, end);
+        std::optional<model::Error> error = error_of(r);
         if (!error) {
             try {
                 result.report = std::move(std::get<ResultMessage>(*r.last_word).report);
@@ -224,7 +201,8 @@ class Batch {
         }
     }
 
-    [[nodiscard]] std::optional<model::Error> error_of(const Running& r, ChildEnd end) const {
+    [[nodiscard]] std::optional<model::Error> error_of(const Running& r) const {
+        const ChildEnd end = r.end;
         if (r.verdict) return r.verdict;
         const bool has_result = r.last_word && std::holds_alternative<ResultMessage>(*r.last_word);
         if (has_result && end.signal == 0 && end.exit_code == 0) return std::nullopt;
@@ -244,12 +222,8 @@ class Batch {
                                 fmt::format("the worker process was ended by signal {} ({}) from outside, as the "
                                             "system does where memory runs out",
                                             end.signal, strsignal(end.signal)));
-        if (end.signal != 0)
-            return model::Error(codes::kWorkerCrashed, fmt::format("the worker process was ended by signal {} ({})",
-                                                                   end.signal, strsignal(end.signal)));
-        if (r.last_word && !has_result) return std::get<ErrorMessage>(*r.last_word).error;
-        return model::Error(codes::kWorkerCrashed,
-                            fmt::format("the worker process ended with exit code {} and no result", end.exit_code));
+        if (end.signal == 0 && r.last_word && !has_result) return std::get<ErrorMessage>(*r.last_word).error;
+        return r.crash("result");
     }
 
     static void publish(const PlannedAsset& asset, const Running& r, AssetResult& result) {
@@ -287,10 +261,8 @@ class Batch {
     }
 
     void interrupt() {
-        for (Running& r : running_) r.child.begin_kill();
-        const Clock::time_point deadline = Clock::now() + kLastWait;
-        for (Running& r : running_) {
-            r.child.leave(deadline);
+        kill_all(running_);
+        for (const Running& r : running_) {
             remove_temporaries(r);
             results_[r.asset].outcome = Outcome::kInterrupted;
         }

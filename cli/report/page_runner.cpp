@@ -2,10 +2,6 @@
 // cli/report/page_runner.cpp
 #include "report/page_runner.h"
 
-#include <fmt/format.h>
-#include <string.h>
-
-#include <chrono>
 #include <iterator>
 #include <list>
 #include <string>
@@ -13,7 +9,7 @@
 
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
-#include "pipeline/child_process.h"
+#include "pipeline/running_worker.h"
 #include "pipeline/signal_scope.h"
 #include "pipeline/worker_protocol.h"
 
@@ -21,15 +17,10 @@ namespace dgm::report {
 namespace {
 namespace codes = model::codes;
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
-constexpr auto kLastWait = std::chrono::milliseconds(500);
-constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 20;
-
-struct Running {
-    std::size_t task;
-    bake::ChildProcess child;
-    Clock::time_point started;
+struct Running : bake::RunningWorker {
+    using RunningWorker::RunningWorker;
+    std::size_t task = 0;
     std::optional<model::Error> said;  // the worker's own account of a failure
     bool done = false;                 // it said that the page is written
 };
@@ -43,7 +34,7 @@ class Runner {
     std::vector<PageOutcome> run() {
         while (!signals_.stop_requested() && (next_ < tasks_.size() || !running_.empty())) {
             while (next_ < tasks_.size() && running_.size() < limits_.jobs) start(next_++);
-            wait();
+            signals_.wait(bake::children_of(running_), false);
             for (auto it = running_.begin(); it != running_.end();)
                 it = advance(*it) ? running_.erase(it) : std::next(it);
         }
@@ -54,37 +45,18 @@ class Runner {
  private:
     void start(std::size_t k) {
         try {
-            running_.push_back({k, bake::ChildProcess(encode(tasks_[k].job)), Clock::now(), {}, false});
+            running_.emplace_back(encode(tasks_[k].job)).task = k;
         } catch (const model::Error& error) { finish(k, error); }
-    }
-
-    void wait() const {
-        std::vector<const bake::ChildProcess*> workers;
-        for (const Running& r : running_) workers.push_back(&r.child);
-        signals_.wait(workers, false);
     }
 
     /// True if the worker is through.
     bool advance(Running& r) {
-        r.child.read_errors();
-        std::vector<std::string> lines;
-        if (!r.child.read_messages(lines, kMaxMessageBytes)) {
-            r.child.kill();
-            finish(r.task, model::Error(codes::kWorkerCrashed, "the worker sent something that is not a message"));
+        const bool through = r.advance(limits_.time_limit_seconds, [&](const std::string& line) {
+            take(r, line);
             return true;
-        }
-        for (const std::string& line : lines) take(r, line);
-        if (Clock::now() - r.started > std::chrono::duration<double>(limits_.time_limit_seconds)) {
-            r.child.kill();
-            finish(r.task, model::Error(codes::kWorkerTimeout,
-                                        fmt::format("it was not done after {} s", limits_.time_limit_seconds)));
-            return true;
-        }
-        if (r.child.messages() >= 0 || r.child.errors() >= 0) return false;
-        const std::optional<bake::ChildEnd> end = r.child.poll_end();
-        if (!end) return false;
-        finish(r.task, error_of(r, *end));
-        return true;
+        });
+        if (through) finish(r.task, error_of(r));
+        return through;
     }
 
     static void take(Running& r, const std::string& line) {
@@ -96,14 +68,11 @@ class Runner {
         if (std::holds_alternative<bake::ResultMessage>(*message)) r.done = true;
     }
 
-    static std::optional<model::Error> error_of(const Running& r, bake::ChildEnd end) {
+    static std::optional<model::Error> error_of(const Running& r) {
+        if (r.verdict) return r.verdict;
         if (r.said) return r.said;
-        if (end.signal != 0)
-            return model::Error(codes::kWorkerCrashed, fmt::format("the worker process was ended by signal {} ({})",
-                                                                   end.signal, strsignal(end.signal)));
-        if (r.done && end.exit_code == 0) return std::nullopt;
-        return model::Error(codes::kWorkerCrashed,
-                            fmt::format("the worker process ended with exit code {} and no page", end.exit_code));
+        if (r.done && r.end.exit_code == 0 && r.end.signal == 0) return std::nullopt;
+        return r.crash("page");
     }
 
     void finish(std::size_t k, std::optional<model::Error> error) {
@@ -120,10 +89,8 @@ class Runner {
     }
 
     void interrupt() {
-        for (Running& r : running_) r.child.begin_kill();
-        const Clock::time_point deadline = Clock::now() + kLastWait;
-        for (Running& r : running_) {
-            r.child.leave(deadline);
+        bake::kill_all(running_);
+        for (const Running& r : running_) {
             outcomes_[r.task].interrupted = true;
             std::error_code ignored;
             fs::remove(tasks_[r.task].job.output, ignored);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bench/bake_sweep.h"
+#include "bench/stability_sweep.h"
 
 namespace dgm::bench {
 namespace {
@@ -46,6 +47,28 @@ TEST(Recommend, NamesTheCheapestThatHoldsAndWhatOthersNeed) {
             "x.obj: for 0.02 % rms use 257x257 stretch f32 fit l2: 2.4 MB, 3.00 s CPU; arap, lscm and slim do not "
             "reach it on the grids tried"}));
     EXPECT_TRUE(recommend(sweep(), "y.obj").empty());
+}
+
+TEST(FailureLines, SayWhoFailsWhereAndWhatTakesOver) {
+    Table t;
+    for (const char* key : {"family", "level", "method", "outcome", "maps"}) t.columns.push_back({key, key, ""});
+    const auto rows = [&](const char* method, std::vector<std::pair<const char*, const char*>> levels) {
+        int level = 1;
+        for (const auto& [outcome, maps] : levels) {
+            t.rows.push_back({{"holes", std::to_string(level), method, outcome, maps}});
+            level *= 10;
+        }
+    };
+    rows("auto", {{"ok", "stretch"}, {"ok", "arap"}, {"ok", "arap"}, {"DGM3003 MAP_INVALID", ""}});
+    rows("mvc", {{"ok", "mvc"}, {"DGM3003 MAP_INVALID", ""}, {"ok", "mvc"}, {"DGM3003 MAP_INVALID", ""}});
+    rows("arap", {{"ok", "arap"}, {"ok", "arap"}, {"ok", "arap"}, {"ok", "arap"}});
+    rows("tutte", {{"ok", "tutte"}, {"DGM3003 MAP_INVALID", ""}, {"DGM9003 WORKER_TIMEOUT", ""}, {"ok", "tutte"}});
+    rows("slim", {{"ok", "slim"}, {"ok", "slim"}, {"ok", "slim"}, {"DGM9003 WORKER_TIMEOUT", ""}});
+    EXPECT_EQ(failure_lines(t),
+              (std::vector<std::string>{
+                  "holes: mvc and tutte fail at 10 (DGM3003 MAP_INVALID), 2 of 4 levels baked; slim runs out of "
+                  "--time-limit at 1000, 3 of 4 levels baked; arap bakes every level; auto takes stretch, from 10 on "
+                  "arap, from 1000 on nothing (DGM3003 MAP_INVALID)"}));
 }
 
 TEST(BakePoints, OneChoiceAtATimeAndThePaper) {
