@@ -303,7 +303,7 @@ class Multilevel {
         for (std::size_t f = 0; f < faces.size(); ++f) shapes[f] = shape(level.mesh.positions, faces[f]);
         Ring ring(options_.power);
         // A vertex that hardly moved rests until one next to it has moved.
-        constexpr double kStill = 1e-3;  // of its farthest neighbour's distance
+        constexpr double kStill = 2e-4;  // of its farthest neighbour's distance
         std::vector<char> awake(n, 1);
         for (int sweep = 0; sweep < sweeps; ++sweep) {
             progress_.update("parameterize", 0.5 + 0.5 * sweep / sweeps);

@@ -260,5 +260,26 @@ TEST(FitTexture, BeatsSampledColoursAndDoesNotRing) {
     }
 }
 
+TEST(GridLeastSquares, FindsTheValuesThatRowsWereMadeOf) {
+    // Chains of taps over nine unknowns, the last in no row, one row with a tap twice.
+    const std::array<double, 8> truth{3, -1, 4, 1, -5, 9, 2, -6};
+    std::vector<GridRow<2>> rows;
+    for (std::uint32_t k = 0; k < 16; ++k) {
+        GridRow<2> row;
+        row.unknown = {k % 8, (k + 1 + k / 8) % 8, (k + 3) % 8, k == 5 ? k : (k + 6) % 8};
+        row.w = {0.5, 0.3, k % 3 == 0 ? 0.0 : 0.25, -0.05};
+        row.weight = 1 + k % 4;
+        for (std::size_t c = 0; c < 4; ++c) row.value[0] += row.w[c] * truth[row.unknown[c]];
+        row.value[1] = 2 * row.value[0];
+        rows.push_back(row);
+    }
+    const auto x = grid_least_squares<2>(rows, 9, 0, 100);
+    for (std::size_t u = 0; u < 8; ++u) {
+        EXPECT_NEAR(x[u][0], truth[u], 1e-2) << u;
+        EXPECT_NEAR(x[u][1], 2 * truth[u], 2e-2) << u;
+    }
+    EXPECT_EQ(x[8][0], 0);
+}
+
 }  // namespace
 }  // namespace dgm::bake

@@ -42,6 +42,47 @@ TEST(MultilevelMap, AFlatSquareIsLeftFlat) {
     EXPECT_NEAR(stretch_energy(laid.disk.mesh.positions, laid.disk.mesh.faces, *uv), 1, 1e-3);
 }
 
+TEST(MultilevelMap, TheFinestSmallEnoughLevelIsFinishedOnce) {
+    const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
+    MultilevelOptions options;
+    options.finish_faces = laid.view().faces.size() / 2;
+    int calls = 0;
+    options.finish = [&](const DiskView& level, std::vector<Vec2d> uv) {
+        ++calls;
+        EXPECT_LE(level.faces.size(), options.finish_faces);
+        EXPECT_GT(level.faces.size(), options.finish_faces / 8);
+        EXPECT_EQ(level.border.size(), laid.border.vertices.size());
+        for (std::size_t k = 0; k < level.border.size(); ++k) {
+            EXPECT_EQ(uv[level.border[k]], laid.border.uv[k]);
+            EXPECT_EQ(level.positions[level.border[k]], laid.disk.mesh.positions[laid.border.vertices[k]]);
+        }
+        EXPECT_EQ(count_not_positive(level.faces, uv), 0u);
+        return uv;
+    };
+    const auto uv = multilevel_stretch_map(laid.view(), options, {});
+    ASSERT_TRUE(uv);
+    EXPECT_EQ(calls, 1);
+    EXPECT_EQ(count_not_positive(laid.view().faces, *uv), 0u);
+}
+
+TEST(MultilevelMap, TheBorderStaysWhereTheCoarsestMapPutsIt) {
+    const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
+    MultilevelOptions options;
+    options.map_coarsest = [](const DiskView& level) -> std::optional<std::vector<Vec2d>> {
+        std::vector<Vec2d> twice;
+        for (const Vec2d& p : level.border_uv) twice.push_back(p * 2);
+        ConvexMapSolver solver(level.positions.size(), level.faces, level.border);
+        return solver.solve(positive_cotangent_weights(level.positions, level.faces, solver.edges()), twice);
+    };
+    const auto uv = multilevel_stretch_map(laid.view(), options, {});
+    ASSERT_TRUE(uv);
+    EXPECT_EQ(count_not_positive(laid.view().faces, *uv), 0u);
+    for (std::size_t k = 0; k < laid.border.vertices.size(); ++k)
+        EXPECT_EQ((*uv)[laid.border.vertices[k]], laid.border.uv[k] * 2);
+    options.map_coarsest = [](const DiskView&) { return std::nullopt; };
+    EXPECT_FALSE(multilevel_stretch_map(laid.view(), options, {}));
+}
+
 TEST(MultilevelMap, SameInputSameMap) {
     const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
     const auto a = multilevel_stretch_map(laid.view(), {}, {}), b = multilevel_stretch_map(laid.view(), {}, {});
