@@ -17,7 +17,10 @@ namespace {
 
 /// Distances are trusted to this part: float rounding is a hundred times smaller.
 constexpr float kSlack = 1e-5f;
-/// Side of the window that is looked through each tick: one row is one load of eight lanes.
+/// Side of the window that is looked through each tick (a = 4, but for a row): one row is one load of eight lanes.
+/// Measured (docs/speed-against-error.md): alone, such a window takes 0.1 us and misses the nearest sample in up to a
+/// third of the ticks of a tool that leaps; a = 16 takes four times as long and still misses it in a tenth. With the
+/// certificate none is missed, in 0.45 us; half the window changes that by less than the noise.
 constexpr std::uint32_t kPatch = 8;
 
 float length(Vec3 v) noexcept {
