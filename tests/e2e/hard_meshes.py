@@ -18,6 +18,14 @@ def lattice(a, b, point, wrap_i=False, wrap_j=False):
     return vertices, faces
 
 
+def rounded_sheet(n=40):
+    """x and y rounded so far that most faces lie within a line, as single precision leaves far from the origin."""
+    def point(i, j):
+        x, y = i / (n - 1), j / (n - 1)
+        return round(16 * x) / 16, round(2 * y) / 2, 0.2 * math.sin(6 * x) * math.cos(6 * y)
+    return lattice(n, n, point)
+
+
 def moved(mesh, scale=1.0, shift=(0.0, 0.0, 0.0)):
     vertices, faces = mesh
     return [tuple(scale * x + d for x, d in zip(v, shift)) for v in vertices], faces

@@ -11,6 +11,7 @@ NAN, INF = math.nan, math.inf
 BAKED = {
     "slivers": (lambda: hard.slivers(), 85, (0, 1)),
     "zero_area_faces": (lambda: hard.with_values(meshes.sheet(12), {40: (0.5, 0.5, 0.0), 41: (0.5, 0.5, 0.0)}), 75, None),
+    "rounded_to_a_lattice": (lambda: hard.rounded_sheet(), 57, (0, 1)),
     "offset_1e7": (lambda: hard.moved(meshes.icosphere(3), shift=(1e7, -2e7, 3e7)), 80, (0, 0)),
     "tiny_1e-9": (lambda: hard.moved(meshes.torus(), scale=1e-9), 80, (1, 0)),
     "huge_1e9": (lambda: hard.moved(meshes.torus(), scale=1e9), 80, (1, 0)),
