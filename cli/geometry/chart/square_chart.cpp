@@ -76,7 +76,17 @@ class StretchParameterizer final : public Parameterizer {
         constexpr std::array<double, 3> kEpsilons{6, 20, 60};
         constexpr std::size_t kSteps = 12;
         if (newton_steps_ == 0 || step >= kEpsilons.size()) return std::nullopt;
-        return descend(disk, uv, kSteps, kEpsilons[step], progress);
+        MultilevelOptions options;
+        if (disk.faces.size() <= options.finish_faces) return descend(disk, uv, kSteps, kEpsilons[step], progress);
+        // As solve(): on a coarser level, where all steps up to this one cost less than one at full size.
+        options.finish = [&](const DiskView& on, std::vector<Vec2d> coarse) {
+            coarse = descend(on, std::move(coarse), kLevelSteps, kLevelEpsilon, progress,
+                             curvature_ ? curved_rest_shapes(on) : std::vector<RestShape>{});
+            for (std::size_t k = 0; k <= step; ++k)
+                coarse = descend(on, std::move(coarse), kSteps, kEpsilons[k], progress);
+            return coarse;
+        };
+        return multilevel_stretch_map(disk, options, progress);
     }
 
  private:
