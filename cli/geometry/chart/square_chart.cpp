@@ -39,23 +39,34 @@ class StretchParameterizer final : public Parameterizer {
             const std::vector<RestShape> rest = curvature_ ? curved_rest_shapes(on) : std::vector<RestShape>{};
             return descend(on, std::move(uv), kLevelSteps, kLevelEpsilon, progress, rest);
         };
-        // The grid has far fewer samples than a large mesh has vertices: where they go is settled on a coarser level.
-        MultilevelOptions options;
-        bool levelled = disk.faces.size() > options.finish_faces;
-        if (levelled) options.finish = level_out;
-        std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, options, progress);
-        const auto energy = [&](const std::vector<Vec2d>& uv) {
-            return stretch_energy(disk.positions, disk.faces, uv);
-        };
-        double area = 0;
-        for (const Face& f : disk.faces)
-            area += face_area({disk.positions[f[0]], disk.positions[f[1]], disk.positions[f[2]]});
         // Normalised stretch: the square has area 1.
-        if (!map || std::sqrt(energy(*map)) > kCrowded * area) {
-            std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
-            if (!map || energy(other) < energy(*map)) map = std::move(other), levelled = false;
+        const auto crowded = [](const DiskView& on, const std::vector<Vec2d>& uv) {
+            double area = 0;
+            for (const Face& f : on.faces)
+                area += face_area({on.positions[f[0]], on.positions[f[1]], on.positions[f[2]]});
+            return std::sqrt(stretch_energy(on.positions, on.faces, uv)) > kCrowded * area;
+        };
+        // The grid has far fewer samples than a large mesh has vertices: where they go is settled on a coarser level.
+        // Levelling itself may stretch a map beyond kCrowded, so what comes before it is looked at.
+        MultilevelOptions options;
+        if (disk.faces.size() > options.finish_faces) {
+            bool sound = true;
+            options.finish = [&](const DiskView& on, std::vector<Vec2d> uv) {
+                sound = !crowded(on, uv);
+                return sound ? level_out(on, std::move(uv)) : uv;
+            };
+            std::optional<std::vector<Vec2d>> levelled = multilevel_stretch_map(disk, options, progress);
+            if (levelled && sound) return std::move(*levelled);
         }
-        if (levelled || count_not_positive(disk.faces, *map) > 0) return std::move(*map);  // flipped: refused
+        std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress);
+        if (!map || crowded(disk, *map)) {
+            const auto energy = [&](const std::vector<Vec2d>& uv) {
+                return stretch_energy(disk.positions, disk.faces, uv);
+            };
+            std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
+            if (!map || energy(other) < energy(*map)) map = std::move(other);
+        }
+        if (count_not_positive(disk.faces, *map) > 0) return std::move(*map);  // the caller refuses it
         return level_out(disk, std::move(*map));
     }
 
@@ -65,7 +76,17 @@ class StretchParameterizer final : public Parameterizer {
         constexpr std::array<double, 3> kEpsilons{6, 20, 60};
         constexpr std::size_t kSteps = 12;
         if (newton_steps_ == 0 || step >= kEpsilons.size()) return std::nullopt;
-        return descend(disk, uv, kSteps, kEpsilons[step], progress);
+        MultilevelOptions options;
+        if (disk.faces.size() <= options.finish_faces) return descend(disk, uv, kSteps, kEpsilons[step], progress);
+        // As solve(): on a coarser level, where all steps up to this one cost less than one at full size.
+        options.finish = [&](const DiskView& on, std::vector<Vec2d> coarse) {
+            coarse = descend(on, std::move(coarse), kLevelSteps, kLevelEpsilon, progress,
+                             curvature_ ? curved_rest_shapes(on) : std::vector<RestShape>{});
+            for (std::size_t k = 0; k <= step; ++k)
+                coarse = descend(on, std::move(coarse), kSteps, kEpsilons[k], progress);
+            return coarse;
+        };
+        return multilevel_stretch_map(disk, options, progress);
     }
 
  private:
