@@ -246,7 +246,7 @@ GridSize component_size(GridSize full, double area, double largest_area) {
 
 std::vector<GridSize> component_sizes(std::span<const GridSize> full, std::span<const double> areas,
                                       std::size_t largest) {
-    constexpr std::uint64_t kMost = 16;  // times the samples of the largest
+    constexpr std::uint64_t kMost = 10;  // times the samples of the largest
     constexpr int kHalvings = 24;
     std::vector<GridSize> out(areas.size());
     const auto samples_at = [&](double share) {  // of the area of all but the largest

@@ -32,7 +32,7 @@ struct ComponentResult {
 [[nodiscard]] GridSize component_size(GridSize full, double area, double largest_area);
 
 /// component_size() of every component; `full` as above, one each. The grids of all but the largest are smaller where
-/// they would hold more than 16 times its samples: a soup of a hundred pieces as large as each other is not worth a
+/// they would hold more than 10 times its samples: a soup of a hundred pieces as large as each other is not worth a
 /// hundred times the time and space. The least grids may come to more than that.
 [[nodiscard]] std::vector<GridSize> component_sizes(std::span<const GridSize> full, std::span<const double> areas,
                                                     std::size_t largest);
