@@ -58,6 +58,10 @@ class Collapser {
         std::vector<std::uint32_t>&at_v = faces_at_[v], &at_w = faces_at_[w];
         if (at_v.size() + at_w.size() > kMostFaces) return false;
         if (!keeps_surface(v, w) || !keeps_topology(v, w)) return false;
+        std::size_t corner_at_w = 0;  // of a face that goes: what it holds there, corners that move there hold
+        for (const std::uint32_t f : at_v)
+            for (std::size_t k = 0; k < 3; ++k)
+                if (mesh_.faces[f][k] == w) corner_at_w = 3 * std::size_t{f} + k;
         for (const std::uint32_t f : at_v) {
             Face& face = mesh_.faces[f];
             if (std::find(face.begin(), face.end(), w) != face.end()) {
@@ -66,12 +70,21 @@ class Collapser {
                 for (const std::uint32_t u : face)
                     if (u != v) std::erase(faces_at_[u], f);
             } else {
-                *std::find(face.begin(), face.end(), v) = w;
+                const auto corner = std::find(face.begin(), face.end(), v);
+                *corner = w;
+                copy_corner(corner_at_w, 3 * std::size_t{f} + static_cast<std::size_t>(corner - face.begin()));
                 at_w.push_back(f);
             }
         }
         at_v.clear();
         return true;
+    }
+
+    void copy_corner(std::size_t from, std::size_t to) {
+        const auto copy = [&](auto& of_corners) {
+            if (!of_corners.empty()) of_corners[to] = of_corners[from];
+        };
+        copy(mesh_.corner_normals), copy(mesh_.corner_uvs), copy(mesh_.corner_colours);
     }
 
     [[nodiscard]] bool keeps_surface(std::uint32_t v, std::uint32_t w) const {
