@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace dgm::bench {
@@ -17,7 +18,7 @@ constexpr int kBarWidth = 24;
 constexpr double kFirstGuess = 0.03;  ///< share of the work after which the time left can be guessed
 
 std::string minutes(double seconds) {
-    const auto whole = static_cast<long long>(seconds + 0.5);
+    const long long whole = std::llround(seconds);
     return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 

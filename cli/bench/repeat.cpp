@@ -77,6 +77,7 @@ std::vector<bake::AssetResult> bake_repeatedly(const std::vector<std::filesystem
                                                const std::filesystem::path& folder,
                                                const std::function<void(double)>& on_share) {
     std::vector<BakeTask> tasks;
+    tasks.reserve(sources.size());
     for (const std::filesystem::path& source : sources) tasks.push_back({source, options, repeats.repetitions});
     std::vector<bake::AssetResult> out;
     for (std::vector<bake::AssetResult>& results : bake_all(tasks, repeats, folder, on_share))

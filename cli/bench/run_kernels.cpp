@@ -45,7 +45,10 @@ class Table1d {
         }
         per_step_ = static_cast<float>((entries - 1) / corner);
     }
-    [[nodiscard]] float nearest(float r) const { return values_[static_cast<std::size_t>(r * per_step_ + 0.5f)]; }
+    [[nodiscard]] float nearest(float r) const {
+        // NOLINTNEXTLINE(bugprone-incorrect-roundings): what a runtime would do, and r is not negative
+        return values_[static_cast<std::size_t>(r * per_step_ + 0.5f)];
+    }
     [[nodiscard]] float linear(float r) const {
         const float at = r * per_step_;
         const auto k = static_cast<std::size_t>(at);

@@ -80,7 +80,7 @@ std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOpti
     return recorded_path(options.path, {offset[0], offset[1], offset[2]}, ticks);
 }
 
-std::vector<Column> subject_columns(std::vector<Column> rest) {
+std::vector<Column> subject_columns(const std::vector<Column>& rest) {
     return joined({{key_column("asset", "asset"), key_column("grid", "grid")}, rest});
 }
 

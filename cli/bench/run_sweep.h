@@ -49,7 +49,7 @@ inline constexpr Path kPaths[] = {Path::kStroke, Path::kRandom, Path::kRecorded}
                                          std::size_t ticks);
 
 /// The columns that say what was touched, then the rest.
-[[nodiscard]] std::vector<Column> subject_columns(std::vector<Column> rest);
+[[nodiscard]] std::vector<Column> subject_columns(const std::vector<Column>& rest);
 /// Those of SubjectRow::set_percentiles().
 [[nodiscard]] std::vector<Column> percentile_columns();
 

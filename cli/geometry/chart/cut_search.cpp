@@ -214,6 +214,7 @@ class Search {
         std::sort(found.begin(), found.end());
         if (found.size() > options_.drops) found.resize(options_.drops);
         std::vector<std::vector<std::uint32_t>> out;
+        out.reserve(found.size());
         for (auto& entry : found) out.push_back(std::move(entry.second));
         return out;
     }
