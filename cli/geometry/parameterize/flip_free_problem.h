@@ -75,12 +75,9 @@ struct Rest {
     double inverse_det = 0;  ///< 1 / (2 area)
 };
 
-struct SingularValues {
-    double s1 = 0, s2 = 0;
-};
-
 /// F = R(phi) diag(s1, s2) R(theta); of both angles cosine and sine.
-struct Decomposition : SingularValues {
+struct Decomposition {
+    double s1 = 0, s2 = 0;
     Vec2d phi, theta;
 };
 
@@ -172,7 +169,7 @@ class Problem {
     [[nodiscard]] double best_scale(const std::vector<Vec2d>& x) const {
         double squares = 0, inverses = 0;
         for (std::size_t f = 0; f < rest_.size(); ++f) {
-            const SingularValues s = decompose(x, f);
+            const Decomposition s = decompose(x, f);
             squares += rest_[f].weight * (s.s1 * s.s1 + s.s2 * s.s2);
             inverses += rest_[f].weight * (1 / (s.s1 * s.s1) + 1 / (s.s2 * s.s2));
         }
