@@ -142,7 +142,7 @@ struct ContactImpl {
     Array<float> weight, square;  ///< 0 and infinity between contacts; square: heights over the obstacle while bulging
     Array<std::uint32_t> source;  ///< place in `rim`
     Array<std::uint32_t> queue;   ///< of the ring's walk; then Probe::facet of samples in contact or smoothed
-    NearTiles near_tiles;
+    NearTiles near_tiles{};
     Array<Vec3> rim;  ///< where edges cross the obstacle's border
     std::uint32_t rim_count = 0;
     Array<std::uint8_t> tile_bits;
