@@ -11,6 +11,12 @@
 namespace dgm::bake {
 namespace {
 
+/// Unit normal of the face that a half-edge runs along; zero if it has no area.
+Vec3d face_normal(const TriMesh& mesh, std::uint32_t half_edge) {
+    const auto q = mesh.corners(half_edge / 3);
+    return normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+}
+
 /// The cut along another way, and what that costs: infinity if there is none.
 double exchange(CutGraph& cut, const CutWay& way) {
     for (const std::uint32_t h : way.half_edges) cut.mark(h, false);
@@ -23,15 +29,11 @@ std::vector<double> hiding_factors(const TriMesh& mesh, std::span<const std::uin
     constexpr double kLeast = 0.1, kCrease = 0.5, kDeep = std::numbers::pi / 3;
     const std::vector<double> exposure = vertex_exposure(mesh);
     std::vector<double> out(opposite.size(), 1.0);
-    const auto normal = [&](std::uint32_t h) {
-        const auto q = mesh.corners(h / 3);
-        return normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
-    };
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {
         const std::uint32_t across = opposite[h];
         if (across == kNone || across < h) continue;
         const std::uint32_t a = origin(mesh.faces, h), b = target(mesh.faces, h);
-        const Vec3d n = normal(h), m = normal(across);
+        const Vec3d n = face_normal(mesh, h), m = face_normal(mesh, across);
         // Signed angle between the faces about the edge, which runs counter-clockwise in the first one.
         const Vec3d along = normalized(mesh.positions[b] - mesh.positions[a], Vec3d{});
         const double turn = std::atan2(dot(cross(n, m), along), dot(n, m));
@@ -72,10 +74,6 @@ void hide_way(CutGraph& cut, const CutWay& way) {
 double seam_exposure(const Disk& disk, const TriMesh& component) {
     constexpr int kPoints = 1000;
     const TriMesh& mesh = disk.mesh;
-    const auto normal = [&](std::uint32_t h) {
-        const auto q = mesh.corners(h / 3);
-        return normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
-    };
     double total = 0;
     const auto each_seam_edge = [&](auto visit) {
         for (std::uint32_t h = 0; h < disk.mate.size(); ++h) {
@@ -92,7 +90,8 @@ double seam_exposure(const Disk& disk, const TriMesh& component) {
     each_seam_edge([&](std::uint32_t h, const Vec3d& a, const Vec3d& b, double along) {
         for (; taken < kPoints && (taken + 0.5) / kPoints * total <= passed + along; ++taken) {
             const double t = std::clamp(((taken + 0.5) / kPoints * total - passed) / along, 0.0, 1.0);
-            sum += index.at(a * (1 - t) + b * t, normalized(normal(h) + normal(disk.mate[h]), Vec3d{}));
+            sum += index.at(a * (1 - t) + b * t,
+                            normalized(face_normal(mesh, h) + face_normal(mesh, disk.mate[h]), Vec3d{}));
         }
         passed += along;
     });

@@ -140,7 +140,6 @@ class Collapser {
     }
 
     void compact() {
-        constexpr std::uint32_t kUnused = kNone;
         std::size_t n = 0;
         for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
             if (gone_[f]) continue;
@@ -158,12 +157,12 @@ class Collapser {
             if (!of_corners.empty()) of_corners.resize(3 * n);
         };
         shorten(mesh_.corner_normals), shorten(mesh_.corner_uvs), shorten(mesh_.corner_colours);
-        std::vector<std::uint32_t> place(mesh_.positions.size(), kUnused);
+        std::vector<std::uint32_t> place(mesh_.positions.size(), kNone);
         for (const Face& face : mesh_.faces)
             for (const std::uint32_t v : face) place[v] = 0;
         std::uint32_t used = 0;
         for (std::size_t v = 0; v < place.size(); ++v)
-            if (place[v] != kUnused) mesh_.positions[used] = mesh_.positions[v], place[v] = used++;
+            if (place[v] != kNone) mesh_.positions[used] = mesh_.positions[v], place[v] = used++;
         mesh_.positions.resize(used);
         for (Face& face : mesh_.faces)
             for (std::uint32_t& v : face) v = place[v];
