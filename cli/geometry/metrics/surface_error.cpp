@@ -17,21 +17,17 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <unordered_set>
 #include <vector>
 
+#include "geometry/mesh/half_edges.h"
 #include "geometry/spatial/closest_point.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
 namespace {
-using model::Face;
-using model::TriMesh;
-using model::Vec3d;
-
 constexpr std::size_t kBlock = 2048;       // queries that share a chain of hints
 constexpr std::size_t kProgressSteps = 8;  // a direction, between reports
 
@@ -111,11 +107,14 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
 }
 
 /// The farthest samples, and the farthest of other faces: where the largest distance is looked for. A large face may
-/// have several tops, and a small one the highest.
+/// have several tops, and a small one the highest. Samples nearer than `kRounding` lie on the other surface for all
+/// that can be said: which of them is the farthest changes with the frame the meshes are given in.
 std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared) {
     constexpr std::size_t kFirst = 256, kOtherFaces = 256, kLooked = 8192;
-    std::vector<std::uint32_t> order(samples.size()), out;
-    std::iota(order.begin(), order.end(), 0u);
+    constexpr double kRounding = 0x1p-22;  // of the unit: a few times what a position stored as float is off
+    std::vector<std::uint32_t> order, out;
+    for (std::uint32_t k = 0; k < samples.size(); ++k)
+        if (squared[k] > kRounding * kRounding) order.push_back(k);
     const auto looked = order.begin() + static_cast<std::ptrdiff_t>(std::min(kLooked, order.size()));
     std::partial_sort(order.begin(), looked, order.end(), [&](std::uint32_t a, std::uint32_t b) {
         return squared[a] != squared[b] ? squared[a] > squared[b] : a < b;
@@ -138,6 +137,34 @@ std::vector<Sample> vertex_samples(const TriMesh& mesh) {
     std::vector<Sample> samples;
     for (std::size_t v = 0; v < face_of.size(); ++v)
         if (face_of[v] != kNone) samples.push_back({mesh.positions[v], face_of[v], 0, 0});
+    return samples;
+}
+
+/// Points along the edges with a face on one side only, as evenly as four or fewer an edge can be. Two surfaces may
+/// agree but where the border of one cuts a corner of the other's: in slivers that no sample by area falls into.
+std::vector<Sample> border_samples(const TriMesh& mesh, std::uint64_t at_most) {
+    std::vector<Face> faces;
+    std::vector<std::uint32_t> named;
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+        if (usable(mesh, mesh.faces[f])) faces.push_back(mesh.faces[f]), named.push_back(static_cast<std::uint32_t>(f));
+    const std::vector<std::uint32_t> opposite = opposite_half_edges(faces);
+    const auto edges = static_cast<std::uint64_t>(std::count(opposite.begin(), opposite.end(), kNone));
+    std::vector<Sample> samples;
+    if (edges == 0) return samples;
+    const std::uint64_t each = std::clamp<std::uint64_t>(at_most / edges, 1, 4);
+    samples.reserve(edges * each);
+    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+        if (opposite[h] != kNone) continue;
+        const auto corners = mesh.corners(named[h / 3]);
+        for (std::uint64_t k = 0; k < each; ++k) {
+            const double t = (static_cast<double>(k) + 0.5) / static_cast<double>(each);
+            std::array<double, 3> at{};
+            at[h % 3] = 1 - t, at[(h + 1) % 3] = t;
+            const double r1 = at[1] + at[2];
+            samples.push_back(
+                {corners[h % 3] * (1 - t) + corners[(h + 1) % 3] * t, named[h / 3], r1, r1 > 0 ? at[2] / r1 : 0});
+        }
+    }
     return samples;
 }
 
@@ -175,11 +202,13 @@ class Direction {
         // A mesh without any area has only its vertices to speak for it.
         const std::vector<Sample> vertices =
             options.vertices || surface.empty() ? vertex_samples(from_) : std::vector<Sample>{};
-        std::vector<double> squared(surface.size()), vertex_squared(vertices.size());
+        const std::vector<Sample> border =
+            options.vertices ? border_samples(from_, options.samples / 4) : std::vector<Sample>{};
+        std::vector<double> squared(surface.size()), vertex_squared(vertices.size()), border_squared(border.size());
         if (with_normals_) angles_squared_.assign(surface.size(), kNoAngles);
         shading_ = &options.shading;
 
-        const std::size_t total = surface.size() + vertices.size();
+        const std::size_t total = surface.size() + vertices.size() + border.size();
         std::size_t done = 0;
         const auto run = [&](std::span<const Sample> samples, std::span<double> out, bool angles) {
             const std::size_t step = std::max(kBlock, total / kProgressSteps / kBlock * kBlock);
@@ -197,18 +226,15 @@ class Direction {
         };
         run(surface, squared, with_normals_);
         run(vertices, vertex_squared, false);
-        const std::vector<std::uint32_t> far =
-            options.vertices ? farthest(surface, squared) : std::vector<std::uint32_t>{};
-        std::vector<double> tops(far.size());
-        tbb::parallel_for(std::size_t{0}, far.size(),
-                          [&](std::size_t k) { tops[k] = climb(surface[far[k]], squared[far[k]]); });
+        run(border, border_squared, false);
 
         OneSided result;
         result.samples = total;
         double worst = 0;
-        for (const double d : squared) worst = std::max(worst, d);
-        for (const double d : vertex_squared) worst = std::max(worst, d);
-        for (const double d : tops) worst = std::max(worst, d);
+        for (const std::span<const double> known :
+             {std::span<const double>(squared), {vertex_squared}, {border_squared}})
+            for (const double d : known) worst = std::max(worst, d);
+        if (options.vertices) worst = std::max({worst, highest(surface, squared), highest(border, border_squared)});
         result.hausdorff = std::sqrt(worst) * unit_;
         const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
         if (!weighted.empty())
@@ -236,7 +262,7 @@ class Direction {
     /// from them, halved where none leads up [Hooke, Jeeves 1961]. Samples alone find a sharp maximum to a few percent
     /// of its height, each seed others; from there any seed climbs to the same top.
     [[nodiscard]] double climb(const Sample& sample, double squared) const {
-        constexpr int kRounds = 8;
+        constexpr int kRounds = 10;
         const auto corners = from_.corners(sample.face);
         std::array<double, 3> at{1 - sample.r1, sample.r1 * (1 - sample.r2), sample.r1 * sample.r2};
         std::uint32_t hint = ClosestPointIndex::kNoFace;
@@ -260,6 +286,15 @@ class Direction {
             if (!up) step /= 2;
         }
         return squared;
+    }
+
+    /// The largest squared distance that is found uphill from the farthest samples.
+    [[nodiscard]] double highest(std::span<const Sample> samples, std::span<const double> squared) const {
+        const std::vector<std::uint32_t> far = farthest(samples, squared);
+        std::vector<double> tops(far.size());
+        tbb::parallel_for(std::size_t{0}, far.size(),
+                          [&](std::size_t k) { tops[k] = climb(samples[far[k]], squared[far[k]]); });
+        return far.empty() ? 0 : *std::max_element(tops.begin(), tops.end());
     }
 
     void measure_block(std::span<const Sample> samples, std::span<double> out, std::size_t begin, std::size_t end,

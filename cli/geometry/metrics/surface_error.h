@@ -30,10 +30,11 @@ struct SurfaceError {
 inline constexpr std::uint64_t kSurfaceSamples = 400'000;
 
 struct SurfaceErrorOptions {
-    std::uint64_t samples = kSurfaceSamples;  ///< area-weighted random points each way, beside every vertex
+    std::uint64_t samples =
+        kSurfaceSamples;  ///< area-weighted random points each way, beside every vertex and points along the border
     std::uint64_t seed = 1;
-    /// Without them `hausdorff` is of the random points alone, and the faces of the worst are not looked at more closely;
-    /// rms is the same.
+    /// Without them `hausdorff` is of the random points alone, and the faces of the worst are not looked at more
+    /// closely; rms is the same.
     bool vertices = true;
     /// The closest points of the source, if there is an index already; must be built of the mesh measured.
     const ClosestPointIndex* source_index = nullptr;

@@ -28,7 +28,7 @@ TEST(SurfaceError, ParallelSquares) {
     EXPECT_NEAR(e.normal_rms_degrees, 0, 1e-12);
     EXPECT_NEAR(e.diagonal, 3 * std::sqrt(2.0), 1e-14);
     EXPECT_NEAR(e.psnr(), 20 * std::log10(3 * std::sqrt(2.0) / 0.25), 1e-10);
-    EXPECT_EQ(e.samples, 2 * 400'000u + 64 + 25);
+    EXPECT_EQ(e.samples, 2 * 400'000u + (64 + 4 * 28) + (25 + 4 * 16));  // vertices, and four points a border edge
 }
 
 /// [0, 1]^2 against [0, 2] x [0, 1]: nothing forwards, the distance x - 1 over half of the larger one backwards.
@@ -113,6 +113,28 @@ TEST(SurfaceError, FindsTheTopBetweenThePoints) {
         few.samples = 50, few.seed = seed;
         EXPECT_NEAR(measure_surface_error(floor, roof, few).hausdorff_forward, std::sqrt(0.5), 2e-3) << seed;
     }
+}
+
+/// A border that runs straight past a notch of the source lies outside it by the notch's depth, in a sliver too thin
+/// for any of ten points, and not at a vertex. In another frame rounding orders the points elsewhere; the depth is the
+/// same.
+TEST(SurfaceError, FindsWhereABorderCutsACorner) {
+    constexpr double kDeep = 1e-3;
+    TriMesh notched, plain;
+    notched.positions = {{0, 0, 0}, {0.3, kDeep, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    notched.faces = {{0, 1, 4}, {1, 2, 3}, {1, 3, 4}};
+    plain.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    plain.faces = {{0, 1, 2}, {0, 2, 3}};
+    SurfaceErrorOptions few;
+    few.samples = 10;
+    // Where the chord is as far from the one side of the notch as from the other.
+    const double left = kDeep / std::hypot(0.3, kDeep), right = kDeep / std::hypot(0.7, kDeep);
+    const double depth = left * right / (left + right);
+    EXPECT_NEAR(measure_surface_error(notched, plain, few).hausdorff_backward, depth, 0.01 * depth);
+    for (TriMesh* mesh : {&notched, &plain})
+        for (model::Vec3d& p : mesh->positions)
+            p = model::Vec3d{0.6 * p.x - 0.8 * p.y, 0.8 * p.x + 0.6 * p.y, 0.1} * 300 + model::Vec3d{70, -1, 9};
+    EXPECT_NEAR(measure_surface_error(notched, plain, few).hausdorff_backward, 300 * depth, 0.01 * 300 * depth);
 }
 
 /// A map that misses one vertex's spike shows it in the maximum though hardly any area is there.
