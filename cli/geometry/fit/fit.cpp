@@ -31,6 +31,7 @@ constexpr double kUprightLoss = 0.1;  // ... less this a round, while it is posi
 constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are mended at the start and at the end
 constexpr int kDiagonalRounds = 9;
 constexpr double kWorstShare = 0.6, kUrgency = 200;
+constexpr double kFading = 0.5;                                // of a pull, from one round to the next
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border, in those of its source points
 constexpr double kTightSteps = 8;     // of a lattice: faces less high than so many are watched while they are rounded
@@ -74,8 +75,9 @@ class Fitter {
             kept = matches_.rms < rms_;
             if (kept) keep(), ++report.rounds;
         }
-        if (!kept || options_.worst_rounds > 0) settle(report);
+        if (!kept || options_.worst_rounds > 0) restore(), matches_.update(false);
         mend_turned();
+        if (options_.worst_rounds > 0) settle(report), mend_turned();
         if (options_.on_lattice) put_on_lattice();
         finish();
         report.rms = rms_, report.hausdorff = largest_;
@@ -91,13 +93,13 @@ class Fitter {
     }
 
  private:
-    /// Back to the best state, after the rounds for the largest error, with its matches.
+    /// The rounds for the largest error, and the diagonals that go with them.
     void settle(FitReport& report) {
-        if (options_.worst_rounds > 0) lower_largest(report);
+        lower_largest(report);
         restore();
-        if (options_.split_quads && options_.worst_rounds > 0) {
+        if (options_.split_quads) {
             split_quads();
-            matches_.update(true);
+            look_up_farthest();
             if (matches_.rms < rms_ && largest() <= largest_)
                 keep();
             else
@@ -127,17 +129,58 @@ class Fitter {
         rails_.set_places(kept_places_);
     }
 
-    /// Rounds that pull hardest where the error is near the largest, at a bounded price in the mean.
-    void lower_largest(FitReport& report) {
-        restore();
+    void look_up_farthest() {
         matches_.update(true);
+        matches_.settle_farthest(source_index());
+    }
+
+    /// Rounds that pull hardest where the error is near the largest, at a bounded price in the mean. None that turns a
+    /// face counts: to turn it back would cost more than was gained.
+    void lower_largest(FitReport& report) {
+        look_up_farthest();
         const double allowed = rms_ * std::pow(10, options_.worst_price_db / 20);
         largest_ = largest();
+        const std::vector<std::uint32_t> left = doubtful_faces();
         for (int round = 0; round < options_.worst_rounds; ++round) {
             tell(options_.rounds + round);
+            const std::vector<Vec3d> before = grid_.surface.positions;
             step(true);
             matches_.update(true);
-            if (matches_.rms <= allowed && largest() < largest_) keep(), ++report.rounds;
+            const bool sound = take_back_turned(before, left);
+            matches_.settle_farthest(source_index());
+            if (sound && matches_.rms <= allowed && largest() < largest_) keep(), ++report.rounds;
+        }
+    }
+
+    /// Turned by the measure, of those that look away from the source below their middles.
+    [[nodiscard]] std::vector<std::uint32_t> doubtful_faces() {
+        const LinkedSurface& grid = grid_.surface;
+        std::vector<char> doubtful(grid.faces.size());
+        for (std::size_t f = 0; f < doubtful.size(); ++f)
+            doubtful[f] = !(dot(grid.normals[f], source_.normals[matches_.middles[f].hit.face]) > kEndUpright);
+        return turned_faces(source_index(), doubtful);
+    }
+
+    /// Corners of faces that are turned, but for those in `left`, go back to where they were.
+    /// @return  true if no such face is left
+    bool take_back_turned(const std::vector<Vec3d>& before, const std::vector<std::uint32_t>& left) {
+        constexpr int kPasses = 3;
+        LinkedSurface& grid = grid_.surface;
+        for (int pass = 0;; ++pass) {
+            const std::vector<std::uint32_t> turned = doubtful_faces();
+            std::vector<std::uint32_t> fresh;
+            std::set_difference(turned.begin(), turned.end(), left.begin(), left.end(), std::back_inserter(fresh));
+            if (fresh.empty()) return true;
+            if (pass == kPasses) return false;
+            std::vector<char> back(grid.positions.size(), 0), near(grid.faces.size(), 0);
+            for (const std::uint32_t f : fresh)
+                for (const std::uint32_t c : grid.faces[f]) back[c] = !fixed_[c];
+            for (std::size_t c = 0; c < back.size(); ++c)
+                if (back[c]) grid.positions[c] = before[c];
+            for (std::size_t f = 0; f < near.size(); ++f)
+                for (const std::uint32_t c : grid.faces[f]) near[f] |= back[c];
+            grid.update_normals();
+            matches_.update(true, near);
         }
     }
 
@@ -147,6 +190,7 @@ class Fitter {
         constexpr int kPasses = 10, kSearches = 3;
         const ClosestPointIndex& index = source_index();
         const std::vector<Vec3d> before = grid_.surface.positions;
+        if (unmended_ && turned_faces(index) == *unmended_) return;
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
             const std::vector<std::uint32_t> turned = turned_faces(index);
@@ -164,10 +208,12 @@ class Fitter {
             moved = true;
             if (!flip_quads(turned_faces(index), true)) break;
         }
-        if (!moved) return;
-        matches_.update(true);
-        keep();
-        refit_around(before, index);
+        if (moved) {
+            matches_.update(true);
+            keep();
+            refit_around(before, index);
+        }
+        unmended_ = turned_faces(index);
     }
 
     const ClosestPointIndex& source_index() {
@@ -364,48 +410,58 @@ class Fitter {
     }
 
     /// @param near  per face of the grid: rows of these alone; all if empty
-    void assemble(NormalEquations& equations, bool worst_only, std::span<const char> near = {}) const {
+    void assemble(NormalEquations& equations, bool worst_only, std::span<const char> near = {}) {
         const double farthest = worst_only ? largest() : 0;
-        // The last rounds pull hardest where the error is near the largest.
-        const auto urgency = [&](double squared) {
-            if (!worst_only || !(farthest > 0)) return 1.0;
-            return 1 + kUrgency * std::max(0.0, std::sqrt(squared) / farthest - kWorstShare);
+        const auto excess = [&](double squared) {
+            return farthest > 0 ? kUrgency * std::max(0.0, std::sqrt(squared) / farthest - kWorstShare) : 0;
+        };
+        // The last rounds pull hardest where the error is near the largest, and not much less where it was a round ago:
+        // otherwise what one round brings closer, the next gives back for what stands off on the other side.
+        const auto urgency = [&](Pulls& pulls, const std::vector<Match>& list, std::size_t k) {
+            if (!worst_only) return 1.0;
+            pulls.resize(list.size(), 0);
+            pulls[k] = std::max(excess(list[k].hit.squared), kFading * pulls[k]);
+            return 1 + pulls[k];
         };
         const LinkedSurface& grid = grid_.surface;
-        for (const Match& m : matches_.points) {
+        for (std::size_t k = 0; k < matches_.points.size(); ++k) {
+            const Match& m = matches_.points[k];
             if (!near.empty() && !near[m.hit.face]) continue;
             const Vec3d gap = m.position - point_at(grid, m.hit);
             equations.add(m.hit.face, m.hit.b, gap, metric_normal(gap, grid.normals[m.hit.face], m.hit.b),
-                          m.weight * urgency(m.hit.squared));
+                          m.weight * urgency(pulls_[0], matches_.points, k));
         }
         const auto add_back = [&](const Match& m, double weight, std::uint32_t face, const std::array<double, 3>& b) {
             const Vec3d gap = point_at(source_, m.hit) - m.position;
-            equations.add(face, b, gap, metric_normal(gap, source_.normals[m.hit.face], m.hit.b),
-                          weight * urgency(m.hit.squared));
+            equations.add(face, b, gap, metric_normal(gap, source_.normals[m.hit.face], m.hit.b), weight);
         };
         for (std::size_t e = 0; e < matches_.edges.size(); ++e) {
-            if (!(urgency(matches_.edges[e].hit.squared) > 1)) continue;
+            const double pull = urgency(pulls_[1], matches_.edges, e);
+            if (!(pull > 1)) continue;
             const auto [face, k] = matches_.edge_place[e];
             if (!near.empty() && !near[face]) continue;
             std::array<double, 3> b{0, 0, 0};
             b[k] = b[(k + 1) % 3] = 0.5;
-            add_back(matches_.edges[e], matches_.middles[face].weight / 2, face, b);
+            add_back(matches_.edges[e], matches_.middles[face].weight / 2 * pull, face, b);
         }
         std::vector<char> done(matches_.classes.size(), 0);
         for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
             if (!near.empty() && !near[f]) continue;
-            add_back(matches_.middles[f], matches_.middles[f].weight, f, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+            add_back(matches_.middles[f], matches_.middles[f].weight * urgency(pulls_[2], matches_.middles, f), f,
+                     {1.0 / 3, 1.0 / 3, 1.0 / 3});
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t c = grid.faces[f][k];
                 if (done[c]) continue;
                 done[c] = 1;
                 std::array<double, 3> b{0, 0, 0};
                 b[k] = 1;
-                add_back(matches_.classes[c], matches_.classes[c].weight, f, b);
+                add_back(matches_.classes[c], matches_.classes[c].weight * urgency(pulls_[3], matches_.classes, c), f,
+                         b);
             }
         }
         if (!rails_.empty() && near.empty())
-            rails_.add_rows(equations, kBorderShare * options_.points_per_sample, urgency);
+            rails_.add_rows(equations, kBorderShare * options_.points_per_sample,
+                            [&](double squared) { return 1 + excess(squared); });
     }
 
     /// Applies a step, and `ways` along the border for classes that slide there: its tangential part is clamped, then
@@ -517,8 +573,11 @@ class Fitter {
         std::array<Vec3d, 3> corners;
         bool turned;
     };
-    std::vector<Judged> judged_;  // per face of the grid, when it was last looked at
-    std::vector<Vec3d> upward_;   // per face of the source: its normal at the scale of the grid
+    std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
+    std::vector<Judged> judged_;                          // per face of the grid, when it was last looked at
+    std::vector<Vec3d> upward_;                           // per face of the source: its normal at the scale of the grid
+    using Pulls = std::vector<double>;
+    std::array<Pulls, 4> pulls_;  // of the rounds for the largest error: beyond 1, of points, edges, middles, classes
     double rms_ = 0, largest_ = 0;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;

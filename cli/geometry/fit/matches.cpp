@@ -174,6 +174,39 @@ void Matches::look_again_far_off(std::span<const char> near) {
     }
 }
 
+void Matches::settle_farthest(const ClosestPointIndex& source_index) {
+    constexpr double kFar = 0.5;  // of the largest distance, which may fall below it on the way
+    const LinkedSurface& grid = grid_.surface;
+    const ClosestPointIndex grid_index(grid.positions, grid.faces);
+    const std::array lists{&points, &classes, &middles, &edges};
+    const double limit = kFar * kFar * farthest_squared();
+    for (std::size_t which = 0; which < lists.size(); ++which) {
+        std::vector<Match>& list = *lists[which];
+        const bool on_grid = which == 0;
+        const ClosestPointIndex& index = on_grid ? grid_index : source_index;
+        tbb::parallel_for(std::size_t{0}, farthest_[which].size(), [&](std::size_t chunk) {
+            if (!(farthest_[which][chunk] > limit)) return;
+            const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
+            double left = 0;
+            for (std::size_t k = begin; k < end; ++k) {
+                Match& m = list[k];
+                if (m.hit.squared > limit) {
+                    const ClosestPoint hit = index.query(m.position, m.hit.face);
+                    if (const double squared = hit.distance * hit.distance; squared < m.hit.squared) {
+                        const LinkedSurface& there = on_grid ? grid : source_;
+                        if (on_grid || dot(there.normals[hit.face], there.normals[m.hit.face]) > 0)
+                            m.hit = {hit.face, squared, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
+                        m.hit.squared = squared;
+                    }
+                }
+                left = std::max(left, m.hit.squared);
+            }
+            farthest_[which][chunk] = left;
+        });
+    }
+    weigh_and_measure();
+}
+
 double Matches::farthest_squared() const {
     double out = 0;
     for (const std::vector<double>& list : farthest_)

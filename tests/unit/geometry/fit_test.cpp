@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/fit_test.cpp
-#include "geometry/fit/closest_samples.h"
 #include "geometry/fit/fit.h"
+#include "geometry/fit/closest_samples.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -157,6 +157,42 @@ int inward_faces(const SampledChart& chart) {
         inward += dot(cross(b - a, c - a), a + b + c) <= 0;
     }
     return inward;
+}
+
+/// A strip bent into a hairpin: a match that sits on the other leg cannot walk back, and stands off by the gap.
+TEST(Matches, SettleOnTheLegThatIsCloser) {
+    constexpr std::uint32_t kAlong = 84, kAcross = 9;
+    TriMesh strip;
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+        const double t = 21.0 * i / (kAlong - 1);  // ten along a leg, one across the bend, ten back
+        const Vec3d at = t < 10 ? Vec3d{t, 0, 0} : t < 11 ? Vec3d{10, 0, t - 10} : Vec3d{21 - t, 0, 1};
+        for (std::uint32_t j = 0; j < kAcross; ++j) strip.positions.push_back(at + Vec3d{0, 0.25 * j, 0});
+    }
+    for (std::uint32_t i = 0; i + 1 < kAlong; ++i)
+        for (std::uint32_t j = 0; j + 1 < kAcross; ++j) {
+            const std::uint32_t a = i * kAcross + j, b = a + 1, c = a + kAcross, d = c + 1;
+            strip.faces.push_back({a, c, d}), strip.faces.push_back({a, d, b});
+        }
+    const Case c = square_case(strip, 33);
+    const LinkedSurface source = link_source(c.chart.disk);
+    const ClosestPointIndex index(source.positions, source.faces);
+    WeldedGrid grid(c.chart);
+    Matches matches(c.chart, source, grid, 1000);
+    matches.update(false);
+    // Repair has put the middle of the bounding box into the origin and its diagonal to 1.
+    const Vec3d centre{5, 1, 0.5};
+    const double diagonal = std::hypot(10, 2, 1);
+    const auto middle = [&](std::uint32_t f) { return matches.middles[f].position * diagonal + centre; };
+    std::uint32_t face = 0;  // of the grid, in the midst of a leg
+    while (std::abs(middle(face).x - 3) > 0.5 || std::abs(middle(face).y - 1) > 0.5) ++face;
+    const Vec3d across{middle(face).x, middle(face).y, 1 - middle(face).z};
+    matches.middles[face].hit.face = index.query((across - centre) / diagonal).face;
+    matches.update(true);
+    ASSERT_NEAR(std::sqrt(matches.middles[face].hit.squared) * diagonal, 1, 0.1);
+    ASSERT_GT(matches.largest * diagonal, 0.9);
+    matches.settle_farthest(index);
+    EXPECT_LT(matches.largest * diagonal, 0.4);
+    EXPECT_NEAR(matches.middles[face].hit.squared, 0, 1e-9);
 }
 
 TEST(Fit, BeatsSamplingOnABallAndKeepsSeams) {
