@@ -112,8 +112,9 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
 
 /// The farthest samples, and the farthest of other faces: where the largest distance is looked for. A large face may
 /// have several tops, and a small one the highest.
-std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared) {
-    constexpr std::size_t kFirst = 256, kOtherFaces = 256, kLooked = 8192;
+std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared,
+                                    std::size_t tops) {
+    constexpr std::size_t kLooked = 8192;
     std::vector<std::uint32_t> order(samples.size()), out;
     std::iota(order.begin(), order.end(), 0u);
     const auto looked = order.begin() + static_cast<std::ptrdiff_t>(std::min(kLooked, order.size()));
@@ -121,8 +122,8 @@ std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<c
         return squared[a] != squared[b] ? squared[a] > squared[b] : a < b;
     });
     std::unordered_set<std::uint32_t> taken;
-    for (auto k = order.begin(); k != looked && out.size() < kFirst + kOtherFaces; ++k)
-        if (taken.insert(samples[*k].face).second || out.size() < kFirst) out.push_back(*k);
+    for (auto k = order.begin(); k != looked && out.size() < 2 * tops; ++k)
+        if (taken.insert(samples[*k].face).second || out.size() < tops) out.push_back(*k);
     return out;
 }
 
@@ -198,7 +199,7 @@ class Direction {
         run(surface, squared, with_normals_);
         run(vertices, vertex_squared, false);
         const std::vector<std::uint32_t> far =
-            options.vertices ? farthest(surface, squared) : std::vector<std::uint32_t>{};
+            options.vertices ? farthest(surface, squared, options.tops) : std::vector<std::uint32_t>{};
         std::vector<double> tops(far.size());
         tbb::parallel_for(std::size_t{0}, far.size(),
                           [&](std::size_t k) { tops[k] = climb(surface[far[k]], squared[far[k]]); });
