@@ -10,13 +10,9 @@
 
 #include "dgm/dgm_writer.h"
 #include "dgm/hash.h"
-#include "geometry/chart/hidden_cut.h"
 #include "geometry/fit/closest_samples.h"
 #include "geometry/fit/fit.h"
 #include "geometry/layers/layers.h"
-#include "geometry/metrics/bump_normals.h"
-#include "geometry/metrics/reconstruction.h"
-#include "geometry/metrics/turned_faces.h"
 #include "geometry/repair/repair.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
@@ -25,6 +21,7 @@
 #include "pipeline/component_shapes.h"
 #include "pipeline/cpu_clock.h"
 #include "pipeline/grid_search.h"
+#include "pipeline/measure_chart.h"
 #include "pipeline/notices.h"
 #include "pipeline/size_search.h"
 #include "pipeline/up_to_date.h"
@@ -36,16 +33,6 @@ using model::Error;
 namespace codes = model::codes;
 
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of all charts together: 3 GB of layers
-
-/// Six times the signed volume.
-double six_volume(const TriMesh& mesh) {
-    double sum = 0;
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-        const auto q = mesh.corners(f);
-        sum += dot(q[0], cross(q[1], q[2]));
-    }
-    return sum;
-}
 
 /// Appends `part` to `whole`: what errors of a whole asset are measured on.
 void append(TriMesh& whole, const TriMesh& part) {
@@ -453,61 +440,37 @@ class AssetBake {
         const Frame& frame = repaired_.frame;
         double area = 0;
         for (const double a : areas_) area += a;
-        TriMesh whole_source, whole_map;
-        std::fill(std::begin(normals_squared_), std::end(normals_squared_), 0.0);
-        for (std::size_t c = 0; c < mapped_.size(); ++c) {
-            const TriMesh& component = repaired_.components[c];
-            const SampledChart& chart = mapped_[c].chart;
-            Reconstruction reconstruction = reconstruct(result_.maps.charts[c]);
-            TriMesh& map = reconstruction.mesh;
-            const std::optional<BumpNormals> bump = BumpNormals::of(result_.maps.charts[c], reconstruction);
-            for (Vec3d& p : map.positions) p = (p - frame.centre) / frame.diagonal;
-            ChartReport report;
-            report.method = chart.method;
-            report.domain = chart.domain == layout::Domain::kSquare ? "square" : "free";
-            report.rows = chart.m, report.cols = chart.n;
-            report.source_vertices = component.positions.size();
-            report.source_faces = component.faces.size();
-            report.seam_gap = reconstruction.seam_gap;
-            report.cut_length = chart.cut_length * frame.diagonal;
-            report.cut_exposure = seam_exposure(chart.disk, component);
-            report.map = measure_map(chart.disk.mesh.positions, chart.disk.mesh.faces, chart.uv);
-            std::size_t used = 0;
-            for (std::size_t s = 0; s < chart.grid_count(); ++s) used += chart.on_surface(s);
-            report.utilisation = static_cast<double>(used) / static_cast<double>(chart.grid_count());
-            for (std::size_t s = 0; s < chart.representative.size(); ++s)
-                report.seam_pairs += chart.representative[s] != s;
-            report.source_topology = measure_topology(component.positions.size(), component.faces);
-            report.map_topology = measure_topology(map.positions.size(), reconstruction.welded_faces);
-            if (report.source_topology.boundary_loops == 0) {
-                const double truth = six_volume(component);
-                if (truth != 0) report.volume_relative_error = six_volume(map) / truth - 1;
+        const std::size_t count = mapped_.size();
+        const auto share_of = [&](std::size_t c) { return area > 0 ? areas_[c] / area : 1; };
+        const std::size_t parts = count > 1 ? 2 : 1;  // the charts, the whole
+        std::vector<MeasuredChart> measured(count);
+        for_each_component(count, part("measure", 0, parts), [&](std::size_t c, const model::Progress& progress) {
+            measured[c] = measure_chart(repaired_.components[c], mapped_[c].chart, result_.maps.charts[c], frame,
+                                        {error_samples, share_of(c)}, progress);
+            measured[c].report.candidates = mapped_[c].candidates;
+        });
+        SurfaceError whole = measured.front().report.error;
+        if (count > 1) {
+            TriMesh whole_source, whole_map;
+            for (std::size_t c = 0; c < count; ++c) {
+                append(whole_source, repaired_.components[c]), append(whole_map, measured[c].surface);
+                measured[c].surface = {};
             }
-            const ClosestPointIndex index(component.positions, component.faces);
-            report.turned_faces = count_turned_faces(component, map, &index);
-            report.candidates = mapped_[c].candidates;
-            const double share = area > 0 ? areas_[c] / area : 1;
-            const auto samples =
-                static_cast<std::uint64_t>(std::max(2000.0, static_cast<double>(error_samples) * share));
-            const std::size_t parts = mapped_.size() > 1 ? mapped_.size() + 1 : 1;
-            SurfaceErrorOptions sampling;
-            sampling.samples = samples;
-            sampling.source_index = &index;
-            if (bump) sampling.shading = [&](std::uint32_t face, const double(&b)[3]) { return bump->at(face, b); };
-            report.error = measure_surface_error(component, map, sampling, part("measure", c, parts));
-            add_normals(report.error, share);
-            if (mapped_.size() > 1) append(whole_source, component), append(whole_map, map);
-            result_.report.charts.push_back(std::move(report));
-        }
-        result_.report.error = result_.report.charts.front().error;
-        if (mapped_.size() > 1) {
-            result_.report.error = measure_surface_error(whole_source, whole_map, {.samples = error_samples},
-                                                         part("measure", mapped_.size(), mapped_.size() + 1));
+            whole =
+                measure_surface_error(whole_source, whole_map, {.samples = error_samples}, part("measure", 1, parts));
             // Charts are measured with their normals, each as much as its share of the area.
-            result_.report.error.normal_rms_degrees = std::sqrt(normals_squared_[0]);
-            result_.report.error.normal_rms_face_degrees = std::sqrt(normals_squared_[1]);
-            result_.report.error.normal_rms_bump_degrees = std::sqrt(normals_squared_[2]);
+            double squared[3] = {0, 0, 0};
+            for (std::size_t c = 0; c < count; ++c) {
+                const SurfaceError& e = measured[c].report.error;
+                const double degrees[3] = {e.normal_rms_degrees, e.normal_rms_face_degrees, e.normal_rms_bump_degrees};
+                for (int k = 0; k < 3; ++k) squared[k] += share_of(c) * degrees[k] * degrees[k];
+            }
+            whole.normal_rms_degrees = std::sqrt(squared[0]);
+            whole.normal_rms_face_degrees = std::sqrt(squared[1]);
+            whole.normal_rms_bump_degrees = std::sqrt(squared[2]);
         }
+        result_.report.error = whole;
+        for (MeasuredChart& chart : measured) result_.report.charts.push_back(std::move(chart.report));
         const auto to_source_units = [&](SurfaceError& e) {
             for (double* x : {&e.rms, &e.hausdorff, &e.rms_forward, &e.rms_backward, &e.hausdorff_forward,
                               &e.hausdorff_backward, &e.diagonal})
@@ -523,11 +486,6 @@ class AssetBake {
                 });
     }
 
-    void add_normals(const SurfaceError& chart, double share) {
-        const double degrees[3] = {chart.normal_rms_degrees, chart.normal_rms_face_degrees,
-                                   chart.normal_rms_bump_degrees};
-        for (int k = 0; k < 3; ++k) normals_squared_[k] += share * degrees[k] * degrees[k];
-    }
     static constexpr std::uint64_t kErrorSamples = kSurfaceSamples;  // as dgm-validate: the same points
     static constexpr std::uint64_t kFewSamples = 1000;
     inline static const std::vector<std::string> kGeometryOnly{"geometry"};
@@ -535,7 +493,6 @@ class AssetBake {
     const std::filesystem::path& source_;
     const BakeOptions& options_;
     const model::Progress& progress_;
-    std::array<double, 3> normals_squared_{};  // stored, face, bump: mean over the area
     formats::ImportedMesh imported_;
     RepairedMesh repaired_;
     MaterialImages images_;

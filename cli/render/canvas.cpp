@@ -121,9 +121,9 @@ void draw_text(Image& image, std::int64_t x, std::int64_t y, std::string_view te
     std::vector<Vertex> vertices(line.size() * 64 + 64);
     const int quads = stb_easy_font_print(0, 0, line.data(), nullptr, vertices.data(),
                                           static_cast<int>(vertices.size() * sizeof(Vertex)));
-    for (int q = 0; q < quads; ++q) {
-        const Vertex& first = vertices[static_cast<std::size_t>(4 * q)];
-        const Vertex& third = vertices[static_cast<std::size_t>(4 * q + 2)];
+    for (std::size_t q = 0; q < static_cast<std::size_t>(quads); ++q) {
+        const Vertex& first = vertices[4 * q];
+        const Vertex& third = vertices[4 * q + 2];
         const auto at = [scale](float v) {
             return static_cast<std::int64_t>(std::lround(v * static_cast<float>(scale)));
         };

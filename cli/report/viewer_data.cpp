@@ -241,6 +241,7 @@ json viewer_data(const ViewedSource& source, const ViewedCharts& map, const Scal
         if (const double value = source.distances[vertex]; std::abs(value) > std::abs(worst[drawn]))
             worst[drawn] = value;
     std::vector<std::uint8_t> places;
+    places.reserve(worst.size());
     for (const double value : worst) places.push_back(byte_of(table_place(Quantity::kDistance, value, scales)));
     out["source"]["distance"] = base64_of(places);
     if (thin.faces.empty()) return out;

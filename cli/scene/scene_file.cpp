@@ -83,6 +83,7 @@ class Table {
         get<std::string>(key, "a word in quotes", [&](const std::string& text, const Say& say) {
             if (const auto value = bake::value_of(table, text)) return assign(*value);
             std::vector<std::string> words;
+            words.reserve(N);
             for (const auto& row : table) words.emplace_back(row.name);
             say(tool::unknown_word("value", text, words));
         });

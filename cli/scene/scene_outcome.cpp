@@ -41,6 +41,7 @@ AssetOutcome outcome_of(const SceneAsset& asset, const bake::AssetResult& result
 std::string largest_of(const std::vector<AssetOutcome>& assets) {
     constexpr std::size_t kShown = 3;
     std::vector<const AssetOutcome*> order;
+    order.reserve(assets.size());
     for (const AssetOutcome& asset : assets) order.push_back(&asset);
     std::stable_sort(order.begin(), order.end(),
                      [](const auto* a, const auto* b) { return a->file_bytes > b->file_bytes; });

@@ -144,7 +144,9 @@ void check_reproducible(const json& value, const std::string& place, FindingList
     if (depth > kDeepest || findings.size() >= most) return;
     if (value.is_object()) {
         for (const auto& [key, inner] : value.items()) {
-            const std::string inner_place = place + (place.ends_with("/report") ? " " : ".") + key;
+            std::string inner_place = place;
+            inner_place += place.ends_with("/report") ? " " : ".";
+            inner_place += key;
             if (findings.size() >= most) return;
             if (key.ends_with("seconds") || key == "times" || key == "date" || key == "time" || key == "host" ||
                 key == "user" || key.starts_with("peak_memory"))

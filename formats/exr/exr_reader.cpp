@@ -169,6 +169,7 @@ class Reader {
         read_attributes(header, chart);
         if (in_grid.empty()) return;
         std::vector<Layer*> layers;
+        layers.reserve(in_grid.size());
         for (const std::size_t k : in_grid) layers.push_back(&chart.layers[k]);
         read_part(part_name(kGridPart, number, maps_.charts.size()), layers, true);
     }
@@ -235,6 +236,7 @@ class Reader {
             std::vector<char> buffer;
         };
         std::vector<LayerImage> images;
+        images.reserve(layers.size());
         for (const Layer* layer : layers)
             images.push_back(image_of_layer(layer->name, layer->type, layer->shape, in_grid));
         std::vector<Target> targets;

@@ -309,6 +309,7 @@ void write_exr(const MapSet& maps, const fs::path& path, const ExrOptions& optio
     ::close(probe);
     try {
         std::vector<Imf::Header> headers;
+        headers.reserve(parts.size());
         for (const Part& part : parts) headers.push_back(part.header);
         // No threads: the bytes do not depend on them, but neither does a bake's speed.
         Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);

@@ -13,11 +13,9 @@
 #include "c_api_impl.h"
 
 namespace {
-using dgm::Error;
 using dgm::ErrorCode;
 using dgm::kNoOffset;
 using dgm::Result;
-using dgm::Vec3;
 using namespace dgm::c_api;
 
 static_assert(DGM_BUSY == static_cast<int>(ErrorCode::Busy));

@@ -11,7 +11,6 @@
 #include "c_api_impl.h"
 
 namespace {
-using dgm::Error;
 using dgm::ErrorCode;
 using dgm::kNoOffset;
 using dgm::Result;

@@ -26,6 +26,7 @@ PositionLayer positions(const Chart& chart, const char* name) noexcept {
 Vec3 scaled(const double* scale, const PositionLayer& layer, std::size_t k) noexcept {
     const auto one = [&](int axis) {
         const std::size_t e = 3 * k + static_cast<std::size_t>(axis);
+        // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): asked only of a layer that is there
         const double stored = layer.u16 != nullptr ? static_cast<double>(layer.u16[e]) : double{layer.f32[e]};
         const double local = scale[axis] * stored;
         // The cast of a double beyond float is undefined; infinity is what validate_chart looks for.

@@ -54,6 +54,7 @@ Result<void> check_seams(const ChartTables& t, const Allocator& allocator) noexc
         if (weld[representative] != representative)
             return Error{ErrorCode::BadSeamTable, t.seams_offset + 4 * k, "a representative is a copy itself"};
         const Vec3 a = t.position(representative), b = t.position(copy);
+        // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits, as the format has it
         if (std::memcmp(&a, &b, sizeof a) != 0)
             return Error{ErrorCode::SeamGap, t.position_offset(copy), "copies of a seam class differ"};
     }

@@ -71,8 +71,7 @@ void hide_way(CutGraph& cut, const CutWay& way) {
     if (exchange(other, way) < way.cost) cut = std::move(other);
 }
 
-double seam_exposure(const Disk& disk, const TriMesh& component) {
-    constexpr int kPoints = 1000;
+double seam_exposure(const Disk& disk, const TriMesh& component, int points) {
     const TriMesh& mesh = disk.mesh;
     double total = 0;
     const auto each_seam_edge = [&](auto visit) {
@@ -88,8 +87,8 @@ double seam_exposure(const Disk& disk, const TriMesh& component) {
     double passed = 0, sum = 0;
     int taken = 0;
     each_seam_edge([&](std::uint32_t h, const Vec3d& a, const Vec3d& b, double along) {
-        for (; taken < kPoints && (taken + 0.5) / kPoints * total <= passed + along; ++taken) {
-            const double t = std::clamp(((taken + 0.5) / kPoints * total - passed) / along, 0.0, 1.0);
+        for (; taken < points && (taken + 0.5) / points * total <= passed + along; ++taken) {
+            const double t = std::clamp(((taken + 0.5) / points * total - passed) / along, 0.0, 1.0);
             sum += index.at(a * (1 - t) + b * t,
                             normalized(face_normal(mesh, h) + face_normal(mesh, disk.mate[h]), Vec3d{}));
         }

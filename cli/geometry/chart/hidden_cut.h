@@ -31,8 +31,11 @@ struct CutWay {
 /// disk.
 void hide_way(CutGraph& cut, const CutWay& way);
 
+inline constexpr int kSeamPoints = 1000;
+
 /// Mean exposure along the seams of `disk`, by length, from evenly spaced points; 0 without seams.
 /// @param component  that the disk was cut from: what hides the seams
-[[nodiscard]] double seam_exposure(const Disk& disk, const TriMesh& component);
+/// @param points  at least 1
+[[nodiscard]] double seam_exposure(const Disk& disk, const TriMesh& component, int points = kSeamPoints);
 
 }  // namespace dgm::bake

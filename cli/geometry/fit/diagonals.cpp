@@ -55,6 +55,7 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
     for (const Match& match : matches.points) {
         if (match.hit.face >= quad_of_face.size()) continue;
         const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
+        if (i == 0 || j == 0 || i + 2 >= m || j + 2 >= n) continue;  // those at the border keep theirs
         for (unsigned d = 0; d < 2; ++d) {
             const auto t = quad_triangles(i, j, n, d);
             sums[quad][d] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),

@@ -37,6 +37,7 @@ constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border
 constexpr double kTightSteps = 8;     // of a lattice: faces less high than so many are watched while they are rounded
 constexpr double kSureGain = 0.6;     // in rms; ordinary charts reach 0.2
 constexpr std::uint64_t kFewSamples = 20'000;
+constexpr double kExact = 1e-10;  // normalised units: nothing is left to fit
 
 double longest_squared(const std::array<Vec3d, 3>& q) {
     const Vec3d a = q[1] - q[0], b = q[2] - q[1], c = q[0] - q[2];
@@ -62,6 +63,28 @@ class Fitter {
         const SampledChart start = chart_;
         matches_.update(false);
         report.start_rms = matches_.rms, report.start_hausdorff = matches_.largest;
+        if (largest() < kExact)
+            keep();
+        else
+            fit(report);
+        mend_turned();
+        if (options_.on_lattice) put_on_lattice();
+        finish();
+        report.rms = rms_, report.hausdorff = largest_;
+        // Walks flatter a map that folds: where they promise little, what all faces say decides.
+        const bool moved = chart_.positions != start.positions || chart_.diagonals != start.diagonals;
+        if (moved && rms_ > kSureGain * report.start_rms) {
+            const TriMesh& mesh = chart_.disk.mesh;
+            if (quick_error(mesh, start, kFewSamples).rms < quick_error(mesh, chart_, kFewSamples).rms) {
+                chart_ = start;
+                report.rms = report.start_rms, report.hausdorff = report.start_hausdorff, report.rounds = 0;
+            }
+        }
+        return report;
+    }
+
+ private:
+    void fit(FitReport& report) {
         if (options_.split_quads) split_quads();
         if (occupy_corners()) matches_.update(false);
         if (untangle(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
@@ -76,23 +99,9 @@ class Fitter {
             if (kept) keep(), ++report.rounds;
         }
         if (!kept || options_.worst_rounds > 0) restore(), matches_.update(false);
-        mend_turned();
-        if (options_.worst_rounds > 0) settle(report), mend_turned();
-        if (options_.on_lattice) put_on_lattice();
-        finish();
-        report.rms = rms_, report.hausdorff = largest_;
-        // Walks flatter a map that folds: where they promise little, what all faces say decides.
-        if (rms_ > kSureGain * report.start_rms) {
-            const TriMesh& mesh = chart_.disk.mesh;
-            if (quick_error(mesh, start, kFewSamples).rms < quick_error(mesh, chart_, kFewSamples).rms) {
-                chart_ = start;
-                report.rms = report.start_rms, report.hausdorff = report.start_hausdorff, report.rounds = 0;
-            }
-        }
-        return report;
+        if (options_.worst_rounds > 0) mend_turned(), settle(report);
     }
 
- private:
     /// The rounds for the largest error, and the diagonals that go with them.
     void settle(FitReport& report) {
         lower_largest(report);

@@ -109,31 +109,21 @@ SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::ui
     return hit;
 }
 
-SurfaceHit search_nearby(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start) {
-    // Open addressing, at most four tenths full.
-    constexpr std::uint32_t kSlots = 1024;
-    std::array<std::uint32_t, kSlots> seen;
-    seen.fill(kNone);
-    const auto insert = [&](std::uint32_t face) {
-        std::uint32_t slot = (face * 2654435769u) >> 22;
-        for (; seen[slot] != kNone; slot = (slot + 1) % kSlots)
-            if (seen[slot] == face) return false;
-        seen[slot] = face;
-        return true;
-    };
-    std::vector<std::uint32_t> reached;
-    reached.reserve(kNearby);
-    reached.push_back(start);
-    insert(start);
-    SurfaceHit best = walk_to_closest(surface, p, start);
-    for (std::size_t k = 0; k < reached.size(); ++k) {
-        SurfaceHit hit{reached[k], 0, {}};
-        if (const auto q = surface.corners(hit.face); !surely_farther(p, q, best.squared)) {
+SurfaceHit NearbySearch::from(const Vec3d& p, std::uint32_t start) {
+    if (++turn_ == 0 || seen_.size() != surface_.faces.size()) seen_.assign(surface_.faces.size(), 0), turn_ = 1;
+    reached_.assign(1, start);
+    seen_[start] = turn_;
+    SurfaceHit best = walk_to_closest(surface_, p, start);
+    for (std::size_t k = 0; k < reached_.size(); ++k) {
+        SurfaceHit hit{reached_[k], 0, {}};
+        if (const auto q = surface_.corners(hit.face); !surely_farther(p, q, best.squared)) {
             hit.squared = closest_on_triangle(p, q, hit.b);
             if (hit.squared < best.squared) best = hit;
         }
-        for (const std::uint32_t next : surface.neighbours[hit.face])
-            if (next != kNone && reached.size() < kNearby && insert(next)) reached.push_back(next);
+        if (reached_.size() == kNearby) continue;
+        for (const std::uint32_t next : surface_.neighbours[hit.face])
+            if (next != kNone && reached_.size() < kNearby && seen_[next] != turn_)
+                seen_[next] = turn_, reached_.push_back(next);
     }
     return best;
 }

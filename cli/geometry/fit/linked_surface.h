@@ -44,8 +44,18 @@ double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& corners, 
 /// of the distance, on the sheet that `start` lies on. Bounded work. Thread-safe.
 [[nodiscard]] SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start);
 
-/// The same among some hundred faces around `start`: the other wall of a narrow fold, where a walk does not go.
-[[nodiscard]] SurfaceHit search_nearby(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start);
+/// The same among some hundred faces around a start: the other wall of a narrow fold, where a walk does not go.
+class NearbySearch {
+ public:
+    /// @param surface  must outlive the search; what it holds may change in between
+    explicit NearbySearch(const LinkedSurface& surface) : surface_(surface) {}
+    [[nodiscard]] SurfaceHit from(const Vec3d& p, std::uint32_t start);
+
+ private:
+    const LinkedSurface& surface_;
+    std::vector<std::uint32_t> seen_, reached_;  // seen_: per face, the last turn that reached it
+    std::uint32_t turn_ = 0;
+};
 
 /// The source of a chart with its cut closed: the disk's faces, in their order, over its surface points.
 [[nodiscard]] LinkedSurface link_source(const Disk& disk);

@@ -155,6 +155,7 @@ void Matches::look_again_far_off(std::span<const char> near) {
         std::min<std::size_t>(5000, all / 8);  // few faces are all alike, and far off means nothing
     const double squared = farthest_squared();
     std::size_t count = 0;
+    NearbySearch on_grid_surface(grid_.surface), on_source_surface(source_);
     for (std::size_t which = 0; which < lists.size(); ++which) {
         std::vector<Match>& list = *lists[which];
         for (std::size_t chunk = 0; chunk < farthest_[which].size(); ++chunk) {
@@ -166,7 +167,7 @@ void Matches::look_again_far_off(std::span<const char> near) {
                 const bool on_grid = &list == &points;
                 if (m.hit.squared > kFar * kFar * squared && ++count <= most && (on_grid || !source_index_) &&
                     (near.empty() || (on_grid ? near[m.hit.face] : &list == &middles && near[k])))
-                    m.hit = search_nearby(on_grid ? grid_.surface : source_, m.position, m.hit.face);
+                    m.hit = (on_grid ? on_grid_surface : on_source_surface).from(m.position, m.hit.face);
                 left = std::max(left, m.hit.squared);
             }
             farthest_[which][chunk] = left;

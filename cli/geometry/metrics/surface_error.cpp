@@ -109,8 +109,9 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
 /// The farthest samples, and the farthest of other faces: where the largest distance is looked for. A large face may
 /// have several tops, and a small one the highest. Samples nearer than `kRounding` lie on the other surface for all
 /// that can be said: which of them is the farthest changes with the frame the meshes are given in.
-std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared) {
-    constexpr std::size_t kFirst = 256, kOtherFaces = 256, kLooked = 8192;
+std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared,
+                                    std::size_t tops) {
+    constexpr std::size_t kLooked = 8192;
     constexpr double kRounding = 0x1p-22;  // of the unit: a few times what a position stored as float is off
     std::vector<std::uint32_t> order, out;
     for (std::uint32_t k = 0; k < samples.size(); ++k)
@@ -120,8 +121,8 @@ std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<c
         return squared[a] != squared[b] ? squared[a] > squared[b] : a < b;
     });
     std::unordered_set<std::uint32_t> taken;
-    for (auto k = order.begin(); k != looked && out.size() < kFirst + kOtherFaces; ++k)
-        if (taken.insert(samples[*k].face).second || out.size() < kFirst) out.push_back(*k);
+    for (auto k = order.begin(); k != looked && out.size() < 2 * tops; ++k)
+        if (taken.insert(samples[*k].face).second || out.size() < tops) out.push_back(*k);
     return out;
 }
 
@@ -234,7 +235,9 @@ class Direction {
         for (const std::span<const double> known :
              {std::span<const double>(squared), {vertex_squared}, {border_squared}})
             for (const double d : known) worst = std::max(worst, d);
-        if (options.vertices) worst = std::max({worst, highest(surface, squared), highest(border, border_squared)});
+        if (options.vertices)
+            worst = std::max(
+                {worst, highest(surface, squared, options.tops), highest(border, border_squared, options.tops)});
         result.hausdorff = std::sqrt(worst) * unit_;
         const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
         if (!weighted.empty())
@@ -289,8 +292,9 @@ class Direction {
     }
 
     /// The largest squared distance that is found uphill from the farthest samples.
-    [[nodiscard]] double highest(std::span<const Sample> samples, std::span<const double> squared) const {
-        const std::vector<std::uint32_t> far = farthest(samples, squared);
+    [[nodiscard]] double highest(std::span<const Sample> samples, std::span<const double> squared,
+                                 std::size_t most) const {
+        const std::vector<std::uint32_t> far = farthest(samples, squared, most);
         std::vector<double> tops(far.size());
         tbb::parallel_for(std::size_t{0}, far.size(),
                           [&](std::size_t k) { tops[k] = climb(samples[far[k]], squared[far[k]]); });

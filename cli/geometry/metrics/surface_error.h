@@ -2,6 +2,7 @@
 // cli/geometry/metrics/surface_error.h
 // How far two surfaces are apart (design section 7): rms, hausdorff, normal_rms.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -28,6 +29,7 @@ struct SurfaceError {
 
 /// What baker and validator measure with; of one and the same seed, so that they look at the same points.
 inline constexpr std::uint64_t kSurfaceSamples = 400'000;
+inline constexpr std::size_t kSurfaceTops = 256;
 
 struct SurfaceErrorOptions {
     std::uint64_t samples =
@@ -36,6 +38,8 @@ struct SurfaceErrorOptions {
     /// Without them `hausdorff` is of the random points alone, and the faces of the worst are not looked at more
     /// closely; rms is the same.
     bool vertices = true;
+    /// Farthest points, and as many of other faces, that `hausdorff` climbs from; to climb costs as much as 48 points.
+    std::size_t tops = kSurfaceTops;
     /// The closest points of the source, if there is an index already; must be built of the mesh measured.
     const ClosestPointIndex* source_index = nullptr;
     /// Unit normal at a point of a face of the map (index, barycentric coordinates) as drawn with the layer `bump`;

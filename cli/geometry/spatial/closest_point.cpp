@@ -24,6 +24,9 @@ using model::Vec3d;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// So few triangles are looked at one by one: a hierarchy of them costs more, to build and to ask.
+constexpr std::size_t kFewTriangles = 48;
+
 // Beyond this many diagonals from the centre, float boxes say nothing (and their squares may overflow): search them
 // all.
 constexpr double kFarDiagonals = 1e15;
@@ -269,7 +272,7 @@ struct ClosestPointIndex::Impl {
     Impl(std::span<const Vec3d> positions, std::span<const Face> faces) {
         fit_frame(positions, faces);
         add_triangles(positions, faces);
-        if (!triangles.empty()) build();
+        if (triangles.size() > kFewTriangles) build();
     }
     ~Impl() {
         if (scene != nullptr) rtcReleaseScene(scene);
@@ -368,7 +371,7 @@ struct ClosestPointIndex::Impl {
         if (triangles.empty() || !is_finite(search.point)) return {};
         search.reach = std::max({std::abs(search.point.x), std::abs(search.point.y), std::abs(search.point.z), 1.0});
         if (hint < triangle_of_face.size() && triangle_of_face[hint] != kNone) search.visit(triangle_of_face[hint]);
-        if (search.reach > kFarDiagonals) {
+        if (scene == nullptr || search.reach > kFarDiagonals) {
             for (std::uint32_t t = 0; t < triangles.size(); ++t) search.visit(t);
         } else {
             RTCPointQuery query{static_cast<float>(search.point.x), static_cast<float>(search.point.y),
