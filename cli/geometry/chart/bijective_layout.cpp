@@ -118,18 +118,60 @@ class Augmented {
         constexpr std::size_t kMostMeasured = 2000;  // border points that distances are measured to
         std::vector<Vec2d> fixed;
         for (std::size_t p = 0; p < points.size(); p += 1 + border / kMostMeasured) fixed.push_back(points[p]);
-        for (; spacing < 0.25 * extent; spacing *= 2)
+        for (; spacing < 0.25 * extent; spacing *= 2) {
+            const double nearest = 0.8 * spacing, farthest = 1.6 * spacing;
+            const Buckets buckets(fixed, lo, hi, farthest);
             for (double y = lo.y + spacing; y < hi.y - 0.5 * spacing; y += spacing)
                 for (double x = lo.x + spacing; x < hi.x - 0.5 * spacing; x += spacing) {
-                    double nearest = INFINITY;
-                    for (const Vec2d& p : fixed) {
-                        const Vec2d d = p - Vec2d{x, y};
-                        nearest = std::min(nearest, dot(d, d));
-                    }
-                    if (nearest > 0.8 * 0.8 * spacing * spacing && nearest <= 1.6 * 1.6 * spacing * spacing)
-                        points.push_back({x, y});
+                    const double squared = buckets.nearest_squared({x, y});
+                    if (squared > nearest * nearest && squared <= farthest * farthest) points.push_back({x, y});
                 }
+        }
     }
+
+    /// Points by the square of side `reach` that they lie in: those within reach of a place are in nine of them.
+    class Buckets {
+     public:
+        Buckets(std::span<const Vec2d> points, Vec2d lo, Vec2d hi, double reach)
+            : lo_(lo),
+              reach_(reach),
+              columns_(static_cast<std::size_t>((hi.x - lo.x) / reach) + 1),
+              rows_(static_cast<std::size_t>((hi.y - lo.y) / reach) + 1),
+              first_(rows_ * columns_ + 1, 0),
+              points_(points.size()) {
+            const auto bucket = [&](Vec2d p) {
+                return index(p.y - lo_.y, rows_) * columns_ + index(p.x - lo_.x, columns_);
+            };
+            for (const Vec2d& p : points) ++first_[bucket(p) + 1];
+            for (std::size_t b = 0; b + 1 < first_.size(); ++b) first_[b + 1] += first_[b];
+            std::vector<std::size_t> fill(first_.begin(), first_.end() - 1);
+            for (const Vec2d& p : points) points_[fill[bucket(p)]++] = p;
+        }
+
+        /// Of the points within reach, or of some farther off; infinity if there are none.
+        [[nodiscard]] double nearest_squared(Vec2d at) const {
+            const std::size_t row = index(at.y - lo_.y, rows_), column = index(at.x - lo_.x, columns_);
+            double squared = INFINITY;
+            for (std::size_t r = row - (row > 0); r <= std::min(row + 1, rows_ - 1); ++r) {
+                const std::size_t base = r * columns_;
+                const std::size_t end = first_[base + std::min(column + 1, columns_ - 1) + 1];
+                for (std::size_t p = first_[base + column - (column > 0)]; p < end; ++p)
+                    squared = std::min(squared, dot(points_[p] - at, points_[p] - at));
+            }
+            return squared;
+        }
+
+     private:
+        [[nodiscard]] std::size_t index(double along, std::size_t count) const {
+            return std::min(static_cast<std::size_t>(std::max(along, 0.0) / reach_), count - 1);
+        }
+
+        Vec2d lo_;
+        double reach_;
+        std::size_t columns_, rows_;
+        std::vector<std::size_t> first_;
+        std::vector<Vec2d> points_;
+    };
 
     const DiskView& disk_;
     const Triangulate& triangulate_;

@@ -59,15 +59,16 @@ std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositio
     std::vector<MatchedPoint> points(count);
     constexpr std::size_t kChunk = 1024;  // neighbours share a hint
     tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-        std::uint32_t hint = ClosestPointIndex::kNoFace;
+        std::uint32_t hint = ClosestPointIndex::kNoFace, last = kNone;
+        Vec3d normal;  // of face `last`: neighbours share it, too
         for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
             MatchedPoint& p = points[k];
             SurfaceSample from = spread[k];
-            const Vec3d position = local_position(in, from), normal = normal_of_face(mesh, from.face);
+            const Vec3d position = local_position(in, from);
+            if (from.face != last) last = from.face, normal = normal_of_face(mesh, last);
             ClosestPoint hit = index.query(position, hint);
             hint = hit.face;
-            if (hit.face != ClosestPointIndex::kNoFace &&
-                dot(normal_of_face(surface, hit.face), normal) <= kMinCosine) {
+            if (hit.face != ClosestPointIndex::kNoFace && dot(index.unit_normal(hit.face), normal) <= kMinCosine) {
                 const double limit = 2 * hit.distance + 0.25 * spacing;
                 const ClosestPoint same =
                     index.query_facing(position, normal, kMinCosine, ClosestPointIndex::kNoFace, limit);
