@@ -12,6 +12,7 @@
 #include "geometry/chart/hidden_cut.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/chart/star_cut.h"
+#include "geometry/chart/straight_cut.h"
 #include "geometry/chart/trial_map.h"
 #include "geometry/simplify/simplify.h"
 #include "model/codes.h"
@@ -21,6 +22,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kExact = 1e-10;  // normalised units
+constexpr double kReach = 1;      // of straight paths from those along edges, in mean edges of the mesh searched
 constexpr double kGain = 0.99;    // a trial must lower the error by 1 % to count
 /// A trial need not be as good as the bake, only as good as the other trials.
 MultilevelOptions trial_options() {
@@ -34,6 +36,13 @@ MultilevelOptions trial_options() {
 struct GridSides {
     std::uint32_t m, n;
 };
+
+double length_of_cut(const Disk& disk) {
+    double total = 0;
+    for (const BorderPath& path : disk.paths())
+        if (path.mate != kNone) total += 0.5 * path.length;
+    return total;
+}
 
 struct Trial {
     double rms = kInfinity;
@@ -64,12 +73,14 @@ class Search {
         if (!best_) throw *failure_;
         if (options_.given_to_hide > 0 && !options_.measured) hide();
         out_.disk = best_->open();
-        out_.cut_length = best_->length();
+        if (best_->length() > 0 && !options_.measured && !(out_.rms < kExact)) pull_straight();
+        out_.cut_length = length_of_cut(out_.disk);
         return std::move(out_);
     }
 
     /// Of the last run.
     [[nodiscard]] const CutGraph& best_cut() const { return *best_; }
+    [[nodiscard]] bool runs_straight() const { return straight_; }
 
  private:
     /// Loops about handles depend on where they meet: of some places the best of the shortest cuts.
@@ -106,11 +117,14 @@ class Search {
     /// One map and one measurement of a cut; keeps the first failure's reason.
     Trial attempt(const CutGraph& cut, std::optional<std::uint32_t> rotation,
                   BorderShares shares = BorderShares::kByLength) {
+        return attempt(cut.open(), rotation, shares);
+    }
+
+    Trial attempt(Disk disk, std::optional<std::uint32_t> rotation, BorderShares shares) {
         progress_.update("cut", share());
         ++out_.trials;
         Trial trial;
         try {
-            Disk disk = cut.open();
             trial.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
             if (!options_.measured) {
                 TrialMap map = make_trial_map(std::move(disk), options_.m, options_.n, trial.rotation, trial_options(),
@@ -283,6 +297,30 @@ class Search {
         }
     }
 
+    /// Paths of the best cut run across faces where they are jagged along edges, unless that costs more accuracy than
+    /// they were jagged: where the grid shows each face of a coarse mesh, seams along its edges spare samples.
+    void pull_straight() {
+        constexpr double kJagged = 0.03;  // share of the length that is lost
+        constexpr double kWorth = 0.25;   // of that share: how much the error may grow
+        Disk straight = open_straight(*best_, kReach);
+        const double shorter = 1 - length_of_cut(straight) / best_->length();
+        if (shorter < kJagged) return;
+        std::uint32_t rotation = 0;
+        if (out_.shares != BorderShares::kEqualArms) {
+            std::vector<std::uint32_t> same(component_.positions.size());
+            std::iota(same.begin(), same.end(), 0u);
+            const auto found = transfer_rotation(out_.disk, options_.m, options_.n, out_.rotation, same, straight,
+                                                 options_.m, options_.n);
+            rotation = found ? *found : candidate_rotations(straight, options_.m, options_.n, 1).front();
+        }
+        const Trial trial = attempt(straight, rotation, out_.shares);
+        if (trial.rms > (1 + kWorth * shorter) * out_.rms) return;
+        straight_ = true;
+        out_.disk = std::move(straight);
+        out_.rms = trial.rms;
+        out_.rotation = rotation;
+    }
+
     const TriMesh& component_;
     const CutSearchOptions& options_;
     const model::Progress& progress_;
@@ -292,6 +330,7 @@ class Search {
     std::optional<CutGraph> best_;
     std::optional<model::Error> failure_;
     CutSearchResult out_;
+    bool straight_ = false;
 };
 
 /// An m x n grid shrunk to `longest` samples along its longer side.
@@ -389,8 +428,10 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
         if (!transfer_cut(search.best_cut(), coarse.original, small, fine))
             throw model::Error(model::codes::kMapInvalid, "the cut of the simplified mesh could not be carried over");
         const Disk coarse_disk = std::move(out.disk);
-        out.disk = fine.open();
-        out.cut_length = fine.length();
+        const double finer =
+            std::sqrt(static_cast<double>(component.faces.size()) / static_cast<double>(small.faces.size()));
+        out.disk = search.runs_straight() ? open_straight(fine, kReach * finer) : fine.open();
+        out.cut_length = length_of_cut(out.disk);
         if (star) return out;
         const auto rotation =
             transfer_rotation(coarse_disk, grid.m, grid.n, out.rotation, coarse.original, out.disk, wanted.m, wanted.n);

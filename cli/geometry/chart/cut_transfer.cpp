@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "geometry/chart/cut_carry.h"
-#include "geometry/mesh/union_find.h"
 #include "geometry/parameterize/square_border.h"
 
 namespace dgm::bake {
@@ -92,28 +91,6 @@ std::vector<std::uint32_t> points_of(const Disk& disk, const BorderPath& path) {
     return out;
 }
 
-/// True if what is left of the surface without the cut and the border is one open disk: connected, and of Euler
-/// characteristic 1.
-bool opens_to_disk(const CutGraph& cut) {
-    const std::span<const Face> faces = cut.mesh().faces;
-    UnionFind joined(faces.size());
-    std::size_t parts = faces.size();
-    std::int64_t edges = 0, vertices = 0;
-    std::vector<char> inside(cut.mesh().positions.size(), 0);
-    for (std::uint32_t h = 0; h < cut.opposite().size(); ++h) inside[origin(faces, h)] = 1;
-    for (std::uint32_t h = 0; h < cut.opposite().size(); ++h) {
-        const std::uint32_t across = cut.opposite()[h];
-        if (across == kNone || cut.is_cut(h)) {
-            inside[origin(faces, h)] = inside[target(faces, h)] = 0;
-        } else if (h < across) {
-            ++edges;
-            if (joined.unite(h / 3, across / 3)) --parts;
-        }
-    }
-    for (const char v : inside) vertices += v;
-    return parts == 1 && vertices - edges + static_cast<std::int64_t>(faces.size()) == 1;
-}
-
 class Transfer {
  public:
     Transfer(CutGraph& fine, const CutGraph& coarse, std::span<const std::uint32_t> original,
@@ -131,7 +108,7 @@ class Transfer {
         for (const BorderPath& path : paths)
             for (std::uint32_t v : points_of(coarse_, path)) used_[original_[v]] = 1;
         if (!lay(paths) || !mark_all()) carry(paths);
-        if (!opens_to_disk(fine_)) return false;
+        if (!fine_.opens_to_disk()) return false;
         straighten(0, laid_.size());
         return true;
     }
@@ -155,7 +132,7 @@ class Transfer {
     /// False, and nothing marked, if the paths do not open the mesh into one disk.
     bool mark_all() {
         for (const Laid& laid : laid_) mark(laid.vertices, true);
-        if (opens_to_disk(fine_)) return true;
+        if (fine_.opens_to_disk()) return true;
         for (const Laid& laid : laid_) mark(laid.vertices, false);
         return false;
     }
@@ -244,7 +221,7 @@ class Transfer {
             straighten(*it);
             mark(it->vertices, true);
         }
-        if (opens_to_disk(fine_)) return;
+        if (fine_.opens_to_disk()) return;
         for (auto it = begin; it != end; ++it) {
             mark(it->vertices, false);
             use(*it, 0);

@@ -373,10 +373,8 @@ void CutGraph::weigh(std::span<const double> factors) {
 }
 
 double CutGraph::edge_cost(std::uint32_t half_edge) const {
-    const double length = dgm::model::length(mesh_->positions[origin(mesh_->faces, half_edge)] -
-                                             mesh_->positions[target(mesh_->faces, half_edge)]);
-    // kNone is the largest number.
-    return factors_.empty() ? length : length * factors_[std::min(half_edge, opposite_[half_edge])];
+    return factor(half_edge) * dgm::model::length(mesh_->positions[origin(mesh_->faces, half_edge)] -
+                                                  mesh_->positions[target(mesh_->faces, half_edge)]);
 }
 
 double CutGraph::connect(std::uint32_t from, std::uint32_t to) {
@@ -416,6 +414,27 @@ double CutGraph::length() const {
             total += dgm::model::length(mesh_->positions[origin(mesh_->faces, h)] -
                                         mesh_->positions[target(mesh_->faces, h)]);
     return total;
+}
+
+// Connected, and of Euler characteristic 1.
+bool CutGraph::opens_to_disk() const {
+    const std::span<const Face> faces = mesh_->faces;
+    UnionFind joined(faces.size());
+    std::size_t parts = faces.size();
+    std::int64_t edges = 0, vertices = 0;
+    std::vector<char> inside(mesh_->positions.size(), 0);
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h) inside[origin(faces, h)] = 1;
+    for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
+        const std::uint32_t across = opposite_[h];
+        if (across == kNone || cut_[h]) {
+            inside[origin(faces, h)] = inside[target(faces, h)] = 0;
+        } else if (h < across) {
+            ++edges;
+            if (joined.unite(h / 3, across / 3)) --parts;
+        }
+    }
+    for (const char v : inside) vertices += v;
+    return parts == 1 && vertices - edges + static_cast<std::int64_t>(faces.size()) == 1;
 }
 
 Disk CutGraph::open() const {

@@ -5,6 +5,7 @@
 // [Erickson, Har-Peled 2004], [Erickson, Whittlesey 2005] greedy tree-cotree loops; [Gu, Gortler, Hoppe 2002] joining
 // extremities to the cut.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -51,9 +52,16 @@ class CutGraph {
     /// Per vertex, nonzero where a dead end of the cut ends.
     [[nodiscard]] std::vector<char> tips() const;
 
+    /// True if what is left of the surface without the cut and the border is one open disk.
+    [[nodiscard]] bool opens_to_disk() const;
     [[nodiscard]] Disk open() const;
     [[nodiscard]] double length() const;
     [[nodiscard]] double edge_cost(std::uint32_t half_edge) const;
+    /// Of weigh(); 1 without.
+    [[nodiscard]] double factor(std::uint32_t half_edge) const {
+        // kNone is the largest number.
+        return factors_.empty() ? 1 : factors_[std::min(half_edge, opposite_[half_edge])];
+    }
     [[nodiscard]] bool is_cut(std::uint32_t half_edge) const { return cut_[half_edge] != 0; }
     /// Cuts or heals an edge (both half-edges).
     void mark(std::uint32_t half_edge, bool cut);
