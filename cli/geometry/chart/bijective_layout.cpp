@@ -4,6 +4,7 @@
 #include "geometry/chart/bijective_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -15,13 +16,17 @@ namespace dgm::bake {
 namespace {
 constexpr int kRounds = 40;
 constexpr std::size_t kStepsPerRound = 3;
-constexpr double kOutsideWeight = 0.01;     // of all triangles outside, against the surface
-constexpr double kMargin = 0.5;             // of the chart's extent, between it and the box
-constexpr std::uint32_t kBoxPoints = 8;     // per side
-constexpr double kTolerance = 2e-3;         // of the energy, gained by a round
-constexpr double kRoughly = 2e-2;           // the same where another energy follows
-constexpr double kOnceMore = 2e-2;          // the same where a coarser level has come to kTolerance
-constexpr std::size_t kCoarseFaces = 3000;  // of that level, beside two for each border vertex
+constexpr double kOutsideWeight = 0.01;      // of all triangles outside, against the surface's energy
+constexpr std::size_t kStepsInside = 60;     // at most, before the border moves
+constexpr double kIdle = 1e-3;               // gained by one of them: no more
+constexpr double kCrowded = 20;              // energy that calls for them; an isometric map has 2
+constexpr double kFlat = 0.05, kWiden = 30;  // of rest shapes outside
+constexpr double kMargin = 0.5;              // of the chart's extent, between it and the box
+constexpr std::uint32_t kBoxPoints = 8;      // per side
+constexpr double kTolerance = 2e-3;          // of the energy, gained by a round
+constexpr double kRoughly = 2e-2;            // the same where another energy follows
+constexpr double kOnceMore = 2e-2;           // the same where a coarser level has come to kTolerance
+constexpr std::size_t kCoarseFaces = 3000;   // of that level, beside two for each border vertex
 
 double twice_area(Vec2d a, Vec2d b, Vec2d c) {
     return cross(b - a, c - a);
@@ -32,6 +37,21 @@ RestShape at_rest(Vec2d a, Vec2d b, Vec2d c, double weight) {
     const double inverse = 1 / twice_area(a, b, c);
     const auto hat = [&](Vec2d p, Vec2d q) { return Vec2d{p.y - q.y, q.x - p.x} * inverse; };
     return {{hat(b, c), hat(c, a), hat(a, b)}, weight};
+}
+
+/// The triangle abc, up to kWiden times as high over its longest side, but not higher than kFlat sides. Rest shapes as
+/// flat as what they stand for would let the borders on both sides of a gap close in on each other round by round,
+/// until doubles know no gap any more and no step is left.
+std::array<Vec2d, 3> widened(std::array<Vec2d, 3> q) {
+    std::size_t apex = 0;
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (const double side = length(q[(k + 2) % 3] - q[(k + 1) % 3]); side > longest) longest = side, apex = k;
+    const Vec2d base = q[(apex + 1) % 3], along = (q[(apex + 2) % 3] - base) * (1 / longest), up{-along.y, along.x};
+    const double height = dot(q[apex] - base, up);
+    if (height > 0 && height < kFlat * longest)
+        q[apex] = q[apex] + up * (std::min(kWiden * height, kFlat * longest) - height);
+    return q;
 }
 
 class Augmented {
@@ -46,8 +66,8 @@ class Augmented {
 
     [[nodiscard]] double area() const { return area_; }
 
-    /// Triangulates the outside of `uv` and moves the vertices by a few Newton steps.
-    void improve(std::vector<Vec2d>& uv, FlipFreeEnergy energy, const model::Progress& progress) {
+    /// Triangulates the outside of `uv`, where the energy is `now`, and moves the vertices by a few Newton steps.
+    void improve(std::vector<Vec2d>& uv, FlipFreeEnergy energy, double now, const model::Progress& progress) {
         const std::size_t n = disk_.positions.size(), k = disk_.border.size();
         std::vector<Vec2d> points, x = uv;
         std::vector<std::pair<std::uint32_t, std::uint32_t>> constraints;
@@ -79,7 +99,9 @@ class Augmented {
         faces_.resize(disk_.faces.size());
         rest_.resize(disk_.faces.size());
         const std::vector<Face> outside = triangulate_(points, constraints);
-        const double weight = kOutsideWeight * area_ / static_cast<double>(outside.size());
+        // Beside a large energy gaps would cost nothing, and close. An isometric map has an energy of 2.
+        const double share = kOutsideWeight * std::max(1.0, 0.5 * now);
+        const double weight = share * area_ / static_cast<double>(outside.size());
         // Border vertices are the disk's own, the box and what fills the outside come after them; what fell inside the
         // chart belongs to no face and gets no number.
         std::vector<std::uint32_t> number(points.size(), kNone);
@@ -93,7 +115,8 @@ class Augmented {
                 face[c] = v;
             }
             faces_.push_back(face);
-            rest_.push_back(at_rest(x[face[0]], x[face[1]], x[face[2]], weight));
+            const auto [a, b, c] = widened({x[face[0]], x[face[1]], x[face[2]]});
+            rest_.push_back(at_rest(a, b, c, weight));
         }
         const std::vector<Vec3d> nowhere(x.size());  // rest shapes stand for positions
         SlimOptions options;
@@ -146,6 +169,11 @@ std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv
     for (const Face& f : disk.faces) map += 0.5 * twice_area(uv[f[0]], uv[f[1]], uv[f[2]]);
     if (!(map > 0)) throw model::Error(model::codes::kMapInvalid, "the start of the descent has no area");
     for (Vec2d& p : uv) p = p * std::sqrt(augmented.area() / map);
+    // A crowded start spreads inside first, where there is no gap to close: loops about many handles need that most.
+    SlimOptions inside;
+    inside.border_fixed = true, inside.iterations = kStepsInside, inside.tolerance = kIdle;
+    if (flip_free_energy(disk, uv, inside) > kCrowded)
+        uv = descend_flip_free(disk, std::move(uv), inside, {.on_update = {}, .cancelled = progress.cancelled});
     for (const auto& [energy, tolerance] : energies) {
         SlimOptions options;
         options.energy = energy;
@@ -153,7 +181,7 @@ std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv
         for (int round = 0; round < kRounds; ++round) {
             progress.update("parameterize", static_cast<double>(round) / kRounds);
             std::vector<Vec2d> next = uv;
-            augmented.improve(next, energy, progress);
+            augmented.improve(next, energy, last, progress);
             const double lowered = flip_free_energy(disk, next, options);
             if (!(lowered < last)) break;
             uv = std::move(next);

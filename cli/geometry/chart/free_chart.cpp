@@ -236,12 +236,31 @@ Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& too
     return out;
 }
 
+/// Splits edges inside that join two border vertices: what they cut off would lie in a segment of the circle, almost
+/// without height.
+void split_chords(Disk& disk, std::span<const std::uint32_t> border) {
+    std::vector<char> on_border(disk.mesh.positions.size(), 0);
+    for (const std::uint32_t v : border) on_border[v] = 1;
+    for (std::uint32_t h = 0; h < disk.opposite.size(); ++h) {  // grows while it runs; new edges end inside
+        if (disk.opposite[h] == kNone) continue;
+        const std::uint32_t a = origin(disk.mesh.faces, h), b = target(disk.mesh.faces, h);
+        if (a < on_border.size() && b < on_border.size() && on_border[a] && on_border[b]) disk.split(h, 0.5);
+    }
+}
+
 /// For a cut whose map is no chart: from the circle down as far as the energy of the method goes without an overlap.
 SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                                    const FreeChartTools& tools, const model::Progress& progress, const Error& why) {
+    constexpr double kCrowded = 1e4;  // energy; an isometric map has 2
     const std::vector<std::uint32_t> border = border_vertices(disk);
     const std::string name(method.name());
-    const std::vector<Vec2d> circle = lay_on_circle(disk, border);
+    std::vector<Vec2d> circle = lay_on_circle(disk, border);
+    SlimOptions fixed;
+    fixed.border_fixed = true;
+    if (flip_free_energy({disk.mesh.positions, disk.mesh.faces, border, {}}, circle, fixed) > kCrowded) {
+        split_chords(disk, border);
+        circle = lay_on_circle(disk, border);
+    }
     const FlipFreeEnergy energy = name == "arap" ? FlipFreeEnergy::kArap : FlipFreeEnergy::kSymmetricDirichlet;
     std::string how = "; laid out again without overlap";
     SampledChart chart;
