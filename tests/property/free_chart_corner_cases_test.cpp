@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "geometry/cgal/border_simple.h"
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/chart/free_chart.h"
 #include "geometry/cut/cut_graph.h"
+#include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/free_methods.h"
 #include "geometry/repair/repair.h"
 #include "support/chart_checks.h"
@@ -85,6 +88,19 @@ TEST(FreeChartCornerCases, StripsAreNotTurnedOver) {
         for (std::uint32_t v = 0; v < sheet.positions.size(); ++v)
             EXPECT_EQ(turned_strip_faces(chart_of(sheet, {v}, m, m, "arap")), 0u) << v;
     }
+}
+
+/// Loops about many handles leave a ragged disk whose border, put on a circle, crowds what is behind it.
+TEST(FreeChartCornerCases, ManyHandlesSpread) {
+    std::vector<std::array<int, 3>> lattice;
+    for (int x = 0; x < 7; ++x)
+        for (int y = 0; y < 7; ++y)
+            for (int z = 0; z < 7; ++z)
+                if (x % 2 + y % 2 + z % 2 <= 1) lattice.push_back({x, y, z});
+    const TriMesh mesh = repair(test::cubes(lattice, 2)).components.at(0);  // genus 144 bars - 64 joints + 1
+    const SampledChart chart = chart_of(mesh, {}, 257, 257, "arap");
+    ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, mesh));
+    EXPECT_LT(measure_map(chart.disk.mesh.positions, chart.disk.mesh.faces, chart.uv).stretch_l2, 2);
 }
 
 }  // namespace

@@ -251,10 +251,17 @@ void split_chords(Disk& disk, std::span<const std::uint32_t> border) {
 /// For a cut whose map is no chart: from the circle down as far as the energy of the method goes without an overlap.
 SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                                    const FreeChartTools& tools, const model::Progress& progress, const Error& why) {
+    constexpr double kCrowded = 1e4;  // energy; an isometric map has 2
     const std::vector<std::uint32_t> border = border_vertices(disk);
     split_chords(disk, border);
     const std::string name(method.name());
-    const std::vector<Vec2d> circle = lay_on_circle(disk, border);
+    std::vector<Vec2d> circle = lay_on_circle(disk, border);
+    SlimOptions fixed;
+    fixed.border_fixed = true;
+    if (flip_free_energy({disk.mesh.positions, disk.mesh.faces, border, {}}, circle, fixed) > kCrowded) {
+        split_chords(disk, border);
+        circle = lay_on_circle(disk, border);
+    }
     const FlipFreeEnergy energy = name == "arap" ? FlipFreeEnergy::kArap : FlipFreeEnergy::kSymmetricDirichlet;
     std::string how = "; laid out again without overlap";
     SampledChart chart;
