@@ -10,11 +10,13 @@
 
 #include "geometry/fit/border_rails.h"
 #include "geometry/fit/diagonals.h"
+#include "geometry/fit/fit_rows.h"
+#include "geometry/fit/lattice_snap.h"
 #include "geometry/fit/matches.h"
 #include "geometry/fit/normal_equations.h"
 #include "geometry/fit/turned_search.h"
+#include "geometry/fit/turned_watch.h"
 #include "geometry/fit/untangle.h"
-#include "geometry/metrics/turned_faces.h"
 
 namespace dgm::bake {
 namespace {
@@ -30,19 +32,10 @@ constexpr double kUpright = 0.3;      // cosine to the source below, or what it 
 constexpr double kUprightLoss = 0.1;  // ... less this a round, while it is positive
 constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are mended at the start and at the end
 constexpr int kDiagonalRounds = 9;
-constexpr double kWorstShare = 0.6, kUrgency = 200;
-constexpr double kFading = 0.5;                                // of a pull, from one round to the next
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
-constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border, in those of its source points
-constexpr double kTightSteps = 8;     // of a lattice: faces less high than so many are watched while they are rounded
-constexpr double kSureGain = 0.6;     // in rms; ordinary charts reach 0.2
+constexpr double kSureGain = 0.6;                              // in rms; ordinary charts reach 0.2
 constexpr std::uint64_t kFewSamples = 20'000;
 constexpr double kExact = 1e-10;  // normalised units: nothing is left to fit
-
-double longest_squared(const std::array<Vec3d, 3>& q) {
-    const Vec3d a = q[1] - q[0], b = q[2] - q[1], c = q[0] - q[2];
-    return std::max({dot(a, a), dot(b, b), dot(c, c)});
-}
 
 class Fitter {
  public:
@@ -54,7 +47,9 @@ class Fitter {
           grid_(chart),
           matches_(chart, source_, grid_, point_count(chart, options)),
           fixed_(grid_.on_border),
-          rails_(chart, source_, grid_) {
+          rails_(chart, source_, grid_),
+          turned_(source_, grid_.surface),
+          rows_(source_, grid_, matches_, rails_, options.points_per_sample) {
         upward_ = normals_at_scale(source_, surface_area(source_) / static_cast<double>(chart.grid_count()));
     }
 
@@ -134,13 +129,18 @@ class Fitter {
     }
     void restore() {
         grid_.surface.positions = kept_positions_, chart_.diagonals = kept_diagonals_;
-        grid_.link(chart_);
+        relink();
         rails_.set_places(kept_places_);
+    }
+
+    void relink() {
+        grid_.link(chart_);
+        rows_.forget_edges();
     }
 
     void look_up_farthest() {
         matches_.update(true);
-        matches_.settle_farthest(source_index());
+        matches_.settle_farthest(turned_.source_index());
     }
 
     /// Rounds that pull hardest where the error is near the largest, at a bounded price in the mean. None that turns a
@@ -149,25 +149,16 @@ class Fitter {
         look_up_farthest();
         const double allowed = rms_ * std::pow(10, options_.worst_price_db / 20);
         largest_ = largest();
-        const std::vector<std::uint32_t> left = doubtful_faces();
+        const std::vector<std::uint32_t> left = turned_.doubtful_faces(matches_, kEndUpright);
         for (int round = 0; round < options_.worst_rounds; ++round) {
             tell(options_.rounds + round);
             const std::vector<Vec3d> before = grid_.surface.positions;
             step(true);
             matches_.update(true);
             const bool sound = take_back_turned(before, left);
-            matches_.settle_farthest(source_index());
+            matches_.settle_farthest(turned_.source_index());
             if (sound && matches_.rms <= allowed && largest() < largest_) keep(), ++report.rounds;
         }
-    }
-
-    /// Turned by the measure, of those that look away from the source below their middles.
-    [[nodiscard]] std::vector<std::uint32_t> doubtful_faces() {
-        const LinkedSurface& grid = grid_.surface;
-        std::vector<char> doubtful(grid.faces.size());
-        for (std::size_t f = 0; f < doubtful.size(); ++f)
-            doubtful[f] = !(dot(grid.normals[f], source_.normals[matches_.middles[f].hit.face]) > kEndUpright);
-        return turned_faces(source_index(), doubtful);
     }
 
     /// Corners of faces that are turned, but for those in `left`, go back to where they were.
@@ -176,7 +167,7 @@ class Fitter {
         constexpr int kPasses = 3;
         LinkedSurface& grid = grid_.surface;
         for (int pass = 0;; ++pass) {
-            const std::vector<std::uint32_t> turned = doubtful_faces();
+            const std::vector<std::uint32_t> turned = turned_.doubtful_faces(matches_, kEndUpright);
             std::vector<std::uint32_t> fresh;
             std::set_difference(turned.begin(), turned.end(), left.begin(), left.end(), std::back_inserter(fresh));
             if (fresh.empty()) return true;
@@ -197,12 +188,12 @@ class Fitter {
     /// What had to move is fitted again, as long as nothing turns.
     void mend_turned() {
         constexpr int kPasses = 10, kSearches = 3;
-        const ClosestPointIndex& index = source_index();
+        const ClosestPointIndex& index = turned_.source_index();
         const std::vector<Vec3d> before = grid_.surface.positions;
-        if (unmended_ && turned_faces(index) == *unmended_) return;
+        if (unmended_ && turned_.faces() == *unmended_) return;
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
-            const std::vector<std::uint32_t> turned = turned_faces(index);
+            const std::vector<std::uint32_t> turned = turned_.faces();
             for (const std::uint32_t f : turned)
                 if (const ClosestPoint hit = index.query(matches_.middles[f].position); hit.face != kNone)
                     matches_.middles[f].hit.face = hit.face;
@@ -212,48 +203,22 @@ class Fitter {
         }
         if (moved) matches_.update(false);
         for (int round = 0; round < kSearches; ++round) {
-            const std::vector<std::uint32_t> left = turned_faces(index);
+            const std::vector<std::uint32_t> left = turned_.faces();
             if (left.empty() || !turn_back(source_, index, grid_, matches_, fixed_, left)) break;
             moved = true;
-            if (!flip_quads(turned_faces(index), true)) break;
+            if (!flip_quads(turned_.faces(), true)) break;
         }
         if (moved) {
             matches_.update(true);
             keep();
-            refit_around(before, index);
+            refit_around(before);
         }
-        unmended_ = turned_faces(index);
-    }
-
-    const ClosestPointIndex& source_index() {
-        if (!source_index_) source_index_.emplace(source_.positions, source_.faces);
-        return *source_index_;
-    }
-
-    /// Of the faces marked in `among`, or of all. Only those that changed since they were last looked at are measured:
-    /// mending moves few.
-    [[nodiscard]] std::vector<std::uint32_t> turned_faces(const ClosestPointIndex& index,
-                                                          std::span<const char> among = {}) {
-        const LinkedSurface& grid = grid_.surface;
-        constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to nothing
-        judged_.resize(grid.faces.size(), {{Vec3d{kNever, kNever, kNever}, Vec3d{}, Vec3d{}}, false});
-        TriMesh surface;
-        surface.positions = grid.positions;
-        std::vector<std::uint32_t> number, out;
-        for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
-            if (const auto q = grid.corners(f); (among.empty() || among[f]) && q != judged_[f].corners) {
-                surface.faces.push_back(grid.faces[f]), number.push_back(f);
-                judged_[f] = {q, false};
-            }
-        for (const std::uint32_t k : find_turned_faces(index, surface, kTurnedTie)) judged_[number[k]].turned = true;
-        for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
-            if ((among.empty() || among[f]) && judged_[f].turned) out.push_back(f);
-        return out;
+        unmended_ = turned_.faces();
     }
 
     /// Fits the classes that are not where they were, and a few rings around them, while all others are held. Faces
     /// that turn again in a round have theirs held in the next.
-    void refit_around(const std::vector<Vec3d>& before, const ClosestPointIndex& index) {
+    void refit_around(const std::vector<Vec3d>& before) {
         constexpr int kRings = 4;
         const int rounds = options_.worst_rounds > 0 ? 6 : 2;
         const LinkedSurface& grid = grid_.surface;
@@ -269,13 +234,13 @@ class Fitter {
         std::vector<Freedom> freedom(near.size(), Freedom::kHeld);
         for (std::size_t c = 0; c < near.size(); ++c)
             if (near[c] && !fixed_[c]) freedom[c] = Freedom::kFree;
-        const std::vector<std::uint32_t> left = turned_faces(index, near_face);
+        const std::vector<std::uint32_t> left = turned_.faces(near_face);
         for (int round = 0; round < rounds; ++round) {
             NormalEquations equations(grid_);
-            assemble(equations, round % 2 == 1, near_face);
+            rows_.assemble(equations, round % 2 == 1, near_face);
             move(equations.solve(freedom, {}, kDamping, kCgIterations), {});
             matches_.update(true, near_face);
-            const std::vector<std::uint32_t> turned = turned_faces(index, near_face);
+            const std::vector<std::uint32_t> turned = turned_.faces(near_face);
             std::vector<std::uint32_t> fresh;
             std::set_difference(turned.begin(), turned.end(), left.begin(), left.end(), std::back_inserter(fresh));
             if (fresh.empty() && matches_.rms < rms_) {
@@ -290,63 +255,13 @@ class Fitter {
         }
     }
 
-    /// Puts the classes of grid samples on the lattice of u16 positions, where the fit suffers least. Border samples of
-    /// a free chart are stored as f32 and stay.
     void put_on_lattice() {
         grid_.write_positions(chart_);
         const Lattice lattice = lattice_around(chart_);
         if (!(lattice.step > 0)) return;
-        LinkedSurface& grid = grid_.surface;
-        const std::vector<Vec3d> start = grid.positions, normals = grid.normals;
-        std::vector<char> on_lattice(start.size()), tight(start.size(), 0);
-        for (std::size_t c = 0; c < on_lattice.size(); ++c) on_lattice[c] = grid_.sample_of[c] < chart_.grid_count();
-        for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
-            const auto q = grid.corners(f);
-            if (2 * face_area(q) < kTightSteps * lattice.step * std::sqrt(longest_squared(q)))
-                for (const std::uint32_t c : grid.faces[f]) tight[c] = 1;
-        }
-        const WeldedGrid::Rings rings = grid_.rings();
-        const auto spoilt = [&](std::uint32_t c) {
-            int count = 0;
-            for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
-                const auto q = grid.corners(rings.faces[k]);
-                const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
-                const Vec3d below = source_.normals[matches_.middles[rings.faces[k]].hit.face];
-                count += !(dot(n, below) > kStartUpright * length(n));
-                count += !(dot(n, normals[rings.faces[k]]) > 0.5 * length(n));
-            }
-            return count;
-        };
         NormalEquations equations(grid_);
-        assemble(equations, false);
-        equations.snap(grid.positions, lattice, rails_.freedom(), on_lattice, tight, spoilt);
-        grid.update_normals();
-        matches_.update(true);
-        // Faces as high as a step or two: the corner that stands them up best moves, by two steps at most.
-        for (const std::uint32_t f : turned_faces(source_index()))
-            for (const std::uint32_t c : grid.faces[f]) {
-                if (!on_lattice[c] || fixed_[c]) continue;
-                const auto least = [&] {
-                    double out = 1;
-                    for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
-                        const auto q = grid.corners(rings.faces[k]);
-                        const Vec3d n = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
-                        out = std::min(out, dot(n, source_.normals[matches_.middles[rings.faces[k]].hit.face]));
-                    }
-                    return out;
-                };
-                const Vec3d old = grid.positions[c];
-                Vec3d best = old;
-                double most = least();
-                for (int k = 0; k < 125; ++k) {
-                    const Vec3d by{k % 5 - 2.0, k / 5 % 5 - 2.0, k / 25 - 2.0};
-                    grid.positions[c] = lattice.nearest(old + by * lattice.step);
-                    if (const double now = least(); now > most) most = now, best = grid.positions[c];
-                }
-                grid.positions[c] = best;
-            }
-        grid.update_normals();
-        matches_.update(true);
+        rows_.assemble(equations, false);
+        snap_to_lattice(lattice, equations, rails_.freedom(), chart_.grid_count(), source_, grid_, matches_, turned_);
         rms_ = matches_.rms, largest_ = largest();
         chart_.lattice = lattice;
     }
@@ -366,15 +281,9 @@ class Fitter {
         }
     }
 
-    /// Normal of the metric: the surface's, but along the gap where the closest point is on an edge of the face.
-    static Vec3d metric_normal(const Vec3d& gap, const Vec3d& face, const std::array<double, 3>& b) {
-        const bool inside = b[0] > 1e-9 && b[1] > 1e-9 && b[2] > 1e-9;
-        return inside ? face : normalized(gap, face);
-    }
-
     void step(bool worst_only) {
         NormalEquations equations(grid_);
-        assemble(equations, worst_only);
+        rows_.assemble(equations, worst_only);
         const std::vector<Vec3d> step = equations.solve(rails_.freedom(), rails_.directions(), kDamping, kCgIterations);
         std::vector<double> ways(rails_.empty() ? 0 : step.size());
         for (std::size_t c = 0; c < ways.size(); ++c) ways[c] = dot(step[c], rails_.directions()[c]);
@@ -396,7 +305,7 @@ class Fitter {
                 const auto q = grid.corners(f);
                 const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
                 const double l = length(n);
-                if (!(l > kCornerThinnest * longest_squared(q))) return -1.0;
+                if (!(l > kCornerThinnest * longest_edge_squared(q))) return -1.0;
                 least = std::min(least, dot(n, upward_[matches_.middles[f].hit.face]) / l);
             }
             return least;
@@ -416,61 +325,6 @@ class Fitter {
         rails_.slide(gone);
         grid.update_normals();
         return true;
-    }
-
-    /// @param near  per face of the grid: rows of these alone; all if empty
-    void assemble(NormalEquations& equations, bool worst_only, std::span<const char> near = {}) {
-        const double farthest = worst_only ? largest() : 0;
-        const auto excess = [&](double squared) {
-            return farthest > 0 ? kUrgency * std::max(0.0, std::sqrt(squared) / farthest - kWorstShare) : 0;
-        };
-        // The last rounds pull hardest where the error is near the largest, and not much less where it was a round ago:
-        // otherwise what one round brings closer, the next gives back for what stands off on the other side.
-        const auto urgency = [&](Pulls& pulls, const std::vector<Match>& list, std::size_t k) {
-            if (!worst_only) return 1.0;
-            pulls.resize(list.size(), 0);
-            pulls[k] = std::max(excess(list[k].hit.squared), kFading * pulls[k]);
-            return 1 + pulls[k];
-        };
-        const LinkedSurface& grid = grid_.surface;
-        for (std::size_t k = 0; k < matches_.points.size(); ++k) {
-            const Match& m = matches_.points[k];
-            if (!near.empty() && !near[m.hit.face]) continue;
-            const Vec3d gap = m.position - point_at(grid, m.hit);
-            equations.add(m.hit.face, m.hit.b, gap, metric_normal(gap, grid.normals[m.hit.face], m.hit.b),
-                          m.weight * urgency(pulls_[0], matches_.points, k));
-        }
-        const auto add_back = [&](const Match& m, double weight, std::uint32_t face, const std::array<double, 3>& b) {
-            const Vec3d gap = point_at(source_, m.hit) - m.position;
-            equations.add(face, b, gap, metric_normal(gap, source_.normals[m.hit.face], m.hit.b), weight);
-        };
-        for (std::size_t e = 0; e < matches_.edges.size(); ++e) {
-            const double pull = urgency(pulls_[1], matches_.edges, e);
-            if (!(pull > 1)) continue;
-            const auto [face, k] = matches_.edge_place[e];
-            if (!near.empty() && !near[face]) continue;
-            std::array<double, 3> b{0, 0, 0};
-            b[k] = b[(k + 1) % 3] = 0.5;
-            add_back(matches_.edges[e], matches_.middles[face].weight / 2 * pull, face, b);
-        }
-        std::vector<char> done(matches_.classes.size(), 0);
-        for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
-            if (!near.empty() && !near[f]) continue;
-            add_back(matches_.middles[f], matches_.middles[f].weight * urgency(pulls_[2], matches_.middles, f), f,
-                     {1.0 / 3, 1.0 / 3, 1.0 / 3});
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t c = grid.faces[f][k];
-                if (done[c]) continue;
-                done[c] = 1;
-                std::array<double, 3> b{0, 0, 0};
-                b[k] = 1;
-                add_back(matches_.classes[c], matches_.classes[c].weight * urgency(pulls_[3], matches_.classes, c), f,
-                         b);
-            }
-        }
-        if (!rails_.empty() && near.empty())
-            rails_.add_rows(equations, kBorderShare * options_.points_per_sample,
-                            [&](double squared) { return 1 + excess(squared); });
     }
 
     /// Applies a step, and `ways` along the border for classes that slide there: its tangential part is clamped, then
@@ -545,8 +399,8 @@ class Fitter {
         const Vec3d n0 = cross(was[1] - was[0], was[2] - was[0]), n1 = cross(now[1] - now[0], now[2] - now[0]);
         const double before = length(n0), after = length(n1);
         if (!(after > kShrink * before)) return false;
-        const double thin = after / longest_squared(now);
-        if (thin < kThinnest && thin < before / longest_squared(was)) return false;
+        const double thin = after / longest_edge_squared(now);
+        if (thin < kThinnest && thin < before / longest_edge_squared(was)) return false;
         Vec3d below = upward_[matches_.middles[f].hit.face];
         if (dot(n1, below) >= kUpright * after) return true;
         // Over a fold the middle's closest wall is a matter of chance; what all corners lie on is not.
@@ -558,13 +412,13 @@ class Fitter {
 
     void split_quads() {
         const std::vector<char> changed = fit_diagonals(chart_, grid_, matches_, source_);
-        grid_.link(chart_);
+        relink();
         matches_.update(false, changed);
     }
 
     bool flip_quads(std::span<const std::uint32_t> faces, bool measured) {
-        if (!flip_diagonals(chart_, grid_, faces, measured ? &source_index() : nullptr)) return false;
-        grid_.link(chart_);
+        if (!flip_diagonals(chart_, grid_, faces, measured ? &turned_.source_index() : nullptr)) return false;
+        relink();
         matches_.update(false);
         return true;
     }
@@ -577,16 +431,10 @@ class Fitter {
     Matches matches_;
     std::vector<char> fixed_;  // per class: on the source's border
     BorderRails rails_;
-    std::optional<ClosestPointIndex> source_index_;
-    struct Judged {
-        std::array<Vec3d, 3> corners;
-        bool turned;
-    };
+    TurnedWatch turned_;
+    FitRows rows_;
     std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
-    std::vector<Judged> judged_;                          // per face of the grid, when it was last looked at
     std::vector<Vec3d> upward_;                           // per face of the source: its normal at the scale of the grid
-    using Pulls = std::vector<double>;
-    std::array<Pulls, 4> pulls_;  // of the rounds for the largest error: beyond 1, of points, edges, middles, classes
     double rms_ = 0, largest_ = 0;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;

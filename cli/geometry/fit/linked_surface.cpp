@@ -71,6 +71,11 @@ void LinkedSurface::update_normals() {
     for (std::size_t f = 0; f < faces.size(); ++f) update_normal(f);
 }
 
+double longest_edge_squared(const std::array<Vec3d, 3>& q) {
+    const Vec3d a = q[1] - q[0], b = q[2] - q[1], c = q[0] - q[2];
+    return std::max({dot(a, a), dot(b, b), dot(c, c)});
+}
+
 SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start) {
     SurfaceHit hit{start, 0, {}};
     hit.squared = closest_on_triangle(p, surface.corners(start), hit.b);

@@ -36,8 +36,9 @@ class Matches {
     /// empty
     void update(bool with_edges, std::span<const char> near = {});
     /// After `update` with edges: the farthest matches once more, against all faces of the other surface. Walks stop in
-    /// local minima, and what they say is far off may lie on another fold; `largest` is then the distance of a place that
-    /// nothing can bring closer. Where only a wall that looks the other way is closer, the match stays with its own.
+    /// local minima, and what they say is far off may lie on another fold; `largest` is then the distance of a place
+    /// that nothing can bring closer. Where only a wall that looks the other way is closer, the match stays with its
+    /// own.
     /// @param source_index  of the source
     void settle_farthest(const ClosestPointIndex& source_index);
     /// The middle of one face again, after a corner of it has moved.

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/turned_watch.cpp
+#include "geometry/fit/turned_watch.h"
+
+#include <limits>
+
+#include "geometry/metrics/turned_faces.h"
+
+namespace dgm::bake {
+
+const ClosestPointIndex& TurnedWatch::source_index() {
+    if (!source_index_) source_index_.emplace(source_.positions, source_.faces);
+    return *source_index_;
+}
+
+std::vector<std::uint32_t> TurnedWatch::faces(std::span<const char> among) {
+    constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to nothing
+    judged_.resize(grid_.faces.size(), {{Vec3d{kNever, kNever, kNever}, Vec3d{}, Vec3d{}}, false});
+    TriMesh surface;
+    surface.positions = grid_.positions;
+    std::vector<std::uint32_t> number, out;
+    for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
+        if (const auto q = grid_.corners(f); (among.empty() || among[f]) && q != judged_[f].corners) {
+            surface.faces.push_back(grid_.faces[f]), number.push_back(f);
+            judged_[f] = {q, false};
+        }
+    for (const std::uint32_t k : find_turned_faces(source_index(), surface, kTurnedTie))
+        judged_[number[k]].turned = true;
+    for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
+        if ((among.empty() || among[f]) && judged_[f].turned) out.push_back(f);
+    return out;
+}
+
+std::vector<std::uint32_t> TurnedWatch::doubtful_faces(const Matches& matches, double upright) {
+    std::vector<char> doubtful(grid_.faces.size());
+    for (std::size_t f = 0; f < doubtful.size(); ++f)
+        doubtful[f] = !(dot(grid_.normals[f], source_.normals[matches.middles[f].hit.face]) > upright);
+    return faces(doubtful);
+}
+
+}  // namespace dgm::bake

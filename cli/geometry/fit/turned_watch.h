@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/turned_watch.h
+// The faces of a grid that are turned against the source, again and again while the grid moves.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/fit/matches.h"
+
+namespace dgm::bake {
+
+/// Remembers what it has measured: only faces that lie elsewhere than when they were last looked at are measured again.
+class TurnedWatch {
+ public:
+    /// Both must outlive the object; `grid` may move and be linked anew in between.
+    TurnedWatch(const LinkedSurface& source, const LinkedSurface& grid) : source_(source), grid_(grid) {}
+
+    /// Of the source, built when it is first asked for.
+    [[nodiscard]] const ClosestPointIndex& source_index();
+
+    /// Turned by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.
+    [[nodiscard]] std::vector<std::uint32_t> faces(std::span<const char> among = {});
+
+    /// The same of those whose cosine to the source below their middles is not above `upright`: cheap, and all there
+    /// are but where a middle's match is on another sheet.
+    [[nodiscard]] std::vector<std::uint32_t> doubtful_faces(const Matches& matches, double upright);
+
+ private:
+    struct Judged {
+        std::array<Vec3d, 3> corners;
+        bool turned;
+    };
+
+    const LinkedSurface& source_;
+    const LinkedSurface& grid_;
+    std::optional<ClosestPointIndex> source_index_;
+    std::vector<Judged> judged_;  // per face of the grid, when it was last looked at
+};
+
+}  // namespace dgm::bake
