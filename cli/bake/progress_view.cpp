@@ -8,9 +8,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <string_view>
+
+#include "tool/minutes.h"
 
 namespace dgm::bake {
 namespace {
@@ -31,11 +32,6 @@ std::string shortened(const std::string& text, std::size_t limit) {
     for (; k < text.size(); ++k)
         if ((static_cast<unsigned char>(text[k]) & 0xC0U) != 0x80U && points++ == limit) break;
     return text.substr(0, k);
-}
-
-std::string minutes(double seconds) {
-    const long long whole = std::llround(seconds);
-    return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
 /// How much of an asset is done where a stage begins and ends, as measured on organs and garments at 257x257. The
@@ -102,7 +98,7 @@ std::string ProgressView::to_go() const {
     // The first seconds promise anything.
     constexpr double kLeast = 0.02;
     const double elapsed = std::chrono::duration<double>(Clock::now() - begun_).count();
-    return share < kLeast ? std::string() : fmt::format(", {} to go", minutes(elapsed * (1 - share) / share));
+    return share < kLeast ? std::string() : fmt::format(", {} to go", tool::minutes(elapsed * (1 - share) / share));
 }
 
 std::string ProgressView::bar_line(std::size_t columns) const {
@@ -110,7 +106,7 @@ std::string ProgressView::bar_line(std::size_t columns) const {
     const auto filled = static_cast<std::size_t>(done * static_cast<double>(kBarWidth));
     std::string head = fmt::format("[{:#>{}}{:.>{}}] {}/{}", "", filled, "", kBarWidth - filled, ended_, names_.size());
     const double elapsed = std::chrono::duration<double>(Clock::now() - begun_).count();
-    head += fmt::format("  {}", minutes(elapsed));
+    head += fmt::format("  {}", tool::minutes(elapsed));
     head += to_go();
     for (const auto& [asset, active] : active_)
         head += fmt::format("  {}: {} {:.0f} %", names_[asset], active.stage, 100 * active.share);

@@ -6,8 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+
+#include "tool/minutes.h"
 
 namespace dgm::bench {
 namespace {
@@ -16,11 +17,6 @@ constexpr auto kRedraw = std::chrono::milliseconds(100);
 constexpr auto kPlainPause = std::chrono::seconds(10);
 constexpr int kBarWidth = 24;
 constexpr double kFirstGuess = 0.03;  ///< share of the work after which the time left can be guessed
-
-std::string minutes(double seconds) {
-    const long long whole = std::llround(seconds);
-    return fmt::format("{}:{:02}", whole / 60, whole % 60);
-}
 
 }  // namespace
 
@@ -57,10 +53,10 @@ void ProgressBar::show(bool now) {
     shown_ = time;
     const double done = std::clamp((done_ + share_ * step_) / total_, 0.0, 1.0);
     const double gone = std::chrono::duration<double>(time - started_).count();
-    const std::string left = done > kFirstGuess ? ", about " + minutes(gone / done - gone) + " left" : "";
+    const std::string left = done > kFirstGuess ? ", about " + tool::minutes(gone / done - gone) + " left" : "";
     const auto filled = static_cast<std::size_t>(done * kBarWidth);
     const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '-');
-    const std::string line = fmt::format("[{}] {:3.0f} % {}{}  {}", bar, 100 * done, minutes(gone), left, what_);
+    const std::string line = fmt::format("[{}] {:3.0f} % {}{}  {}", bar, 100 * done, tool::minutes(gone), left, what_);
     std::fputs(terminal_ ? ("\r" + line.substr(0, 100) + "\033[K").c_str() : (line + "\n").c_str(), stderr);
     std::fflush(stderr);
     drawn_ = terminal_;
