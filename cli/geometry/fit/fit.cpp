@@ -37,6 +37,13 @@ constexpr double kSureGain = 0.6;                              // in rms; ordina
 constexpr std::uint64_t kFewSamples = 20'000;
 constexpr double kExact = 1e-10;  // normalised units: nothing is left to fit
 
+/// Of two ascending lists, what only the first has.
+std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& known) {
+    std::vector<std::uint32_t> out;
+    std::set_difference(all.begin(), all.end(), known.begin(), known.end(), std::back_inserter(out));
+    return out;
+}
+
 class Fitter {
  public:
     Fitter(SampledChart& chart, const FitOptions& options, const model::Progress& progress)
@@ -48,7 +55,7 @@ class Fitter {
           matches_(chart, source_, grid_, point_count(chart, options)),
           fixed_(grid_.on_border),
           rails_(chart, source_, grid_),
-          turned_(source_, grid_.surface),
+          turned_(source_, grid_.surface, matches_.source_index()),
           rows_(source_, grid_, matches_, rails_, options.points_per_sample) {
         upward_ = normals_at_scale(source_, surface_area(source_) / static_cast<double>(chart.grid_count()));
     }
@@ -167,9 +174,7 @@ class Fitter {
         constexpr int kPasses = 3;
         LinkedSurface& grid = grid_.surface;
         for (int pass = 0;; ++pass) {
-            const std::vector<std::uint32_t> turned = turned_.doubtful_faces(matches_, kEndUpright);
-            std::vector<std::uint32_t> fresh;
-            std::set_difference(turned.begin(), turned.end(), left.begin(), left.end(), std::back_inserter(fresh));
+            const std::vector<std::uint32_t> fresh = without(turned_.doubtful_faces(matches_, kEndUpright), left);
             if (fresh.empty()) return true;
             if (pass == kPasses) return false;
             std::vector<char> back(grid.positions.size(), 0), near(grid.faces.size(), 0);
@@ -240,9 +245,7 @@ class Fitter {
             rows_.assemble(equations, round % 2 == 1, near_face);
             move(equations.solve(freedom, {}, kDamping, kCgIterations), {});
             matches_.update(true, near_face);
-            const std::vector<std::uint32_t> turned = turned_.faces(near_face);
-            std::vector<std::uint32_t> fresh;
-            std::set_difference(turned.begin(), turned.end(), left.begin(), left.end(), std::back_inserter(fresh));
+            const std::vector<std::uint32_t> fresh = without(turned_.faces(near_face), left);
             if (fresh.empty() && matches_.rms < rms_) {
                 keep();
                 continue;

@@ -9,7 +9,7 @@
 namespace dgm::bake {
 
 const ClosestPointIndex& TurnedWatch::source_index() {
-    if (!source_index_) source_index_.emplace(source_.positions, source_.faces);
+    if (source_index_ == nullptr) source_index_ = &own_index_.emplace(source_.positions, source_.faces);
     return *source_index_;
 }
 

@@ -15,10 +15,12 @@ namespace dgm::bake {
 /// Remembers what it has measured: only faces that lie elsewhere than when they were last looked at are measured again.
 class TurnedWatch {
  public:
-    /// Both must outlive the object; `grid` may move and be linked anew in between.
-    TurnedWatch(const LinkedSurface& source, const LinkedSurface& grid) : source_(source), grid_(grid) {}
+    /// All must outlive the object; `grid` may move and be linked anew in between.
+    /// @param source_index  of the source, if there is one already
+    TurnedWatch(const LinkedSurface& source, const LinkedSurface& grid, const ClosestPointIndex* source_index)
+        : source_(source), grid_(grid), source_index_(source_index) {}
 
-    /// Of the source, built when it is first asked for.
+    /// Of the source; built when it is first asked for, if there was none.
     [[nodiscard]] const ClosestPointIndex& source_index();
 
     /// Turned by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.
@@ -36,7 +38,8 @@ class TurnedWatch {
 
     const LinkedSurface& source_;
     const LinkedSurface& grid_;
-    std::optional<ClosestPointIndex> source_index_;
+    const ClosestPointIndex* source_index_;
+    std::optional<ClosestPointIndex> own_index_;
     std::vector<Judged> judged_;  // per face of the grid, when it was last looked at
 };
 
