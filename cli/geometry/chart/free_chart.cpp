@@ -253,7 +253,6 @@ SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, 
                                    const FreeChartTools& tools, const model::Progress& progress, const Error& why) {
     constexpr double kCrowded = 1e4;  // energy; an isometric map has 2
     const std::vector<std::uint32_t> border = border_vertices(disk);
-    split_chords(disk, border);
     const std::string name(method.name());
     std::vector<Vec2d> circle = lay_on_circle(disk, border);
     SlimOptions fixed;
