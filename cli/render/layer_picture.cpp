@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <dgm/grid.h>
@@ -20,6 +21,7 @@
 #include "render/canvas.h"
 #include "render/colour.h"
 #include "render/layer_values.h"
+#include "render/percentile.h"
 
 namespace dgm::render {
 namespace {
@@ -139,9 +141,17 @@ LayerPicture texture(const Chart&, const Layer& layer) {
 
 LayerPicture bump(const Chart&, const Layer& layer) {
     const Plane plane = read_plane(layer, {ElementType::kF16}, 1);
+    constexpr double kShown = 0.99;  // a spike where the grid cuts a corner would leave all else white
     Range range;
-    for (const float h : plane.values) range.add(h);
-    return {diverging(plane, 0, range.reach(), [](std::uint32_t, std::uint32_t) { return true; }), range.text()};
+    std::vector<double> heights;
+    heights.reserve(plane.values.size());
+    for (const float h : plane.values) {
+        range.add(h);
+        if (std::isfinite(h)) heights.push_back(std::abs(h));
+    }
+    const double most = percentile(std::move(heights), kShown), reach = most > 0 ? most : range.reach();
+    return {diverging(plane, 0, reach, [](std::uint32_t, std::uint32_t) { return true; }),
+            range.text() + (reach < range.reach() ? fmt::format(", colours end at {:.2g}", reach) : std::string())};
 }
 
 /// Boxes of the pyramid's leaves, by the attribute `levels` (first row: the leaf tiles).

@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "geometry/spatial/closest_point.h"
 #include "model/codes.h"
@@ -16,6 +19,7 @@
 #include "render/canvas.h"
 #include "render/layer_picture.h"
 #include "render/layer_values.h"
+#include "render/percentile.h"
 
 namespace dgm::render {
 namespace {
@@ -94,11 +98,12 @@ std::vector<double> face_errors(const TriMesh& source, const TriMesh& mesh, doub
     return out;
 }
 
-double percentile(std::vector<double> values, double share) {
-    if (values.empty()) return 0;
-    const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + rank, values.end());
-    return values[static_cast<std::size_t>(rank)];
+/// A text wider than `width` in two lines, if it has a comma to break at.
+std::vector<std::string> broken(const std::string& text, std::uint32_t width, std::uint32_t scale) {
+    constexpr std::string_view kBreak = ", ";
+    const std::size_t comma = text.rfind(kBreak);
+    if (text_width(text, scale) <= width || comma == std::string::npos) return {text};
+    return {text.substr(0, comma), text.substr(comma + kBreak.size())};
 }
 }  // namespace
 
@@ -161,7 +166,7 @@ Image comparison_picture(const TriMesh& source, std::vector<Image> source_textur
 }
 
 Image contact_sheet(const model::Chart& chart, const std::string& title, const PictureOptions& options) {
-    constexpr std::uint32_t kColumns = 4, kScale = 2, kGap = 20, kCaption = 3 * 9 * kScale + 12;
+    constexpr std::uint32_t kColumns = 4, kScale = 2, kGap = 20, kCaption = 4 * 9 * kScale + 14;
     const std::uint32_t side =
         std::clamp((options.width - std::min(options.width, (kColumns + 1) * kGap)) / kColumns, 120u, 2048u);
     struct Cell {
@@ -196,9 +201,11 @@ Image contact_sheet(const model::Chart& chart, const std::string& title, const P
         const std::int64_t y = head + std::int64_t{k / kColumns} * (side + kCaption + kGap);
         paste(sheet, cell.image, x + (side - cell.image.width) / 2, y + (side - cell.image.height) / 2);
         std::int64_t line = y + side + 8;
-        for (const std::string* text : {&cell.name, &cell.shape, &cell.note}) {
-            const std::uint32_t fit = text_width(*text, kScale) <= side ? kScale : 1;
-            draw_text(sheet, x, line, *text, fit, text == &cell.name ? kInk : Rgba8{120, 122, 128, 255});
+        std::vector<std::string> texts{cell.name, cell.shape};
+        for (std::string& part : broken(cell.note, side, kScale)) texts.push_back(std::move(part));
+        for (std::size_t t = 0; t < texts.size(); ++t) {
+            const std::uint32_t fit = text_width(texts[t], kScale) <= side ? kScale : 1;
+            draw_text(sheet, x, line, texts[t], fit, t == 0 ? kInk : Rgba8{120, 122, 128, 255});
             line += 9 * kScale + 2;
         }
     }

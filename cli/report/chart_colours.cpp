@@ -4,21 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "render/canvas.h"
 #include "render/colour.h"
 #include "render/layer_picture.h"
+#include "render/percentile.h"
 
 namespace dgm::report {
 namespace {
-/// Of the sizes of all numbers; 0 for none.
-double percentile(std::vector<double>& sizes, double share) {
-    if (sizes.empty()) return 0;
-    const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(sizes.size() - 1));
-    std::nth_element(sizes.begin(), sizes.begin() + rank, sizes.end());
-    return sizes[static_cast<std::size_t>(rank)];
-}
+using render::percentile;
 
+/// Of all numbers, without their signs.
 std::vector<double> sizes_of(std::span<const SurfaceValues> charts, std::vector<double> SurfaceValues::*field) {
     std::vector<double> out;
     for (const SurfaceValues& chart : charts)
@@ -40,11 +37,11 @@ Scales scales_of(std::span<const SurfaceValues> charts, std::span<const double> 
     for (const double value : source_distances)
         if (std::isfinite(value)) sizes.push_back(std::abs(value));
     out.worst = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
-    out.distance = percentile(sizes, kShare);
+    out.distance = percentile(std::move(sizes), kShare);
     sizes = sizes_of(charts, &SurfaceValues::area);
-    out.area = std::max(1.0, percentile(sizes, kShare));
+    out.area = std::max(1.0, percentile(std::move(sizes), kShare));
     sizes = sizes_of(charts, &SurfaceValues::angle);
-    out.angle = std::max(1.0, percentile(sizes, kShare));
+    out.angle = std::max(1.0, percentile(std::move(sizes), kShare));
     return out;
 }
 

@@ -57,6 +57,18 @@ TEST(LayerPicture, BumpIsRedAboveAndBlueBelow) {
     EXPECT_EQ(picture.note, "-1 .. 1");
 }
 
+TEST(LayerPicture, ASpikeLeavesTheOtherBumpsTheirColours) {
+    model::Chart chart = torus();
+    model::Layer& bump = *chart.find("bump");
+    std::vector<std::uint16_t> heights(std::size_t{33} * 65, 0x2c00);  // 1/16
+    heights[0] = 0x4c00;                                               // 16
+    bump = test::make_layer("bump", model::ElementType::kF16, {33, 65}, heights);
+    const auto picture = layer_picture(chart, "bump");
+    EXPECT_EQ(picture.image.at(9, 9), diverging_colour(1));
+    EXPECT_EQ(picture.image.at(0, 0), diverging_colour(1));
+    EXPECT_EQ(picture.note, "0.0625 .. 16, colours end at 0.062");
+}
+
 TEST(LayerPicture, HeatPicturesRunFromLowToHigh) {
     const auto cover = layer_picture(torus(), "cover").image;
     EXPECT_EQ(cover.at(40, 0), sequential_colour(1));   // outer rim: longest steps
