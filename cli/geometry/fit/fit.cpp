@@ -341,12 +341,11 @@ class Fitter {
         for (std::size_t f = 0; f < grid.faces.size(); ++f) {
             const auto q = grid.corners(f);
             const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = grid.faces[f][k], b = grid.faces[f][(k + 1) % 3];
-                const double l = length(q[(k + 1) % 3] - q[k]);
-                normal[a] += n;
-                edge[a] = std::min(edge[a], l), edge[b] = std::min(edge[b], l);
-            }
+            for (const std::uint32_t c : grid.faces[f]) normal[c] += n;
+        }
+        for (const auto& [a, b] : grid_.edges) {
+            const double l = length(grid.positions[b] - grid.positions[a]);
+            edge[a] = std::min(edge[a], l), edge[b] = std::min(edge[b], l);
         }
         for (std::size_t c = 0; c < count; ++c) {
             normal[c] = normalized(normal[c], Vec3d{});

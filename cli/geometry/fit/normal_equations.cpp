@@ -27,12 +27,6 @@ Block inverse(const Block& a) {
             (a[0] * a[3] - a[1] * a[1]) * s};
 }
 
-double dot_all(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < a.size(); ++k) sum += dot(a[k], b[k]);
-    return sum;
-}
-
 }  // namespace
 
 NormalEquations::NormalEquations(const WeldedGrid& grid)
@@ -60,19 +54,15 @@ void NormalEquations::add(std::uint32_t face, const std::array<double, 3>& b, co
 std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std::span<const Vec3d> rails,
                                           double damping, int iterations) const {
     const std::size_t count = diagonal_.size();
-    std::vector<Vec3d> residual = right_, step(count, Vec3d{}), direction, z(count), product(count);
+    std::vector<Vec3d> residual(count), step(count, Vec3d{}), direction(count), z(count), product(count);
     double trace = 0;
     for (const Block& d : diagonal_) trace += d[0] + d[3] + d[5];
     // By each class's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
     // whose rows weigh little, while their neighbours move.
     const double floor = 1e-6 * damping * trace / static_cast<double>(count);
     std::vector<Block> damped = diagonal_, preconditioner(count);
-    const auto confine = [&](std::vector<Vec3d>& v) {
-        for (std::size_t k = 0; k < count; ++k)
-            if (freedom[k] == Freedom::kHeld)
-                v[k] = {};
-            else if (freedom[k] == Freedom::kSlides)
-                v[k] = rails[k] * dot(rails[k], v[k]);
+    const auto confined = [&](std::size_t k, const Vec3d& v) {
+        return freedom[k] == Freedom::kFree ? v : freedom[k] == Freedom::kHeld ? Vec3d{} : rails[k] * dot(rails[k], v);
     };
     for (std::size_t k = 0; k < count; ++k) {
         Block& d = damped[k];
@@ -84,34 +74,44 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
             preconditioner[k] = {s, 0, 0, s, 0, s};
         }
     }
-    confine(residual);
-    const auto precondition = [&] {
-        for (std::size_t k = 0; k < count; ++k) z[k] = multiply(preconditioner[k], residual[k]);
-    };
-    precondition();
-    direction = z;
-    double rz = dot_all(residual, z);
+    // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
+    double rz = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        residual[k] = confined(k, right_[k]);
+        z[k] = multiply(preconditioner[k], residual[k]);
+        rz += dot(residual[k], z[k]);
+    }
     const double enough = 1e-6 * rz;
     // Where few classes are free (around mended faces), the rest costs no more than this.
     std::vector<std::uint32_t> live;
     for (std::uint32_t e = 0; e < off_.size(); ++e)
         if (freedom[grid_.edges[e].first] != Freedom::kHeld && freedom[grid_.edges[e].second] != Freedom::kHeld)
             live.push_back(e);
+    double beta = 0;
     for (int it = 0; it < iterations && rz > enough; ++it) {
-        for (std::size_t k = 0; k < count; ++k) product[k] = multiply(damped[k], direction[k]);
+        for (std::size_t k = 0; k < count; ++k) {
+            direction[k] = it == 0 ? z[k] : z[k] + direction[k] * beta;
+            product[k] = multiply(damped[k], direction[k]);
+        }
         for (const std::uint32_t e : live) {
             const auto [a, b] = grid_.edges[e];
             product[a] += multiply(off_[e], direction[b]);
             product[b] += multiply(off_[e], direction[a]);
         }
-        confine(product);
-        const double curvature = dot_all(direction, product);
+        double curvature = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            product[k] = confined(k, product[k]);
+            curvature += dot(direction[k], product[k]);
+        }
         if (!(curvature > 0)) break;
         const double t = rz / curvature;
-        for (std::size_t k = 0; k < count; ++k) step[k] += direction[k] * t, residual[k] -= product[k] * t;
-        precondition();
-        const double next = dot_all(residual, z), beta = next / rz;
-        for (std::size_t k = 0; k < count; ++k) direction[k] = z[k] + direction[k] * beta;
+        double next = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            step[k] += direction[k] * t, residual[k] -= product[k] * t;
+            z[k] = multiply(preconditioner[k], residual[k]);
+            next += dot(residual[k], z[k]);
+        }
+        beta = next / rz;
         rz = next;
     }
     return step;
