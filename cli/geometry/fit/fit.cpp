@@ -16,7 +16,9 @@
 #include "geometry/fit/normal_equations.h"
 #include "geometry/fit/turned_search.h"
 #include "geometry/fit/turned_watch.h"
+#include "geometry/fit/unfold.h"
 #include "geometry/fit/untangle.h"
+#include "geometry/metrics/turned_faces.h"
 
 namespace dgm::bake {
 namespace {
@@ -34,6 +36,7 @@ constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are me
 constexpr int kDiagonalRounds = 9;
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 constexpr double kSureGain = 0.6;                              // in rms; ordinary charts reach 0.2
+constexpr double kMendingPrice = 1.5;                          // in rms, of a fit that turns fewer faces than its start
 constexpr std::uint64_t kFewSamples = 20'000;
 constexpr double kExact = 1e-10;  // normalised units: nothing is left to fit
 
@@ -77,7 +80,12 @@ class Fitter {
         const bool moved = chart_.positions != start.positions || chart_.diagonals != start.diagonals;
         if (moved && rms_ > kSureGain * report.start_rms) {
             const TriMesh& mesh = chart_.disk.mesh;
-            if (quick_error(mesh, start, kFewSamples).rms < quick_error(mesh, chart_, kFewSamples).rms) {
+            const SurfaceError before = quick_error(mesh, start, kFewSamples),
+                               after = quick_error(mesh, chart_, kFewSamples);
+            // What was mended may cost something where as much was turned that the start's figures mean little.
+            const double price = after.hausdorff <= before.hausdorff ? kMendingPrice : 1;
+            if (before.rms < after.rms &&
+                (before.rms * price < after.rms || turned_in(start) <= turned_.faces().size())) {
                 chart_ = start;
                 report.rms = report.start_rms, report.hausdorff = report.start_hausdorff, report.rounds = 0;
             }
@@ -117,6 +125,10 @@ class Fitter {
                 restore();
         }
         matches_.update(false);
+    }
+
+    [[nodiscard]] std::size_t turned_in(const SampledChart& chart) {
+        return find_turned_faces(turned_.source_index(), chart.surface(), kTurnedTie).size();
     }
 
     static std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
@@ -207,25 +219,39 @@ class Fitter {
             moved = true;
         }
         if (moved) matches_.update(false);
+        bool unfolded = false;
+        std::size_t last = grid_.surface.faces.size() + 1;
         for (int round = 0; round < kSearches; ++round) {
+            if (unfold_patches()) moved = unfolded = true;
             const std::vector<std::uint32_t> left = turned_.faces();
-            if (left.empty() || !turn_back(source_, index, grid_, matches_, fixed_, left)) break;
+            if (left.empty() || left.size() >= last) break;
+            last = left.size();
+            if (!turn_back(source_, index, grid_, matches_, fixed_, left)) break;
             moved = true;
-            if (!flip_quads(turned_.faces(), true)) break;
+            if (!flip_quads(turned_.faces(), true)) matches_.update(false);
         }
         if (moved) {
             matches_.update(true);
             keep();
-            refit_around(before);
+            refit_around(before, unfolded);
         }
         unmended_ = turned_.faces();
     }
 
+    /// @return  true if a sample moved
+    bool unfold_patches() {
+        const std::vector<std::uint32_t> left = turned_.faces();
+        if (left.empty() || !unfold(source_, turned_.source_index(), upward_, grid_, matches_, fixed_, left))
+            return false;
+        matches_.update(false);
+        return true;
+    }
+
     /// Fits the classes that are not where they were, and a few rings around them, while all others are held. Faces
     /// that turn again in a round have theirs held in the next.
-    void refit_around(const std::vector<Vec3d>& before) {
+    void refit_around(const std::vector<Vec3d>& before, bool unfolded) {
         constexpr int kRings = 4;
-        const int rounds = options_.worst_rounds > 0 ? 6 : 2;
+        const int rounds = unfolded ? 8 : options_.worst_rounds > 0 ? 6 : 2;
         const LinkedSurface& grid = grid_.surface;
         std::vector<char> near(before.size(), 0), near_face(grid.faces.size(), 0);
         for (std::size_t c = 0; c < near.size(); ++c) near[c] = grid.positions[c] != before[c];
