@@ -9,7 +9,7 @@
 #include <array>
 #include <utility>
 
-#include "geometry/metrics/turned_faces.h"
+#include "geometry/fit/turned_watch.h"
 
 namespace dgm::bake {
 namespace {
@@ -36,7 +36,7 @@ bool turns_less(const SampledChart& chart, const ClosestPointIndex& source, std:
             both.faces.push_back({first, first + 1, first + 2});
         }
     int more = 0;
-    for (const std::uint32_t f : find_turned_faces(source, both, kTurnedTie)) more += f < 2 ? -1 : 1;
+    for (const std::uint32_t f : find_turned_faces(source, both, kSafeTie, kSafeCosine)) more += f < 2 ? -1 : 1;
     return more > 0;
 }
 

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "geometry/metrics/turned_faces.h"
+#include "geometry/fit/turned_watch.h"
 
 namespace dgm::bake {
 namespace {
@@ -83,9 +83,9 @@ class TurnedSearch {
         if (any.face == kNone) return {2 * kTurned, true};
         const double cosine = dot(index_.unit_normal(any.face), normal);
         bool turned = false;
-        if (!(cosine > 0)) {
-            const double limit = any.distance + 0.5 * kTurnedTie;  // half: positions are rounded yet
-            const ClosestPoint facing = index_.query_facing(centre, normal, 0.0, any.face, limit);
+        if (!(cosine > kSafeCosine)) {
+            const double limit = any.distance + kSafeTie;
+            const ClosestPoint facing = index_.query_facing(centre, normal, kSafeCosine, any.face, limit);
             turned = facing.face == kNone || facing.distance > limit;
         }
         double longest = 0;

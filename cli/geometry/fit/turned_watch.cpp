@@ -4,8 +4,6 @@
 
 #include <limits>
 
-#include "geometry/metrics/turned_faces.h"
-
 namespace dgm::bake {
 
 const ClosestPointIndex& TurnedWatch::source_index() {
@@ -13,21 +11,23 @@ const ClosestPointIndex& TurnedWatch::source_index() {
     return *source_index_;
 }
 
-std::vector<std::uint32_t> TurnedWatch::faces(std::span<const char> among) {
+std::vector<std::uint32_t> TurnedWatch::faces(std::span<const char> among, bool nearly) {
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to nothing
-    judged_.resize(grid_.faces.size(), {{Vec3d{kNever, kNever, kNever}, Vec3d{}, Vec3d{}}, false});
-    TriMesh surface;
-    surface.positions = grid_.positions;
+    judged_.resize(grid_.faces.size(), {{Vec3d{kNever, kNever, kNever}, Vec3d{}, Vec3d{}}, false, false});
+    TriMesh surface, close;
+    close.positions = surface.positions = grid_.positions;
     std::vector<std::uint32_t> number, out;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
         if (const auto q = grid_.corners(f); (among.empty() || among[f]) && q != judged_[f].corners) {
             surface.faces.push_back(grid_.faces[f]), number.push_back(f);
-            judged_[f] = {q, false};
+            judged_[f] = {q, false, false};
         }
-    for (const std::uint32_t k : find_turned_faces(source_index(), surface, kTurnedTie))
-        judged_[number[k]].turned = true;
+    const std::vector<std::uint32_t> found = find_turned_faces(source_index(), surface, kSafeTie, kSafeCosine);
+    for (const std::uint32_t k : found) judged_[number[k]].nearly = true, close.faces.push_back(surface.faces[k]);
+    for (const std::uint32_t k : find_turned_faces(source_index(), close, kTurnedTie))
+        judged_[number[found[k]]].turned = true;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
-        if ((among.empty() || among[f]) && judged_[f].turned) out.push_back(f);
+        if ((among.empty() || among[f]) && (nearly ? judged_[f].nearly : judged_[f].turned)) out.push_back(f);
     return out;
 }
 

@@ -9,8 +9,13 @@
 #include <vector>
 
 #include "geometry/fit/matches.h"
+#include "geometry/metrics/turned_faces.h"
 
 namespace dgm::bake {
+
+/// What the measure is asked with while the grid moves: its positions are rounded yet, and a face that passes by a hair
+/// may not pass then.
+inline constexpr double kSafeTie = 0.5 * kTurnedTie, kSafeCosine = 0.01;
 
 /// Remembers what it has measured: only faces that lie elsewhere than when they were last looked at are measured again.
 class TurnedWatch {
@@ -24,7 +29,8 @@ class TurnedWatch {
     [[nodiscard]] const ClosestPointIndex& source_index();
 
     /// Turned by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.
-    [[nodiscard]] std::vector<std::uint32_t> faces(std::span<const char> among = {});
+    /// @param nearly  those too that may be when they are rounded
+    [[nodiscard]] std::vector<std::uint32_t> faces(std::span<const char> among = {}, bool nearly = false);
 
     /// The same of those whose cosine to the source below their middles is not above `upright`: cheap, and all there
     /// are but where a middle's match is on another sheet.
@@ -33,7 +39,7 @@ class TurnedWatch {
  private:
     struct Judged {
         std::array<Vec3d, 3> corners;
-        bool turned;
+        bool nearly, turned;
     };
 
     const LinkedSurface& source_;

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/metrics/turned_faces.h"
+#include "geometry/fit/turned_watch.h"
 
 namespace dgm::bake {
 namespace {
@@ -80,7 +80,7 @@ class Unfolding {
             for (const Vec3d& p : grid_.corners(f)) own.positions.push_back(p);
             own.faces.push_back({first, first + 1, first + 2});
         }
-        return find_turned_faces(index_, own, kTurnedTie).size();
+        return find_turned_faces(index_, own, kSafeTie, kSafeCosine).size();
     }
     [[nodiscard]] bool is_turned(std::uint32_t f) const { return count_turned(std::array{f}) != 0; }
 

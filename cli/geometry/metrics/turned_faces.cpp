@@ -13,7 +13,8 @@ using model::Face;
 using model::TriMesh;
 using model::Vec3d;
 
-std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const TriMesh& map, double tie) {
+std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const TriMesh& map, double tie,
+                                             double least_cosine) {
     std::vector<char> turned(map.faces.size(), 0);
     constexpr std::size_t kChunk = 1024;  // neighbours share a hint
     tbb::parallel_for(std::size_t{0}, (turned.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
@@ -27,8 +28,8 @@ std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, con
             const ClosestPoint any = index.query(centre, hint);
             if (any.face == ClosestPointIndex::kNoFace) continue;
             hint = any.face;
-            if (dot(index.unit_normal(any.face), normal) > 0) continue;
-            const ClosestPoint facing = index.query_facing(centre, normal, 0.0, any.face, any.distance + tie);
+            if (dot(index.unit_normal(any.face), normal) > least_cosine) continue;
+            const ClosestPoint facing = index.query_facing(centre, normal, least_cosine, any.face, any.distance + tie);
             turned[f] = facing.face == ClosestPointIndex::kNoFace || facing.distance > any.distance + tie;
         }
     });

@@ -21,8 +21,9 @@ inline constexpr double kTurnedTie = 1e-5;
 /// to c as the nearest source face of all (within `tie`, in the units of the meshes). Source faces without area do not
 /// count, nor do map triangles without area or with corners that are not finite: the former have no side, the latter
 /// are reported elsewhere. `index` must be built of the source. Deterministic whatever the number of threads.
+/// @param least_cosine  asks for n . N > this instead
 [[nodiscard]] std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const model::TriMesh& map,
-                                                           double tie);
+                                                           double tie, double least_cosine = 0);
 
 /// How many there are, with a tie of kTurnedTie diagonals of the source.
 /// @param index  of the source, if there is one already
