@@ -13,8 +13,9 @@ namespace dgm::bake {
 /// around each turned face slide along the source together, to the least of an energy that has a barrier where a face
 /// turns [Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, Foldover-free maps in 50 lines of code] and
 /// holds each face to the shape that it has, with its right side up. A patch stays as it was unless fewer of its faces
-/// are turned then by the measure (metrics/turned_faces.h). Classes marked `fixed` stay. `matches` is kept up to date
-/// but for the points. Bounded work; deterministic.
+/// are turned then by the measure (metrics/turned_faces.h), no point is left farther off than a little beyond the
+/// farthest of all, and the sum of squared distances has not doubled by all patches together. Classes marked `fixed`
+/// stay. `matches` is kept up to date but for the points. Bounded work; deterministic.
 /// @param index    of the source
 /// @param upward   per face of the source: its normal at the scale of the grid
 /// @return  true if a sample moved
