@@ -73,6 +73,8 @@ class Fitter {
         else
             fit(report);
         mend_turned();
+        nearly_ = true;  // what rounding may turn, last and by itself: mending costs some accuracy
+        mend_turned();
         if (options_.on_lattice) put_on_lattice();
         finish();
         report.rms = rms_, report.hausdorff = largest_;
@@ -207,10 +209,10 @@ class Fitter {
         constexpr int kPasses = 10, kSearches = 3;
         const ClosestPointIndex& index = turned_.source_index();
         const std::vector<Vec3d> before = grid_.surface.positions;
-        if (unmended_ && turned_.faces({}, true) == *unmended_) return;
+        if (unmended_ && turned_.faces({}, nearly_) == *unmended_) return;
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
-            const std::vector<std::uint32_t> turned = turned_.faces({}, true);
+            const std::vector<std::uint32_t> turned = turned_.faces({}, nearly_);
             for (const std::uint32_t f : turned)
                 if (const ClosestPoint hit = index.query(matches_.middles[f].position); hit.face != kNone)
                     matches_.middles[f].hit.face = hit.face;
@@ -223,24 +225,24 @@ class Fitter {
         std::size_t last = grid_.surface.faces.size() + 1;
         for (int round = 0; round < kSearches; ++round) {
             if (unfold_patches()) moved = unfolded = true;
-            const std::vector<std::uint32_t> left = turned_.faces({}, true);
+            const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
             if (left.empty() || left.size() >= last) break;
             last = left.size();
             if (!turn_back(source_, index, grid_, matches_, fixed_, left)) break;
             moved = true;
-            if (!flip_quads(turned_.faces({}, true), true)) matches_.update(false);
+            if (!flip_quads(turned_.faces({}, nearly_), true)) matches_.update(false);
         }
         if (moved) {
             matches_.update(true);
             keep();
             refit_around(before, unfolded);
         }
-        unmended_ = turned_.faces({}, true);
+        unmended_ = turned_.faces({}, nearly_);
     }
 
     /// @return  true if a sample moved
     bool unfold_patches() {
-        const std::vector<std::uint32_t> left = turned_.faces({}, true);
+        const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
         if (left.empty() || !unfold(source_, turned_.source_index(), upward_, grid_, matches_, fixed_, left))
             return false;
         matches_.update(false);
@@ -265,13 +267,13 @@ class Fitter {
         std::vector<Freedom> freedom(near.size(), Freedom::kHeld);
         for (std::size_t c = 0; c < near.size(); ++c)
             if (near[c] && !fixed_[c]) freedom[c] = Freedom::kFree;
-        const std::vector<std::uint32_t> left = turned_.faces(near_face, true);
+        const std::vector<std::uint32_t> left = turned_.faces(near_face, nearly_);
         for (int round = 0; round < rounds; ++round) {
             NormalEquations equations(grid_);
             rows_.assemble(equations, round % 2 == 1, near_face);
             move(equations.solve(freedom, {}, kDamping, kCgIterations), {});
             matches_.update(true, near_face);
-            const std::vector<std::uint32_t> fresh = without(turned_.faces(near_face, true), left);
+            const std::vector<std::uint32_t> fresh = without(turned_.faces(near_face, nearly_), left);
             if (fresh.empty() && matches_.rms < rms_) {
                 keep();
                 continue;
@@ -463,6 +465,7 @@ class Fitter {
     FitRows rows_;
     std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
     std::vector<Vec3d> upward_;                           // per face of the source: its normal at the scale of the grid
+    bool nearly_ = false;                                 // mends faces that rounding may turn, too
     double rms_ = 0, largest_ = 0;
     std::vector<Vec3d> kept_positions_;
     std::vector<std::uint8_t> kept_diagonals_;
