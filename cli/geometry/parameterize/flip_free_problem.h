@@ -115,7 +115,7 @@ class Problem {
         for (const RestShape& s : shapes) area_ += s.area;
         for (std::size_t f = 0; f < rest_.size(); ++f) {
             // 1 / (2 area) of the shape itself, which the weight need not be.
-            const std::array<Vec2d, 3>& b = shapes[f].hat;
+            const std::array<Vec2d, 3> b = upright(shapes[f].hat);
             rest_[f] = {b, shapes[f].area / area_, cross(b[1], b[2])};
         }
     }
@@ -214,6 +214,16 @@ class Problem {
     [[nodiscard]] std::span<const Face> faces() const { return disk_.faces; }
 
  private:
+    /// The shape turned until its first edge lies along x, which the energies do not see: decompose() and energy()
+    /// count on b[2].x = 0.
+    [[nodiscard]] static std::array<Vec2d, 3> upright(std::array<Vec2d, 3> b) {
+        if (b[2].x == 0 && b[2].y > 0) return b;
+        const double l = length(b[2]), c = b[2].y / l, s = b[2].x / l;
+        for (Vec2d& p : b) p = {c * p.x - s * p.y, s * p.x + c * p.y};
+        b[2] = {0, l};
+        return b;
+    }
+
     const DiskView& disk_;
     Density density_;
     std::vector<Rest> rest_;

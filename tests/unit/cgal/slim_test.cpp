@@ -62,6 +62,26 @@ TEST_P(SlimEnergies, GradientAgreesWithFiniteDifferences) {
         }
 }
 
+TEST_P(SlimEnergies, DoNotSeeHowRestShapesLieInTheirPlane) {
+    const Disk d = hill(5);
+    SlimOptions options{.energy = GetParam(), .stretch_epsilon = 0.05};
+    const std::vector<RestShape> upright = rest_shapes(d.view());
+    std::vector<RestShape> turned = upright;
+    for (std::size_t f = 0; f < turned.size(); ++f) {
+        const double angle = 0.7 * static_cast<double>(f), c = std::cos(angle), s = std::sin(angle);
+        for (Vec2d& h : turned[f].hat) h = {c * h.x - s * h.y, s * h.x + c * h.y};
+    }
+    std::vector<Vec2d> gradient, other;
+    options.rest = upright;
+    const double energy = flip_free_energy(d.view(), skewed(5), options, &gradient);
+    options.rest = turned;
+    EXPECT_NEAR(flip_free_energy(d.view(), skewed(5), options, &other), energy, 1e-12 * energy);
+    for (std::size_t v = 0; v < gradient.size(); ++v) {
+        EXPECT_NEAR(other[v].x, gradient[v].x, 1e-10) << "vertex " << v;
+        EXPECT_NEAR(other[v].y, gradient[v].y, 1e-10) << "vertex " << v;
+    }
+}
+
 TEST_P(SlimEnergies, EnergyNeverRisesAndNothingFlips) {
     const Disk d = hill(12);
     SlimOptions options{.energy = GetParam(), .border_fixed = GetParam() == FlipFreeEnergy::kStretch, .tolerance = 0};
