@@ -15,18 +15,20 @@
 namespace dgm::bake {
 namespace {
 constexpr int kRounds = 40;
-constexpr std::size_t kStepsPerRound = 3;
+constexpr std::size_t kStepsPerRound = 5;
 constexpr double kOutsideWeight = 0.01;      // of all triangles outside, against the surface's energy
 constexpr std::size_t kStepsInside = 60;     // at most, before the border moves
-constexpr double kIdle = 1e-3;               // gained by one of them: no more
+constexpr double kIdle = 1e-2;               // gained by one of them: no more
 constexpr double kCrowded = 20;              // energy that calls for them; an isometric map has 2
 constexpr double kFlat = 0.05, kWiden = 30;  // of rest shapes outside
 constexpr double kMargin = 0.5;              // of the chart's extent, between it and the box
 constexpr std::uint32_t kBoxPoints = 8;      // per side
+constexpr double kStepIdle = 0.5;            // of a round's tolerance: gained by one step, no more in that round
+constexpr double kConverged = 10;            // times the tolerance: gained by a round that came to such a step
 constexpr double kTolerance = 2e-3;          // of the energy, gained by a round
 constexpr double kRoughly = 2e-2;            // the same where another energy follows
-constexpr double kOnceMore = 2e-2;           // the same where a coarser level has come to kTolerance
-constexpr std::size_t kCoarseFaces = 3000;   // of that level, beside two for each border vertex
+constexpr double kOnceMore = 2e-2;           // the same where a coarser level has come to kTolerance and 0 is isometric
+constexpr std::size_t kCoarseFaces = 1200;   // of that level, beside two for each border vertex
 
 double twice_area(Vec2d a, Vec2d b, Vec2d c) {
     return cross(b - a, c - a);
@@ -67,7 +69,9 @@ class Augmented {
     [[nodiscard]] double area() const { return area_; }
 
     /// Triangulates the outside of `uv`, where the energy is `now`, and moves the vertices by a few Newton steps.
-    void improve(std::vector<Vec2d>& uv, FlipFreeEnergy energy, double now, const model::Progress& progress) {
+    /// @return false if a step more would have gained less than `tolerance` of the energy
+    bool improve(std::vector<Vec2d>& uv, FlipFreeEnergy energy, double now, double tolerance,
+                 const model::Progress& progress) {
         const std::size_t n = disk_.positions.size(), k = disk_.border.size();
         std::vector<Vec2d> points, x = uv;
         std::vector<std::pair<std::uint32_t, std::uint32_t>> constraints;
@@ -124,9 +128,12 @@ class Augmented {
         options.border_fixed = true;
         options.iterations = kStepsPerRound;
         options.rest = rest_;
+        options.tolerance = tolerance;
         const model::Progress silent{.on_update = {}, .cancelled = progress.cancelled};
-        x = descend_flip_free({nowhere, faces_, box, {}}, std::move(x), options, silent);
+        SlimReport report;
+        x = descend_flip_free({nowhere, faces_, box, {}}, std::move(x), options, silent, &report);
         std::copy_n(x.begin(), n, uv.begin());
+        return report.iterations == kStepsPerRound;
     }
 
  private:
@@ -223,11 +230,11 @@ std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv
         for (int round = 0; round < kRounds; ++round) {
             progress.update("parameterize", static_cast<double>(round) / kRounds);
             std::vector<Vec2d> next = uv;
-            augmented.improve(next, energy, last, progress);
+            const bool open = augmented.improve(next, energy, last, kStepIdle * tolerance, progress);
             const double lowered = flip_free_energy(disk, next, options);
             if (!(lowered < last)) break;
             uv = std::move(next);
-            const bool done = last - lowered < tolerance * lowered;
+            const bool done = last - lowered < (open ? 1 : kConverged) * tolerance * lowered;
             last = lowered;
             if (done) break;
         }
@@ -271,7 +278,8 @@ std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> st
     if (disk.faces.size() > 2 * (kCoarseFaces + 2 * disk.border.size()))
         if (auto coarse = descend_coarsely(disk, start, steps, triangulate, progress)) {
             start = std::move(*coarse);
-            steps = {{energy, kOnceMore}};  // the long way is behind it
+            // The long way is behind it. Of the energy that is 2 where isometric, a tenth of the share is as much.
+            steps = {{energy, energy == FlipFreeEnergy::kSymmetricDirichlet ? kTolerance : kOnceMore}};
         }
     return descend_in_rounds(disk, std::move(start), steps, triangulate, progress);
 }

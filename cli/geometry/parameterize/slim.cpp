@@ -29,12 +29,16 @@ constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 40;
 constexpr double kLongestStep = 64;  // times the Newton step
 constexpr double kTooShort = 0.2;    // of the Newton step: faces that collapse before are held
-constexpr int kHolds = 4;            // factorizations a step at most on that account
+// Nested dissection pays where a large or a middling matrix is factorized often; measured on four meshes.
+constexpr std::size_t kLarge = 50'000, kSmall = 5'000;  // vertices
+constexpr std::size_t kFew = 8;                         // steps
+constexpr int kHolds = 4;                               // factorizations a step at most on that account
 
 /// The Newton matrix over the free vertices: lower triangle, pattern and scatter table made once.
 class NewtonSystem {
  public:
-    NewtonSystem(const DiskView& disk, const std::vector<std::uint8_t>& fixed) : unknown_of_(fixed.size(), -1) {
+    NewtonSystem(const DiskView& disk, const std::vector<std::uint8_t>& fixed, Ordering ordering)
+        : unknown_of_(fixed.size(), -1) {
         const std::span<const Face> faces = disk.faces;
         int unknowns = 0;
         for (std::size_t v = 0; v < fixed.size(); ++v)
@@ -49,7 +53,7 @@ class NewtonSystem {
         slots_.reserve(faces.size() * 21);
         for (const Face& f : faces)
             for_entries(f, [&](std::size_t, std::size_t, int row, int col) { slots_.push_back(slot(row, col)); });
-        if (unknowns > 0) solver_.analyze(matrix_, Ordering::kNestedDissection, 2);
+        if (unknowns > 0) solver_.analyze(matrix_, ordering, 2);
     }
 
     [[nodiscard]] bool empty() const { return matrix_.rows() == 0; }
@@ -251,7 +255,8 @@ std::vector<Vec2d> descend_flip_free(const DiskView& disk, std::vector<Vec2d> st
     std::vector<std::uint8_t> fixed(x.size(), 0);
     if (options.border_fixed)
         for (const std::uint32_t v : disk.border) fixed[v] = 1;
-    NewtonSystem system(disk, fixed);
+    const bool dissect = x.size() > kLarge || (x.size() > kSmall && options.iterations > kFew);
+    NewtonSystem system(disk, fixed, dissect ? Ordering::kNestedDissection : Ordering::kMinimumDegree);
     Stiffness stiffness(disk.faces.size(), 1.0);
     std::vector<Vec2d> step(x.size()), trial(x.size());
     std::size_t idle = 0;
