@@ -14,6 +14,7 @@
 #include "geometry/cut/cut_graph.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
+#include "geometry/simplify/simplify.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -194,14 +195,15 @@ double surface_area(const TriMesh& mesh) {
 }
 
 /// Joins the vertices farthest from the cut to it: tips of limbs before anything else. False if there are none.
-bool lengthen(CutGraph& cut) {
+bool lengthen(CutGraph& cut, std::vector<std::uint32_t>& joined) {
     double first = 0;
     for (int k = 0; k < kTipsPerRound; ++k) {
         const std::vector<double> distance = cut.distance_to_cut();
         const auto tip = std::max_element(distance.begin(), distance.end());
         if (k == 0) first = *tip;
         if (!(*tip > 0) || *tip < kNearTip * first) return k > 0;
-        cut.join(static_cast<std::uint32_t>(tip - distance.begin()));
+        joined.push_back(static_cast<std::uint32_t>(tip - distance.begin()));
+        cut.join(joined.back());
     }
     return true;
 }
@@ -213,6 +215,7 @@ struct Layout {
     double cut_length = 0;
     double stretch = INFINITY;  // L2, of a map without flips
     bool overlaps = false;
+    std::size_t joined = 0;  // vertices joined to the first cut
 };
 
 Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& tools, const model::Progress& progress,
@@ -278,7 +281,8 @@ SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, 
 }
 
 /// Joins the points that shrank most in a map to the cut [Gu, Gortler, Hoppe 2002]. False if there are none.
-bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::size_t points) {
+bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::vector<std::uint32_t>& joined) {
+    const std::size_t points = cut.mesh().positions.size();
     std::vector<double> surface(points, 0.0), map(points, 0.0);
     for (const Face& f : layout.disk.mesh.faces) {
         const auto& q = layout.disk.mesh.positions;
@@ -299,8 +303,105 @@ bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::size_t poin
             if (shrunk > most) most = shrunk, worst = v;
         }
         if (worst == kNone) return k > 0;
+        joined.push_back(worst);
         cut.join(worst);
     }
+    return true;
+}
+
+CutGraph first_cut(const TriMesh& component) {
+    CutGraph cut(component);
+    cut.cut_to_disk();
+    // A closed body has more than two tips, and one that bulges far out of its border cannot be laid flat as it is.
+    const std::vector<double> distance = cut.distance_to_cut();
+    std::vector<std::uint32_t> tips;
+    if (cut.boundary_loop_count() == 0 ||
+        *std::max_element(distance.begin(), distance.end()) > kFarTip * std::sqrt(surface_area(component)))
+        lengthen(cut, tips);
+    return cut;
+}
+
+/// Longer and longer cuts, and what the method makes of them.
+struct CutTrials {
+    const Parameterizer& method;
+    const FreeChartTools& tools;
+    const model::Progress& progress;
+    CutGraph cut;
+    std::vector<std::uint32_t> joined = {};  // to the first cut, in this order
+    std::optional<Layout> best = {}, last = {};
+    std::optional<Error> failure = {};
+    int idle = 0, rounds = 0;
+    double stretch_factor = 1;
+
+    void lay_out() {
+        last = bake::lay_out(cut.open(), method, tools, progress, failure);
+        last->stretch *= stretch_factor;
+        last->cut_length = cut.length();
+        last->joined = joined.size();
+        ++rounds;
+    }
+
+    /// False if no longer cut is wanted.
+    bool judge() {
+        // Arms that lie over each other are moved apart; cutting more would give more arms.
+        if (last->overlaps && last->stretch < kGoodStretch) return false;
+        const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : INFINITY);
+        if (best && !gains && ++idle > 1) return false;
+        if (gains) best = last, idle = 0;
+        return !best || best->stretch >= kGoodStretch;
+    }
+
+    bool lengthen_cut() {
+        const bool mapped = std::isfinite(last->stretch);
+        return mapped ? lengthen_where_shrunk(cut, *last, joined) : lengthen(cut, joined);
+    }
+
+    /// Rounds after the first one, which has been laid out.
+    void run(int most) {
+        while (judge() && rounds < most && lengthen_cut()) lay_out();
+    }
+
+    /// The last cut may be the better one, were it not for the overlap.
+    [[nodiscard]] bool may_gain() const { return last->overlaps && best && last->stretch < kBetter * best->stretch; }
+};
+
+constexpr std::size_t kScoutFaces = 3000;
+
+/// The further rounds of `trials`, whose first one has been mapped, on a coarse copy of the component: a map of the
+/// component itself is made of what came out best there, none of cuts that overlap. False if the copy does not take
+/// the first cut as the component does.
+bool run_on_copy(CutTrials& trials, int most) {
+    const TriMesh& fine = trials.cut.mesh();
+    SimplifyOptions options;
+    options.regularity = 1e-3;  // a map wants round rings more than the last detail
+    const CompactMesh copy = compact(fine.positions, simplify(fine, kScoutFaces, options, trials.progress).faces);
+    CutTrials scout{trials.method, trials.tools, trials.progress, first_cut(copy.mesh)};
+    scout.lay_out();
+    // Without its details a surface is stretched less.
+    if (scout.last->stretch < trials.last->stretch && std::isfinite(trials.last->stretch))
+        scout.last->stretch *= scout.stretch_factor = trials.last->stretch / scout.last->stretch;
+    scout.run(most);
+    const auto follow = [&](const Layout& to) {
+        while (trials.joined.size() < to.joined) {
+            trials.joined.push_back(copy.original[scout.joined[trials.joined.size()]]);
+            trials.cut.join(trials.joined.back());
+        }
+    };
+    if (scout.best) {
+        if (scout.best->joined == 0 && trials.last->overlaps) return false;
+        follow(*scout.best);
+        if (trials.last->joined < trials.joined.size()) trials.lay_out();
+        const Layout& found = *trials.last;
+        if (!found.overlaps && found.stretch < (trials.best ? kBetter * trials.best->stretch : INFINITY))
+            trials.best = found;
+        if (found.overlaps || !scout.may_gain()) return true;
+    }
+    follow(*scout.last);
+    if (scout.failure) trials.failure = scout.failure;
+    trials.last = Layout{.disk = trials.cut.open(),
+                         .cut_length = trials.cut.length(),
+                         .stretch = scout.last->stretch,
+                         .overlaps = scout.last->overlaps};
     return true;
 }
 
@@ -323,31 +424,16 @@ SampledChart make_free_chart(Disk disk, std::uint32_t m, std::uint32_t n, const 
 
 SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n, const Parameterizer& method,
                              const FreeChartTools& tools, const model::Progress& progress) {
-    CutGraph cut(component);
-    cut.cut_to_disk();
-    // A closed body has more than two tips, and one that bulges far out of its border cannot be laid flat as it is.
-    const std::vector<double> distance = cut.distance_to_cut();
-    if (cut.boundary_loop_count() == 0 ||
-        *std::max_element(distance.begin(), distance.end()) > kFarTip * std::sqrt(surface_area(component)))
-        lengthen(cut);
-    std::optional<Error> failure;
-    std::optional<Layout> best, last;
-    int idle = 0;
+    CutTrials trials{method, tools, progress, first_cut(component)};
+    const CutGraph& cut = trials.cut;
     const int rounds = cut.genus() > kManyHandles ? std::min(tools.cut_rounds, 2) : tools.cut_rounds;
-    for (int round = 0; round < rounds; ++round) {
-        last = lay_out(cut.open(), method, tools, progress, failure);
-        last->cut_length = cut.length();
-        // Arms that lie over each other are moved apart; cutting more would give more arms.
-        if (last->overlaps && last->stretch < kGoodStretch) break;
-        const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : INFINITY);
-        if (best && !gains && ++idle > 1) break;
-        if (gains) best = last, idle = 0;
-        if (best && best->stretch < kGoodStretch) break;
-        const bool mapped = std::isfinite(last->stretch);
-        if (!(mapped ? lengthen_where_shrunk(cut, *last, component.positions.size()) : lengthen(cut))) break;
-    }
-    // The last cut may be the better one, were it not for the overlap.
-    const bool may_gain = last->overlaps && best && last->stretch < kBetter * best->stretch;
+    // Loops about handles need not run alike on a copy.
+    const bool large = component.faces.size() > 2 * kScoutFaces && cut.genus() == 0;
+    trials.lay_out();
+    if (!large || rounds == 1 || (trials.judge() && !run_on_copy(trials, rounds))) trials.run(rounds);
+    std::optional<Layout>&best = trials.best, &last = trials.last;
+    std::optional<Error>& failure = trials.failure;
+    const bool may_gain = trials.may_gain();
     std::optional<SampledChart> chart;
     if (best) {
         try {
