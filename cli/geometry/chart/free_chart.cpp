@@ -38,30 +38,47 @@ std::vector<Vec2d> convex_hull(std::vector<Vec2d> points) {
     return hull;
 }
 
-/// Turns the chart so that its smallest bounding rectangle is upright, the longer side along the axis with more
-/// samples, and stretches it over the unit square.
-void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border, bool long_u) {
+/// Which of a chart's upright bounding rectangles is stretched over the square, by its sides in steps of m x n samples.
+enum class Box {
+    kLeastArea,
+    kLeastSquares,  ///< of the sides: what an isometric chart is stretched least in
+};
+
+/// Turns the chart and stretches its bounding rectangle over the unit square.
+void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border, std::uint32_t m, std::uint32_t n,
+                   Box box) {
+    constexpr int kAngles = 90;
     std::vector<Vec2d> points;
     for (std::uint32_t v : border) points.push_back(uv[v]);
     const std::vector<Vec2d> hull = convex_hull(points);
     Vec2d axis{1, 0};
     double least = INFINITY;
-    bool wide = true;
     const auto extent = [&](Vec2d d) {
         double lo = INFINITY, hi = -INFINITY;
         for (const Vec2d& p : hull) lo = std::min(lo, dot(p, d)), hi = std::max(hi, dot(p, d));
         return std::pair(lo, hi);
     };
+    const auto consider = [&](Vec2d d) {
+        const auto [a, b] = extent(d);
+        const auto [c, f] = extent({-d.y, d.x});
+        const double along = b - a, across = f - c;
+        // The longer side along the axis with more samples.
+        const bool turn = (along >= across) != (m >= n);
+        const double du = (turn ? across : along) / (m - 1.0), dv = (turn ? along : across) / (n - 1.0);
+        const double size = box == Box::kLeastArea ? du * dv : du * du + dv * dv;
+        if (!(size < least * (1 - 1e-12))) return;
+        least = size;
+        axis = turn ? Vec2d{-d.y, d.x} : d;
+    };
     for (std::size_t k = 0; k < hull.size(); ++k) {
         const Vec2d e = hull[(k + 1) % hull.size()] - hull[k];
-        const double l = length(e);
-        if (!(l > 0)) continue;
-        const Vec2d d = e * (1 / l), across{-d.y, d.x};
-        const auto [a, b] = extent(d);
-        const auto [c, f] = extent(across);
-        if ((b - a) * (f - c) < least * (1 - 1e-12)) least = (b - a) * (f - c), axis = d, wide = b - a >= f - c;
+        if (const double l = length(e); l > 0) consider(e * (1 / l));
     }
-    if (wide != long_u) axis = Vec2d{-axis.y, axis.x};
+    // Between the directions of the hull's edges the area has no minimum, but the sum of squares may.
+    for (int k = 0; k < kAngles && box == Box::kLeastSquares; ++k) {
+        const double angle = 0.5 * M_PI * k / kAngles;
+        consider({std::cos(angle), std::sin(angle)});
+    }
     const Vec2d across{-axis.y, axis.x};
     const auto [u0, u1] = extent(axis);
     const auto [v0, v1] = extent(across);
@@ -130,9 +147,9 @@ std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t
 }
 
 SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m, std::uint32_t n, std::string method,
-                               const FreeChartTools& tools) {
+                               const FreeChartTools& tools, Box box = Box::kLeastArea) {
     check_map(disk, uv, method);
-    fit_to_square(uv, border_vertices(disk), m >= n);
+    fit_to_square(uv, border_vertices(disk), m, n, box);
     divide_border(disk, uv, m - 1.0, n - 1.0);
     check_map(disk, uv, method);  // fitting and dividing round; nothing may have turned over
     const std::vector<std::uint32_t> border = border_vertices(disk);
@@ -270,7 +287,7 @@ SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, 
     try {
         std::vector<Vec2d> uv = descend_bijective({disk.mesh.positions, disk.mesh.faces, border, {}}, circle, energy,
                                                   tools.triangulate, progress);
-        chart = sample_free_chart(disk, std::move(uv), m, n, name, tools);
+        chart = sample_free_chart(disk, std::move(uv), m, n, name, tools, Box::kLeastSquares);
     } catch (const Error& e) {
         if (e.code().number != codes::kMapInvalid.number) throw;
         how = "; laid out again with a convex border";
