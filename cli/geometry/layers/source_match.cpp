@@ -7,9 +7,81 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/fit/linked_surface.h"
 #include "geometry/spatial/closest_point.h"
 
 namespace dgm::bake {
+namespace {
+/// The stored surface with its seams closed, to walk on: faces in the order of `faces`.
+LinkedSurface link_stored(const SampledChart& chart, std::span<const Face> faces, std::span<const Vec3d> positions) {
+    LinkedSurface out;
+    out.positions.assign(positions.begin(), positions.end());
+    out.faces.assign(faces.begin(), faces.end());
+    for (Face& f : out.faces)
+        for (std::uint32_t& s : f) s = chart.representative[s];
+    const std::vector<std::uint32_t> opposite = opposite_half_edges(out.faces);
+    out.neighbours.resize(out.faces.size());
+    for (std::size_t h = 0; h < opposite.size(); ++h)
+        out.neighbours[h / 3][h % 3] = opposite[h] == kNone ? kNone : opposite[h] / 3;
+    out.update_normals();
+    return out;
+}
+
+/// For each face of the source, a stored face with a sample that lies on it or, if it has none, on one near it; kNone
+/// if there is none at all.
+std::vector<std::uint32_t> faces_over(const SampledChart& chart, std::span<const Face> stored) {
+    std::vector<std::uint32_t> out(chart.disk.mesh.faces.size(), kNone);
+    for (std::uint32_t f = 0; f < stored.size(); ++f)
+        for (const std::uint32_t s : stored[f])
+            if (const std::uint32_t face = chart.samples[s].face; face != kNone && out[face] == kNone) out[face] = f;
+    std::vector<std::uint32_t> reached;
+    for (std::uint32_t face = 0; face < out.size(); ++face)
+        if (out[face] != kNone) reached.push_back(face);
+    for (std::size_t k = 0; k < reached.size(); ++k)
+        for (std::uint32_t h = 3 * reached[k]; h < 3 * reached[k] + 3; ++h) {
+            const std::uint32_t across = chart.disk.opposite[h] != kNone ? chart.disk.opposite[h] : chart.disk.mate[h];
+            if (across == kNone || out[across / 3] != kNone) continue;
+            out[across / 3] = out[reached[k]];
+            reached.push_back(across / 3);
+        }
+    return out;
+}
+
+/// ClosestPointIndex::query() and query_facing() among some hundred faces around a start.
+class FacingSearch {
+ public:
+    FacingSearch(const LinkedSurface& surface, double min_cosine)
+        : surface_(surface), min_cosine_(min_cosine), seen_(surface.faces.size(), 0) {}
+
+    /// The closest point whose face looks the same way, at most twice as far as the closest of all, plus `slack`; face
+    /// is kNone where there is none.
+    [[nodiscard]] SurfaceHit from(const Vec3d& p, const Vec3d& normal, std::uint32_t start, double slack) {
+        constexpr std::size_t kFaces = 400;
+        ++turn_;
+        reached_.assign(1, walk_to_closest(surface_, p, start).face);
+        seen_[reached_[0]] = turn_;
+        double any = INFINITY;  // squared
+        SurfaceHit same{kNone, INFINITY, {}};
+        for (std::size_t k = 0; k < reached_.size(); ++k) {
+            SurfaceHit hit{reached_[k], 0, {}};
+            hit.squared = closest_on_triangle(p, surface_.corners(hit.face), hit.b);
+            any = std::min(any, hit.squared);
+            if (hit.squared < same.squared && dot(surface_.normals[hit.face], normal) > min_cosine_) same = hit;
+            for (const std::uint32_t next : surface_.neighbours[hit.face])
+                if (next != kNone && reached_.size() < kFaces && seen_[next] != turn_)
+                    seen_[next] = turn_, reached_.push_back(next);
+        }
+        if (std::sqrt(same.squared) > 2 * std::sqrt(any) + slack) same.face = kNone;
+        return same;
+    }
+
+ private:
+    const LinkedSurface& surface_;
+    double min_cosine_;
+    std::vector<std::uint32_t> seen_, reached_;  // seen_: per face, the last turn that reached it
+    std::uint32_t turn_ = 0;
+};
+}  // namespace
 
 Vec3d local_position(const LayerInput& in, const SurfaceSample& at) {
     Vec3d p = position_at(in.chart.disk.mesh, at);
@@ -45,44 +117,70 @@ Vec2d grid_coordinates(const SampledChart& chart, const MatchedPoint& p) {
 
 std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositions& positions, std::size_t count) {
     constexpr double kMinCosine = 0.3;
+    constexpr std::size_t kMany = 100;  // one in so many
     const TriMesh& mesh = in.chart.disk.mesh;
     const std::vector<SurfaceSample> spread = spread_by_area(mesh, count);
     if (spread.empty()) return {};
 
-    TriMesh surface;
-    surface.positions = positions.local;
-    surface.faces = in.chart.faces();
-    const ClosestPointIndex index(surface.positions, surface.faces);
-    const double spacing =
-        in.frame.diagonal * std::sqrt(surface_area(mesh) / static_cast<double>(in.chart.grid_count()));
+    const std::vector<Face> faces = in.chart.faces();
+    const LinkedSurface stored = link_stored(in.chart, faces, positions.local);
+    const std::vector<std::uint32_t> over = faces_over(in.chart, faces);
+    const double slack =
+        0.25 * in.frame.diagonal * std::sqrt(surface_area(mesh) / static_cast<double>(in.chart.grid_count()));
 
     std::vector<MatchedPoint> points(count);
+    std::vector<char> open(count, 0);
     constexpr std::size_t kChunk = 1024;  // neighbours share a hint
-    tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-        std::uint32_t hint = ClosestPointIndex::kNoFace, last = kNone;
-        Vec3d normal;  // of face `last`: neighbours share it, too
-        for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
-            MatchedPoint& p = points[k];
-            SurfaceSample from = spread[k];
-            const Vec3d position = local_position(in, from);
-            if (from.face != last) last = from.face, normal = normal_of_face(mesh, last);
+    const auto in_chunks = [&](const auto& visit) {
+        tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+            std::uint32_t hint = kNone, last = kNone;
+            Vec3d normal;  // of face `last`: neighbours share it, too
+            for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
+                const SurfaceSample& from = spread[k];
+                if (from.face != last) {
+                    last = from.face, normal = normal_of_face(mesh, last);
+                    if (over[last] != kNone) hint = over[last];
+                }
+                visit(k, local_position(in, from), normal, hint);
+            }
+        });
+    };
+    const auto match = [&](std::size_t k, std::uint32_t face, const auto& b) {
+        points[k] = {spread[k], face, faces[face], {b[0], b[1], b[2]}};
+    };
+    // A walk from a sample on the same face of the source mostly ends close by; the index tells the rest.
+    in_chunks([&](std::size_t k, const Vec3d& position, const Vec3d& normal, std::uint32_t& hint) {
+        open[k] = 1;
+        if (hint == kNone) return;
+        const SurfaceHit hit = walk_to_closest(stored, position, hint);
+        if (hit.squared > slack * slack || dot(stored.normals[hit.face], normal) <= kMinCosine) return;
+        match(k, hint = hit.face, hit.b);
+        open[k] = 0;
+    });
+    const auto left = static_cast<std::size_t>(std::count(open.begin(), open.end(), 1));
+    if (left * kMany <= count) {  // not worth an index
+        FacingSearch search(stored, kMinCosine);
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::uint32_t start = over[spread[k].face];
+            if (open[k] == 0 || start == kNone) continue;
+            const SurfaceHit hit =
+                search.from(local_position(in, spread[k]), normal_of_face(mesh, spread[k].face), start, slack);
+            if (hit.face != kNone) match(k, hit.face, hit.b);
+        }
+    } else {
+        const ClosestPointIndex index(positions.local, faces);
+        in_chunks([&](std::size_t k, const Vec3d& position, const Vec3d& normal, std::uint32_t& hint) {
+            if (open[k] == 0) return;
             ClosestPoint hit = index.query(position, hint);
             hint = hit.face;
             if (hit.face != ClosestPointIndex::kNoFace && dot(index.unit_normal(hit.face), normal) <= kMinCosine) {
-                const double limit = 2 * hit.distance + 0.25 * spacing;
-                const ClosestPoint same =
-                    index.query_facing(position, normal, kMinCosine, ClosestPointIndex::kNoFace, limit);
-                if (same.distance > limit) from.face = kNone;
-                hit = same;
+                const double limit = 2 * hit.distance + slack;
+                hit = index.query_facing(position, normal, kMinCosine, ClosestPointIndex::kNoFace, limit);
+                if (hit.distance > limit) hit.face = ClosestPointIndex::kNoFace;
             }
-            if (hit.face == ClosestPointIndex::kNoFace) from.face = kNone;
-            p.at = from;
-            if (from.face == kNone) continue;
-            p.face = hit.face;
-            p.sample = surface.faces[hit.face];
-            p.b = {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]};
-        }
-    });
+            if (hit.face != ClosestPointIndex::kNoFace) match(k, hit.face, hit.barycentric);
+        });
+    }
     std::erase_if(points, [](const MatchedPoint& p) { return p.at.face == kNone; });
     return points;
 }
