@@ -29,6 +29,7 @@ constexpr double kTolerance = 2e-3;          // of the energy, gained by a round
 constexpr double kRoughly = 2e-2;            // the same where another energy follows
 constexpr double kOnceMore = 2e-2;           // the same where a coarser level has come to kTolerance and 0 is isometric
 constexpr std::size_t kCoarseFaces = 1200;   // of that level, beside two for each border vertex
+constexpr std::size_t kWorthCoarse = 3000;   // the same: a mesh of less than twice that is as quick without one
 
 double twice_area(Vec2d a, Vec2d b, Vec2d c) {
     return cross(b - a, c - a);
@@ -275,7 +276,7 @@ std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> st
     Steps steps{{energy, kTolerance}};
     if (energy != FlipFreeEnergy::kSymmetricDirichlet)
         steps.insert(steps.begin(), {FlipFreeEnergy::kSymmetricDirichlet, kRoughly});
-    if (disk.faces.size() > 2 * (kCoarseFaces + 2 * disk.border.size()))
+    if (disk.faces.size() > 2 * (kWorthCoarse + 2 * disk.border.size()))
         if (auto coarse = descend_coarsely(disk, start, steps, triangulate, progress)) {
             start = std::move(*coarse);
             // The long way is behind it. Of the energy that is 2 where isometric, a tenth of the share is as much.
