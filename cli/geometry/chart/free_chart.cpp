@@ -384,7 +384,7 @@ struct CutTrials {
 
 constexpr std::size_t kScoutFaces = 3000;
 
-/// The further rounds of `trials`, whose first one has been mapped, on a coarse copy of the component: a map of the
+/// The further rounds of `trials`, whose first map overlaps, on a coarse copy of the component: a map of the
 /// component itself is made of what came out best there, none of cuts that overlap. False if the copy does not take
 /// the first cut as the component does.
 bool run_on_copy(CutTrials& trials, int most) {
@@ -405,7 +405,7 @@ bool run_on_copy(CutTrials& trials, int most) {
         }
     };
     if (scout.best) {
-        if (scout.best->joined == 0 && trials.last->overlaps) return false;
+        if (scout.best->joined == 0) return false;
         follow(*scout.best);
         if (trials.last->joined < trials.joined.size()) trials.lay_out();
         const Layout& found = *trials.last;
@@ -447,7 +447,9 @@ SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uin
     // Loops about handles need not run alike on a copy.
     const bool large = component.faces.size() > 2 * kScoutFaces && cut.genus() == 0;
     trials.lay_out();
-    if (!large || rounds == 1 || (trials.judge() && !run_on_copy(trials, rounds))) trials.run(rounds);
+    // What a cut gains beyond a valid map is told by maps of the component alone.
+    const bool scouts = large && rounds > 1 && trials.last->overlaps && trials.judge();
+    if (!scouts || !run_on_copy(trials, rounds)) trials.run(rounds);
     std::optional<Layout>&best = trials.best, &last = trials.last;
     std::optional<Error>& failure = trials.failure;
     const bool may_gain = trials.may_gain();
