@@ -24,7 +24,6 @@ constexpr double kFlat = 0.05, kWiden = 30;  // of rest shapes outside
 constexpr double kMargin = 0.5;              // of the chart's extent, between it and the box
 constexpr std::uint32_t kBoxPoints = 8;      // per side
 constexpr double kStepIdle = 0.5;            // of a round's tolerance: gained by one step, no more in that round
-constexpr double kConverged = 10;            // times the tolerance: gained by a round that came to such a step
 constexpr double kTolerance = 2e-3;          // of the energy, gained by a round
 constexpr double kRoughly = 2e-2;            // the same where another energy follows
 constexpr double kOnceMore = 2e-2;           // the same where a coarser level has come to kTolerance and 0 is isometric
@@ -70,8 +69,8 @@ class Augmented {
     [[nodiscard]] double area() const { return area_; }
 
     /// Triangulates the outside of `uv`, where the energy is `now`, and moves the vertices by a few Newton steps.
-    /// @return false if a step more would have gained less than `tolerance` of the energy
-    bool improve(std::vector<Vec2d>& uv, FlipFreeEnergy energy, double now, double tolerance,
+    /// Ends where a step gains less than `tolerance` of the energy.
+    void improve(std::vector<Vec2d>& uv, FlipFreeEnergy energy, double now, double tolerance,
                  const model::Progress& progress) {
         const std::size_t n = disk_.positions.size(), k = disk_.border.size();
         std::vector<Vec2d> points, x = uv;
@@ -131,10 +130,8 @@ class Augmented {
         options.rest = rest_;
         options.tolerance = tolerance;
         const model::Progress silent{.on_update = {}, .cancelled = progress.cancelled};
-        SlimReport report;
-        x = descend_flip_free({nowhere, faces_, box, {}}, std::move(x), options, silent, &report);
+        x = descend_flip_free({nowhere, faces_, box, {}}, std::move(x), options, silent);
         std::copy_n(x.begin(), n, uv.begin());
-        return report.iterations == kStepsPerRound;
     }
 
  private:
@@ -231,11 +228,11 @@ std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv
         for (int round = 0; round < kRounds; ++round) {
             progress.update("parameterize", static_cast<double>(round) / kRounds);
             std::vector<Vec2d> next = uv;
-            const bool open = augmented.improve(next, energy, last, kStepIdle * tolerance, progress);
+            augmented.improve(next, energy, last, kStepIdle * tolerance, progress);
             const double lowered = flip_free_energy(disk, next, options);
             if (!(lowered < last)) break;
             uv = std::move(next);
-            const bool done = last - lowered < (open ? 1 : kConverged) * tolerance * lowered;
+            const bool done = last - lowered < tolerance * lowered;
             last = lowered;
             if (done) break;
         }

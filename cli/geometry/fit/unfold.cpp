@@ -22,7 +22,7 @@ constexpr double kLeastEpsilon = 1e-3, kEpsilonShare = 0.2;
 constexpr double kThinnest = 0.1;  // of a shape that a face is held to: its height over its longest edge
 constexpr double kSettled = 1e-3;  // of an edge: a sweep that moves none further is the last
 constexpr double kLimit = 1.3;     // largest distance of a patch that lies flat, over the largest of all
-constexpr double kPrice = 1;       // what the patches may add to the squared distances of all points, of their sum
+constexpr double kPrice = 0.1;     // what the patches may add to the squared distances of all points, of their sum
 constexpr double kProbe = 1e-3;    // of an edge: step of the differences
 
 /// The shape of a face by the products of its edges from its first corner.
