@@ -36,7 +36,7 @@ constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are me
 constexpr int kDiagonalRounds = 9;
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 constexpr double kSureGain = 0.6;                              // in rms; ordinary charts reach 0.2
-constexpr double kMendingPrice = 1.5;                          // in rms, of a fit that turns fewer faces than its start
+constexpr double kMendingPrice = 1.5;                          // in rms, of fewer turned faces
 constexpr std::uint64_t kFewSamples = 20'000;
 constexpr double kExact = 1e-10;  // normalised units: nothing is left to fit
 
@@ -222,15 +222,11 @@ class Fitter {
         }
         if (moved) matches_.update(false);
         bool unfolded = false;
-        std::size_t last = grid_.surface.faces.size() + 1;
         for (int round = 0; round < kSearches; ++round) {
             if (unfold_patches()) moved = unfolded = true;
             const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
-            if (left.empty() || left.size() >= last) break;
-            last = left.size();
-            if (!turn_back(source_, index, grid_, matches_, fixed_, left)) break;
+            if (left.empty() || !search_turned(left)) break;
             moved = true;
-            if (!flip_quads(turned_.faces({}, nearly_), true)) matches_.update(false);
         }
         if (moved) {
             matches_.update(true);
@@ -238,6 +234,20 @@ class Fitter {
             refit_around(before, unfolded);
         }
         unmended_ = turned_.faces({}, nearly_);
+    }
+
+    /// Undone where it turns no face back, or makes the others pay too much for it.
+    /// @return  true if fewer are left
+    bool search_turned(const std::vector<std::uint32_t>& left) {
+        const std::vector<Vec3d> positions = grid_.surface.positions;
+        const std::vector<std::uint8_t> diagonals = chart_.diagonals;
+        if (!turn_back(source_, turned_.source_index(), grid_, matches_, fixed_, left)) return false;
+        if (!flip_quads(turned_.faces({}, nearly_), true)) matches_.update(false);
+        if (turned_.faces({}, nearly_).size() < left.size() && matches_.rms <= kMendingPrice * rms_) return true;
+        grid_.surface.positions = positions, chart_.diagonals = diagonals;
+        relink();
+        matches_.update(false);
+        return false;
     }
 
     /// @return  true if a sample moved
