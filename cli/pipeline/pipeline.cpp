@@ -388,7 +388,8 @@ class AssetBake {
 
     void make_charts(const std::vector<std::string>& layers) {
         for (std::size_t c = 0; c < mapped_.size(); ++c) {
-            part("layers", c, mapped_.size()).update("layers", 0);
+            const model::Progress progress = part("layers", c, mapped_.size());
+            progress.update("layers", 0);
             const SampledChart& chart = mapped_[c].chart;
             const StoredFrame stored = choose_frame(repaired_.frame, chart, u16_);
             const bool fitted = options_.fit != Fit::kSample;
@@ -400,7 +401,7 @@ class AssetBake {
             if (options_.texture_size) in.texture_size = {options_.texture_size->rows, options_.texture_size->cols};
             if (options_.bump_size) in.bump_size = {options_.bump_size->rows, options_.bump_size->cols};
             in.texture_size = limited_texture(texture_shape(in), c);
-            ChartLayers made = make_layers(in, layers);
+            ChartLayers made = make_layers(in, layers, progress);
             worst_quantisation_ = std::max(worst_quantisation_, made.worst_quantisation);
             result_.maps.charts.push_back(std::move(made.chart));
         }

@@ -72,6 +72,7 @@ class Fitter {
             keep();
         else
             fit(report);
+        tell(options_.rounds + options_.worst_rounds);
         mend_turned();
         nearly_ = true;  // what rounding may turn, last and by itself: mending costs some accuracy
         mend_turned();
@@ -139,7 +140,8 @@ class Fitter {
     }
 
     void tell(int round) const {
-        progress_.update("fit", static_cast<double>(round) / (options_.rounds + options_.worst_rounds));
+        constexpr int kMending = 2;  // rounds that what follows the last one takes as long as
+        progress_.update("fit", static_cast<double>(round) / (options_.rounds + options_.worst_rounds + kMending));
     }
 
     [[nodiscard]] double largest() const { return std::max(matches_.largest, rails_.largest_gap()); }

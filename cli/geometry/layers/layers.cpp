@@ -102,7 +102,9 @@ void weigh_bump(const LayerInput& in, const StoredPositions& positions, std::vec
 }
 }  // namespace
 
-ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked) {
+ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked, const model::Progress& progress) {
+    // Rough shares of the time that all layers take.
+    const auto tell = [&](double share) { progress.update("layers", share); };
     const SampledChart& sampled = in.chart;
     ChartLayers out;
     model::Chart& chart = out.chart;
@@ -115,7 +117,9 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
     StoredNormals normals = store_normals(in);
     std::vector<MatchedPoint> points =
         in.fitted ? match_source(in, positions, match_count(in, asked)) : std::vector<MatchedPoint>{};
+    tell(0.4);
     if (!points.empty()) fit_normals(in, points, normals);
+    tell(0.5);
     out.worst_quantisation = positions.worst_quantisation;
     for (int k = 0; k < 3; ++k) chart.bbox[k] = INFINITY, chart.bbox[k + 3] = -INFINITY;
     for (std::size_t s = 0; s < positions.local.size(); ++s) {
@@ -131,7 +135,9 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
     if (wants(asked, "normal")) layers.push_back(std::move(normals.normal));
     if (wants(asked, "texture"))
         if (auto texture = make_texture(in, points)) layers.push_back(std::move(*texture));
+    tell(0.6);
     if (wants(asked, "bump")) layers.push_back(make_bump(in, positions, normals, points));
+    tell(0.8);
     if (wants(asked, "collision")) {
         layers.push_back(make_collision(sampled, positions.local));
         layers.push_back(make_cover(sampled, positions.local));

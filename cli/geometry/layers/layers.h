@@ -13,6 +13,7 @@
 #include "geometry/repair/repair.h"
 #include "image/image.h"
 #include "model/map_set.h"
+#include "model/progress.h"
 
 namespace dgm::bake {
 
@@ -109,6 +110,8 @@ struct ChartLayers {
     model::Chart chart;
     double worst_quantisation = 0;
 };
-[[nodiscard]] ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked);
+/// Tells its share of stage "layers". @throws model::Error kInterrupted
+[[nodiscard]] ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked,
+                                      const model::Progress& progress = {});
 
 }  // namespace dgm::bake
