@@ -211,7 +211,7 @@ class Fitter {
         constexpr int kPasses = 10, kSearches = 3;
         const ClosestPointIndex& index = turned_.source_index();
         const std::vector<Vec3d> before = grid_.surface.positions;
-        if (unmended_ && turned_.faces({}, nearly_) == *unmended_) return;
+        if (unmended_ && without(turned_.faces({}, nearly_), *unmended_).empty()) return;
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
             const std::vector<std::uint32_t> turned = turned_.faces({}, nearly_);
@@ -255,7 +255,8 @@ class Fitter {
     /// @return  true if a sample moved
     bool unfold_patches() {
         const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
-        if (left.empty() || !unfold(source_, turned_.source_index(), upward_, grid_, matches_, fixed_, left))
+        if (left.empty() ||
+            !unfold(source_, turned_.source_index(), upward_, grid_, matches_, fixed_, left, unfolding_effort_))
             return false;
         matches_.update(false);
         return true;
@@ -477,6 +478,7 @@ class Fitter {
     FitRows rows_;
     std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
     std::vector<Vec3d> upward_;                           // per face of the source: its normal at the scale of the grid
+    std::size_t unfolding_effort_ = 100'000;              // samples that may be moved yet: less than a second
     bool nearly_ = false;                                 // mends faces that rounding may turn, too
     double rms_ = 0, largest_ = 0;
     std::vector<Vec3d> kept_positions_;

@@ -16,8 +16,7 @@ namespace {
 constexpr std::array kRings{1, 2, 3, 5, 8};  // of a patch, until one unfolds
 constexpr std::size_t kMostFaces = 200;      // of more the source has no sides to tell (slivers, folds onto itself)
 constexpr int kSweeps = 60;
-constexpr std::size_t kMostEffort = 150'000;  // samples moved, in one call: about a second
-constexpr double kUpright = 0.15;             // area over that of its shape from which a face is upright
+constexpr double kUpright = 0.15;  // area over that of its shape from which a face is upright
 constexpr double kLeastEpsilon = 1e-3, kEpsilonShare = 0.2;
 constexpr double kThinnest = 0.1;  // of a shape that a face is held to: its height over its longest edge
 constexpr double kSettled = 1e-3;  // of an edge: a sweep that moves none further is the last
@@ -39,13 +38,14 @@ Shape shape_of(const std::array<Vec3d, 3>& q) {
 class Unfolding {
  public:
     Unfolding(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
-              WeldedGrid& grid, Matches& matches, std::span<const char> fixed)
+              WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::size_t& effort)
         : source_(source),
           index_(index),
           upward_(upward),
           grid_(grid.surface),
           matches_(matches),
           fixed_(fixed),
+          effort_(effort),
           rings_(grid.rings()),
           in_patch_(grid_.positions.size(), 0),
           number_(grid_.faces.size(), kNone),
@@ -64,7 +64,7 @@ class Unfolding {
     bool run(std::span<const std::uint32_t> turned) {
         bool moved = false;
         for (const std::uint32_t f : turned)
-            if (effort_ < kMostEffort && is_turned(f)) moved = lay_flat(f) || moved;
+            if (effort_ > 0 && is_turned(f)) moved = lay_flat(f) || moved;
         return moved;
     }
 
@@ -188,14 +188,14 @@ class Unfolding {
     void slide() {
         note_shapes();
         if (std::any_of(shapes_.begin(), shapes_.end(), [](const Shape& s) { return !(s.determinant() > 0); })) return;
-        for (int sweep = 0; sweep < kSweeps && effort_ < kMostEffort; ++sweep) {
+        for (int sweep = 0; sweep < kSweeps && effort_ > 0; ++sweep) {
             note_upward();
             double least = INFINITY, farthest = 0;
             for (std::uint32_t k = 0; k < faces_.size(); ++k) least = std::min(least, stretch(k));
             if (sweep > 0 && least > kUpright && count_turned(faces_) == 0) break;
             epsilon_ = std::hypot(kLeastEpsilon, kEpsilonShare * std::min(0.0, least));
             for (const std::uint32_t c : patch_) farthest = std::max(farthest, relax(c));
-            effort_ += patch_.size();
+            effort_ -= std::min(effort_, patch_.size());
             if (farthest < kSettled) break;
         }
     }
@@ -280,12 +280,12 @@ class Unfolding {
     LinkedSurface& grid_;
     Matches& matches_;
     std::span<const char> fixed_;
+    std::size_t& effort_;
     WeldedGrid::Rings rings_;
     std::vector<char> in_patch_;                      // per class, while a patch is gathered
     std::vector<std::uint32_t> number_;               // per face: in the patch
     std::vector<std::uint32_t> first_point_, point_;  // source points over each face
     std::vector<std::uint32_t> patch_, faces_;
-    std::size_t effort_ = 0;     // samples moved
     double limit_ = 0;           // squared distance, of a patch that lies flat
     double purse_ = 0;           // squared distances that laying flat may yet add
     std::vector<Shape> shapes_;  // per face of the patch
@@ -296,9 +296,10 @@ class Unfolding {
 }  // namespace
 
 bool unfold(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
-            WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::span<const std::uint32_t> turned) {
+            WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::span<const std::uint32_t> turned,
+            std::size_t& effort) {
     if (turned.size() > kMostFaces) return false;
-    return Unfolding(source, index, upward, grid, matches, fixed).run(turned);
+    return Unfolding(source, index, upward, grid, matches, fixed, effort).run(turned);
 }
 
 }  // namespace dgm::bake

@@ -14,12 +14,14 @@ namespace dgm::bake {
 /// turns [Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, Foldover-free maps in 50 lines of code] and
 /// holds each face to the shape that it has, with its right side up. A patch stays as it was unless fewer of its faces
 /// are turned then by the measure (metrics/turned_faces.h), no point is left farther off than a little beyond the
-/// farthest of all, and the sum of squared distances has not doubled by all patches together. Classes marked `fixed`
-/// stay. `matches` is kept up to date but for the points. Bounded work; deterministic.
+/// farthest of all, and all patches together add at most a tenth to the sum of squared distances. Classes marked
+/// `fixed` stay. `matches` is kept up to date but for the points. Bounded work; deterministic.
 /// @param index    of the source
 /// @param upward   per face of the source: its normal at the scale of the grid
+/// @param effort   how often a sample may be moved; less by what was spent
 /// @return  true if a sample moved
 bool unfold(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
-            WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::span<const std::uint32_t> turned);
+            WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::span<const std::uint32_t> turned,
+            std::size_t& effort);
 
 }  // namespace dgm::bake

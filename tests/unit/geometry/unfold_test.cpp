@@ -72,7 +72,8 @@ Result unfolded(const SampledChart& chart, bool held) {
     out.start = faces.size();
     turn_back(source, index, other, other_matches, fixed, faces);
     out.searched = turned(other.surface).size();
-    out.moved = unfold(source, index, source.normals, grid, matches, fixed, faces);
+    std::size_t effort = 100'000;
+    out.moved = unfold(source, index, source.normals, grid, matches, fixed, faces, effort);
     out.left = turned(grid.surface).size();
     grid.write_positions(out.chart);
     for (std::size_t c = 0; c < grid.sample_of.size(); ++c)
