@@ -11,7 +11,6 @@ namespace {
 
 constexpr int kMaxSteps = 200;         // of a walk
 constexpr int kMaxTurns = 32;          // faces tried around a vertex, each way round
-constexpr std::size_t kNearby = 400;   // faces of a search
 constexpr double kNearer = 1 - 1e-12;  // nearer beyond rounding, or a walk could circle
 
 double closest_on_segment(const Vec3d& p, const Vec3d& a, const Vec3d& e, double& t) {
@@ -115,21 +114,14 @@ SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::ui
 }
 
 SurfaceHit NearbySearch::from(const Vec3d& p, std::uint32_t start) {
-    if (++turn_ == 0 || seen_.size() != surface_.faces.size()) seen_.assign(surface_.faces.size(), 0), turn_ = 1;
-    reached_.assign(1, start);
-    seen_[start] = turn_;
     SurfaceHit best = walk_to_closest(surface_, p, start);
-    for (std::size_t k = 0; k < reached_.size(); ++k) {
-        SurfaceHit hit{reached_[k], 0, {}};
-        if (const auto q = surface_.corners(hit.face); !surely_farther(p, q, best.squared)) {
-            hit.squared = closest_on_triangle(p, q, hit.b);
-            if (hit.squared < best.squared) best = hit;
-        }
-        if (reached_.size() == kNearby) continue;
-        for (const std::uint32_t next : surface_.neighbours[hit.face])
-            if (next != kNone && reached_.size() < kNearby && seen_[next] != turn_)
-                seen_[next] = turn_, reached_.push_back(next);
-    }
+    nearby_.visit(start, [&](std::uint32_t face) {
+        const auto q = surface_.corners(face);
+        if (surely_farther(p, q, best.squared)) return;
+        SurfaceHit hit{face, 0, {}};
+        hit.squared = closest_on_triangle(p, q, hit.b);
+        if (hit.squared < best.squared) best = hit;
+    });
     return best;
 }
 

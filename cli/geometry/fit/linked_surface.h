@@ -47,17 +47,45 @@ double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& corners, 
 /// of the distance, on the sheet that `start` lies on. Bounded work. Thread-safe.
 [[nodiscard]] SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start);
 
-/// The same among some hundred faces around a start: the other wall of a narrow fold, where a walk does not go.
-class NearbySearch {
+/// Floods some hundred faces around a start, time and again.
+class NearbyFaces {
  public:
-    /// @param surface  must outlive the search; what it holds may change in between
-    explicit NearbySearch(const LinkedSurface& surface) : surface_(surface) {}
-    [[nodiscard]] SurfaceHit from(const Vec3d& p, std::uint32_t start);
+    /// @param surface  must outlive the object; what it holds may change in between
+    explicit NearbyFaces(const LinkedSurface& surface) : surface_(surface) {}
+
+    template <class Visit>
+    void visit(std::uint32_t start, Visit visit_face) {
+        constexpr std::size_t kMost = 400;
+        if (++turn_ == 0 || seen_.size() != surface_.faces.size()) seen_.assign(surface_.faces.size(), 0), turn_ = 1;
+        reached_.assign(1, start);
+        seen_[start] = turn_;
+        for (std::size_t k = 0; k < reached_.size(); ++k) {
+            const std::uint32_t face = reached_[k];
+            visit_face(face);
+            if (reached_.size() == kMost) continue;
+            for (const std::uint32_t next : surface_.neighbours[face])
+                if (next != kNone && reached_.size() < kMost && seen_[next] != turn_)
+                    seen_[next] = turn_, reached_.push_back(next);
+        }
+    }
 
  private:
     const LinkedSurface& surface_;
     std::vector<std::uint32_t> seen_, reached_;  // seen_: per face, the last turn that reached it
     std::uint32_t turn_ = 0;
+};
+
+/// The closest point among some hundred faces around a start: the other wall of a narrow fold, where a walk does not
+/// go.
+class NearbySearch {
+ public:
+    /// @param surface  must outlive the search; what it holds may change in between
+    explicit NearbySearch(const LinkedSurface& surface) : surface_(surface), nearby_(surface) {}
+    [[nodiscard]] SurfaceHit from(const Vec3d& p, std::uint32_t start);
+
+ private:
+    const LinkedSurface& surface_;
+    NearbyFaces nearby_;
 };
 
 /// The source of a chart with its cut closed: the disk's faces, in their order, over its surface points.

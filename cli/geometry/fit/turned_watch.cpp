@@ -3,6 +3,7 @@
 #include "geometry/fit/turned_watch.h"
 
 #include <limits>
+#include <utility>
 
 namespace dgm::bake {
 
@@ -14,8 +15,8 @@ const ClosestPointIndex& TurnedWatch::source_index() {
 std::vector<std::uint32_t> TurnedWatch::faces(std::span<const char> among, bool nearly) {
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to nothing
     judged_.resize(grid_.faces.size(), {{Vec3d{kNever, kNever, kNever}, Vec3d{}, Vec3d{}}, false, false});
-    TriMesh surface, close;
-    close.positions = surface.positions = grid_.positions;
+    TriMesh surface;
+    surface.positions = grid_.positions;
     std::vector<std::uint32_t> number, out;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
         if (const auto q = grid_.corners(f); (among.empty() || among[f]) && q != judged_[f].corners) {
@@ -23,8 +24,10 @@ std::vector<std::uint32_t> TurnedWatch::faces(std::span<const char> among, bool 
             judged_[f] = {q, false, false};
         }
     const std::vector<std::uint32_t> found = find_turned_faces(source_index(), surface, kSafeTie, kSafeCosine);
-    for (const std::uint32_t k : found) judged_[number[k]].nearly = true, close.faces.push_back(surface.faces[k]);
-    for (const std::uint32_t k : find_turned_faces(source_index(), close, kTurnedTie))
+    std::vector<Face> close;
+    for (const std::uint32_t k : found) judged_[number[k]].nearly = true, close.push_back(surface.faces[k]);
+    surface.faces = std::move(close);
+    for (const std::uint32_t k : find_turned_faces(source_index(), surface, kTurnedTie))
         judged_[number[found[k]]].turned = true;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
         if ((among.empty() || among[f]) && (nearly ? judged_[f].nearly : judged_[f].turned)) out.push_back(f);

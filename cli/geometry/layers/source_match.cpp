@@ -6,25 +6,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "geometry/fit/linked_surface.h"
+#include "geometry/fit/welded_grid.h"
 #include "geometry/spatial/closest_point.h"
 
 namespace dgm::bake {
 namespace {
-/// The stored surface with its seams closed, to walk on: faces in the order of `faces`.
-LinkedSurface link_stored(const SampledChart& chart, std::span<const Face> faces, std::span<const Vec3d> positions) {
-    LinkedSurface out;
-    out.positions.assign(positions.begin(), positions.end());
-    out.faces.assign(faces.begin(), faces.end());
-    for (Face& f : out.faces)
-        for (std::uint32_t& s : f) s = chart.representative[s];
-    const std::vector<std::uint32_t> opposite = opposite_half_edges(out.faces);
-    out.neighbours.resize(out.faces.size());
-    for (std::size_t h = 0; h < opposite.size(); ++h)
-        out.neighbours[h / 3][h % 3] = opposite[h] == kNone ? kNone : opposite[h] / 3;
-    out.update_normals();
-    return out;
+/// The stored surface with its seams closed, to walk on: faces in the order of SampledChart::faces().
+LinkedSurface link_stored(const SampledChart& chart, std::span<const Vec3d> positions) {
+    WeldedGrid grid(chart);
+    for (std::size_t c = 0; c < grid.sample_of.size(); ++c) grid.surface.positions[c] = positions[grid.sample_of[c]];
+    grid.surface.update_normals();
+    return std::move(grid.surface);
 }
 
 /// For each face of the source, a stored face with a sample that lies on it or, if it has none, on one near it; kNone
@@ -51,35 +45,27 @@ std::vector<std::uint32_t> faces_over(const SampledChart& chart, std::span<const
 class FacingSearch {
  public:
     FacingSearch(const LinkedSurface& surface, double min_cosine)
-        : surface_(surface), min_cosine_(min_cosine), seen_(surface.faces.size(), 0) {}
+        : surface_(surface), nearby_(surface), min_cosine_(min_cosine) {}
 
     /// The closest point whose face looks the same way, at most twice as far as the closest of all, plus `slack`; face
     /// is kNone where there is none.
     [[nodiscard]] SurfaceHit from(const Vec3d& p, const Vec3d& normal, std::uint32_t start, double slack) {
-        constexpr std::size_t kFaces = 400;
-        ++turn_;
-        reached_.assign(1, walk_to_closest(surface_, p, start).face);
-        seen_[reached_[0]] = turn_;
         double any = INFINITY;  // squared
         SurfaceHit same{kNone, INFINITY, {}};
-        for (std::size_t k = 0; k < reached_.size(); ++k) {
-            SurfaceHit hit{reached_[k], 0, {}};
-            hit.squared = closest_on_triangle(p, surface_.corners(hit.face), hit.b);
+        nearby_.visit(walk_to_closest(surface_, p, start).face, [&](std::uint32_t face) {
+            SurfaceHit hit{face, 0, {}};
+            hit.squared = closest_on_triangle(p, surface_.corners(face), hit.b);
             any = std::min(any, hit.squared);
-            if (hit.squared < same.squared && dot(surface_.normals[hit.face], normal) > min_cosine_) same = hit;
-            for (const std::uint32_t next : surface_.neighbours[hit.face])
-                if (next != kNone && reached_.size() < kFaces && seen_[next] != turn_)
-                    seen_[next] = turn_, reached_.push_back(next);
-        }
+            if (hit.squared < same.squared && dot(surface_.normals[face], normal) > min_cosine_) same = hit;
+        });
         if (std::sqrt(same.squared) > 2 * std::sqrt(any) + slack) same.face = kNone;
         return same;
     }
 
  private:
     const LinkedSurface& surface_;
+    NearbyFaces nearby_;
     double min_cosine_;
-    std::vector<std::uint32_t> seen_, reached_;  // seen_: per face, the last turn that reached it
-    std::uint32_t turn_ = 0;
 };
 }  // namespace
 
@@ -123,7 +109,7 @@ std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositio
     if (spread.empty()) return {};
 
     const std::vector<Face> faces = in.chart.faces();
-    const LinkedSurface stored = link_stored(in.chart, faces, positions.local);
+    const LinkedSurface stored = link_stored(in.chart, positions.local);
     const std::vector<std::uint32_t> over = faces_over(in.chart, faces);
     const double slack =
         0.25 * in.frame.diagonal * std::sqrt(surface_area(mesh) / static_cast<double>(in.chart.grid_count()));

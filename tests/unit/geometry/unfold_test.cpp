@@ -81,17 +81,23 @@ Result unfolded(const SampledChart& chart, bool held) {
     return out;
 }
 
+/// A twist of the sheet `start` is laid flat: all faces of a flat sheet look its way and none
+/// overlap, so their areas add up to the sheet's. The border stays.
+Result expect_twist_laid_flat(const SampledChart& start, const SampledChart& twisted) {
+    Result r = unfolded(twisted, false);
+    EXPECT_GT(r.start, 8u);
+    EXPECT_EQ(r.left, 0u);
+    EXPECT_NEAR(surface_area(r.chart.surface()), surface_area(start.surface()), 1e-9);
+    for (std::uint32_t k = 0; k < 17; ++k) EXPECT_EQ(r.chart.positions[k], start.positions[k]);
+    return r;
+}
+
 TEST(Unfold, LaysATwistInsideASheetFlat) {
     const SampledChart start = square_chart(test::grid_sheet(40, 40), 17);
     SampledChart twisted = start;
     twist(twisted, 8 * 17 + 8, {0, 0, 1});
-    const Result r = unfolded(twisted, false);
-    EXPECT_GT(r.start, 8u);
-    EXPECT_EQ(r.left, 0u);
+    const Result r = expect_twist_laid_flat(start, twisted);
     EXPECT_TRUE(r.moved);
-    // All faces of a flat sheet look its way and none overlap: their areas add up to the sheet's.
-    EXPECT_NEAR(surface_area(r.chart.surface()), surface_area(start.surface()), 1e-9);
-    for (std::uint32_t k = 0; k < 17; ++k) EXPECT_EQ(r.chart.positions[k], start.positions[k]);
     EXPECT_EQ(unfolded(twisted, false).chart.positions, r.chart.positions);
     const Result held = unfolded(twisted, true);
     EXPECT_FALSE(held.moved);
@@ -102,11 +108,7 @@ TEST(Unfold, LaysATwistBesideTheBorderFlatAndKeepsTheBorder) {
     const SampledChart start = square_chart(test::grid_sheet(40, 40), 17);
     SampledChart twisted = start;
     twist(twisted, 3 * 17 + 8, {0, 0, 1});
-    const Result r = unfolded(twisted, false);
-    EXPECT_GT(r.start, 8u);
-    EXPECT_EQ(r.left, 0u);
-    EXPECT_NEAR(surface_area(r.chart.surface()), surface_area(start.surface()), 1e-9);
-    for (std::uint32_t k = 0; k < 17; ++k) EXPECT_EQ(r.chart.positions[k], start.positions[k]);
+    expect_twist_laid_flat(start, twisted);
 }
 
 TEST(Unfold, CopiesOfASeamMoveAsOne) {
