@@ -43,23 +43,17 @@ Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const W
 /// Each point starts on the quad that the map puts it on.
 void Matches::spread(const SampledChart& chart, std::size_t count) {
     const TriMesh& mesh = chart.disk.mesh;
-    const auto cell = [](double x, std::uint32_t samples) {
-        return static_cast<std::size_t>(std::clamp(x * (samples - 1), 0.0, static_cast<double>(samples - 2)));
-    };
-    const auto add = [&](const Vec3d& position, const Vec2d& uv, double weight) {
-        const std::size_t quad = cell(uv.x, chart.m) * (chart.n - 1) + cell(uv.y, chart.n);
-        points.push_back({position, {grid_.face_of_quad[quad], 0, {}}, weight});
+    const auto add = [&](const Vec3d& position, std::uint32_t face, double weight) {
+        points.push_back({position, {face, 0, {}}, weight});
     };
     points.reserve(count + source_.positions.size());
-    for (const SurfaceSample& at : spread_by_area(mesh, count)) {
-        const Face& v = mesh.faces[at.face];
-        add(position_at(mesh, at), chart.uv[v[0]] * at.b[0] + chart.uv[v[1]] * at.b[1] + chart.uv[v[2]] * at.b[2], 1);
-    }
+    for (const SurfaceSample& at : spread_by_area(mesh, count))
+        add(position_at(mesh, at), grid_.face_at(chart, at), 1);
     area_points = points.size();
     std::vector<char> seen(source_.positions.size(), 0);
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
         const std::uint32_t point = chart.disk.weld[v];
-        if (!seen[point]) seen[point] = 1, add(mesh.positions[v], chart.uv[v], kVertexWeight);
+        if (!seen[point]) seen[point] = 1, add(mesh.positions[v], grid_.face_at(chart, chart.uv[v]), kVertexWeight);
     }
 }
 

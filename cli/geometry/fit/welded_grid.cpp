@@ -85,6 +85,18 @@ void WeldedGrid::link(const SampledChart& chart) {
     surface.update_normals();
 }
 
+std::uint32_t WeldedGrid::face_at(const SampledChart& chart, const Vec2d& uv) const {
+    const auto cell = [](double x, std::uint32_t samples) {
+        return static_cast<std::size_t>(std::clamp(x * (samples - 1), 0.0, static_cast<double>(samples - 2)));
+    };
+    return face_of_quad[cell(uv.x, chart.m) * (chart.n - 1) + cell(uv.y, chart.n)];
+}
+
+std::uint32_t WeldedGrid::face_at(const SampledChart& chart, const SurfaceSample& at) const {
+    const Face& v = chart.disk.mesh.faces[at.face];
+    return face_at(chart, chart.uv[v[0]] * at.b[0] + chart.uv[v[1]] * at.b[1] + chart.uv[v[2]] * at.b[2]);
+}
+
 void WeldedGrid::write_positions(SampledChart& chart) const {
     for (std::size_t s = 0; s < chart.positions.size(); ++s)
         if (class_of[s] != kNone) chart.positions[s] = surface.positions[class_of[s]];

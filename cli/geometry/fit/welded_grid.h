@@ -24,6 +24,10 @@ struct WeldedGrid {
     explicit WeldedGrid(const SampledChart& chart);
     /// Reads the chart's diagonals again.
     void link(const SampledChart& chart);
+    /// First face of the quad that a place of the map falls in, kNone where no quad is drawn.
+    [[nodiscard]] std::uint32_t face_at(const SampledChart& chart, const Vec2d& uv) const;
+    /// The same where the map puts a point of chart.disk.
+    [[nodiscard]] std::uint32_t face_at(const SampledChart& chart, const SurfaceSample& at) const;
     /// Every sample takes the position of its class.
     void write_positions(SampledChart& chart) const;
     /// Faces around each class: faces[first[c]] .. faces[first[c + 1] - 1].

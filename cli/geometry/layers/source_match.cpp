@@ -14,31 +14,11 @@
 namespace dgm::bake {
 namespace {
 /// The stored surface with its seams closed, to walk on: faces in the order of SampledChart::faces().
-LinkedSurface link_stored(const SampledChart& chart, std::span<const Vec3d> positions) {
+WeldedGrid weld_stored(const SampledChart& chart, std::span<const Vec3d> positions) {
     WeldedGrid grid(chart);
     for (std::size_t c = 0; c < grid.sample_of.size(); ++c) grid.surface.positions[c] = positions[grid.sample_of[c]];
     grid.surface.update_normals();
-    return std::move(grid.surface);
-}
-
-/// For each face of the source, a stored face with a sample that lies on it or, if it has none, on one near it; kNone
-/// if there is none at all.
-std::vector<std::uint32_t> faces_over(const SampledChart& chart, std::span<const Face> stored) {
-    std::vector<std::uint32_t> out(chart.disk.mesh.faces.size(), kNone);
-    for (std::uint32_t f = 0; f < stored.size(); ++f)
-        for (const std::uint32_t s : stored[f])
-            if (const std::uint32_t face = chart.samples[s].face; face != kNone && out[face] == kNone) out[face] = f;
-    std::vector<std::uint32_t> reached;
-    for (std::uint32_t face = 0; face < out.size(); ++face)
-        if (out[face] != kNone) reached.push_back(face);
-    for (std::size_t k = 0; k < reached.size(); ++k)
-        for (std::uint32_t h = 3 * reached[k]; h < 3 * reached[k] + 3; ++h) {
-            const std::uint32_t across = chart.disk.opposite[h] != kNone ? chart.disk.opposite[h] : chart.disk.mate[h];
-            if (across == kNone || out[across / 3] != kNone) continue;
-            out[across / 3] = out[reached[k]];
-            reached.push_back(across / 3);
-        }
-    return out;
+    return grid;
 }
 
 /// ClosestPointIndex::query() and query_facing() among some hundred faces around a start.
@@ -109,36 +89,35 @@ std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositio
     if (spread.empty()) return {};
 
     const std::vector<Face> faces = in.chart.faces();
-    const LinkedSurface stored = link_stored(in.chart, positions.local);
-    const std::vector<std::uint32_t> over = faces_over(in.chart, faces);
+    const WeldedGrid grid = weld_stored(in.chart, positions.local);
+    const LinkedSurface& stored = grid.surface;
     const double slack =
         0.25 * in.frame.diagonal * std::sqrt(surface_area(mesh) / static_cast<double>(in.chart.grid_count()));
 
     std::vector<MatchedPoint> points(count);
     std::vector<char> open(count, 0);
-    constexpr std::size_t kChunk = 1024;  // neighbours share a hint
     const auto in_chunks = [&](const auto& visit) {
+        constexpr std::size_t kChunk = 1024;  // neighbours share a hint, and a face's normal
         tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
             std::uint32_t hint = kNone, last = kNone;
-            Vec3d normal;  // of face `last`: neighbours share it, too
+            Vec3d normal;
             for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
-                const SurfaceSample& from = spread[k];
-                if (from.face != last) {
-                    last = from.face, normal = normal_of_face(mesh, last);
-                    if (over[last] != kNone) hint = over[last];
-                }
-                visit(k, local_position(in, from), normal, hint);
+                if (spread[k].face != last) last = spread[k].face, normal = normal_of_face(mesh, last);
+                visit(k, local_position(in, spread[k]), normal, hint);
             }
         });
     };
     const auto match = [&](std::size_t k, std::uint32_t face, const auto& b) {
         points[k] = {spread[k], face, faces[face], {b[0], b[1], b[2]}};
     };
-    // A walk from a sample on the same face of the source mostly ends close by; the index tells the rest.
+    // Samples move while they are fitted, but not far: a walk from where the map puts a point mostly ends close to it;
+    // the index tells the rest.
     in_chunks([&](std::size_t k, const Vec3d& position, const Vec3d& normal, std::uint32_t& hint) {
         open[k] = 1;
-        if (hint == kNone) return;
-        const SurfaceHit hit = walk_to_closest(stored, position, hint);
+        std::uint32_t start = grid.face_at(in.chart, spread[k]);
+        if (start == kNone) start = hint;  // beside the border of a free chart
+        if (start == kNone) return;
+        const SurfaceHit hit = walk_to_closest(stored, position, start);
         if (hit.squared > slack * slack || dot(stored.normals[hit.face], normal) <= kMinCosine) return;
         match(k, hint = hit.face, hit.b);
         open[k] = 0;
@@ -146,9 +125,12 @@ std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositio
     const auto left = static_cast<std::size_t>(std::count(open.begin(), open.end(), 1));
     if (left * kMany <= count) {  // not worth an index
         FacingSearch search(stored, kMinCosine);
+        std::uint32_t hint = kNone;
         for (std::size_t k = 0; k < count; ++k) {
-            const std::uint32_t start = over[spread[k].face];
-            if (open[k] == 0 || start == kNone) continue;
+            if (open[k] == 0) hint = points[k].face;
+            if (open[k] == 0 || hint == kNone) continue;
+            std::uint32_t start = grid.face_at(in.chart, spread[k]);
+            if (start == kNone) start = hint;
             const SurfaceHit hit =
                 search.from(local_position(in, spread[k]), normal_of_face(mesh, spread[k].face), start, slack);
             if (hit.face != kNone) match(k, hit.face, hit.b);
