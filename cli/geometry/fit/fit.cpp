@@ -377,18 +377,25 @@ class Fitter {
         constexpr int kPasses = 12, kWholePass = 5, kStopPass = 9;
         LinkedSurface& grid = grid_.surface;
         const std::size_t count = grid.positions.size();
+        std::vector<char> moves(count, 0);
+        for (std::size_t c = 0; c < count; ++c) moves[c] = step[c] != Vec3d{} || (c < ways.size() && ways[c] != 0);
+        std::vector<std::uint32_t> faces;  // that move: few where most classes are held
+        for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
+            if (const Face& v = grid.faces[f]; moves[v[0]] || moves[v[1]] || moves[v[2]]) faces.push_back(f);
         std::vector<Vec3d> normal(count, Vec3d{}), along(count), across(count);
         std::vector<double> edge(count, INFINITY), slide(count, 1.0), whole(count, 1.0);
-        for (std::size_t f = 0; f < grid.faces.size(); ++f) {
+        for (const std::uint32_t f : faces) {
             const auto q = grid.corners(f);
             const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
             for (const std::uint32_t c : grid.faces[f]) normal[c] += n;
         }
         for (const auto& [a, b] : grid_.edges) {
+            if (!moves[a] && !moves[b]) continue;
             const double l = length(grid.positions[b] - grid.positions[a]);
             edge[a] = std::min(edge[a], l), edge[b] = std::min(edge[b], l);
         }
         for (std::size_t c = 0; c < count; ++c) {
+            if (!moves[c]) continue;
             normal[c] = normalized(normal[c], Vec3d{});
             across[c] = normal[c] * dot(step[c], normal[c]);
             along[c] = step[c] - across[c];
@@ -414,7 +421,7 @@ class Fitter {
             changed.swap(bad);
             std::fill(bad.begin(), bad.end(), 0);
             bool any = false;
-            for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
+            for (const std::uint32_t f : faces) {
                 const Face& v = grid.faces[f];
                 if (!changed[v[0]] && !changed[v[1]] && !changed[v[2]]) continue;
                 if (allows(f, {start[v[0]], start[v[1]], start[v[2]]}, grid.corners(f))) continue;
@@ -434,7 +441,7 @@ class Fitter {
         for (std::uint32_t c = 0; c < ways.size(); ++c)
             if (const double way = ways[c] * slide[c] * whole[c]; way != 0) gone.emplace_back(c, way);
         if (!gone.empty()) rails_.slide(gone);
-        grid.update_normals();
+        for (const std::uint32_t f : faces) grid.update_normal(f);
     }
 
     /// True if a face may go from `was` to `now`: not much smaller, thinner or more tilted against the source below it.

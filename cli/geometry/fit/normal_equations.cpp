@@ -60,11 +60,18 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
     // By each class's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
     // whose rows weigh little, while their neighbours move.
     const double floor = 1e-6 * damping * trace / static_cast<double>(count);
+    // Where few classes are free (around mended faces), the rest costs next to nothing.
+    std::vector<std::uint32_t> live, live_edges;
+    for (std::uint32_t k = 0; k < count; ++k)
+        if (freedom[k] != Freedom::kHeld) live.push_back(k);
+    for (std::uint32_t e = 0; e < off_.size(); ++e)
+        if (freedom[grid_.edges[e].first] != Freedom::kHeld && freedom[grid_.edges[e].second] != Freedom::kHeld)
+            live_edges.push_back(e);
     std::vector<Block> damped = diagonal_, preconditioner(count);
     const auto confined = [&](std::size_t k, const Vec3d& v) {
-        return freedom[k] == Freedom::kFree ? v : freedom[k] == Freedom::kHeld ? Vec3d{} : rails[k] * dot(rails[k], v);
+        return freedom[k] == Freedom::kFree ? v : rails[k] * dot(rails[k], v);
     };
-    for (std::size_t k = 0; k < count; ++k) {
+    for (const std::uint32_t k : live) {
         Block& d = damped[k];
         const double lambda = floor + damping * (d[0] + d[3] + d[5]);
         d[0] += lambda, d[3] += lambda, d[5] += lambda;
@@ -76,37 +83,32 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
     }
     // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
     double rz = 0;
-    for (std::size_t k = 0; k < count; ++k) {
+    for (const std::uint32_t k : live) {
         residual[k] = confined(k, right_[k]);
         z[k] = multiply(preconditioner[k], residual[k]);
         rz += dot(residual[k], z[k]);
     }
     const double enough = 1e-6 * rz;
-    // Where few classes are free (around mended faces), the rest costs no more than this.
-    std::vector<std::uint32_t> live;
-    for (std::uint32_t e = 0; e < off_.size(); ++e)
-        if (freedom[grid_.edges[e].first] != Freedom::kHeld && freedom[grid_.edges[e].second] != Freedom::kHeld)
-            live.push_back(e);
     double beta = 0;
     for (int it = 0; it < iterations && rz > enough; ++it) {
-        for (std::size_t k = 0; k < count; ++k) {
+        for (const std::uint32_t k : live) {
             direction[k] = it == 0 ? z[k] : z[k] + direction[k] * beta;
             product[k] = multiply(damped[k], direction[k]);
         }
-        for (const std::uint32_t e : live) {
+        for (const std::uint32_t e : live_edges) {
             const auto [a, b] = grid_.edges[e];
             product[a] += multiply(off_[e], direction[b]);
             product[b] += multiply(off_[e], direction[a]);
         }
         double curvature = 0;
-        for (std::size_t k = 0; k < count; ++k) {
+        for (const std::uint32_t k : live) {
             product[k] = confined(k, product[k]);
             curvature += dot(direction[k], product[k]);
         }
         if (!(curvature > 0)) break;
         const double t = rz / curvature;
         double next = 0;
-        for (std::size_t k = 0; k < count; ++k) {
+        for (const std::uint32_t k : live) {
             step[k] += direction[k] * t, residual[k] -= product[k] * t;
             z[k] = multiply(preconditioner[k], residual[k]);
             next += dot(residual[k], z[k]);
