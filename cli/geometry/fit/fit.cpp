@@ -36,9 +36,20 @@ constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are me
 constexpr int kDiagonalRounds = 9;
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 constexpr double kSureGain = 0.6;                              // in rms; ordinary charts reach 0.2
-constexpr double kMendingPrice = 1.5;                          // in rms, of fewer turned faces
+constexpr double kMendingPrice = 1.5, kMendingLargest = 3;     // in rms and in the largest error, of fewer turned faces
+constexpr double kRefitLargest = 1.02;     // largest error after refitting over before, where it is held ...
+constexpr double kRefitLargestFree = 1.3;  // ... and where it is not
+constexpr double kRefitGain = 2e-3;        // in rms, of two rounds, to go on
+constexpr double kRoundingPrice = 1.03;    // in rms, of faces that rounding may turn
 constexpr std::uint64_t kFewSamples = 20'000;
 constexpr double kExact = 1e-10;  // normalised units: nothing is left to fit
+
+/// What is in either of two ascending lists.
+std::vector<std::uint32_t> joined(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+    std::vector<std::uint32_t> out;
+    std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
+    return out;
+}
 
 /// Of two ascending lists, what only the first has.
 std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& known) {
@@ -74,8 +85,7 @@ class Fitter {
             fit(report);
         tell(options_.rounds + options_.worst_rounds);
         mend_turned();
-        nearly_ = true;  // what rounding may turn, last and by itself: mending costs some accuracy
-        mend_turned();
+        mend_nearly_turned();
         if (options_.on_lattice) put_on_lattice();
         finish();
         report.rms = rms_, report.hausdorff = largest_;
@@ -86,7 +96,7 @@ class Fitter {
             const SurfaceError before = quick_error(mesh, start, kFewSamples),
                                after = quick_error(mesh, chart_, kFewSamples);
             // What was mended may cost something where as much was turned that the start's figures mean little.
-            const double price = after.hausdorff <= before.hausdorff ? kMendingPrice : 1;
+            const double price = after.hausdorff <= kMendingLargest * before.hausdorff ? kMendingPrice : 1;
             if (before.rms < after.rms &&
                 (before.rms * price < after.rms || turned_in(start) <= turned_.faces().size())) {
                 chart_ = start;
@@ -178,19 +188,23 @@ class Fitter {
             const std::vector<Vec3d> before = grid_.surface.positions;
             step(true);
             matches_.update(true);
-            const bool sound = take_back_turned(before, left);
+            const bool sound =
+                take_back(before, [&] { return without(turned_.doubtful_faces(matches_, kEndUpright), left); });
             matches_.settle_farthest(turned_.source_index());
             if (sound && matches_.rms <= allowed && largest() < largest_) keep(), ++report.rounds;
         }
     }
 
-    /// Corners of faces that are turned, but for those in `left`, go back to where they were.
+    /// Corners of faces that a round has turned go back to where they were before it.
+    /// @param fresh_now  those faces, as the grid lies now
+    /// @param went_back  per class: set where one did, if it is not empty
     /// @return  true if no such face is left
-    bool take_back_turned(const std::vector<Vec3d>& before, const std::vector<std::uint32_t>& left) {
+    template <class Fresh>
+    bool take_back(const std::vector<Vec3d>& before, const Fresh& fresh_now, std::span<char> went_back = {}) {
         constexpr int kPasses = 3;
         LinkedSurface& grid = grid_.surface;
         for (int pass = 0;; ++pass) {
-            const std::vector<std::uint32_t> fresh = without(turned_.doubtful_faces(matches_, kEndUpright), left);
+            const std::vector<std::uint32_t> fresh = fresh_now();
             if (fresh.empty()) return true;
             if (pass == kPasses) return false;
             std::vector<char> back(grid.positions.size(), 0), near(grid.faces.size(), 0);
@@ -198,9 +212,11 @@ class Fitter {
                 for (const std::uint32_t c : grid.faces[f]) back[c] = !fixed_[c];
             for (std::size_t c = 0; c < back.size(); ++c)
                 if (back[c]) grid.positions[c] = before[c];
+            for (std::size_t c = 0; c < went_back.size(); ++c) went_back[c] |= back[c];
             for (std::size_t f = 0; f < near.size(); ++f)
                 for (const std::uint32_t c : grid.faces[f]) near[f] |= back[c];
-            grid.update_normals();
+            for (std::uint32_t f = 0; f < near.size(); ++f)
+                if (near[f]) grid.update_normal(f);
             matches_.update(true, near);
         }
     }
@@ -236,6 +252,21 @@ class Fitter {
             refit_around(before, unfolded);
         }
         unmended_ = turned_.faces({}, nearly_);
+    }
+
+    /// What rounding may turn, last and by itself: mending costs some accuracy, and it may turn nothing.
+    void mend_nearly_turned() {
+        const std::vector<Vec3d> positions = grid_.surface.positions;
+        const std::vector<std::uint8_t> diagonals = chart_.diagonals;
+        const std::size_t turned = turned_.faces().size();
+        const double rms = rms_;
+        nearly_ = true;
+        mend_turned();
+        if (rms_ <= kRoundingPrice * rms || turned_.faces().size() < turned) return;
+        grid_.surface.positions = positions, chart_.diagonals = diagonals;
+        relink();
+        matches_.update(true);
+        keep();
     }
 
     /// Undone where it turns no face back, or makes the others pay too much for it.
@@ -281,21 +312,29 @@ class Fitter {
         for (std::size_t c = 0; c < near.size(); ++c)
             if (near[c] && !fixed_[c]) freedom[c] = Freedom::kFree;
         const std::vector<std::uint32_t> left = turned_.faces(near_face, nearly_);
-        for (int round = 0; round < rounds; ++round) {
+        std::vector<char> held(near.size(), 0);
+        const double limit = (options_.worst_rounds > 0 ? kRefitLargest : kRefitLargestFree) * largest_;
+        double gained = 1, gained_before = 1;
+        for (int round = 0; round < rounds && gained + gained_before > kRefitGain; ++round) {
+            gained_before = gained;
             NormalEquations equations(grid_);
             rows_.assemble(equations, round % 2 == 1, near_face);
             move(equations.solve(freedom, {}, kDamping, kCgIterations), {});
             matches_.update(true, near_face);
-            const std::vector<std::uint32_t> fresh = without(turned_.faces(near_face, nearly_), left);
-            if (fresh.empty() && matches_.rms < rms_) {
+            const bool sound = take_back(
+                kept_positions_,
+                [&] { return without(joined(turned_.faces(near_face, nearly_), matches_.faces_beyond(limit)), left); },
+                held);
+            gained = sound ? std::max(0.0, 1 - matches_.rms / rms_) : 0;
+            if (gained > 0) {
                 keep();
-                continue;
+            } else {
+                grid_.surface.positions = kept_positions_;
+                grid_.surface.update_normals();
+                matches_.update(true, near_face);
             }
-            grid_.surface.positions = kept_positions_;
-            grid_.surface.update_normals();
-            matches_.update(true, near_face);
-            for (const std::uint32_t f : fresh)
-                for (const std::uint32_t c : grid.faces[f]) freedom[c] = Freedom::kHeld;
+            for (std::size_t c = 0; c < held.size(); ++c)
+                if (held[c]) freedom[c] = Freedom::kHeld;
         }
     }
 

@@ -209,6 +209,24 @@ double Matches::farthest_squared() const {
     return out;
 }
 
+std::vector<std::uint32_t> Matches::faces_beyond(double distance) const {
+    const double limit = distance * distance;
+    std::vector<std::uint32_t> out;
+    if (!(farthest_squared() > limit)) return out;
+    for (const Match& m : points)
+        if (m.hit.squared > limit) out.push_back(m.hit.face);
+    for (std::uint32_t f = 0; f < middles.size(); ++f) {
+        bool beyond = middles[f].hit.squared > limit;
+        for (const std::uint32_t c : grid_.surface.faces[f]) beyond = beyond || classes[c].hit.squared > limit;
+        if (beyond) out.push_back(f);
+    }
+    for (std::size_t e = 0; e < edges.size(); ++e)
+        if (edges[e].hit.squared > limit) out.push_back(edge_place[e].first);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
 /// By area; as much in all as the source's points have, none under a twentieth of the mean: a sample in a crowded part
 /// of the grid, where no source point falls, is still held to the surface.
 void Matches::weigh_and_measure() {

@@ -46,6 +46,9 @@ class Matches {
     /// The middle of one face again, after a corner of it has moved.
     void update_middle(std::size_t face);
 
+    /// Faces of the grid with a match of the last update farther away than that; ascending.
+    [[nodiscard]] std::vector<std::uint32_t> faces_beyond(double distance) const;
+
     std::vector<Match> points;                              ///< of the source
     std::size_t area_points = 0;                            ///< first so many are area-uniform, the others its vertices
     std::vector<Match> classes, middles, edges;             ///< of the grid
