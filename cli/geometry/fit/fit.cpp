@@ -88,10 +88,10 @@ class Fitter {
         mend_nearly_turned();
         if (options_.on_lattice) put_on_lattice();
         finish();
-        report.rms = rms_, report.hausdorff = largest_;
+        report.rms = kept_.rms, report.hausdorff = kept_.largest;
         // Walks flatter a map that folds: where they promise little, what all faces say decides.
         const bool moved = chart_.positions != start.positions || chart_.diagonals != start.diagonals;
-        if (moved && rms_ > kSureGain * report.start_rms) {
+        if (moved && kept_.rms > kSureGain * report.start_rms) {
             const TriMesh& mesh = chart_.disk.mesh;
             const SurfaceError before = quick_error(mesh, start, kFewSamples),
                                after = quick_error(mesh, chart_, kFewSamples);
@@ -118,7 +118,7 @@ class Fitter {
             if (options_.split_quads && round % 2 == 0 && round < kDiagonalRounds) split_quads();
             step(false);
             matches_.update(false);
-            kept = matches_.rms < rms_;
+            kept = matches_.rms < kept_.rms;
             if (kept) keep(), ++report.rounds;
         }
         if (!kept || options_.worst_rounds > 0) restore(), matches_.update(false);
@@ -132,7 +132,7 @@ class Fitter {
         if (options_.split_quads) {
             split_quads();
             look_up_farthest();
-            if (matches_.rms < rms_ && largest() <= largest_)
+            if (matches_.rms < kept_.rms && largest() <= kept_.largest)
                 keep();
             else
                 restore();
@@ -156,14 +156,11 @@ class Fitter {
 
     [[nodiscard]] double largest() const { return std::max(matches_.largest, rails_.largest_gap()); }
 
-    void keep() {
-        rms_ = matches_.rms, largest_ = largest();
-        kept_positions_ = grid_.surface.positions, kept_diagonals_ = chart_.diagonals, kept_places_ = rails_.places();
-    }
+    void keep() { kept_ = {matches_.rms, largest(), grid_.surface.positions, chart_.diagonals, rails_.places()}; }
     void restore() {
-        grid_.surface.positions = kept_positions_, chart_.diagonals = kept_diagonals_;
+        grid_.surface.positions = kept_.positions, chart_.diagonals = kept_.diagonals;
         relink();
-        rails_.set_places(kept_places_);
+        rails_.set_places(kept_.places);
     }
 
     void relink() {
@@ -180,8 +177,8 @@ class Fitter {
     /// face counts: to turn it back would cost more than was gained.
     void lower_largest(FitReport& report) {
         look_up_farthest();
-        const double allowed = rms_ * std::pow(10, options_.worst_price_db / 20);
-        largest_ = largest();
+        const double allowed = kept_.rms * std::pow(10, options_.worst_price_db / 20);
+        kept_.largest = largest();
         const std::vector<std::uint32_t> left = turned_.doubtful_faces(matches_, kEndUpright);
         for (int round = 0; round < options_.worst_rounds; ++round) {
             tell(options_.rounds + round);
@@ -191,7 +188,7 @@ class Fitter {
             const bool sound =
                 take_back(before, [&] { return without(turned_.doubtful_faces(matches_, kEndUpright), left); });
             matches_.settle_farthest(turned_.source_index());
-            if (sound && matches_.rms <= allowed && largest() < largest_) keep(), ++report.rounds;
+            if (sound && matches_.rms <= allowed && largest() < kept_.largest) keep(), ++report.rounds;
         }
     }
 
@@ -221,13 +218,45 @@ class Fitter {
         }
     }
 
-    /// Walks end in local minima; the last faces to mend are those that the measure finds (metrics/turned_faces.h).
-    /// What had to move is fitted again, as long as nothing turns.
+    /// Faces that are turned, by the measure (metrics/turned_faces.h), are mended where others do not turn for them.
     void mend_turned() {
-        constexpr int kPasses = 10, kSearches = 3;
-        const ClosestPointIndex& index = turned_.source_index();
+        const std::size_t turned = turned_.faces({}, nearly_).size();
+        if (turned == 0 || (unmended_ && without(turned_.faces({}, nearly_), *unmended_).empty())) return;
+        const Kept before = kept_;
+        for (const bool all_ways : {true, false}) {
+            if (!mend(all_ways) || turned_.faces({}, nearly_).size() < turned || kept_.rms <= before.rms) break;
+            kept_ = before;
+            restore();
+            matches_.update(true);
+        }
+        unmended_ = turned_.faces({}, nearly_);
+    }
+
+    /// Walks end in local minima; the last faces to mend are those that the measure finds. What had to move is fitted
+    /// again, as long as nothing turns.
+    /// @param all_ways  not only those that count what they turn
+    /// @return  true if something moved
+    bool mend(bool all_ways) {
+        constexpr int kSearches = 3;
         const std::vector<Vec3d> before = grid_.surface.positions;
-        if (unmended_ && without(turned_.faces({}, nearly_), *unmended_).empty()) return;
+        bool moved = all_ways && untangle_turned(), unfolded = false;
+        if (moved) matches_.update(false);
+        for (int round = 0; round < kSearches; ++round) {
+            if (unfold_patches()) moved = unfolded = true;
+            const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
+            if (left.empty() || !search_turned(left)) break;
+            moved = true;
+        }
+        if (!moved) return false;
+        matches_.update(true);
+        keep();
+        refit_around(before, unfolded);
+        return true;
+    }
+
+    bool untangle_turned() {
+        constexpr int kPasses = 10;
+        const ClosestPointIndex& index = turned_.source_index();
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
             const std::vector<std::uint32_t> turned = turned_.faces({}, nearly_);
@@ -238,35 +267,19 @@ class Fitter {
             if (!flip_quads(turned, false) && !untangle(source_, grid_, matches_, fixed_, turned)) break;
             moved = true;
         }
-        if (moved) matches_.update(false);
-        bool unfolded = false;
-        for (int round = 0; round < kSearches; ++round) {
-            if (unfold_patches()) moved = unfolded = true;
-            const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
-            if (left.empty() || !search_turned(left)) break;
-            moved = true;
-        }
-        if (moved) {
-            matches_.update(true);
-            keep();
-            refit_around(before, unfolded);
-        }
-        unmended_ = turned_.faces({}, nearly_);
+        return moved;
     }
 
     /// What rounding may turn, last and by itself: mending costs some accuracy, and it may turn nothing.
     void mend_nearly_turned() {
-        const std::vector<Vec3d> positions = grid_.surface.positions;
-        const std::vector<std::uint8_t> diagonals = chart_.diagonals;
+        const Kept before = kept_;
         const std::size_t turned = turned_.faces().size();
-        const double rms = rms_;
         nearly_ = true;
         mend_turned();
-        if (rms_ <= kRoundingPrice * rms || turned_.faces().size() < turned) return;
-        grid_.surface.positions = positions, chart_.diagonals = diagonals;
-        relink();
+        if (kept_.rms <= kRoundingPrice * before.rms || turned_.faces().size() < turned) return;
+        kept_ = before;
+        restore();
         matches_.update(true);
-        keep();
     }
 
     /// Undone where it turns no face back, or makes the others pay too much for it.
@@ -276,7 +289,7 @@ class Fitter {
         const std::vector<std::uint8_t> diagonals = chart_.diagonals;
         if (!turn_back(source_, turned_.source_index(), grid_, matches_, fixed_, left)) return false;
         if (!flip_quads(turned_.faces({}, nearly_), true)) matches_.update(false);
-        if (turned_.faces({}, nearly_).size() < left.size() && matches_.rms <= kMendingPrice * rms_) return true;
+        if (turned_.faces({}, nearly_).size() < left.size() && matches_.rms <= kMendingPrice * kept_.rms) return true;
         grid_.surface.positions = positions, chart_.diagonals = diagonals;
         relink();
         matches_.update(false);
@@ -313,7 +326,7 @@ class Fitter {
             if (near[c] && !fixed_[c]) freedom[c] = Freedom::kFree;
         const std::vector<std::uint32_t> left = turned_.faces(near_face, nearly_);
         std::vector<char> held(near.size(), 0);
-        const double limit = (options_.worst_rounds > 0 ? kRefitLargest : kRefitLargestFree) * largest_;
+        const double limit = (options_.worst_rounds > 0 ? kRefitLargest : kRefitLargestFree) * kept_.largest;
         double gained = 1, gained_before = 1;
         for (int round = 0; round < rounds && gained + gained_before > kRefitGain; ++round) {
             gained_before = gained;
@@ -322,14 +335,14 @@ class Fitter {
             move(equations.solve(freedom, {}, kDamping, kCgIterations), {});
             matches_.update(true, near_face);
             const bool sound = take_back(
-                kept_positions_,
+                kept_.positions,
                 [&] { return without(joined(turned_.faces(near_face, nearly_), matches_.faces_beyond(limit)), left); },
                 held);
-            gained = sound ? std::max(0.0, 1 - matches_.rms / rms_) : 0;
+            gained = sound ? std::max(0.0, 1 - matches_.rms / kept_.rms) : 0;
             if (gained > 0) {
                 keep();
             } else {
-                grid_.surface.positions = kept_positions_;
+                grid_.surface.positions = kept_.positions;
                 grid_.surface.update_normals();
                 matches_.update(true, near_face);
             }
@@ -345,7 +358,7 @@ class Fitter {
         NormalEquations equations(grid_);
         rows_.assemble(equations, false);
         snap_to_lattice(lattice, equations, rails_.freedom(), chart_.grid_count(), source_, grid_, matches_, turned_);
-        rms_ = matches_.rms, largest_ = largest();
+        kept_.rms = matches_.rms, kept_.largest = largest();
         chart_.lattice = lattice;
     }
 
@@ -526,10 +539,13 @@ class Fitter {
     std::vector<Vec3d> upward_;                           // per face of the source: its normal at the scale of the grid
     std::size_t unfolding_effort_ = 100'000;              // samples that may be moved yet: less than a second
     bool nearly_ = false;                                 // mends faces that rounding may turn, too
-    double rms_ = 0, largest_ = 0;
-    std::vector<Vec3d> kept_positions_;
-    std::vector<std::uint8_t> kept_diagonals_;
-    std::vector<double> kept_places_;
+    struct Kept {
+        double rms = 0, largest = 0;
+        std::vector<Vec3d> positions;
+        std::vector<std::uint8_t> diagonals;
+        std::vector<double> places;
+    };
+    Kept kept_;
 };
 
 }  // namespace
