@@ -188,7 +188,8 @@ class Fitter {
             const bool sound =
                 take_back(before, [&] { return without(turned_.doubtful_faces(matches_, kEndUpright), left); });
             matches_.settle_farthest(turned_.source_index());
-            if (sound && matches_.rms <= allowed && largest() < kept_.largest) keep(), ++report.rounds;
+            const bool closer = largest() < kept_.largest && matches_.rms <= allowed;
+            if (sound && (closer || (largest() <= kept_.largest && matches_.rms < kept_.rms))) keep(), ++report.rounds;
         }
     }
 
