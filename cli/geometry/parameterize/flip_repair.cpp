@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 
@@ -16,7 +17,10 @@
 
 namespace dgm::bake {
 namespace {
-constexpr double kMostFaces = 0.1;  // of the disk, in patches
+constexpr double kMostConformal = 0.1, kMostIsometric = 0.4;  // of the disk's faces, in patches
+constexpr std::array kFacesPerFlip{1.0,
+                                   6.0};  // in patches: where a map has collapsed, its surroundings have to give way
+constexpr int kLeastRings = 2;
 
 bool is_positive(const std::vector<Vec2d>& uv, const Face& f) {
     return orient2d(uv[f[0]], uv[f[1]], uv[f[2]]) > 0;
@@ -35,15 +39,17 @@ struct Fans {
     }
 };
 
-/// Faces within `rings` vertex rings of the flipped ones, in groups that share no vertex; empty if they are too many.
+/// Faces around the flipped ones, in groups that share no vertex: kLeastRings vertex rings, and more until they are
+/// `faces_per_flip` times as many as those; empty if they are more than `most`.
 std::vector<std::vector<std::uint32_t>> patches(const DiskView& disk, const Fans& fans, const std::vector<Vec2d>& uv,
-                                                int rings) {
+                                                double faces_per_flip, double most) {
     std::vector<std::uint32_t> ring, all;
     std::vector<std::uint8_t> inside(disk.faces.size(), 0), seen(disk.positions.size(), 0);
     for (std::uint32_t f = 0; f < disk.faces.size(); ++f)
         if (!is_positive(uv, disk.faces[f])) inside[f] = 1, ring.push_back(f);
     all = ring;
-    for (int r = 0; r < rings; ++r) {
+    const double wanted = faces_per_flip * static_cast<double>(ring.size());
+    for (int r = 0; r < kLeastRings || static_cast<double>(all.size()) < wanted; ++r) {
         std::vector<std::uint32_t> next;
         for (const std::uint32_t f : ring)
             for (const std::uint32_t v : disk.faces[f]) {
@@ -57,7 +63,7 @@ std::vector<std::vector<std::uint32_t>> patches(const DiskView& disk, const Fans
             }
         ring.swap(next);
         all.insert(all.end(), ring.begin(), ring.end());
-        if (static_cast<double>(all.size()) > kMostFaces * static_cast<double>(disk.faces.size())) return {};
+        if (static_cast<double>(all.size()) > most || ring.empty()) return {};
     }
     std::vector<std::vector<std::uint32_t>> out;
     for (const std::uint32_t seed : all) {
@@ -270,8 +276,10 @@ std::optional<std::vector<Vec2d>> repair_flips(const DiskView& disk, std::vector
     progress.update("flip repair", 0);
     const Fans fans(disk);
     const std::vector<RestShape> rest = rest_shapes(disk);
-    for (const int rings : {2, 4, 8, 16}) {
-        const std::vector<std::vector<std::uint32_t>> groups = patches(disk, fans, uv, rings);
+    const double most =
+        (shape == RepairShape::kIsometric ? kMostIsometric : kMostConformal) * static_cast<double>(disk.faces.size());
+    for (const double faces_per_flip : kFacesPerFlip) {
+        const std::vector<std::vector<std::uint32_t>> groups = patches(disk, fans, uv, faces_per_flip, most);
         if (groups.empty()) return std::nullopt;
         bool all = true;
         for (const std::vector<std::uint32_t>& group : groups) {

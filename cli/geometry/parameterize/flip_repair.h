@@ -19,7 +19,8 @@ enum class RepairShape {
 /// vertices that also belong to faces outside being held; more rings where few are not enough. Border vertices of the
 /// disk move freely.
 /// @return a map without flips that differs from `uv` around its flips alone; nothing if more than a tenth of the faces
-///         would have to move, or if untangling does not succeed
+///         would have to move (two fifths for kIsometric, whose collapsed places need room to spread), or if untangling
+///         does not succeed
 /// @throws model::Error kInterrupted
 /// Deterministic.
 [[nodiscard]] std::optional<std::vector<Vec2d>> repair_flips(const DiskView& disk, std::vector<Vec2d> uv,
