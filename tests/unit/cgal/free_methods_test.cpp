@@ -219,6 +219,21 @@ TEST(FlipRepair, TurnsBackWhatWasPushedOver) {
     }
 }
 
+TEST(FlipRepair, GivesACollapsedFingerRoomToSpread) {
+    // Nearly closed: ARAP folds what lies far from the hole, and a few rings about the folds cannot hold their area.
+    const Disk d = testing::sphere_with_hole(48, 32, 0.2);
+    const std::vector<Vec2d> uv = arap_map(d.view(), harmonic_disk_map(d.view(), kSilent), {}, kSilent);
+    const std::size_t flips = count_not_positive(d.faces, uv);
+    ASSERT_GT(flips, d.faces.size() / 50);
+    const auto repaired = repair_flips(d.view(), uv, RepairShape::kIsometric, kSilent);
+    ASSERT_TRUE(repaired);
+    EXPECT_EQ(count_not_positive(d.faces, *repaired), 0U);
+    EXPECT_LT(arap_energy(d.view(), *repaired), 1.5 * arap_energy(d.view(), uv));
+    std::size_t held = 0;
+    for (std::size_t v = 0; v < uv.size(); ++v) held += (*repaired)[v] == uv[v] ? 1 : 0;
+    EXPECT_GT(held, uv.size() / 2);
+}
+
 TEST(FlipRepair, GivesUpWhereTooMuchIsFolded) {
     Disk d = testing::grid(10, 10, [](double s, double t) { return Vec3d{s, t, 0}; });
     std::vector<Vec2d> uv;
