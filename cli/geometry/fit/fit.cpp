@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "geometry/fit/border_rails.h"
 #include "geometry/fit/diagonals.h"
@@ -14,6 +15,7 @@
 #include "geometry/fit/lattice_snap.h"
 #include "geometry/fit/matches.h"
 #include "geometry/fit/normal_equations.h"
+#include "geometry/fit/sliding.h"
 #include "geometry/fit/turned_search.h"
 #include "geometry/fit/turned_watch.h"
 #include "geometry/fit/unfold.h"
@@ -23,20 +25,13 @@
 namespace dgm::bake {
 namespace {
 
-// Chosen by measurement on organs and busts: the first three trade the speed of sliding against its stability, the
-// others how thin and how tilted a face may become while it slides.
+// Chosen by measurement on organs and busts: the first two trade the speed of a step against its stability.
 constexpr double kDamping = 0.001;
-constexpr double kMaxSlide = 0.4;  // tangential step a round, of the shortest edge at the sample
 constexpr int kCgIterations = 20;
-constexpr double kThinnest = 0.02;    // twice the area over the longest edge squared, or what it was
-constexpr double kShrink = 0.1;       // area after a round over the area before
-constexpr double kUpright = 0.3;      // cosine to the source below, or what it was ...
-constexpr double kUprightLoss = 0.1;  // ... less this a round, while it is positive
 constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are mended at the start and at the end
 constexpr int kDiagonalRounds = 9;
-constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
-constexpr double kSureGain = 0.6;                              // in rms; ordinary charts reach 0.2
-constexpr double kMendingPrice = 1.5, kMendingLargest = 3;     // in rms and in the largest error, of fewer turned faces
+constexpr double kSureGain = 0.6;                           // in rms; ordinary charts reach 0.2
+constexpr double kMendingPrice = 1.5, kMendingLargest = 3;  // in rms and in the largest error, of fewer turned faces
 constexpr double kRefitLargest = 1.02;     // largest error after refitting over before, where it is held ...
 constexpr double kRefitLargestFree = 1.3;  // ... and where it is not
 constexpr double kRefitGain = 2e-3;        // in rms, of two rounds, to go on
@@ -69,10 +64,10 @@ class Fitter {
           matches_(chart, source_, grid_, point_count(chart, options)),
           fixed_(grid_.on_border),
           rails_(chart, source_, grid_),
+          upward_(normals_at_scale(source_, surface_area(source_) / static_cast<double>(chart.grid_count()))),
+          sliding_(grid_, matches_, rails_, upward_, fixed_),
           turned_(source_, grid_.surface, matches_.source_index()),
-          rows_(source_, grid_, matches_, rails_, options.points_per_sample) {
-        upward_ = normals_at_scale(source_, surface_area(source_) / static_cast<double>(chart.grid_count()));
-    }
+          rows_(source_, grid_, matches_, rails_, options.points_per_sample) {}
 
     FitReport run() {
         FitReport report;
@@ -109,7 +104,7 @@ class Fitter {
  private:
     void fit(FitReport& report) {
         if (options_.split_quads) split_quads();
-        if (occupy_corners()) matches_.update(false);
+        if (sliding_.occupy_corners()) matches_.update(false);
         if (untangle(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
         keep();
         bool kept = true;
@@ -333,7 +328,7 @@ class Fitter {
             gained_before = gained;
             NormalEquations equations(grid_);
             rows_.assemble(equations, round % 2 == 1, near_face);
-            move(equations.solve(freedom, {}, kDamping, kCgIterations), {});
+            sliding_.take(equations.solve(freedom, {}, kDamping, kCgIterations), {});
             matches_.update(true, near_face);
             const bool sound = take_back(
                 kept_.positions,
@@ -384,133 +379,7 @@ class Fitter {
         const std::vector<Vec3d> step = equations.solve(rails_.freedom(), rails_.directions(), kDamping, kCgIterations);
         std::vector<double> ways(rails_.empty() ? 0 : step.size());
         for (std::size_t c = 0; c < ways.size(); ++c) ways[c] = dot(step[c], rails_.directions()[c]);
-        move(step, ways);
-    }
-
-    /// Samples of the border go to its corners that have none, where the faces around them stay sound.
-    /// @return  true if one moved
-    bool occupy_corners() {
-        if (rails_.empty()) return false;
-        LinkedSurface& grid = grid_.surface;
-        const std::vector<double> ways = rails_.ways_to_corners();
-        const WeldedGrid::Rings rings = grid_.rings();
-        // How well a face stands: its cosine to the source below, if it is not thin.
-        const auto worst = [&](std::uint32_t c) {
-            double least = 1;
-            for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
-                const std::uint32_t f = rings.faces[k];
-                const auto q = grid.corners(f);
-                const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
-                const double l = length(n);
-                if (!(l > kCornerThinnest * longest_edge_squared(q))) return -1.0;
-                least = std::min(least, dot(n, upward_[matches_.middles[f].hit.face]) / l);
-            }
-            return least;
-        };
-        std::vector<std::pair<std::uint32_t, double>> gone;
-        for (std::uint32_t c = 0; c < ways.size(); ++c) {
-            if (ways[c] == 0) continue;
-            const Vec3d old = grid.positions[c];
-            const double before = worst(c);
-            grid.positions[c] = rails_.place_after(c, ways[c]);
-            if (worst(c) >= std::min(kCornerUpright, before))
-                gone.emplace_back(c, ways[c]);
-            else
-                grid.positions[c] = old;
-        }
-        if (gone.empty()) return false;
-        rails_.slide(gone);
-        grid.update_normals();
-        return true;
-    }
-
-    /// Applies a step, and `ways` along the border for classes that slide there: its tangential part is clamped, then
-    /// halved (and at last the whole step) at the corners of faces that it would turn or flatten.
-    void move(const std::vector<Vec3d>& step, std::vector<double> ways) {
-        constexpr int kPasses = 12, kWholePass = 5, kStopPass = 9;
-        LinkedSurface& grid = grid_.surface;
-        const std::size_t count = grid.positions.size();
-        std::vector<char> moves(count, 0);
-        for (std::size_t c = 0; c < count; ++c) moves[c] = step[c] != Vec3d{} || (c < ways.size() && ways[c] != 0);
-        std::vector<std::uint32_t> faces;  // that move: few where most classes are held
-        for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
-            if (const Face& v = grid.faces[f]; moves[v[0]] || moves[v[1]] || moves[v[2]]) faces.push_back(f);
-        std::vector<Vec3d> normal(count, Vec3d{}), along(count), across(count);
-        std::vector<double> edge(count, INFINITY), slide(count, 1.0), whole(count, 1.0);
-        for (const std::uint32_t f : faces) {
-            const auto q = grid.corners(f);
-            const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
-            for (const std::uint32_t c : grid.faces[f]) normal[c] += n;
-        }
-        for (const auto& [a, b] : grid_.edges) {
-            if (!moves[a] && !moves[b]) continue;
-            const double l = length(grid.positions[b] - grid.positions[a]);
-            edge[a] = std::min(edge[a], l), edge[b] = std::min(edge[b], l);
-        }
-        for (std::size_t c = 0; c < count; ++c) {
-            if (!moves[c]) continue;
-            normal[c] = normalized(normal[c], Vec3d{});
-            across[c] = normal[c] * dot(step[c], normal[c]);
-            along[c] = step[c] - across[c];
-            const double l = length(along[c]), limit = kMaxSlide * edge[c];
-            if (l > limit) along[c] *= limit / l;
-            if (fixed_[c]) across[c] = along[c] = {};
-        }
-        for (std::uint32_t c = 0; c < ways.size(); ++c) {
-            if (rails_.freedom()[c] != Freedom::kSlides) ways[c] = 0;
-            if (ways[c] == 0) continue;
-            const double limit = rails_.reach(c);
-            ways[c] = std::clamp(ways[c], -limit, limit);
-        }
-        const std::vector<Vec3d> start = grid.positions;
-        const auto put = [&](std::uint32_t c) {
-            const double way = ways.empty() ? 0 : ways[c] * slide[c] * whole[c];
-            grid.positions[c] =
-                way != 0 ? rails_.place_after(c, way) : start[c] + (across[c] + along[c] * slide[c]) * whole[c];
-        };
-        for (std::uint32_t c = 0; c < count; ++c) put(c);
-        std::vector<char> bad(count, 1), changed(count);
-        for (int pass = 0; pass < kPasses; ++pass) {
-            changed.swap(bad);
-            std::fill(bad.begin(), bad.end(), 0);
-            bool any = false;
-            for (const std::uint32_t f : faces) {
-                const Face& v = grid.faces[f];
-                if (!changed[v[0]] && !changed[v[1]] && !changed[v[2]]) continue;
-                if (allows(f, {start[v[0]], start[v[1]], start[v[2]]}, grid.corners(f))) continue;
-                any = true;
-                for (const std::uint32_t c : v) bad[c] = 1;
-            }
-            if (!any) break;
-            for (std::uint32_t c = 0; c < count; ++c) {
-                if (!bad[c]) continue;
-                slide[c] *= 0.5;
-                if (pass >= kWholePass) whole[c] *= 0.25;
-                if (pass >= kStopPass) whole[c] = 0;
-                put(c);
-            }
-        }
-        std::vector<std::pair<std::uint32_t, double>> gone;
-        for (std::uint32_t c = 0; c < ways.size(); ++c)
-            if (const double way = ways[c] * slide[c] * whole[c]; way != 0) gone.emplace_back(c, way);
-        if (!gone.empty()) rails_.slide(gone);
-        for (const std::uint32_t f : faces) grid.update_normal(f);
-    }
-
-    /// True if a face may go from `was` to `now`: not much smaller, thinner or more tilted against the source below it.
-    [[nodiscard]] bool allows(std::uint32_t f, const std::array<Vec3d, 3>& was, const std::array<Vec3d, 3>& now) const {
-        const Vec3d n0 = cross(was[1] - was[0], was[2] - was[0]), n1 = cross(now[1] - now[0], now[2] - now[0]);
-        const double before = length(n0), after = length(n1);
-        if (!(after > kShrink * before)) return false;
-        const double thin = after / longest_edge_squared(now);
-        if (thin < kThinnest && thin < before / longest_edge_squared(was)) return false;
-        Vec3d below = upward_[matches_.middles[f].hit.face];
-        if (dot(n1, below) >= kUpright * after) return true;
-        // Over a fold the middle's closest wall is a matter of chance; what all corners lie on is not.
-        for (const std::uint32_t c : grid_.surface.faces[f]) below += upward_[matches_.classes[c].hit.face];
-        below = normalized(below, Vec3d{});
-        const double start = before > 0 ? dot(n0, below) / before : 0;
-        return dot(n1, below) >= std::min({kUpright, start, std::max(0.0, start - kUprightLoss)}) * after;
+        sliding_.take(step, std::move(ways));
     }
 
     void split_quads() {
@@ -534,10 +403,11 @@ class Fitter {
     Matches matches_;
     std::vector<char> fixed_;  // per class: on the source's border
     BorderRails rails_;
+    std::vector<Vec3d> upward_;  // per face of the source: its normal at the scale of the grid
+    Sliding sliding_;
     TurnedWatch turned_;
     FitRows rows_;
     std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
-    std::vector<Vec3d> upward_;                           // per face of the source: its normal at the scale of the grid
     std::size_t unfolding_effort_ = 100'000;              // samples that may be moved yet: less than a second
     bool nearly_ = false;                                 // mends faces that rounding may turn, too
     struct Kept {
