@@ -408,7 +408,7 @@ class Fitter {
     TurnedWatch turned_;
     FitRows rows_;
     std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
-    std::size_t unfolding_effort_ = 100'000;              // samples that may be moved yet: less than a second
+    std::size_t unfolding_effort_ = 500'000;              // samples that may be moved yet: some seconds at most
     bool nearly_ = false;                                 // mends faces that rounding may turn, too
     struct Kept {
         double rms = 0, largest = 0;
