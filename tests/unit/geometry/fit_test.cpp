@@ -15,6 +15,7 @@
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/fit/normal_equations.h"
+#include "geometry/fit/sliding.h"
 #include "geometry/fit/turned_search.h"
 #include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
@@ -193,6 +194,104 @@ TEST(Matches, SettleOnTheLegThatIsCloser) {
     matches.settle_farthest(index);
     EXPECT_LT(matches.largest * diagonal, 0.4);
     EXPECT_NEAR(matches.middles[face].hit.squared, 0, 1e-9);
+}
+
+/// A flat square sheet as a grid that lies on it: all that a step needs.
+struct Sheet {
+    Case made;
+    LinkedSurface source;
+    WeldedGrid grid;
+    Matches matches;
+    BorderRails rails;
+    std::vector<Vec3d> upward;
+
+    explicit Sheet(std::uint32_t side)
+        : made(square_case(test::grid_sheet(side - 1, side - 1), side)),
+          source(link_source(made.chart.disk)),
+          grid(made.chart),
+          matches(made.chart, source, grid, 1000),
+          rails(made.chart, source, grid),
+          upward(source.normals) {
+        matches.update(true);
+    }
+    [[nodiscard]] Sliding sliding() { return {grid, matches, rails, upward, grid.on_border}; }
+    [[nodiscard]] std::uint32_t class_at(std::uint32_t i, std::uint32_t j) const {
+        return grid.class_of[i * made.chart.n + j];
+    }
+    [[nodiscard]] Vec3d at(std::uint32_t c) const { return grid.surface.positions[c]; }
+};
+
+TEST(WeldedGrid, FaceAtIsOneOfTheQuadThatThePlaceFallsIn) {
+    const Sheet sheet(9);
+    const SampledChart& chart = sheet.made.chart;
+    for (std::uint32_t i = 0; i + 1 < chart.m; ++i)
+        for (std::uint32_t j = 0; j + 1 < chart.n; ++j) {
+            const std::uint32_t face = sheet.grid.face_at(chart, Vec2d{(i + 0.3) / 8, (j + 0.6) / 8});
+            std::vector<std::uint32_t> corners;
+            for (const std::uint32_t di : {0U, 1U})
+                for (const std::uint32_t dj : {0U, 1U}) corners.push_back(sheet.class_at(i + di, j + dj));
+            for (const std::uint32_t c : sheet.grid.surface.faces[face])
+                EXPECT_NE(std::find(corners.begin(), corners.end(), c), corners.end()) << i << ' ' << j;
+        }
+    EXPECT_NE(sheet.grid.face_at(chart, Vec2d{1, 1}), kNone);
+    EXPECT_NE(sheet.grid.face_at(chart, Vec2d{-1e-9, 1 + 1e-9}), kNone);
+}
+
+TEST(Matches, NameTheFacesBeyondADistance) {
+    Sheet sheet(9);
+    EXPECT_TRUE(sheet.matches.faces_beyond(1e-6).empty());
+    const std::uint32_t c = sheet.class_at(4, 4);
+    sheet.grid.surface.positions[c] += sheet.grid.surface.normals[0] * 0.02;
+    sheet.grid.surface.update_normals();
+    sheet.matches.update(true);
+    EXPECT_TRUE(sheet.matches.faces_beyond(0.0201).empty());
+    std::vector<std::uint32_t> around;
+    for (std::uint32_t f = 0; f < sheet.grid.surface.faces.size(); ++f)
+        if (const Face& v = sheet.grid.surface.faces[f]; v[0] == c || v[1] == c || v[2] == c) around.push_back(f);
+    EXPECT_EQ(sheet.matches.faces_beyond(0.0199), around);
+}
+
+TEST(Sliding, TakesWhatTurnsNothingWhole) {
+    Sheet sheet(9);
+    const std::uint32_t c = sheet.class_at(4, 4);
+    const Vec3d up = sheet.grid.surface.normals[0], before = sheet.at(c);
+    const double edge = length(sheet.at(sheet.class_at(4, 5)) - before);
+    const Vec3d by = up * (0.2 * edge) + (sheet.at(sheet.class_at(4, 5)) - before) * 0.1;
+    std::vector<Vec3d> step(sheet.grid.sample_of.size(), Vec3d{});
+    step[c] = by;
+    const std::vector<Vec3d> start = sheet.grid.surface.positions;
+    sheet.sliding().take(step, {});
+    EXPECT_LT(length(sheet.at(c) - (before + by)), 1e-12);
+    for (std::uint32_t k = 0; k < start.size(); ++k)
+        if (k != c) {
+            EXPECT_EQ(sheet.at(k), start[k]);
+        }
+    std::vector<Vec3d> normals = sheet.grid.surface.normals;
+    sheet.grid.surface.update_normals();
+    EXPECT_EQ(sheet.grid.surface.normals, normals);
+}
+
+TEST(Sliding, StopsBeforeAFaceTurnsAndHoldsTheBorder) {
+    Sheet sheet(9);
+    const Vec3d up = sheet.grid.surface.normals[0];
+    std::vector<Vec3d> step(sheet.grid.sample_of.size(), Vec3d{});
+    // All to one side and neighbours through one another: either alone would turn faces.
+    for (std::uint32_t i = 0; i < 9; ++i)
+        for (std::uint32_t j = 0; j < 9; ++j) {
+            const Vec3d along = sheet.at(sheet.class_at(4, 5)) - sheet.at(sheet.class_at(4, 4));
+            step[sheet.class_at(i, j)] = along * (j % 2 == 0 ? 3.0 : -3.0) + up * (i % 2 == 0 ? 0.5 : -0.5);
+        }
+    const std::vector<Vec3d> start = sheet.grid.surface.positions;
+    sheet.sliding().take(step, {});
+    std::size_t moved = 0;
+    for (std::uint32_t c = 0; c < start.size(); ++c) {
+        moved += sheet.at(c) != start[c] ? 1 : 0;
+        if (sheet.grid.on_border[c]) {
+            EXPECT_EQ(sheet.at(c), start[c]);
+        }
+    }
+    EXPECT_GT(moved, 20U);
+    for (const Vec3d& n : sheet.grid.surface.normals) EXPECT_GT(dot(n, up), 0.29);
 }
 
 TEST(Fit, BeatsSamplingOnABallAndKeepsSeams) {
