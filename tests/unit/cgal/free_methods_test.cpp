@@ -219,7 +219,7 @@ TEST(FlipRepair, TurnsBackWhatWasPushedOver) {
     }
 }
 
-TEST(FlipRepair, GivesACollapsedFingerRoomToSpread) {
+TEST(FlipRepair, GivesACollapsedMapRoomToSpread) {
     // Nearly closed: ARAP folds what lies far from the hole, and a few rings about the folds cannot hold their area.
     const Disk d = testing::sphere_with_hole(48, 32, 0.2);
     const std::vector<Vec2d> uv = arap_map(d.view(), harmonic_disk_map(d.view(), kSilent), {}, kSilent);
