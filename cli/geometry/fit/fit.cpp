@@ -158,6 +158,20 @@ class Fitter {
         rails_.set_places(kept_.places);
     }
 
+    struct Kept {
+        double rms = 0, largest = 0;
+        std::vector<Vec3d> positions;
+        std::vector<std::uint8_t> diagonals;
+        std::vector<double> places;
+    };
+    void go_back_to(const Kept& before) {
+        kept_ = before;
+        restore();
+        matches_.update(true);
+    }
+
+    [[nodiscard]] std::vector<std::uint32_t> turned_now() { return turned_.faces({}, nearly_); }
+
     void relink() {
         grid_.link(chart_);
         rows_.forget_edges();
@@ -216,16 +230,14 @@ class Fitter {
 
     /// Faces that are turned, by the measure (metrics/turned_faces.h), are mended where others do not turn for them.
     void mend_turned() {
-        const std::size_t turned = turned_.faces({}, nearly_).size();
-        if (turned == 0 || (unmended_ && without(turned_.faces({}, nearly_), *unmended_).empty())) return;
+        const std::vector<std::uint32_t> turned = turned_now();
+        if (turned.empty() || (unmended_ && without(turned, *unmended_).empty())) return;
         const Kept before = kept_;
         for (const bool all_ways : {true, false}) {
-            if (!mend(all_ways) || turned_.faces({}, nearly_).size() < turned || kept_.rms <= before.rms) break;
-            kept_ = before;
-            restore();
-            matches_.update(true);
+            if (!mend(all_ways) || turned_now().size() < turned.size() || kept_.rms <= before.rms) break;
+            go_back_to(before);
         }
-        unmended_ = turned_.faces({}, nearly_);
+        unmended_ = turned_now();
     }
 
     /// Walks end in local minima; the last faces to mend are those that the measure finds. What had to move is fitted
@@ -239,7 +251,7 @@ class Fitter {
         if (moved) matches_.update(false);
         for (int round = 0; round < kSearches; ++round) {
             if (unfold_patches()) moved = unfolded = true;
-            const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
+            const std::vector<std::uint32_t> left = turned_now();
             if (left.empty() || !search_turned(left)) break;
             moved = true;
         }
@@ -255,7 +267,7 @@ class Fitter {
         const ClosestPointIndex& index = turned_.source_index();
         bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
-            const std::vector<std::uint32_t> turned = turned_.faces({}, nearly_);
+            const std::vector<std::uint32_t> turned = turned_now();
             for (const std::uint32_t f : turned)
                 if (const ClosestPoint hit = index.query(matches_.middles[f].position); hit.face != kNone)
                     matches_.middles[f].hit.face = hit.face;
@@ -273,9 +285,7 @@ class Fitter {
         nearly_ = true;
         mend_turned();
         if (kept_.rms <= kRoundingPrice * before.rms || turned_.faces().size() < turned) return;
-        kept_ = before;
-        restore();
-        matches_.update(true);
+        go_back_to(before);
     }
 
     /// Undone where it turns no face back, or makes the others pay too much for it.
@@ -284,8 +294,8 @@ class Fitter {
         const std::vector<Vec3d> positions = grid_.surface.positions;
         const std::vector<std::uint8_t> diagonals = chart_.diagonals;
         if (!turn_back(source_, turned_.source_index(), grid_, matches_, fixed_, left)) return false;
-        if (!flip_quads(turned_.faces({}, nearly_), true)) matches_.update(false);
-        if (turned_.faces({}, nearly_).size() < left.size() && matches_.rms <= kMendingPrice * kept_.rms) return true;
+        if (!flip_quads(turned_now(), true)) matches_.update(false);
+        if (turned_now().size() < left.size() && matches_.rms <= kMendingPrice * kept_.rms) return true;
         grid_.surface.positions = positions, chart_.diagonals = diagonals;
         relink();
         matches_.update(false);
@@ -294,7 +304,7 @@ class Fitter {
 
     /// @return  true if a sample moved
     bool unfold_patches() {
-        const std::vector<std::uint32_t> left = turned_.faces({}, nearly_);
+        const std::vector<std::uint32_t> left = turned_now();
         if (left.empty() ||
             !unfold(source_, turned_.source_index(), upward_, grid_, matches_, fixed_, left, unfolding_effort_))
             return false;
@@ -410,12 +420,6 @@ class Fitter {
     std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
     std::size_t unfolding_effort_ = 500'000;              // samples that may be moved yet: some seconds at most
     bool nearly_ = false;                                 // mends faces that rounding may turn, too
-    struct Kept {
-        double rms = 0, largest = 0;
-        std::vector<Vec3d> positions;
-        std::vector<std::uint8_t> diagonals;
-        std::vector<double> places;
-    };
     Kept kept_;
 };
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "geometry/fit/welded_grid.h"
 #include "geometry/spatial/closest_point.h"
@@ -111,11 +110,14 @@ std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositio
         points[k] = {spread[k], face, faces[face], {b[0], b[1], b[2]}};
     };
     // Samples move while they are fitted, but not far: a walk from where the map puts a point mostly ends close to it;
-    // the index tells the rest.
+    // the index tells the rest. Beside the border of a free chart it starts where the last one ended.
+    const auto start_of = [&](std::size_t k, std::uint32_t last) {
+        const std::uint32_t face = grid.face_at(in.chart, spread[k]);
+        return face != kNone ? face : last;
+    };
     in_chunks([&](std::size_t k, const Vec3d& position, const Vec3d& normal, std::uint32_t& hint) {
         open[k] = 1;
-        std::uint32_t start = grid.face_at(in.chart, spread[k]);
-        if (start == kNone) start = hint;  // beside the border of a free chart
+        const std::uint32_t start = start_of(k, hint);
         if (start == kNone) return;
         const SurfaceHit hit = walk_to_closest(stored, position, start);
         if (hit.squared > slack * slack || dot(stored.normals[hit.face], normal) <= kMinCosine) return;
@@ -127,10 +129,12 @@ std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositio
         FacingSearch search(stored, kMinCosine);
         std::uint32_t hint = kNone;
         for (std::size_t k = 0; k < count; ++k) {
-            if (open[k] == 0) hint = points[k].face;
-            if (open[k] == 0 || hint == kNone) continue;
-            std::uint32_t start = grid.face_at(in.chart, spread[k]);
-            if (start == kNone) start = hint;
+            if (open[k] == 0) {
+                hint = points[k].face;
+                continue;
+            }
+            const std::uint32_t start = start_of(k, hint);
+            if (start == kNone) continue;
             const SurfaceHit hit =
                 search.from(local_position(in, spread[k]), normal_of_face(mesh, spread[k].face), start, slack);
             if (hit.face != kNone) match(k, hit.face, hit.b);

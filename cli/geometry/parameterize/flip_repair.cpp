@@ -18,8 +18,8 @@
 namespace dgm::bake {
 namespace {
 constexpr double kMostConformal = 0.1, kMostIsometric = 0.4;  // of the disk's faces, in patches
-constexpr std::array kFacesPerFlip{1.0,
-                                   6.0};  // in patches: where a map has collapsed, its surroundings have to give way
+// Faces in patches, over flipped ones, in one try after the other: where a map has collapsed, much has to give way.
+constexpr std::array kFacesPerFlip{1.0, 6.0};
 constexpr int kLeastRings = 2;
 
 bool is_positive(const std::vector<Vec2d>& uv, const Face& f) {
