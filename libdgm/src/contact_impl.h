@@ -109,8 +109,8 @@ class Surroundings {
 };
 /// Lower bound of the distance of all points of a box (local frame).
 [[nodiscard]] double box_distance(const Shape& shape, const Box& box) noexcept;
-/// The welded surface of a state has two faces at every edge. @return OutOfMemory.
-[[nodiscard]] Result<bool> is_closed(const StateImpl& state, const Allocator& allocator) noexcept;
+/// Marks samples of open borders (kRingRim). @return whether the welded surface has two faces at every edge; OutOfMemory.
+[[nodiscard]] Result<bool> find_rim(StateImpl& state) noexcept;
 
 inline constexpr std::uint8_t kInside = 1;  ///< marks: beyond the obstacle
 inline constexpr std::uint8_t kQueued = 2;  ///< waits in the queue of the ring's walk

@@ -72,11 +72,21 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
 }
 }  // namespace
 
-Result<bool> is_closed(const StateImpl& s, const Allocator& allocator) noexcept {
+Result<bool> find_rim(StateImpl& s) noexcept {
+    const auto mark = [&](std::uint32_t first) {
+        const std::uint32_t id = s.class_id(first);
+        if (id == kNone) {
+            if (first < s.tables.grid) s.ring[first] |= kRingRim;
+            return;
+        }
+        for (const std::uint32_t copy : s.members(id))
+            if (copy < s.tables.grid) s.ring[copy] |= kRingRim;
+    };
+    bool closed = s.any_sample != kNone;
     std::uint64_t count = 0;
     each_rim_edge(s, [&](std::uint32_t, std::uint32_t) { ++count; });
     Array<Edge> edges;
-    if (!edges.allocate(allocator, count)) return kNoMemory;
+    if (!edges.allocate(s.allocator, count)) return kNoMemory;
     std::size_t at = 0;
     each_rim_edge(s, [&](std::uint32_t from, std::uint32_t to) {
         const std::uint32_t a = s.representative(from), b = s.representative(to);
@@ -88,9 +98,12 @@ Result<bool> is_closed(const StateImpl& s, const Allocator& allocator) noexcept 
         std::int32_t balance = 0;
         const Edge first = edges[k];
         for (; k < at && edges[k].a == first.a && edges[k].b == first.b; ++k) balance += edges[k].way;
-        if (balance != 0) return false;
+        if (balance == 0) continue;
+        closed = false;
+        mark(first.a);
+        mark(first.b);
     }
-    return s.any_sample != kNone;
+    return closed;
 }
 }  // namespace detail
 

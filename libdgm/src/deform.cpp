@@ -168,9 +168,21 @@ void move_frames_apart(StateImpl& s, const TableImpl& t, const Contact& c, Defor
     end_footprint(s);
 }
 
+void move_patch(StateImpl& s, const Patch& p, const Contact& c, DeformReport& report) noexcept {
+    for (std::uint32_t k = 0; k < p.rects.count; ++k) fade(s, p.rects.rects[k]);
+    if (p.rects.border_low <= p.rects.border_high) fade(s, p.rects.border_low);
+    for (const Planes* shape : {&s.now, &s.base}) {
+        if (shape == &s.base && !c.plastic) break;
+        s.rows_of->move_patch(
+            {p.rows.data(), p.row_count, StateImpl::fixed(*shape), *shape, p.weight.data(), {c.d.x, c.d.y, c.d.z}});
+    }
+    s.touch(p.rects, c.plastic);
+    report.samples = p.samples;
+    report.crossed_seam = p.crossed_seam;
+}
+
 std::uint32_t count_samples(const StateImpl& s) noexcept {
     const FootprintScratch& f = s.footprint;
-    if (f.listed != 0) return f.listed;
     std::uint32_t count = f.sample_count;
     bool apart = true;
     for (std::uint32_t k = 0; k < f.frame_count; ++k) {
@@ -207,10 +219,8 @@ Result<void> check_contact(const StateImpl& s, const TableImpl& t, Footprint foo
         return Error{ErrorCode::BadArgument, kNoOffset, "the table reaches farther than the state was made for"};
     if (!std::isfinite(step) || !(step >= 0))
         return Error{ErrorCode::BadArgument, kNoOffset, "the step is not a number from 0"};
-    if (footprint > Footprint::Geodesic)
+    if (footprint > Footprint::Grid)
         return Error{ErrorCode::Unsupported, kNoOffset, "the footprint is not supported"};
-    if (footprint == Footprint::Metric && s.metric.empty())
-        return Error{ErrorCode::MissingLayer, kNoOffset, "the state was made without the first fundamental form"};
     if (mode != DeformMode::Elastic && mode != DeformMode::Plastic)
         return Error{ErrorCode::Unsupported, kNoOffset, "the mode is not supported"};
     return {};
@@ -229,7 +239,11 @@ MoveJob window_job(const StateImpl& s, const TableImpl& t, const Rect& r, std::u
 Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Contact& c) noexcept {
     DeformReport report;
     report.displacement = c.d;
-    if (c.footprint == Footprint::Grid && s.stiffness.empty() && is_plain_window(s, c.sample, t.options.reach)) {
+    if (c.footprint != Footprint::Grid) {
+        move_patch(s, patch_of(s, t, c), c, report);
+        return report;
+    }
+    if (s.stiffness.empty() && is_plain_window(s, c.sample, t.options.reach)) {
         const Rect r = s.window(c.sample, t.options.reach);
         fade(s, r);
         MoveJob job = window_job(s, t, r, c.sample, c.d);
@@ -243,7 +257,7 @@ Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Conta
         report.samples = static_cast<std::uint32_t>(RectList::area(r));
         return report;
     }
-    if (c.footprint == Footprint::Grid && s.stiffness.empty() && !s.tables.free_domain &&
+    if (s.stiffness.empty() && !s.tables.free_domain &&
         place_frames_apart(s, t, c.sample, t.options.reach)) {
         move_frames_apart(s, t, c, report);
         return report;

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <utility>
 
+#include "patch.h"
 #include "state_impl.h"
+#include "table_impl.h"
 
 namespace dgm::detail {
 namespace {
@@ -221,17 +223,33 @@ class Front {
 };
 }  // namespace
 
-void begin_geodesic(StateImpl& s, std::uint32_t start, float radius) noexcept {
-    Front(s, start, radius).run();
-}
-
-void end_geodesic(StateImpl& s) noexcept {
+void fill_by_front(StateImpl& s, const TableImpl& t, const Contact& c, Patch& p) noexcept {
+    // The way to a sample at the rim may lead between two that are out of reach.
+    constexpr float kBeyond = 1;  // mean steps
+    const float reach = static_cast<float>(t.options.reach), per_step = 1 / c.step;
+    Front(s, c.sample, reach * c.step + kBeyond * s.mean_step).run();
+    const Weigher weigher(s, t, c);
     GeodesicScratch& g = s.geodesic;
     for (std::uint32_t k = 0; k < g.touched_count; ++k) {
-        g.nodes[g.touched[k]] = {};
-        g.marks[g.touched[k]] &= static_cast<std::uint8_t>(~kFrontKnown);
+        const std::uint32_t first = g.touched[k], id = s.class_id(first);
+        const float d = g.nodes[first].distance * per_step;
+        g.nodes[first] = {};
+        g.marks[first] &= static_cast<std::uint8_t>(~kFrontKnown);
+        if (!(d < reach)) continue;
+        const float weight = weigher.at(first, d);
+        const auto put = [&](std::uint32_t sample) {
+            const std::uint32_t slot = add_cell(s, p, cell_of(s, sample)), place = place_in_cell(s, sample);
+            p.cells[slot].reach |= std::uint64_t{1} << place;
+            p.weights(slot)[place] = weight;
+        };
+        if (id == kNone)
+            put(first);
+        else
+            for (const std::uint32_t copy : s.members(id)) put(copy);
     }
     g.touched_count = 0;
+    for (std::uint32_t k = 0; k < p.count; ++k)
+        if (p.cells[k].cell >= s.patch_scratch.grid_cells()) p.cells[k].touched |= p.cells[k].reach;
 }
 
 }  // namespace dgm::detail

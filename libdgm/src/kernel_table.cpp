@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "asset_impl.h"
+#include "rows.h"
 #include "table_impl.h"
 
 namespace dgm {
@@ -127,6 +129,36 @@ bool fill_profile(TableImpl& t) noexcept {
     }
     return true;
 }
+/// A chord c tells a distance in c .. c (1 + e), e = 1 / sqrt(1 - slant^2) - 1. Weights change by at most |r w'(r)| e.
+void fill_tolerances(TableImpl& t) noexcept {
+    const std::size_t last = t.entries.size() - 1;
+    double steepest = 0;
+    for (std::size_t k = 0; k < last; ++k)
+        steepest = std::max(steepest, static_cast<double>(k + 1) * std::fabs(double{t.entries[k + 1]} - t.entries[k]));
+    for (TableImpl::Tolerance& tolerance : t.tolerance) {
+        const double longer = 1 + tolerance.share / std::max(steepest, 1e-6);
+        tolerance.slant2 = std::min(static_cast<float>(1 - 1 / (longer * longer)), kSteep * kSteep);
+        const auto from = static_cast<std::size_t>(std::min(t.options.reach / double{t.spacing}, double(last)));
+        float low = 0, high = 0;  // beyond the reach there is 0
+        std::size_t k = from;
+        for (; k > 0; --k) {
+            low = std::min(low, t.entries[k]);
+            high = std::max(high, t.entries[k]);
+            if (high - low > tolerance.share) break;
+        }
+        tolerance.quiet = t.spacing * static_cast<float>(k + 1);
+    }
+}
+
+void fill_hash(TableImpl& t) noexcept {
+    const KernelOptions& o = t.options;
+    const float numbers[4] = {o.sigma, o.radius_a, o.radius_b, o.angle};
+    const std::uint32_t choices[3] = {static_cast<std::uint32_t>(o.shape), static_cast<std::uint32_t>(o.end), o.reach};
+    const Hash parts[3] = {hash_bytes(numbers, sizeof numbers), hash_bytes(choices, sizeof choices),
+                           hash_bytes(t.values.data(), t.values.size() * sizeof(float))};
+    const Hash all = hash_bytes(parts, sizeof parts);
+    std::memcpy(t.hash, all.data(), sizeof t.hash);
+}
 }  // namespace
 
 float TableImpl::weight(float di, float dj) const noexcept {
@@ -153,6 +185,8 @@ Result<DeformTable> DeformTable::create(const KernelOptions& options, const Allo
     }
     detail::set_form(*impl);
     if (!detail::fill_rows(*impl) || !detail::fill_profile(*impl)) return detail::kNoMemory;
+    detail::fill_tolerances(*impl);
+    detail::fill_hash(*impl);
     return table;
 }
 

@@ -23,41 +23,82 @@ struct Sum {
     }
 };
 
-void add_quad(Sum& sum, const StateImpl& s, const ConstPlanes& p, std::uint32_t i, std::uint32_t j,
-              std::uint32_t sample) noexcept {
+template <class Visit>
+void each_triangle_of_quad(const StateImpl& s, std::uint32_t i, std::uint32_t j, std::uint32_t sample,
+                           Visit visit) noexcept {
     if (!s.tables.has_quad(i, j)) return;
     for (const auto& f : quad_triangles(i, j, s.tables.cols, s.tables.diagonal(i, j)))
-        if (f[0] == sample || f[1] == sample || f[2] == sample)
-            sum.add_triangle(StateImpl::at(p, f[0]), StateImpl::at(p, f[1]), StateImpl::at(p, f[2]));
+        if (f[0] == sample || f[1] == sample || f[2] == sample) visit(f.data());
 }
 
-void add_ring(Sum& sum, const StateImpl& s, const ConstPlanes& p, std::uint32_t sample) noexcept {
+/// Triangles around one copy.
+template <class Visit>
+void each_triangle(const StateImpl& s, std::uint32_t sample, Visit visit) noexcept {
     const ChartTables& t = s.tables;
     if (sample < t.grid) {
         const std::uint32_t i = sample / t.cols, j = sample % t.cols;
-        if (i > 0 && j > 0) add_quad(sum, s, p, i - 1, j - 1, sample);
-        if (i > 0 && j + 1 < t.cols) add_quad(sum, s, p, i - 1, j, sample);
-        if (i + 1 < t.rows && j > 0) add_quad(sum, s, p, i, j - 1, sample);
-        if (i + 1 < t.rows && j + 1 < t.cols) add_quad(sum, s, p, i, j, sample);
+        if (i > 0 && j > 0) each_triangle_of_quad(s, i - 1, j - 1, sample, visit);
+        if (i > 0 && j + 1 < t.cols) each_triangle_of_quad(s, i - 1, j, sample, visit);
+        if (i + 1 < t.rows && j > 0) each_triangle_of_quad(s, i, j - 1, sample, visit);
+        if (i + 1 < t.rows && j + 1 < t.cols) each_triangle_of_quad(s, i, j, sample, visit);
     }
     if (s.face_start.empty()) return;
-    for (std::uint32_t k = s.face_start[sample]; k < s.face_start[sample + 1]; ++k) {
-        const std::uint32_t* f = s.faces.data() + 3 * std::size_t{s.face_of[k]};
-        sum.add_triangle(StateImpl::at(p, f[0]), StateImpl::at(p, f[1]), StateImpl::at(p, f[2]));
-    }
+    for (std::uint32_t k = s.face_start[sample]; k < s.face_start[sample + 1]; ++k)
+        visit(s.faces.data() + 3 * std::size_t{s.face_of[k]});
+}
+
+/// Around all copies, in ascending order.
+template <class Visit>
+void each_triangle_welded(const StateImpl& s, std::uint32_t sample, Visit visit) noexcept {
+    const std::uint32_t id = s.class_id(sample);
+    if (id == kNone) return each_triangle(s, sample, visit);
+    for (const std::uint32_t copy : s.members(id)) each_triangle(s, copy, visit);
 }
 }  // namespace
 
 Vec3 ring_normal(const StateImpl& s, const ConstPlanes& shape, std::uint32_t sample) noexcept {
     Sum sum;
-    const std::uint32_t id = s.class_id(sample);
-    if (id == kNone)
-        add_ring(sum, s, shape, sample);
-    else
-        for (const std::uint32_t copy : s.members(id)) add_ring(sum, s, shape, copy);
+    each_triangle_welded(s, sample, [&](const std::uint32_t* f) {
+        sum.add_triangle(StateImpl::at(shape, f[0]), StateImpl::at(shape, f[1]), StateImpl::at(shape, f[2]));
+    });
     const double length = std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
     if (!(length > 0) || !std::isfinite(length)) return {};
     return {static_cast<float>(sum.x / length), static_cast<float>(sum.y / length), static_cast<float>(sum.z / length)};
+}
+
+RingForm ring_form(const StateImpl& s, const ConstPlanes& shape, const float* weight, std::uint32_t sample) noexcept {
+    Sum area, slope;
+    each_triangle_welded(s, sample, [&](const std::uint32_t* f) {
+        const Vec3 a = StateImpl::at(shape, f[0]), b = StateImpl::at(shape, f[1]), c = StateImpl::at(shape, f[2]);
+        area.add_triangle(a, b, c);
+        const double wu = double{weight[f[1]]} - weight[f[0]], wv = double{weight[f[2]]} - weight[f[0]];
+        slope.x += wu * (double{c.x} - a.x) - wv * (double{b.x} - a.x);
+        slope.y += wu * (double{c.y} - a.y) - wv * (double{b.y} - a.y);
+        slope.z += wu * (double{c.z} - a.z) - wv * (double{b.z} - a.z);
+    });
+    return {{area.x, area.y, area.z, slope.x, slope.y, slope.z}};
+}
+
+void measure_roughness(StateImpl& s) noexcept {
+    const ConstPlanes rest = StateImpl::fixed(s.rest);
+    for (std::uint32_t k = 0; k < s.total(); ++k) {
+        const std::uint32_t id = s.class_id(k);
+        if (!s.usable(k) || (id != kNone && s.members(id)[0] != k)) continue;
+        const Vec3 n = StateImpl::at(s.rest_normal, k);
+        double square = 0, area = 0;
+        each_triangle_welded(s, k, [&](const std::uint32_t* f) {
+            Sum face;
+            face.add_triangle(StateImpl::at(rest, f[0]), StateImpl::at(rest, f[1]), StateImpl::at(rest, f[2]));
+            const double length = std::sqrt(face.x * face.x + face.y * face.y + face.z * face.z);
+            if (!(length > 0) || !std::isfinite(length)) return;
+            const double x = face.x / length - n.x, y = face.y / length - n.y, z = face.z / length - n.z;
+            square += (x * x + y * y + z * z) * length;
+            area += length;
+        });
+        s.rough[k] = area > 0 ? static_cast<float>(square / area) : 0;
+        if (id == kNone) continue;
+        for (const std::uint32_t copy : s.members(id)) s.rough[copy] = s.rough[k];
+    }
 }
 
 Result<void> build_rings(StateImpl& s) noexcept {

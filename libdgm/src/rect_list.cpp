@@ -27,6 +27,29 @@ void RectList::add(const Rect& r) noexcept {
         rects[best] = unite(rects[best], r);
 }
 
+void RectList::add_near(const Rect& r) noexcept {
+    for (std::uint32_t k = count; k-- > 0;)
+        if (near(rects[k], r)) {
+            rects[k] = unite(rects[k], r);
+            return;
+        }
+    add(r);
+}
+
+void RectList::join() noexcept {
+    for (std::uint32_t k = 0; k < count;) {
+        std::uint32_t e = k + 1;
+        while (e < count && !near(rects[k], rects[e])) ++e;
+        if (e == count) {
+            ++k;
+            continue;
+        }
+        rects[k] = unite(rects[k], rects[e]);
+        rects[e] = rects[--count];
+        k = 0;  // it may meet those before it now
+    }
+}
+
 void RectList::add(const RectList& other) noexcept {
     for (std::uint32_t k = 0; k < other.count; ++k) add(other.rects[k]);
     if (other.border_low > other.border_high) return;

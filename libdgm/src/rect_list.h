@@ -28,8 +28,15 @@ struct RectList {
     }
     void add(const Rect& r) noexcept;
     void add(const RectList& other) noexcept;
+    /// The same, but joined with a rectangle that it meets or lies beside.
+    void add_near(const Rect& r) noexcept;
+    /// Joins rectangles that meet or lie side by side until there are none.
+    void join() noexcept;
     [[nodiscard]] static Rect unite(const Rect& a, const Rect& b) noexcept {
         return {std::min(a.i0, b.i0), std::max(a.i1, b.i1), std::min(a.j0, b.j0), std::max(a.j1, b.j1)};
+    }
+    [[nodiscard]] static bool near(const Rect& a, const Rect& b) noexcept {
+        return a.i0 <= b.i1 + 1 && b.i0 <= a.i1 + 1 && a.j0 <= b.j1 + 1 && b.j0 <= a.j1 + 1;
     }
     [[nodiscard]] static std::uint64_t area(const Rect& r) noexcept { return std::uint64_t{r.height()} * r.width(); }
 };

@@ -202,6 +202,7 @@ void fade(StateImpl& s, std::uint32_t sample) noexcept {
 
 void advance_fading(StateImpl& s, double passed) noexcept {
     Fading& f = s.fading;
+    ++s.moved;
     start_fading(s);
     if (f.plain.count == 0 && f.special.count == 0 && f.border_low > f.border_high) {
         f.clock = f.special_time = 0;  // nothing keeps a time
@@ -226,6 +227,7 @@ void settle_all(StateImpl& s) noexcept {
 
 void release_elastic(StateImpl& s) noexcept {
     Fading& f = s.fading;
+    ++s.moved;
     if (!f.empty()) {
         release_list(s, f.plain);
         release_list(s, f.special);

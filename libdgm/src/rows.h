@@ -115,6 +115,82 @@ struct MergeJob {
     float x, y, dx, dy;
 };
 
+/// A block of 8 x 8 samples of the grid, or fewer at its end; or 8 border samples of a free domain, one row.
+struct PatchCell {
+    std::uint32_t first;  ///< sample in its first row and column
+    std::uint32_t cell;   ///< number of the cell
+    std::uint8_t width, height;
+    std::uint64_t reach;    ///< bit 8 r + c: sample (r, c) of the cell is in reach
+    std::uint64_t touched;  ///< in reach, or beside a sample that is: its normal changes
+    std::uint32_t row;      ///< place of its first touched row among all
+};
+inline constexpr std::uint32_t kCellSamples = 64;
+
+/// Up to 8 samples side by side.
+struct PatchRow {
+    std::uint32_t first;
+    std::uint8_t width;
+    std::uint8_t keep;  ///< bit k: a press leaves the normal of sample k as it was
+};
+
+/// Straight lines from a contact to the samples of a cell.
+struct ChordJob {
+    PatchCell cell;
+    std::uint32_t cols;
+    ConstPlanes at, normal;  ///< rest shape
+    const float* rough;      ///< as StateImpl::rough
+    float centre[3], axis[3];  ///< the contact and its normal
+    float reach2;              ///< squared
+    bool sharp;                ///< the contact lies on a crease or tip: its normal says nothing of the way's beginning
+    float slant2;              ///< squared sine of the angle between line and surface that is certain enough
+};
+struct ChordResult {
+    std::uint64_t reach;
+    float doubtful;  ///< square of the shortest line in reach that is too slanted; infinite if none is
+    bool steep;      ///< a line is so slanted that even who is in reach is uncertain
+};
+inline constexpr float kSteep = 0.6f;   ///< sine: the way along the surface is at most 1.25 lines long
+inline constexpr float kTurned = 0.25f;  ///< cosine of the largest angle between the normals at both ends
+
+/// Weights of squared distances: entries k * spacing apart over distance * per_step, linear between them.
+struct ProfileJob {
+    std::uint64_t reach;
+    const float* entries;
+    std::uint32_t last;
+    float per_step, spacing, end;  ///< 0 from distance `end` on
+};
+
+/// Twice the area vector of the ring of each sample, and what it gains with a displacement d times the weights:
+/// area(base + w d) = area(base) + d x slope. Samples on the border of the grid, and beyond it, are left out.
+struct RingJob {
+    const PatchRow* rows;
+    std::uint32_t count, first, last, cols;  ///< rows that start at samples first .. last - 1 are done
+    ConstPlanes at;
+    const float* weight;       ///< plane
+    const std::uint8_t* ring;  ///< as NormalJob
+    float scale;
+    float* forms;  ///< kFormFloats a row: x, y and z of eight areas, then of eight slopes
+};
+inline constexpr std::uint32_t kFormFloats = 48;
+
+/// to = from + w d. In place, or not.
+struct PatchJob {
+    const PatchRow* rows;
+    std::uint32_t count;
+    ConstPlanes from;
+    Planes to;
+    const float* weight;  ///< eight a row
+    float d[3];
+};
+/// The same, and the normals.
+struct PressJob {
+    PatchJob move;
+    Planes normal;
+    const float* forms;
+    const float* saved;  ///< kSavedFloats a row: x, y and z of eight normals to be kept
+};
+inline constexpr std::uint32_t kSavedFloats = 24;
+
 struct RowKernels {
     const char* name;
     void (*move)(const MoveJob& job) noexcept;
@@ -132,6 +208,15 @@ struct RowKernels {
     void (*quad_boxes)(const QuadBoxesJob& job, float* boxes, float* whole) noexcept;
     /// Bit k: box k is no farther than the reach.
     std::uint64_t (*boxes_near)(const BoxesNearJob& job) noexcept;
+    /// Squares of distances, in front of the certificate that patch.h explains, into d2[64]. The same bits in all variants.
+    ChordResult (*chords)(const ChordJob& job, float* d2) noexcept;
+    /// Squared distances in, weights out, in place; 0 for samples out of reach. The same bits in all variants.
+    void (*profile)(const ProfileJob& job, float* values) noexcept;
+    void (*rings)(const RingJob& job) noexcept;
+    /// The same bits in all variants.
+    void (*move_patch)(const PatchJob& job) noexcept;
+    /// @return false if a normal is uncertain: little is left of an area vector, or it is out of the range of floats.
+    bool (*press)(const PressJob& job) noexcept;
 };
 
 /// The plain loops: what the compiler makes of four lanes on any target.

@@ -22,6 +22,12 @@ typedef float Floats __attribute__((vector_size(32)));
 typedef float Floats4 __attribute__((vector_size(16)));
 typedef int Ints __attribute__((vector_size(32)));
 
+static inline __attribute__((always_inline)) Floats root(const Floats& v) {
+    return static_cast<Floats>(_mm256_sqrt_ps(static_cast<__m256>(v)));
+}
+static inline __attribute__((always_inline)) Floats gather(const float* from, const Ints& at) {
+    return static_cast<Floats>(_mm256_i32gather_ps(from, reinterpret_cast<__m256i>(at), 4));
+}
 inline bool any(Ints v) {
     return _mm256_movemask_ps(reinterpret_cast<__m256>(v)) != 0;
 }
@@ -71,7 +77,8 @@ static inline __attribute__((always_inline)) float inverse_root(float v) {
 }  // namespace
 
 extern const RowKernels kAvx2Rows;
-const RowKernels kAvx2Rows{"avx2", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near};
+const RowKernels kAvx2Rows{"avx2", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near,
+                           chords, profile, rings, move_patch, press};
 
 }  // namespace dgm::detail
 

@@ -27,6 +27,17 @@ static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
     return v;
 #endif
 }
+static inline __attribute__((always_inline)) Floats root(Floats v) {
+#if defined(__SSE__)
+    return static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
+#else
+    for (int k = 0; k < DGM_LANES; ++k) v[k] = __builtin_sqrtf(v[k]);
+    return v;
+#endif
+}
+static inline __attribute__((always_inline)) Floats gather(const float* from, const Ints& at) {
+    return Floats{from[at[0]], from[at[1]], from[at[2]], from[at[3]]};
+}
 static inline __attribute__((always_inline)) bool any(Ints v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;
 }
@@ -58,7 +69,8 @@ inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
 #include "rows_impl.h"
 }  // namespace
 
-const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near};
+const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near,
+                            chords, profile, rings, move_patch, press};
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const RowKernels kAvx2Rows;

@@ -45,7 +45,7 @@ bool copy_tables(StateImpl& s, const ChartTables& t) noexcept {
     return true;
 }
 
-/// Floats from one plane to the next: 448 bytes beyond a multiple of 4096, so that twelve planes are spread over the
+/// Floats from one plane to the next: 448 bytes beyond a multiple of 4096, so that the planes are spread over the
 /// page and rows of one plane end on a cache line of their own.
 std::uint64_t plane_floats(std::uint64_t total) noexcept {
     return (total + 1023) / 1024 * 1024 + 112;
@@ -53,14 +53,15 @@ std::uint64_t plane_floats(std::uint64_t total) noexcept {
 
 bool copy_positions(StateImpl& s, const ChartTables& t) noexcept {
     s.plane = static_cast<std::size_t>(plane_floats(t.total));
-    if (!s.planes.allocate(s.allocator, 12 * std::uint64_t{s.plane})) return false;
+    if (!s.planes.allocate(s.allocator, 16 * std::uint64_t{s.plane})) return false;
     std::size_t next = 0;
-    for (Planes* p : {&s.rest, &s.base, &s.now, &s.normal}) {
+    for (Planes* p : {&s.rest, &s.base, &s.now, &s.normal, &s.rest_normal}) {
         p->x = s.planes.data() + next;
         p->y = p->x + s.plane;
         p->z = p->y + s.plane;
         next += 3 * s.plane;
     }
+    s.rough = s.planes.data() + next;
     for (std::uint32_t k = 0; k < t.total; ++k) {
         Vec3 p = t.position(k);
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
@@ -118,14 +119,22 @@ bool make_scratch(StateImpl& s, std::uint32_t max_tools) noexcept {
     return s.tools.allocate(a, max_tools);
 }
 
+std::uint32_t patches_for(const StateOptions& o) noexcept {
+    return o.max_tools == 0 ? 1 : StateImpl::kMostPatches;
+}
+
 /// Upper bound of what create() takes, for StateOptions::max_bytes.
 std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept {
     const std::uint64_t walk = t.free_domain ? walk_capacity(t.total, o.max_reach) * (sizeof(WalkNode) + 8) : 0;
     const std::uint64_t tiles = (std::uint64_t{tile_count(t.rows - 1)} * tile_count(t.cols - 1));
-    const std::uint64_t shape = 12 * plane_floats(t.total) * sizeof(float);
+    const std::uint64_t shape = 16 * plane_floats(t.total) * sizeof(float);
+    const std::uint64_t cells = ((std::uint64_t{t.rows} + 7) / 8) * ((std::uint64_t{t.cols} + 7) / 8) + (t.total - t.grid) / 8 + 1;
+    const std::uint64_t side = press_cells(o.max_reach);
+    const std::uint64_t patches = cells * (5 + patches_for(o) * (sizeof(PatchCell) + 8 * sizeof(PatchRow) + kCellSamples * sizeof(float))) +
+                                  (o.max_tools == 0 ? 0 : std::min(cells, side * side) * kCellSamples * 9 * sizeof(float));
     // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (21), classes,
     // slots.
-    return shape + std::uint64_t{t.total} * (3 + 12 + 21 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
+    return shape + patches + std::uint64_t{t.total} * (3 + 12 + 21 + 8 + 8) + walk +
            tiles * (4 * sizeof(Box) + 44) + t.faces.size() * 40 + t.seams.size() * 80 +
            (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
            GeodesicScratch::kBuckets * sizeof(FrontNode) + 4096;
@@ -167,48 +176,12 @@ void weld_share(const StateImpl& s, Array<float>& values) noexcept {
     }
 }
 
-/// E, F, G per grid step, from the layer or by differences of the rest shape (one-sided at the chart's border).
-Result<void> copy_metric(StateImpl& s, const Chart& chart) noexcept {
-    const ChartTables& t = s.tables;
-    if (!s.metric.allocate(s.allocator, 3 * std::uint64_t{t.grid})) return kNoMemory;
-    if (auto layer = chart.find("deformation")) {
-        auto values = layer.value().as<float>();
-        if (!values) return values.error();
-        if (values.value().size() != 4 * std::size_t{t.grid})
-            return Error{ErrorCode::BadLayer, layer.value().file_offset, "the layer does not fit the grid"};
-        for (std::size_t k = 0; k < t.grid; ++k)
-            for (std::size_t e = 0; e < 3; ++e) {
-                const float v = values.value()[4 * k + e];
-                if (!std::isfinite(v) && t.on_surface(static_cast<std::uint32_t>(k)))
-                    return Error{ErrorCode::BadValue, layer.value().file_offset + 4 * (4 * k + e),
-                                 "the first fundamental form is not finite"};
-                s.metric[3 * k + e] = std::isfinite(v) ? v : 0;
-            }
-        return {};
-    }
-    const auto tangent = [&](std::uint32_t k, bool before, bool after, std::uint32_t step) {
-        const std::uint32_t p = before && t.on_surface(k - step) ? k - step : k;
-        const std::uint32_t q = after && t.on_surface(k + step) ? k + step : k;
-        return p + 2 * step == q ? 0.5f * (StateImpl::at(s.rest, q) - StateImpl::at(s.rest, p))
-                                 : StateImpl::at(s.rest, q) - StateImpl::at(s.rest, p);
-    };
-    for (std::uint32_t i = 0; i < t.rows; ++i)
-        for (std::uint32_t j = 0; j < t.cols; ++j) {
-            const std::uint32_t k = i * t.cols + j;
-            const Vec3 u = tangent(k, i > 0, i + 1 < t.rows, t.cols), v = tangent(k, j > 0, j + 1 < t.cols, 1);
-            s.metric[3 * std::size_t{k}] = dot(u, u);
-            s.metric[3 * std::size_t{k} + 1] = dot(u, v);
-            s.metric[3 * std::size_t{k} + 2] = dot(v, v);
-        }
-    return {};
-}
-
-Result<void> copy_behaviour(StateImpl& s, const Chart& chart, bool metric) noexcept {
+Result<void> copy_behaviour(StateImpl& s, const Chart& chart) noexcept {
     if (auto r = copy_share(s, chart, "deformation", 4, 3, s.stiffness); !r) return r;
     if (auto r = copy_share(s, chart, "contact", 2, 1, s.mobility); !r) return r;
     weld_share(s, s.stiffness);
     weld_share(s, s.mobility);
-    return metric ? copy_metric(s, chart) : Result<void>{};
+    return {};
 }
 
 Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options) noexcept {
@@ -234,17 +207,25 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     if (auto r = build_classes(s); !r) return r;
     if (auto r = build_links(s); !r) return r;
     s.tables.seams = {};
-    if (auto r = copy_behaviour(s, chart, options.metric); !r) return r;
+    if (auto r = copy_behaviour(s, chart); !r) return r;
     if (auto r = build_rings(s); !r) return r;
     if (auto r = build_pyramid(s); !r) return r;
+    // Distances depend on the rest normals: the same bits whatever the processor.
+    const NormalLoops quickest = std::exchange(s.normals_of, kPlainRows.normals);
     update_normals(s);
+    std::memcpy(s.rest_normal.x, s.normal.x, 3 * s.plane * sizeof(float));
+    s.normals_of = quickest;
+    s.touch_all();
+    update_normals(s);
+    measure_roughness(s);
     s.elastic.clear();
     for (std::uint32_t k = 0; k < s.total() && s.any_sample == kNone; ++k)
         if (s.usable(k)) s.any_sample = k;
-    auto closed = is_closed(s, s.allocator);
+    auto closed = find_rim(s);
     if (!closed) return closed.error();
     s.open_surface = !closed.value();
-    return make_scratch(s, options.max_tools) ? Result<void>{} : Result<void>{kNoMemory};
+    s.patch_count = patches_for(options);
+    return make_scratch(s, options.max_tools) && make_patches(s, options.max_tools != 0) ? Result<void>{} : Result<void>{kNoMemory};
 }
 }  // namespace
 }  // namespace detail

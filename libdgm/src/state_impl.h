@@ -12,6 +12,7 @@
 
 #include "chart_tables.h"
 #include "memory.h"
+#include "patch.h"
 #include "rect_list.h"
 #include "rows.h"
 #include "tool_slot.h"
@@ -47,6 +48,7 @@ inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
 
 inline constexpr std::uint8_t kRingObtuse = 32;  ///< of a rest triangle with an angle above 93 or below 14 degrees
+inline constexpr std::uint8_t kRingRim = 128;     ///< on an open border of the welded surface
 inline constexpr std::uint8_t kRingInside = 64;  ///< regular, and neither it nor a neighbour is in a class
 
 inline constexpr std::uint32_t kMaxLevels = 16;  // 8192 leaf tiles a side halve to 1 in 13 steps
@@ -83,7 +85,6 @@ struct FootprintScratch {
     std::uint32_t frame_count = 0;
     Array<std::uint32_t> samples;  ///< besides the frames' rectangles
     std::uint32_t sample_count = 0;
-    std::uint32_t listed = 0;      ///< of the frame's samples those in reach, where not all are; else 0
     Array<std::uint32_t> classes;  ///< classes in reach
     std::uint32_t class_count = 0;
     Array<std::uint8_t> class_seen;
@@ -140,12 +141,14 @@ struct StateImpl {
     const RowKernels* rows_of = nullptr;
     NormalLoops normals_of = nullptr;  ///< one for all normals of a state: incremental is full, to the bit
     ChartTables tables;  ///< mask, diagonals, faces and seams point into the arrays below; layer pointers are null
-    /// Twelve planes `plane` floats apart, no two alike modulo 4096 bytes: loads from one must not wait for stores to
+    /// Sixteen planes `plane` floats apart, no two alike modulo 4096 bytes: loads from one must not wait for stores to
     /// another that only look the same to the processor.
     Array<float> planes;
     std::size_t plane = 0;
     Planes rest = {}, base = {}, now = {};  ///< baked, with plastic touches, with elastic ones
     Planes normal = {};                     ///< of `now` but for `normal_dirty`
+    Planes rest_normal = {};
+    float* rough = nullptr;  ///< mean square of the distances of a sample's rest normal from those of its faces
     float normal_scale = 1;
     float mean_step = 1;
     Array<std::uint8_t> mask, diagonals;
@@ -155,7 +158,6 @@ struct StateImpl {
     Array<float> border_uv;
     Array<std::uint32_t> face_start, face_of;  ///< free domain: border faces of each sample
     Array<float> stiffness, mobility;          ///< per grid sample; empty if all are 1
-    Array<float> metric;                       ///< E, F, G per grid sample; empty unless asked for
 
     Array<std::uint32_t> class_of, class_start, class_members;
     Array<std::uint32_t> link_start;  ///< by place in class_members
@@ -172,6 +174,13 @@ struct StateImpl {
     Fading fading;
     RectList normal_dirty;  ///< moved since update_normals()
     std::uint32_t base_version = 0;
+    std::uint64_t moved = 0;  ///< how often `now` was written
+    static constexpr std::uint32_t kMostPatches = 2;
+    Patch patches[kMostPatches];
+    std::uint32_t patch_count = 0;
+    std::uint64_t patch_clock = 0;
+    PatchScratch patch_scratch;
+    PatchPress press;
     WalkScratch walk;
     FootprintScratch footprint;
     GeodesicScratch geodesic;
@@ -225,13 +234,14 @@ struct StateImpl {
     [[nodiscard]] Rect whole() const noexcept { return {0, tables.rows - 1, 0, tables.cols - 1}; }
     /// Notes that samples moved, those of a Rect or a RectList; `plastic`: in the base shape too.
     template <class Moved>
-    void touch(const Moved& moved, bool plastic) noexcept {
-        if (!plastic) elastic.add(moved);
+    void touch(const Moved& where, bool plastic) noexcept {
+        ++moved;
+        if (!plastic) elastic.add(where);
         if (!plastic && fading.in_tick) return;
-        now_boxes.dirty.add(moved);
-        normal_dirty.add(moved);
+        now_boxes.dirty.add(where);
+        normal_dirty.add(where);
         if (!plastic) return;
-        base_boxes.dirty.add(moved);
+        base_boxes.dirty.add(where);
         ++base_version;
     }
     void touch_all() noexcept;
@@ -258,6 +268,14 @@ void refit(StateImpl& state, Pyramid& pyramid) noexcept;
 
 /// Which corners are in the ring of each sample, and which samples need ring_normal(). @return OutOfMemory.
 [[nodiscard]] Result<void> build_rings(StateImpl& state) noexcept;
+/// How far normals lie from those of the faces around them, at rest.
+void measure_roughness(StateImpl& state) noexcept;
+/// Twice the area vector of the welded ring of a sample, and its slope as in RingJob.
+struct RingForm {
+    double sum[6] = {};  ///< area, slope
+};
+[[nodiscard]] RingForm ring_form(const StateImpl& state, const ConstPlanes& shape, const float* weight,
+                                 std::uint32_t sample) noexcept;
 /// Area-weighted unit normal of a shape over the welded ring; 0 without area.
 [[nodiscard]] Vec3 ring_normal(const StateImpl& state, const ConstPlanes& shape, std::uint32_t sample) noexcept;
 /// Of `count` regular samples side by side. @return false if one was left at 0: float would not do.
@@ -342,10 +360,5 @@ void search_pyramid(const StateImpl& state, const Pyramid& pyramid, Vec3 tool, B
 [[nodiscard]] MoveJob window_job(const StateImpl& state, const TableImpl& table, const Rect& r, std::uint32_t sample,
                                  Vec3 d) noexcept;
 [[nodiscard]] Vec3 clamped(Vec3 d, float d_max) noexcept;
-
-/// Distances on the rest surface up to `radius` from a sample: geodesic.touched lists the representatives met,
-/// geodesic.nodes hold their distances until end_geodesic().
-void begin_geodesic(StateImpl& state, std::uint32_t start, float radius) noexcept;
-void end_geodesic(StateImpl& state) noexcept;
 
 }  // namespace dgm::detail

@@ -23,6 +23,15 @@ struct TableImpl {
     Array<float> weights, turned;  ///< turned: x and y exchanged, only if that differs
     Array<float> entries;          ///< profile at distances k * spacing
     float spacing = 1;
+    /// What chords have to be for weights to be off by a share of the peak at most: a hundredth for exact footprints,
+    /// eight hundredths for others.
+    struct Tolerance {
+        float share;
+        float slant2 = 0;  ///< squared sine of a chord's angle to the surface
+        float quiet = 0;  ///< from this distance on weights differ by no more than the share anyway, grid steps
+    };
+    Tolerance tolerance[2] = {{0.01f}, {0.08f}};
+    std::uint64_t hash[2] = {};  ///< of all that weights depend on
 
     [[nodiscard]] std::uint32_t width() const noexcept { return 2 * options.reach - 1; }
     /// Weights of row di at dj = 0; dj = 1 - b .. b - 1 lie beside it. `exchange`: weights of (dj, di) instead.

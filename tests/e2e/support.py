@@ -16,7 +16,7 @@ EXPORT = os.environ.get("DGM_EXPORT", "")
 BENCH = os.environ.get("DGM_BENCH", "")
 DUMP_LAYERS = os.environ.get("DGM_DUMP_LAYERS", "")
 DEFORM_SAMPLE = os.environ.get("DGM_DEFORM_SAMPLE", "")
-GEODESIC_ERROR = os.environ.get("DGM_GEODESIC_ERROR", "")
+FOOTPRINT_ERROR = os.environ.get("DGM_FOOTPRINT_ERROR", "")
 SAMPLES = os.environ.get("DGM_SAMPLES", "")
 SANITIZED = os.environ.get("DGM_SANITIZED", "") == "1"
 TIMEOUT_SECONDS = 300

@@ -67,7 +67,7 @@ struct TickOptions {
     float settle_time = 0.01f;               ///< seconds; 0: jumps pass at once
     float grasp_distance = 0;                ///< a grasp farther away than this holds nothing; 0: four mean steps
     ContactRule rule = ContactRule::Smooth;  ///< as quick as Printed; forces jump by an eighth or less of what they did
-    Footprint footprint = Footprint::Grid;   ///< 1 us; the dent is 10 to 25 % off the geodesic one, which takes 50 us
+    Footprint footprint = Footprint::Surface;
     DeformMode mode = DeformMode::Elastic;
     float step = 0;       ///< as Touch::step
     bool normals = true;  ///< bring State::normals() up to date; while elastic touches fade, done when they are read

@@ -27,6 +27,7 @@ Touch press(std::uint32_t sample, Vec3 d, float d_max = 10, DeformMode mode = De
     touch.sample = sample;
     touch.displacement = d;
     touch.d_max = d_max;
+    touch.footprint = Footprint::Grid;
     touch.mode = mode;
     return touch;
 }

@@ -185,6 +185,7 @@ void live(const ChartSpec& chart, Footprint footprint, unsigned seed, bool plain
             Touch touch;
             touch.sample = tools > 0 ? out[0].sample : 20 * 41 + 20;
             touch.displacement = {0.05f, 0, 0.1f};
+            touch.footprint = Footprint::Grid;
             touch.d_max = 1;
             touch.mode = DeformMode::Plastic;
             if (seldom.on_surface(touch.sample)) {

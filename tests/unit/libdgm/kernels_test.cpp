@@ -23,6 +23,7 @@ Touch lift(std::uint32_t sample) {
     touch.sample = sample;
     touch.displacement = {0, 0, 1};
     touch.d_max = 1;
+    touch.footprint = Footprint::Grid;
     return touch;
 }
 

@@ -51,6 +51,7 @@ void check(const Case& c, const std::vector<std::array<std::uint32_t, 2>>& conta
         touch.sample = ic * c.n + jc;
         touch.displacement = {0, 0, 1};
         touch.d_max = 1;
+        touch.footprint = Footprint::Grid;
         const auto done = deform(state, table, touch);
         ASSERT_TRUE(done.ok()) << done.error().message;
         EXPECT_TRUE(done.value().crossed_seam);
@@ -125,6 +126,7 @@ TEST(SeamDeform, CornersOfTheOctahedronAreOnePoint) {
         touch.sample = sample;
         touch.displacement = {0.25f, -0.5f, 0.75f};
         touch.d_max = 2;
+        touch.footprint = Footprint::Grid;
         touch.mode = sample % 3 == 0 ? DeformMode::Plastic : DeformMode::Elastic;
         ASSERT_TRUE(deform(state, table, touch).ok());
         const PointView p = state.positions();
@@ -140,6 +142,7 @@ TEST(SeamDeform, CornersOfTheOctahedronAreOnePoint) {
     touch.sample = 0;
     touch.displacement = {0, 0, 1};
     touch.d_max = 1;
+    touch.footprint = Footprint::Grid;
     ASSERT_TRUE(deform(state, table, touch).ok());
     const PointView p = state.positions(), rest = state.rest_positions();
     for (const std::uint32_t s : {side + 1, side + 15, 15 * side + 1, 15 * side + 15})
@@ -159,6 +162,7 @@ TEST(SeamDeform, FreeBorderStripMovesWithEq7) {
     touch.sample = 2 * n + 2;
     touch.displacement = {0, 0, 1};
     touch.d_max = 1;
+    touch.footprint = Footprint::Grid;
     ASSERT_TRUE(deform(state, table, touch).ok());
     const PointView p = state.positions();
     for (std::uint32_t s = 0; s < state.sample_count(); ++s) {
@@ -185,6 +189,7 @@ TEST(SeamDeform, FreeBorderContinuesAcrossItsSeam) {
     touch.sample = 6 * n + 2;
     touch.displacement = {0, 0, 1};
     touch.d_max = 1;
+    touch.footprint = Footprint::Grid;
     const auto done = deform(state, table, touch);
     ASSERT_TRUE(done.ok());
     EXPECT_TRUE(done.value().crossed_seam);
@@ -230,6 +235,7 @@ TEST(SeamDeform, RowsAreTheSamplesOneByOne) {
                     touch.sample = contact;
                     touch.displacement = {0.25f, -0.5f, 0.75f};
                     touch.d_max = 2;
+                    touch.footprint = Footprint::Grid;
                     touch.mode = contact % 3 == 0 ? DeformMode::Plastic : DeformMode::Elastic;
                     const DeformReport one = deform(rows, table, touch).value();
                     const DeformReport other = deform(samples, table, touch).value();

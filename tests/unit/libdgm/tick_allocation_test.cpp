@@ -90,10 +90,8 @@ TEST(Tick, TakesNoMemory) {
 
 TEST(Tick, WholeTurnsTakeNoMemory) {
     for (const bool seams : {false, true}) {
-        StateOptions options;
-        options.metric = true;
         ChartSpec chart = seams ? grid_chart(65, 65, sheet, octahedral_seams(65)) : free_chart(65, 65, sheet);
-        State state = State::create(Opened(build({chart})).chart(), options).value();
+        State state = State::create(Opened(build({chart})).chart()).value();
         KernelOptions kernel;
         kernel.reach = 9;
         const DeformTable table = DeformTable::create(kernel).value();
@@ -102,7 +100,7 @@ TEST(Tick, WholeTurnsTakeNoMemory) {
         bool sound = true;
         const long before = g_allocations;
         for (int k = 0; k < 3000; ++k) {
-            o.footprint = static_cast<Footprint>(k / 100 % 3);
+            o.footprint = static_cast<Footprint>(k / 100 % 4);
             o.mode = k % 500 < 20 ? DeformMode::Plastic : DeformMode::Elastic;
             o.relax_rate = k % 300 < 150 ? 30.0f : std::numeric_limits<float>::infinity();
             ToolInput in[3];

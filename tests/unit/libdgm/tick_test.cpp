@@ -44,6 +44,7 @@ TickOptions options_of(float d_max, float f_max = 1, float settle = 0) {
     o.d_max = d_max;
     o.f_max = f_max;
     o.settle_time = settle;
+    o.footprint = Footprint::Grid;  // weights by eq. 7
     return o;
 }
 
@@ -231,6 +232,7 @@ void walk(const ChartSpec& chart, int steps, std::uint32_t seed, DeformMode mode
             Touch touch;
             touch.sample = out.contact;
             touch.displacement = out.displacement;
+            touch.footprint = o.footprint;
             touch.d_max = 1;  // is clamped already
             touch.mode = DeformMode::Plastic;
             ASSERT_TRUE(deform(shape, table, touch).ok());
@@ -362,9 +364,9 @@ TEST(Tick, BadInputsAreRefusedWithoutHarm) {
     }
     EXPECT_EQ(code(good, tool_at({0, 0, 0}, ToolKind::Touch, 4)), ErrorCode::BadArgument);
     EXPECT_EQ(code(good, tool_at({0, 0, 0}, static_cast<ToolKind>(3))), ErrorCode::Unsupported);
-    TickOptions metric = good;
-    metric.footprint = Footprint::Metric;
-    EXPECT_EQ(code(metric, tool_at({0, 0, 0})), ErrorCode::MissingLayer);
+    TickOptions unknown = good;
+    unknown.footprint = static_cast<Footprint>(4);
+    EXPECT_EQ(code(unknown, tool_at({0, 0, 0})), ErrorCode::Unsupported);
     const ToolInput twice[2] = {tool_at({0, 0, 0}), tool_at({1, 0, 0})};
     ToolOutput two[2];
     EXPECT_EQ(tick(state, table, good, twice, two).error().code, ErrorCode::BadArgument);
@@ -396,6 +398,7 @@ TEST(Tick, OneContactInOnePassIsTheSameAsStepByStep) {
             touch.sample = out.contact;
             touch.displacement = out.displacement;
             touch.d_max = 2;
+            touch.footprint = Footprint::Grid;
             ASSERT_TRUE(deform(slow, table, touch).ok());
         }
         for (std::size_t s = 0; s < 41 * 41; ++s) {
