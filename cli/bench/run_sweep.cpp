@@ -60,9 +60,14 @@ void add_findings(const Run& run, const Subject& subject, std::vector<std::strin
                   figure(paper, "p999_us") + " us); the force jumps by up to " + figure(paper, "force_jump") +
                   " of f_max, with the smooth rule by " + figure(smooth, "force_jump") + " at " +
                   figure(smooth, "p50_us") + " us");
-    out.push_back(who + "a grid footprint is off the exact geodesic dent by " + figure(compact, "surface_error_rms") +
-                  " rms of its depth at " + figure(compact, "p50_us") + " us, a geodesic one by " +
-                  figure(geodesic, "surface_error_rms") + " at " + figure(geodesic, "p50_us") + " us");
+    const auto grid = find(ticks, "setting", "grid, compact end");
+    const auto off = [&](std::ptrdiff_t row) {
+        return figure(row, "inside_error_max") + " of its depth, at seams and borders by " +
+               figure(row, "border_error_max") + ", at " + figure(row, "p50_us") + " us (p99 " +
+               figure(row, "p99_us") + " us)";
+    };
+    out.push_back(who + "the default footprint is off the exact geodesic dent by at most " + off(compact) +
+                  "; a geodesic one by " + off(geodesic) + "; eq. 7 as printed by " + off(grid));
 }
 
 }  // namespace
@@ -101,9 +106,7 @@ void SubjectRow::set_percentiles(const TickTimes& times) {
 }
 
 State Subject::state() const {
-    StateOptions options;
-    options.metric = true;
-    return take(State::create(chart, options));
+    return take(State::create(chart));
 }
 
 Run sweep_runtime(const RunSweepOptions& options, bool quiet) {

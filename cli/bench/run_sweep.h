@@ -32,7 +32,7 @@ struct Subject {
     Chart chart;
     bool paper_grid = false;
 
-    /// A fresh state with metric, max_reach 65. @throws model::Error kReadFailed with what the runtime says
+    /// A fresh state, max_reach 65. @throws model::Error kReadFailed with what the runtime says
     [[nodiscard]] State state() const;
 };
 

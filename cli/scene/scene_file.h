@@ -36,10 +36,11 @@ struct Reach {
     bool percent = true;
 };
 
-enum class Footprint { kGrid, kMetric, kGeodesic };
-inline constexpr std::array kFootprintNames{bake::NamedValue<Footprint>{"grid", Footprint::kGrid},
+enum class Footprint { kSurface, kMetric, kGeodesic, kGrid };
+inline constexpr std::array kFootprintNames{bake::NamedValue<Footprint>{"surface", Footprint::kSurface},
                                             bake::NamedValue<Footprint>{"metric", Footprint::kMetric},
-                                            bake::NamedValue<Footprint>{"geodesic", Footprint::kGeodesic}};
+                                            bake::NamedValue<Footprint>{"geodesic", Footprint::kGeodesic},
+                                            bake::NamedValue<Footprint>{"grid", Footprint::kGrid}};
 
 /// One asset, with the scene's defaults filled in.
 struct SceneAsset {
@@ -50,7 +51,7 @@ struct SceneAsset {
     std::optional<double> distance;  ///< the nearest that a viewer comes, source units
     View view;
     bool touched = false;  ///< tools press and pull it
-    Footprint footprint = Footprint::kGrid;
+    Footprint footprint = Footprint::kSurface;
     Reach reach;
     bool contact = false;                         ///< it is set down on things, or things on it
     bool lit = true;                              ///< normals of the source are needed

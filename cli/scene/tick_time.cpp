@@ -25,14 +25,15 @@ T value_of(Result<T> result) {
 
 dgm::Footprint runtime_footprint(Footprint footprint) {
     switch (footprint) {
-        case Footprint::kMetric:
-            return dgm::Footprint::Metric;
+        case Footprint::kGrid:
+            return dgm::Footprint::Grid;
         case Footprint::kGeodesic:
             return dgm::Footprint::Geodesic;
-        case Footprint::kGrid:
+        case Footprint::kSurface:
+        case Footprint::kMetric:  // what it was called once
             break;
     }
-    return dgm::Footprint::Grid;
+    return dgm::Footprint::Surface;
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ TickTime measure_tick(const Asset& asset, Footprint footprint, Reach reach) {
         if (chart.sample_count() > samples) samples = chart.sample_count(), largest = c;
     }
     const Chart chart = value_of(asset.chart(largest));
-    StateOptions options{.max_reach = kMaxReach, .metric = footprint == Footprint::kMetric, .max_tools = 1};
+    StateOptions options{.max_reach = kMaxReach, .max_tools = 1};
     const auto box = chart.bbox();
     const double diagonal = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
     // A step's length is a state's to tell, and the memory of the one that is timed follows from the reach in steps.

@@ -189,7 +189,7 @@ inline constexpr Code kBadMetric{
     ExitCode::kInvalid,
     "the first fundamental form is not that of the geometry",
     "bake it again",
-    "metric and geodesic footprints measure with E, F and G: dents get the wrong size and shape"};
+    "tools that measure with E, F and G get lengths and angles wrong"};
 inline constexpr Code kFlippedFaces{2013,
                                     "FLIPPED_FACES",
                                     ExitCode::kInvalid,

@@ -240,7 +240,6 @@ dgm_code dgm_state_create(const dgm_asset* asset, uint32_t chart, const dgm_stat
     if (o.max_reach != 0) wishes.max_reach = o.max_reach;
     if (o.max_bytes != 0) wishes.max_bytes = o.max_bytes;
     if (o.max_tools != 0) wishes.max_tools = o.max_tools;
-    wishes.metric = o.metric != 0;
     wishes.plain_loops = o.plain_loops != 0;
     wishes.allocator = a.value();
     return hand_out(dgm::State::create(found.value(), wishes), a.value(), state, error);

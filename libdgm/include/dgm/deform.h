@@ -62,8 +62,8 @@ class DeformTable {
     [[nodiscard]] DGM_API float weight(float di, float dj) const noexcept;
     /// Largest distance between weight() and the kernel in exact arithmetic.
     [[nodiscard]] DGM_API float error_bound() const noexcept;
-    /// Weight at a distance in grid steps, by linear interpolation in the table that metric and geodesic footprints and
-    /// painted stiffness read; for an elliptic kernel the distance along its longer axis.
+    /// Weight at a distance in grid steps, by linear interpolation in the table that footprints by distance and painted
+    /// stiffness read; for an elliptic kernel the distance along its longer axis.
     [[nodiscard]] DGM_API float profile(float distance) const noexcept;
     /// Largest distance between profile() and the kernel: h^2 / 4 for entries h apart in units of sqrt(sigma) (methods
     /// section 5), and rounding.
@@ -103,7 +103,7 @@ struct Touch {
     float d_max = 0;           ///< |d_c| is shortened to this; > 0
     Footprint footprint = Footprint::Surface;
     DeformMode mode = DeformMode::Elastic;
-    /// Metric and geodesic footprints: local length that counts as one grid step of the kernel. 0: State::mean_step().
+    /// All footprints but Grid: local length that counts as one grid step of the kernel. 0: State::mean_step().
     float step = 0;
 };
 
@@ -111,21 +111,24 @@ struct DeformReport {
     std::uint32_t samples = 0;  ///< samples in reach, copies of seam classes counted
     Vec3 displacement;          ///< d_c after the clamp
     bool crossed_seam = false;
-    /// The footprint was cut short by max_reach (metric, geodesic), or by more windings around cut nodes than
-    /// kMaxFrames.
+    /// Grid alone: the footprint was cut short by more windings around cut nodes than kMaxFrames.
     bool truncated = false;
 };
 
-/// A window is unfolded into at most so many placed copies of the chart.
+/// Footprint::Grid: a window is unfolded into at most so many placed copies of the chart.
 inline constexpr std::uint32_t kMaxFrames = 128;
 
 /// Applies eq. 7 around a contact sample.
 ///
-/// A window that reaches a seam goes on at the mate's side: the mate's grid is unfolded next to this one, outward here
-/// being inward there and one step along the seam one step on either side. A sample with several places in the window
-/// takes the nearest; a class takes the weight of its nearest copy and every copy is written with the same bits. Away
-/// from seams this is eq. 7 exactly. (At the border of a free domain the unfolding is a walk from sample to sample in
-/// order of distance, each placed where it is first met.)
+/// A seam is no border: distances go on beyond it, every copy of a class gets one weight and is written with the same
+/// bits. (Footprint::Grid unfolds the mate's grid next to this one, outward here being inward there and one step along
+/// the seam one step on either side; a sample with several places in the window takes the nearest, a class the weight of
+/// its nearest copy. Away from seams that is eq. 7 exactly. At the border of a free domain the unfolding is a walk from
+/// sample to sample in order of distance, each placed where it is first met.)
+///
+/// What was worked out for the last two contacts is kept: a touch at one of them again, by a kernel of the same values,
+/// costs the writing alone. Elsewhere a contact costs one look at the samples around it where straight lines tell their
+/// distances, some ten times that where the surface is strongly curved.
 ///
 /// Where the chart holds the layers: painted stiffness k (0 .. 1, `deformation`) of a sample makes its sigma k * sigma,
 /// mobility (0 .. 1, `contact`) multiplies its displacement.
@@ -134,10 +137,9 @@ inline constexpr std::uint32_t kMaxFrames = 128;
 /// deform() a contact; or let tick() do it. Normals follow at State::update_normals().
 ///
 /// @return BadArgument: sample not on the surface, d_c or d_max not finite, d_max <= 0, table.reach() beyond
-///         StateOptions::max_reach, step negative or not finite. LimitExceeded: more samples in reach than the state's
-///         scratch holds (many sheets around one seam node). MissingLayer: metric footprint on a state made without.
-///         Unsupported footprint or mode. On every error nothing has been changed.
-/// No allocation, no locks. O(b^2); geodesic a bounded bucket queue on top.
+///         StateOptions::max_reach, step negative or not finite. LimitExceeded: Footprint::Grid, more samples in reach than the
+///         state's scratch holds (many sheets around one seam node). Unsupported footprint or mode. On every error nothing has been changed.
+/// No allocation, no locks. O(b^2).
 [[nodiscard]] DGM_API Result<DeformReport> deform(State& state, const DeformTable& table, const Touch& touch) noexcept;
 
 }  // namespace dgm

@@ -17,7 +17,7 @@
 extern "C" {
 #endif
 
-#define DGM_ABI_VERSION 1u
+#define DGM_ABI_VERSION 2u /* 2: footprint 0 is the surface's distance; eq. 7 as printed is 3 */
 #define DGM_NONE 0xFFFFFFFFu                /* no sample, no class */
 #define DGM_NO_OFFSET 0xFFFFFFFFFFFFFFFFull /* no place in a file */
 #define DGM_NO_ATTRIBUTE ((size_t)-1)       /* vertex attribute not wanted */
@@ -137,7 +137,7 @@ typedef struct dgm_state_options {
     uint32_t struct_size;
     uint32_t max_reach;   /* 0: 65 */
     uint64_t max_bytes;   /* 0: no limit */
-    uint32_t metric;      /* 1: keep what metric footprints need */
+    uint32_t metric;      /* read by older versions alone */
     uint32_t max_tools;   /* 0: 4 */
     uint32_t plain_loops; /* 1: no vector instructions beyond the baseline */
 } dgm_state_options;
@@ -159,9 +159,9 @@ typedef struct dgm_touch {
     uint32_t sample;
     float displacement[3];
     float d_max;
-    uint32_t footprint; /* 0 grid, 1 metric, 2 geodesic */
+    uint32_t footprint; /* 0 surface, 1 the same (once metric), 2 geodesic, 3 grid: eq. 7 as printed */
     uint32_t mode;      /* 0 elastic, 1 plastic */
-    float step;         /* metric, geodesic: local length of a kernel step; 0: the mean one */
+    float step;         /* surface, geodesic: local length of a kernel step; 0: the mean one */
 } dgm_touch;
 
 typedef struct dgm_deform_report {

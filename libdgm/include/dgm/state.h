@@ -24,9 +24,9 @@ struct StateOptions {
     std::uint32_t max_reach = 65;  ///< largest kernel reach b and tracking window a + 1 this state will be asked for
     std::uint64_t max_bytes = ~std::uint64_t{0};  ///< refuse to take more memory than this
     Allocator allocator = {};
-    bool metric = false;          ///< keep the first fundamental form for metric footprints (layer `deformation`, else
-                                  ///< computed): 12 bytes a sample more
-    std::uint32_t max_tools = 4;  ///< tools that tick() tells apart; at most 64
+    bool metric = false;          ///< @deprecated without effect
+    /// Tools that tick() tells apart; at most 64. 0 for states that are never given to tick(): a seventh of the memory less.
+    std::uint32_t max_tools = 4;
     bool plain_loops = false;     ///< do without the processor's vector instructions beyond the baseline
 };
 
@@ -40,7 +40,7 @@ struct StateUsage {
 
 /// Shape of one chart that tools can touch. Independent of the Asset once created.
 ///
-/// Memory: about 75 bytes a sample, all taken at creation; no later call allocates. One thread at a time.
+/// Memory: about 130 bytes a sample, all taken at creation; no later call allocates. One thread at a time.
 /// Copies of a seam class hold the same bits at all times.
 class State {
  public:
