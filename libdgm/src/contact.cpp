@@ -78,7 +78,6 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
     }
     bool any = false, sunk = false;
     look_into(shape_, s_.now_boxes.boxes[tile]);
-    // Copies of a class must agree: each by a search of its own.
     const bool plain = remembers() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
     const auto clear = [&](const Rect& part) {
         if (!plain) return false;
@@ -97,27 +96,39 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
             }
         }
     for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b)
-        if (mark_sample(s_.tile_border[b])) c_.border = any = true;
+        any = mark_sample(s_.tile_border[b]) || any;
     if (any) c_.add_tile(tile, kTilePhi);
 }
 
+// Copies of a class take the verdict, and the place to go to, of the representative: nobody else is asked.
 bool Resolver::mark_sample(std::uint32_t k) noexcept {
+    if (s_.representative(k) != k) return (c_.marks[k] & kInside) != 0;
     const Double3 p = widen(s_.point(k));
     if (around_.clearance(shape_, p) > 0) return false;
     const Probe there = probe(shape_, p);
     const double d = there.distance;
     around_.note(p, d);
     if (!(d < -tolerance_)) return false;
-    c_.marks[k] = kInside;
-    if (remembers()) {
-        const Vec3 to = projected(k, p, there);
+    const Vec3 to = remembers() ? projected(k, p, there) : Vec3{};
+    const auto mark = [&](std::uint32_t copy) {
+        c_.marks[copy] = kInside;
+        c_.border = c_.border || copy >= s_.tables.grid;
+        if (!remembers()) return;
         const Planes saved = c_.before();
-        saved.x[k] = to.x;
-        saved.y[k] = to.y;
-        saved.z[k] = to.z;
-        if (!c_.closed) c_.source[k] = there.facet;  // the walk of an open surface's ring leaves it
+        saved.x[copy] = to.x;
+        saved.y[copy] = to.y;
+        saved.z[copy] = to.z;
+        if (!c_.closed) c_.source[copy] = there.facet;  // the walk of an open surface's ring leaves it
+    };
+    const std::uint32_t id = s_.class_id(k);
+    if (id == kNone) {
+        mark(k);
+    } else {
+        for (const std::uint32_t copy : s_.members(id)) {
+            mark(copy);
+            c_.add_tile(s_.tile_of(copy), kTilePhi);
+        }
     }
-    if (s_.representative(k) != k) return true;
     const double m = mobility_of(s_, k);
     report_.sunk = report_.sunk || -d * (1 - m) > tolerance_;
     ++report_.samples;
@@ -238,7 +249,9 @@ void Resolver::project() noexcept {
 
 void Resolver::keep() noexcept {
     const Planes from = c_.before();
+    // What did not move keeps its bits, the sign of a zero too: a copy of it may be in a tile that is not listed.
     const auto move = [&](float* base, const float* now, const float* old, std::size_t k) {
+        if (now[k] == old[k]) return;
         base[k] = base[k] == old[k] ? now[k] : base[k] + (now[k] - old[k]);
     };
     const auto all = [&](std::uint32_t k) {

@@ -159,21 +159,52 @@ void Resolver::part_ring() noexcept {
     std::fill(c_.square.begin() + s_.tables.grid, c_.square.end(), __builtin_inff());
 }
 
-void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
-    if (!(c_.weight[k] > 0)) return;
+bool Resolver::falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there) noexcept {
+    if (!(c_.weight[k] > 0)) return false;
     // How far it was before: a bulge lower than that cannot reach the obstacle.
     float& height = c_.square[k];
     const double rise = (1 + 1e-5) * std::fabs(beta) * double{c_.weight[k]};
     if (height == __builtin_inff()) {
         const Double3 before = widen(StateImpl::at(c_.before(), k));
-        if (around_.clearance(shape_, before) > rise) return;
+        if (around_.clearance(shape_, before) > rise) return false;
         const double distance = probe(shape_, before).distance;
         around_.note(before, distance);
         height = static_cast<float>(distance);
     }
-    if (double{height} > rise + 1e-6 * std::fabs(double{height})) return;
-    const Probe there = probe(shape_, widen(s_.point(k)));
-    if (there.distance < 0) put(k, there.nearest);
+    if (double{height} > rise + 1e-6 * std::fabs(double{height})) return false;
+    there = probe(shape_, widen(bulged));
+    return there.distance < 0;
+}
+
+void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
+    Probe there;
+    if (s_.class_id(k) == kNone && falls_in(k, beta, s_.point(k), there)) put(k, there.nearest);
+}
+
+// Tiles of copies may differ in whether they are near; their heights may be asked from different places. So one copy is
+// asked for all, and it does not matter whether the loops have bulged it.
+void Resolver::put_back_classes(double beta) noexcept {
+    for (std::uint32_t e = 0; e < class_count_; ++e) {
+        const std::uint32_t k = c_.source[e];
+        const float step = c_.weight[k] * static_cast<float>(beta);
+        Vec3 to = StateImpl::at(c_.before(), k) + step * StateImpl::at(s_.normal, k);
+        Probe there;
+        if (falls_in(k, beta, to, there)) to = narrow(there.nearest);
+        for (const std::uint32_t copy : s_.members(s_.class_id(k))) put(copy, widen(to));
+    }
+}
+
+void Resolver::list_classes() noexcept {
+    class_count_ = 0;
+    if (s_.class_count == 0 || shape_.kind == ObstacleKind::Plane) return;
+    const auto list = [&](std::uint32_t k) {
+        if (c_.weight[k] > 0 && s_.class_id(k) != kNone && s_.representative(k) == k) c_.source[class_count_++] = k;
+    };
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0 && (s_.tile_flags[c_.tiles[e]] & kTileSpecial) != 0)
+            each_sample(c_.tiles[e], list);
+    if (c_.border)
+        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) list(k);
 }
 
 void Resolver::apply(const Runs& runs, double beta) noexcept {
@@ -215,6 +246,7 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
     }
     if (c_.border && !all)
         for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back(k);
+    put_back_classes(beta);
 }
 
 namespace {
@@ -245,6 +277,7 @@ double Resolver::settle(double beta) noexcept {
 
 void Resolver::bulge() noexcept {
     part_ring();
+    list_classes();
     Cubic near, free;
     cubic(c_.near, near.c);
     cubic_faces(near.c);

@@ -99,8 +99,14 @@ class Resolver {
     void part_ring() noexcept;
     /// now = clamp(before + beta w n).
     void apply(const Runs& runs, double beta) noexcept;
-    /// Keeps a sample that was bulged by beta out of the obstacle, if the loops do not.
+    /// Keep samples that were bulged by beta out of the obstacle, if the loops do not: one off seams; all copies of the
+    /// listed classes, wherever they are.
     void put_back_sample(std::uint32_t k, double beta) noexcept;
+    void put_back_classes(double beta) noexcept;
+    /// Whether sample k of the ring, bulged by beta to `bulged`, is beyond the obstacle, and then where it comes out.
+    [[nodiscard]] bool falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there) noexcept;
+    /// Lists the representatives of the ring's classes in c_.source, which the ring's walk has left.
+    void list_classes() noexcept;
 
     /// Six times the volume it costs to keep the bulge out of a plane. Before anything is bulged.
     [[nodiscard]] double held_back(double beta) const noexcept;
@@ -133,6 +139,7 @@ class Resolver {
     ContactReport report_;
     Surroundings around_;
     double tolerance_ = 0, total_ = 0;
+    std::uint32_t class_count_ = 0;  ///< of those in c_.source
     double held_ = 0;     ///< what is held back of a bulge of highest_
     double highest_ = 0;  ///< bulge up to which samples outside kTileNear keep clear of the obstacle
     double area_ = 0;     ///< of the contact, by its quads
