@@ -29,7 +29,6 @@ ContactReport Resolver::run() noexcept {
         grow_ring(s_, c_, shape_, report_.ring_reach, bulging ? ~0u : o_.smoothing);
     if (bulging) weigh();
     list_quads();
-    save();
     project();
     if (c_.closed) {
         collect(c_.near, kTileSinking | kTileBulging, kTileSinking | kTileBulging);
@@ -62,23 +61,60 @@ void Resolver::find_contact() noexcept {
         [&](std::uint32_t tile) { mark_tile(tile); });
 }
 
+MarkJob Resolver::mark_job(const Rect& r) noexcept {
+    MarkJob job{};
+    job.rect = r;
+    job.cols = s_.tables.cols;
+    job.at = StateImpl::fixed(s_.now);
+    job.tolerance = tolerance_;
+    job.skip = c_.in_class.data();
+    job.marks = c_.marks.data();
+    job.to = c_.before();
+    const auto put = [](double* to, Double3 v) {
+        to[0] = v.x;
+        to[1] = v.y;
+        to[2] = v.z;
+    };
+    if (shape_.kind == ObstacleKind::Plane) {
+        job.kind = Beyond::kPlane;
+        put(job.a, shape_.normal);
+        job.d = shape_.offset;
+        return job;
+    }
+    job.kind = Beyond::kRound;
+    put(job.a, shape_.point);
+    job.d = shape_.radius;
+    if (shape_.kind == ObstacleKind::Sphere) return job;
+    const Double3 along = shape_.end - shape_.point;
+    put(job.along, along);
+    job.square = dot(along, along);
+    return job;
+}
+
 void Resolver::mark_tile(std::uint32_t tile) noexcept {
     const Rect r = s_.tile_rect(tile);
-    if (is_simple(tile)) {
-        PlaneSums sums;
+    bool any = false;
+    if (is_simple()) {
+        MarkSums sums;
         sums.deepest = report_.deepest;
-        c_.rows_of->mark(plane_job(r), sums);
-        if (sums.count == 0) return;
-        report_.samples += sums.count;
-        deepen(sums.deepest);
-        total_ += sums.total;
-        report_.total = static_cast<float>(total_);
-        c_.add_tile(tile, kTilePhi);
+        c_.rows_of->mark(mark_job(r), sums);
+        if (sums.count != 0) {
+            any = true;
+            report_.samples += sums.count;
+            deepen(sums.deepest);
+            total_ += sums.total;
+            report_.total = static_cast<float>(total_);
+        }
+        if ((s_.tile_flags[tile] & kTileSpecial) != 0)
+            each_sample(tile, [&](std::uint32_t k) {
+                if (c_.in_class[k] != 0) any = mark_sample(k) || any;
+            });
+        if (any) c_.add_tile(tile, kTilePhi);
         return;
     }
-    bool any = false, sunk = false;
+    bool sunk = false;
     look_into(shape_, s_.now_boxes.boxes[tile]);
-    const bool plain = remembers() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
+    const bool plain = searches() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
     const auto clear = [&](const Rect& part) {
         if (!plain) return false;
         const Double3 p = widen(s_.point(part.i0 * s_.tables.cols + part.j0));
@@ -109,11 +145,10 @@ bool Resolver::mark_sample(std::uint32_t k) noexcept {
     const double d = there.distance;
     around_.note(p, d);
     if (!(d < -tolerance_)) return false;
-    const Vec3 to = remembers() ? projected(k, p, there) : Vec3{};
+    const Vec3 to = projected(k, p, there);
     const auto mark = [&](std::uint32_t copy) {
         c_.marks[copy] = kInside;
         c_.border = c_.border || copy >= s_.tables.grid;
-        if (!remembers()) return;
         const Planes saved = c_.before();
         saved.x[copy] = to.x;
         saved.y[copy] = to.y;
@@ -190,25 +225,6 @@ void Resolver::collect(Runs& runs, std::uint8_t mask, std::uint8_t bits) noexcep
         }
 }
 
-void Resolver::save() noexcept {
-    const Planes to = c_.before();
-    const auto keep = [&](std::uint32_t k) {
-        if (remembers() && (c_.marks[k] & kInside) != 0) return;  // project() exchanges it
-        to.x[k] = s_.now.x[k];
-        to.y[k] = s_.now.y[k];
-        to.z[k] = s_.now.z[k];
-    };
-    each_run([&](Rect r) {
-        // Quads at its end reach into the tiles beyond.
-        r.i1 = std::min(r.i1 + 1, s_.tables.rows - 1);
-        r.j1 = std::min(r.j1 + 1, s_.tables.cols - 1);
-        if (!remembers()) return c_.rows_of->copy(StateImpl::fixed(s_.now), to, r, s_.tables.cols);
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-            for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) keep(k);
-    });
-    for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) keep(k);
-}
-
 Vec3 Resolver::projected(std::uint32_t k, Double3 from, const Probe& there) const noexcept {
     const double m = mobility_of(s_, k);
     if (m == 0 || there.distance == 0) return s_.point(k);
@@ -217,34 +233,27 @@ Vec3 Resolver::projected(std::uint32_t k, Double3 from, const Probe& there) cons
                                                      : from + m * (there.nearest - from));
 }
 
-void Resolver::project_sample(std::uint32_t k) noexcept {
-    if ((c_.marks[k] & kInside) == 0) return;
-    const Planes saved = c_.before();
-    if (remembers()) {
-        std::swap(s_.now.x[k], saved.x[k]);
-        std::swap(s_.now.y[k], saved.y[k]);
-        std::swap(s_.now.z[k], saved.z[k]);
-        c_.queue[k] = c_.closed ? kNone : c_.source[k];
-        return;
-    }
-    const Double3 p = widen(s_.point(k));
-    const Vec3 to = projected(k, p, probe(shape_, p));
-    c_.queue[k] = kNone;
-    s_.now.x[k] = to.x;
-    s_.now.y[k] = to.y;
-    s_.now.z[k] = to.z;
-}
-
 void Resolver::project() noexcept {
-    for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-        if ((c_.tile_bits[c_.tiles[e]] & kTilePhi) == 0) continue;
-        if (shape_.kind == ObstacleKind::Plane && s_.mobility.empty())
-            c_.rows_of->project(plane_job(s_.tile_rect(c_.tiles[e])), nullptr);
-        else
-            each_sample(c_.tiles[e], [&](std::uint32_t k) { project_sample(k); });
-    }
-    if (c_.border)
-        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) project_sample(k);
+    const Planes saved = c_.before();
+    const auto exchange = [&](const Rect& r) { c_.rows_of->exchange(c_.marks.data(), s_.now, saved, r, s_.tables.cols); };
+    const auto is_listed = [&](std::uint32_t ti, std::uint32_t tj) {
+        return ti < s_.tile_rows && tj < s_.tile_cols && c_.tile_bits[ti * s_.tile_cols + tj] != 0;
+    };
+    each_run([&](Rect r) {
+        exchange(r);
+        // Quads at its end reach into the tiles beyond, which may not be listed: nothing moves there.
+        const std::uint32_t ti = StateImpl::owner(r.i0, s_.tile_rows), end = StateImpl::owner(r.j1, s_.tile_cols) + 1;
+        const bool right = r.j1 + 1 < s_.tables.cols, down = r.i1 + 1 < s_.tables.rows;
+        if (right && !is_listed(ti, end)) exchange({r.i0, r.i1, r.j1 + 1, r.j1 + 1});
+        if (!down) return;
+        for (std::uint32_t tj = StateImpl::owner(r.j0, s_.tile_cols); tj < end; ++tj) {
+            const Rect tile = s_.tile_rect(ti * s_.tile_cols + tj);
+            if (!is_listed(ti + 1, tj)) exchange({r.i1 + 1, r.i1 + 1, tile.j0, tile.j1});
+        }
+        if (right && !is_listed(ti + 1, end)) exchange({r.i1 + 1, r.i1 + 1, r.j1 + 1, r.j1 + 1});
+    });
+    if (s_.total() > s_.tables.grid)
+        c_.rows_of->exchange(c_.marks.data(), s_.now, saved, {0, 0, s_.tables.grid, s_.total() - 1}, 0);
 }
 
 void Resolver::keep() noexcept {

@@ -178,7 +178,12 @@ bool Resolver::falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there)
 
 void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
     Probe there;
-    if (s_.class_id(k) == kNone && falls_in(k, beta, s_.point(k), there)) put(k, there.nearest);
+    if (c_.in_class[k] == 0 && falls_in(k, beta, s_.point(k), there)) put(k, there.nearest);
+}
+
+void Resolver::put_back_tile(std::uint32_t tile, double beta) noexcept {
+    if (is_round()) return c_.rows_of->put_back(mark_job(s_.tile_rect(tile)), c_.weight.data(), s_.now);
+    each_sample(tile, [&](std::uint32_t k) { put_back_sample(k, beta); });
 }
 
 // Tiles of copies may differ in whether they are near; their heights may be asked from different places. So one copy is
@@ -232,7 +237,6 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         c_.rows_of->bulge(job);
     }
     if (!clamp || shape_.kind == ObstacleKind::Plane) return;
-    const auto put_back = [&](std::uint32_t k) { put_back_sample(k, beta); };
     const bool all = &runs != &c_.near;
     for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
         const std::uint32_t tile = c_.tiles[e];
@@ -240,12 +244,12 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         const bool near = (c_.tile_bits[tile] & kTileNear) != 0;
         if (near == all) continue;
         // Of a surface the box costs a search, and its samples mostly know their heights.
-        const bool asked = near && remembers();
+        const bool asked = near && searches();
         if (asked || box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]})
-            each_sample(tile, put_back);
+            put_back_tile(tile, beta);
     }
     if (c_.border && !all)
-        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back(k);
+        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back_sample(k, beta);
     put_back_classes(beta);
 }
 

@@ -136,11 +136,14 @@ struct ContactImpl {
     bool closed = false;
     const ContactRows* rows_of = nullptr;
     Array<std::uint8_t> kind;  ///< of each quad, at its first corner
+    Array<std::uint8_t> in_class;  ///< samples that have copies
     Array<std::uint8_t> marks;
-    Array<float> saved;  ///< three planes `plane` apart: where samples of touched tiles were; all border samples
+    /// Three planes `plane` apart: where samples of touched tiles were; all border samples. Until they are projected,
+    /// where those beyond the obstacle will go.
+    Array<float> saved;
     std::size_t plane = 0;
     Array<float> weight, square;  ///< 0 and infinity between contacts; square: heights over the obstacle while bulging
-    Array<std::uint32_t> source;  ///< place in `rim`
+    Array<std::uint32_t> source;  ///< place in `rim`; beyond a surface Probe::facet
     Array<std::uint32_t> queue;   ///< of the ring's walk; then Probe::facet of samples in contact or smoothed
     NearTiles near_tiles{};
     Array<Vec3> rim;  ///< where edges cross the obstacle's border

@@ -55,7 +55,7 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
     c.total = t.total;
     c.plane = (std::size_t{t.total} + 1023) / 1024 * 1024 + 112;  // as the state's own
     const std::uint64_t padded = std::uint64_t{t.total} + 16;     // lanes of ContactRows
-    if (!c.kind.allocate(a, padded, kQuadNone) || !c.marks.allocate(a, padded) ||
+    if (!c.kind.allocate(a, padded, kQuadNone) || !c.marks.allocate(a, padded) || !c.in_class.allocate(a, padded) ||
         !c.saved.allocate(a, 3 * std::uint64_t{c.plane}) || !c.weight.allocate(a, padded) ||
         !c.square.allocate(a, t.total, std::numeric_limits<float>::infinity()) || !c.source.allocate(a, t.total) ||
         !c.queue.allocate(a, t.total) || !c.tile_bits.allocate(a, tiles) || !c.tiles.allocate(a, tiles) ||
@@ -67,6 +67,7 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < t.cols; ++j)
             if (t.has_quad(i, j)) c.kind[i * t.cols + j] = static_cast<std::uint8_t>(t.diagonal(i, j));
+    for (const std::uint32_t sample : s.class_members) c.in_class[sample] = 1;
     c.rows_of = &choose_contact_rows(s.rows_of);
     return true;
 }

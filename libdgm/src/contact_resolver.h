@@ -32,13 +32,14 @@ class Resolver {
  private:
     // --- Phi ---
     void find_contact() noexcept;
-    [[nodiscard]] PlaneJob plane_job(const Rect& r) noexcept {
-        return {r,          s_.tables.cols, s_.now, {shape_.normal.x, shape_.normal.y, shape_.normal.z}, shape_.offset,
-                tolerance_, c_.marks.data()};
+    /// Of a plane, sphere or capsule.
+    [[nodiscard]] MarkJob mark_job(const Rect& r) noexcept;
+    /// The loops over rows know the way out, and every sample goes it whole.
+    [[nodiscard]] bool is_simple() const noexcept {
+        return (shape_.kind == ObstacleKind::Plane || is_round()) && s_.tables.mask == nullptr && s_.mobility.empty();
     }
-    [[nodiscard]] bool is_simple(std::uint32_t tile) const noexcept {
-        return shape_.kind == ObstacleKind::Plane && s_.tables.mask == nullptr && s_.mobility.empty() &&
-               (s_.tile_flags[tile] & kTileSpecial) == 0;
+    [[nodiscard]] bool is_round() const noexcept {
+        return shape_.kind == ObstacleKind::Sphere || shape_.kind == ObstacleKind::Capsule;
     }
     void mark_tile(std::uint32_t tile) noexcept;
     bool mark_sample(std::uint32_t k) noexcept;
@@ -76,24 +77,23 @@ class Resolver {
         for (const Runs* runs : {&c_.inner, &c_.ring, &c_.near})
             for (const Rect& r : *runs) f(r);
     }
-    void save() noexcept;
+    /// What find_contact() left in c_.before() for samples beyond the obstacle goes to `now`, and `now` goes there.
+    void project() noexcept;
     void put(std::uint32_t k, Double3 p) noexcept {
         const Vec3 v = narrow(p);
         s_.now.x[k] = v.x;
         s_.now.y[k] = v.y;
         s_.now.z[k] = v.z;
     }
-    /// A search of a surface is dear: where a sample goes is kept from marking to projecting.
-    [[nodiscard]] bool remembers() const noexcept { return shape_.kind == ObstacleKind::Surface; }
+    /// Distances cost a search.
+    [[nodiscard]] bool searches() const noexcept { return shape_.kind == ObstacleKind::Surface; }
     [[nodiscard]] Vec3 projected(std::uint32_t k, Double3 from, const Probe& there) const noexcept;
-    void project_sample(std::uint32_t k) noexcept;
     template <class F>
     void each_sample(std::uint32_t tile, F f) const noexcept {
         const Rect r = s_.tile_rect(tile);
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)
             for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) f(k);
     }
-    void project() noexcept;
 
     /// Parts the ring by whether its samples can come to rest on the obstacle.
     void part_ring() noexcept;
@@ -102,6 +102,7 @@ class Resolver {
     /// Keep samples that were bulged by beta out of the obstacle, if the loops do not: one off seams; all copies of the
     /// listed classes, wherever they are.
     void put_back_sample(std::uint32_t k, double beta) noexcept;
+    void put_back_tile(std::uint32_t tile, double beta) noexcept;
     void put_back_classes(double beta) noexcept;
     /// Whether sample k of the ring, bulged by beta to `bulged`, is beyond the obstacle, and then where it comes out.
     [[nodiscard]] bool falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there) noexcept;

@@ -4,7 +4,7 @@
 // after all other headers, and without std:: for the same reason.
 //
 // Needs Doubles, Longs (vectors of four), load_four (floats to doubles), store_four (back), four_bytes (bytes to
-// Longs); Wide, WideInts, wide_bytes, square_root; multiply_add (a b + c), multiply_subtract (a b - c) and
+// Longs), lane_bits (a bit for each lane); Wide, WideInts, wide_bytes; square_root of each; multiply_add (a b + c), multiply_subtract (a b - c) and
 // subtract_product (c - a b), fused or not, for Doubles and Wide.
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
@@ -309,86 +309,7 @@ double area(const QuadJob& job, const std::uint8_t* marks) noexcept {
     return sum;
 }
 
-void copy(ConstPlanes from, Planes to, const Rect& rect, std::uint32_t cols) noexcept {
-    const Rect r = rect;
-    const auto plane = [&](const float* a, float* b) __attribute__((always_inline)) {
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
-            std::size_t k = static_cast<std::size_t>(i) * cols + r.j0;
-            const std::size_t end = k + r.j1 - r.j0 + 1;
-            for (; k + Many::kLanes <= end; k += Many::kLanes) put_raw(b + k, fetch<Wide>(a + k));
-            for (; k < end; ++k) b[k] = a[k];
-        }
-    };
-    plane(from.x, to.x);
-    plane(from.y, to.y);
-    plane(from.z, to.z);
-}
-
-template <class L>
-static inline __attribute__((always_inline)) typename L::D beyond(const PlaneJob& j, std::size_t k) {
-    const ConstPlanes p{j.at.x, j.at.y, j.at.z};
-    const Triple<typename L::D> v = place<L>(p, k);
-    return j.n[0] * v.x + j.n[1] * v.y + j.n[2] * v.z - j.d;
-}
-
-void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
-    double deepest = sums.deepest, total = 0;
-    std::uint32_t count = 0;
-    Doubles deep = {}, totals = {};
-    Longs counts = {};
-    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
-        const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        for (; k + 4 <= end; k += 4) {
-            const Doubles d = beyond<Four>(j, k);
-            const Longs in = d < -j.tolerance;
-            const Doubles depth = in ? -d : Doubles{};
-            for (int lane = 0; lane < 4; ++lane)
-                j.marks[k + static_cast<std::size_t>(lane)] = static_cast<std::uint8_t>(in[lane] & 1);
-            deep = depth > deep ? depth : deep;
-            totals += depth;
-            counts -= in;
-        }
-        for (; k < end; ++k) {
-            const double d = beyond<One>(j, k);
-            const bool in = d < -j.tolerance;
-            j.marks[k] = in ? 1 : 0;
-            if (!in) continue;
-            deepest = -d > deepest ? -d : deepest;
-            total -= d;
-            ++count;
-        }
-    }
-    for (int lane = 0; lane < 4; ++lane) {
-        deepest = deep[lane] > deepest ? deep[lane] : deepest;
-        count += static_cast<std::uint32_t>(counts[lane]);
-    }
-    sums.deepest = deepest;
-    sums.total += total + Four::sum(totals);
-    sums.count += count;
-}
-
-template <class L>
-static inline __attribute__((always_inline)) void project_block(const PlaneJob& j, const float* mobility,
-                                                                std::size_t k) {
-    typedef typename L::D D;
-    const D distance = beyond<L>(j, k);
-    D step = L::choose((L::bytes(j.marks + k) & 1) != 0, distance, D{});
-    if (mobility != nullptr) step = step * L::load(mobility + k);
-    // What does not move keeps its bits, the sign of a zero too.
-    const auto moving = step != 0.0;
-    const Triple<D> p = place<L>({j.at.x, j.at.y, j.at.z}, k);
-    L::store(j.at.x + k, L::choose(moving, p.x - step * j.n[0], p.x));
-    L::store(j.at.y + k, L::choose(moving, p.y - step * j.n[1], p.y));
-    L::store(j.at.z + k, L::choose(moving, p.z - step * j.n[2], p.z));
-}
-
-void project(const PlaneJob& j, const float* mobility) noexcept {
-    each_row(
-        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-            project_block<decltype(lanes)>(j, mobility, k);
-        });
-}
+#include "contact_rows_marks.h"
 
 /// exp(-x) for 0 <= x <= 64 within 2e-7: a Taylor polynomial of exp(-x / 64), squared six times.
 template <class F>

@@ -15,7 +15,7 @@ class Smoother {
     void run(std::uint32_t rounds) noexcept {
         each([&](std::uint32_t k) {
             const bool inside = (c_.marks[k] & kInside) != 0;
-            if (!inside) c_.queue[k] = kNone;
+            c_.queue[k] = inside && shape_.kind == ObstacleKind::Surface ? c_.source[k] : kNone;
             if (inside || c_.square[k] < __builtin_inff()) c_.marks[k] |= kMember;
         });
         for (std::uint32_t r = 0; r < rounds; ++r) {
