@@ -115,6 +115,7 @@ class Surroundings {
 inline constexpr std::uint8_t kInside = 1;  ///< marks: beyond the obstacle
 inline constexpr std::uint8_t kQueued = 2;  ///< waits in the queue of the ring's walk
 inline constexpr std::uint8_t kMember = 4;  ///< moves while the displacement is smoothed
+inline constexpr std::uint8_t kMoving = 8;  ///< does so in this round
 
 // Tiles with samples beyond; with samples of the ring; with quads that have one of either, one beyond, or one of the
 // ring as a corner; with quads that have a corner in a tile where samples of the ring may come to rest on the obstacle.

@@ -71,6 +71,17 @@ struct SpreadJob {
     std::uint32_t cols;
 };
 
+/// Samples off borders and seams; rows are a multiple of four long.
+struct SmoothJob {
+    Rect rect;
+    std::uint32_t cols;
+    ConstPlanes now, before;
+    const float* mobility;  ///< or null
+    std::uint8_t* marks;    ///< bit 2: how far it moved counts, others have not moved
+    float *x, *y;           ///< out, where bit 2 is set: half its own way and half the mean of its four neighbours'
+    std::uint32_t* z;       ///< the bits of the third coordinate
+};
+
 struct BulgeJob {
     Rect rect;
     std::uint32_t cols;
@@ -104,6 +115,8 @@ struct ContactRows {
                      std::uint32_t cols) noexcept;
     /// Samples of positive weight that are inside a round obstacle go to the nearest point of its border.
     void (*put_back)(const MarkJob& job, const float* weight, Planes at) noexcept;
+    /// Marks with bit 3 what moves, has moved, or is marked with bit 0.
+    void (*smooth)(const SmoothJob& job) noexcept;
     WeightSums (*weights)(const WeightJob& job) noexcept;
     void (*spread)(const SpreadJob& job) noexcept;
     /// Six times the volume it costs to keep samples that beta weight normal would take beyond a plane out of it.

@@ -4,8 +4,8 @@
 // after all other headers, and without std:: for the same reason.
 //
 // Needs Doubles, Longs (vectors of four), load_four (floats to doubles), store_four (back), four_bytes (bytes to
-// Longs), lane_bits (a bit for each lane); Wide, WideInts, wide_bytes; square_root of each; multiply_add (a b + c), multiply_subtract (a b - c) and
-// subtract_product (c - a b), fused or not, for Doubles and Wide.
+// Longs), lane_bits (a bit for each lane); Wide, WideInts, wide_bytes; square_root of each; multiply_add (a b + c),
+// multiply_subtract (a b - c) and subtract_product (c - a b), fused or not, for Doubles and Wide.
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.

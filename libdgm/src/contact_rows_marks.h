@@ -177,3 +177,45 @@ void exchange(const std::uint8_t* marks, Planes now, Planes saved, const Rect& r
         }
     }
 }
+
+/// How far samples in front of k moved, those that are members.
+static inline __attribute__((always_inline)) Triple<Doubles> moved(const SmoothJob& j, std::size_t k) {
+    const Longs member = (four_bytes(j.marks + k) & 4) != 0;
+    const Triple<Doubles> by = minus(place<Four>(j.now, k), place<Four>(j.before, k));
+    return {member ? by.x : Doubles{}, member ? by.y : Doubles{}, member ? by.z : Doubles{}};
+}
+
+void smooth(const SmoothJob& job) noexcept {
+    typedef float FourFloats __attribute__((vector_size(16)));
+    const SmoothJob j = job;
+    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i)
+        for (std::uint32_t first = j.rect.j0; first <= j.rect.j1; first += 4) {
+            const std::size_t k = static_cast<std::size_t>(i) * j.cols + first;
+            std::uint32_t marks = fetch<std::uint32_t>(j.marks + k) & ~0x08080808u;
+            if ((marks & 0x04040404u) == 0) continue;
+            const Triple<Doubles> zero{}, own = moved(j, k);
+            const Triple<Doubles> sum = plus(
+                plus(plus(plus(zero, moved(j, k - j.cols)), moved(j, k - 1)), moved(j, k + 1)), moved(j, k + j.cols));
+            const auto mean = [&](const Doubles& a, const Doubles& b) __attribute__((always_inline)) {
+                return 0.5 * a + 0.125 * b;
+            };
+            Triple<Doubles> d{mean(own.x, sum.x), mean(own.y, sum.y), mean(own.z, sum.z)};
+            if (j.mobility != nullptr) {
+                const Doubles m = load_four(j.mobility + k);
+                d = {m * d.x, m * d.y, m * d.z};
+            }
+            const FourFloats x = __builtin_convertvector(d.x, FourFloats), y = __builtin_convertvector(d.y, FourFloats),
+                             z = __builtin_convertvector(d.z, FourFloats);
+            put_raw(j.x + k, x);
+            put_raw(j.y + k, y);
+            put_raw(j.z + k, z);
+            const Longs bytes = four_bytes(j.marks + k);
+            const auto none = [&](const FourFloats& v) __attribute__((always_inline)) {
+                return __builtin_convertvector(v == 0.0f, Longs);
+            };
+            const Longs still = none(x) & none(y) & none(z) & (own.x == 0.0) & (own.y == 0.0) & (own.z == 0.0) &
+                                ((bytes & 1) == 0);
+            const unsigned lanes = lane_bits(~still & ((bytes & 4) != 0));
+            put_raw(j.marks + k, marks | (((lanes * 0x00204081u) & 0x01010101u) << 3));
+        }
+}
