@@ -92,7 +92,7 @@ MarkJob Resolver::mark_job(const Rect& r) noexcept {
 }
 
 void Resolver::mark_tile(std::uint32_t tile) noexcept {
-    const Rect r = s_.tile_rect(tile);
+    const Rect r = c_.rects[tile];
     bool any = false;
     if (is_simple()) {
         MarkSums sums;
@@ -175,7 +175,7 @@ bool Resolver::mark_sample(std::uint32_t k) noexcept {
 
 void Resolver::size_ring() noexcept {
     for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
-        const QuadJob job = quad_job(s_.tile_rect(c_.tiles[k]));
+        const QuadJob job = quad_job(c_.rects[c_.tiles[k]]);
         if (!job.rect.empty()) area_ += c_.rows_of->area(job, c_.marks.data());
     }
     if (!o_.rings.empty()) {
@@ -217,7 +217,7 @@ void Resolver::collect(Runs& runs, std::uint8_t mask, std::uint8_t bits) noexcep
         for (std::uint32_t j = c_.tile_range.j0; j <= c_.tile_range.j1; ++j) {
             const std::uint32_t tile = i * s_.tile_cols + j;
             if ((c_.tile_bits[tile] & mask) != bits) continue;
-            const Rect r = s_.tile_rect(tile);
+            const Rect r = c_.rects[tile];
             if (runs.count != 0 && runs.rects[runs.count - 1].i0 == r.i0 && runs.rects[runs.count - 1].j1 + 1 == r.j0)
                 runs.rects[runs.count - 1].j1 = r.j1;
             else
@@ -247,7 +247,7 @@ void Resolver::project() noexcept {
         if (right && !is_listed(ti, end)) exchange({r.i0, r.i1, r.j1 + 1, r.j1 + 1});
         if (!down) return;
         for (std::uint32_t tj = StateImpl::owner(r.j0, s_.tile_cols); tj < end; ++tj) {
-            const Rect tile = s_.tile_rect(ti * s_.tile_cols + tj);
+            const Rect tile = c_.rects[ti * s_.tile_cols + tj];
             if (!is_listed(ti + 1, tj)) exchange({r.i1 + 1, r.i1 + 1, tile.j0, tile.j1});
         }
         if (right && !is_listed(ti + 1, end)) exchange({r.i1 + 1, r.i1 + 1, r.j1 + 1, r.j1 + 1});
@@ -285,28 +285,35 @@ void Resolver::touch() noexcept {
 
 ContactReport Resolver::finish(ContactStatus status) noexcept {
     report_.status = status;
-    const auto clear = [&](std::size_t k, std::size_t count) {
-        std::fill_n(c_.marks.data() + k, count, std::uint8_t{0});
-        std::fill_n(c_.weight.data() + k, count, 0.0f);
-        std::fill_n(c_.square.data() + k, count, kUnmet);
-    };
     const std::uint32_t cols = s_.tables.cols;
+    const auto clear = [](auto& values, std::size_t k, std::size_t count, auto value) {
+        if (count == 8)
+            std::fill_n(values.data() + k, 8, value);  // a constant: stores in place of calls
+        else
+            std::fill_n(values.data() + k, count, value);
+    };
     for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-        const Rect r = s_.tile_rect(c_.tiles[e]);
+        const std::uint32_t tile = c_.tiles[e];
+        const Rect r = c_.rects[tile];
+        const std::uint8_t bits = std::exchange(c_.tile_bits[tile], std::uint8_t{0});
+        const bool phi = (bits & kTilePhi) != 0, psi = (bits & kTilePsi) != 0;
+        if (!phi && !psi) continue;
+        // Nodes are every fourth sample, and copies of such.
+        const bool nodes = c_.spread && !heights_ && (s_.tile_flags[tile] & kTileSpecial) == 0;
         for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
-            if (r.width() == 8)
-                clear(std::size_t{i} * cols + r.j0, 8);  // a constant: stores in place of calls
-            else
-                clear(std::size_t{i} * cols + r.j0, r.width());
+            const std::size_t k = std::size_t{i} * cols + r.j0;
+            clear(c_.marks, k, r.width(), std::uint8_t{0});
+            if (psi || !c_.closed) clear(c_.weight, k, r.width(), 0.0f);
+            if ((psi || !c_.closed) && !(nodes && i % 4 != 0 && i + 1 != s_.tables.rows))
+                clear(c_.square, k, r.width(), kUnmet);
         }
-        c_.tile_bits[c_.tiles[e]] = 0;
-        // Nodes of the tiles after it may lie on the next row and column.
-        if (!c_.spread) continue;
-        const std::uint32_t i1 = std::min(r.i1 + 1, s_.tables.rows - 1), j1 = std::min(r.j1 + 1, cols - 1);
-        for (std::uint32_t i = r.i0; i <= i1; ++i) c_.square[std::size_t{i} * cols + j1] = kUnmet;
-        for (std::uint32_t j = r.j0; j <= j1; ++j) c_.square[std::size_t{i1} * cols + j] = kUnmet;
     }
-    if (c_.border) clear(s_.tables.grid, s_.total() - s_.tables.grid);
+    if (c_.border) {
+        const std::size_t border = s_.total() - s_.tables.grid;
+        clear(c_.marks, s_.tables.grid, border, std::uint8_t{0});
+        clear(c_.weight, s_.tables.grid, border, 0.0f);
+        clear(c_.square, s_.tables.grid, border, kUnmet);
+    }
     c_.tile_count = 0;
     c_.border = c_.spread = false;
     return report_;

@@ -41,7 +41,7 @@ void Resolver::weigh() noexcept {
     };
     for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
         if ((c_.tile_bits[c_.tiles[k]] & kTilePsi) == 0) continue;
-        job.rect = s_.tile_rect(c_.tiles[k]);
+        job.rect = c_.rects[c_.tiles[k]];
         c_.tile_top[c_.tiles[k]] = add(c_.rows_of->weights(job));
     }
     if (!c_.border) return;
@@ -60,7 +60,7 @@ double Resolver::swept(const Runs& runs) const noexcept {
     double six = 0;
     for (const Rect& r : runs) {
         const QuadJob job = quad_job(r);
-        if (!job.rect.empty()) six += c_.rows_of->swept(job, StateImpl::fixed(c_.before()));
+        if (!job.rect.empty()) six += c_.rows_of->swept(job, StateImpl::fixed(c_.before()), c_.marks.data(), c_.weight.data());
     }
     return six;
 }
@@ -123,7 +123,7 @@ double Resolver::held_back(const Rect& r, double beta) const noexcept {
 
 double Resolver::held_back(double beta) const noexcept {
     double six = 0;
-    for (const Rect& r : c_.near) six += held_back(r, beta);
+    for (const Rect& r : c_.inner) six += held_back(r, beta);
     return six;
 }
 
@@ -146,16 +146,23 @@ void Resolver::part_ring() noexcept {
     for (std::uint32_t e = 0; foreseen() && e < c_.tile_count; ++e) {
         std::uint8_t& bits = c_.tile_bits[c_.tiles[e]];
         if ((bits & (kTileBulging | kTileNear)) != (kTileBulging | kTileNear)) continue;
-        const double held = held_back(s_.tile_rect(c_.tiles[e]), std::copysign(highest_, removed_));
+        const double held = held_back(c_.rects[c_.tiles[e]], std::copysign(highest_, removed_));
         held_ += held;
-        if (held == 0 && (bits & kTileSinking) == 0) bits &= static_cast<std::uint8_t>(~kTileNear);
+        // Nothing is held back of a lower bulge either.
+        if (held != 0)
+            bits |= kTileHeld;
+        else if ((bits & kTileSinking) == 0)
+            bits &= static_cast<std::uint8_t>(~kTileNear);
     }
     collect(c_.near, kTileBulging | kTileNear, kTileBulging | kTileNear);
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
+    if (foreseen()) collect(c_.inner, kTileHeld, kTileHeld);  // measured, and not asked for again
     if (shape_.kind == ObstacleKind::Plane) return;
     // From here on: heights over the obstacle, where they have been asked for.
+    heights_ = true;
     for (std::uint32_t e = 0; e < c_.tile_count; ++e)
-        each_sample(c_.tiles[e], [&](std::uint32_t k) { c_.square[k] = __builtin_inff(); });
+        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0)
+            each_sample(c_.tiles[e], [&](std::uint32_t k) { c_.square[k] = __builtin_inff(); });
     std::fill(c_.square.begin() + s_.tables.grid, c_.square.end(), __builtin_inff());
 }
 
@@ -182,7 +189,7 @@ void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
 }
 
 void Resolver::put_back_tile(std::uint32_t tile, double beta) noexcept {
-    if (is_round()) return c_.rows_of->put_back(mark_job(s_.tile_rect(tile)), c_.weight.data(), s_.now);
+    if (is_round()) return c_.rows_of->put_back(mark_job(c_.rects[tile]), c_.weight.data(), s_.now);
     each_sample(tile, [&](std::uint32_t k) { put_back_sample(k, beta); });
 }
 
@@ -450,7 +457,7 @@ void Resolver::polish(double error) noexcept {
     };
     for (std::uint32_t e = 0; e < c_.tile_count && count < kSamples; ++e) {
         if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
-        const Rect r = s_.tile_rect(c_.tiles[e]);
+        const Rect r = c_.rects[c_.tiles[e]];
         const std::uint32_t k = (r.i0 + r.i1) / 2 * cols + (r.j0 + r.j1) / 2;
         if (free(k)) choose(k);
     }

@@ -118,9 +118,10 @@ inline constexpr std::uint8_t kMember = 4;  ///< moves while the displacement is
 inline constexpr std::uint8_t kMoving = 8;  ///< does so in this round
 
 // Tiles with samples beyond; with samples of the ring; with quads that have one of either, one beyond, or one of the
-// ring as a corner; with quads that have a corner in a tile where samples of the ring may come to rest on the obstacle.
+// ring as a corner; with quads that have a corner in a tile where samples of the ring may come to rest on the obstacle;
+// with quads that do, on a plane.
 inline constexpr std::uint8_t kTilePhi = 1, kTilePsi = 2, kTileMoving = 4, kTileSinking = 8, kTileBulging = 16,
-                              kTileNear = 32;
+                              kTileNear = 32, kTileHeld = 64;
 
 /// Tiles side by side as one rectangle.
 struct Runs {
@@ -149,6 +150,7 @@ struct ContactImpl {
     NearTiles near_tiles{};
     Array<Vec3> rim;  ///< where edges cross the obstacle's border
     std::uint32_t rim_count = 0;
+    Array<Rect> rects;  ///< of tiles: StateImpl::tile_rect()
     Array<std::uint8_t> tile_bits;
     Array<std::uint32_t> tiles;  ///< listed ones
     std::uint32_t tile_count = 0;

@@ -90,7 +90,7 @@ class Resolver {
     [[nodiscard]] Vec3 projected(std::uint32_t k, Double3 from, const Probe& there) const noexcept;
     template <class F>
     void each_sample(std::uint32_t tile, F f) const noexcept {
-        const Rect r = s_.tile_rect(tile);
+        const Rect r = c_.rects[tile];
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)
             for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) f(k);
     }
@@ -140,6 +140,7 @@ class Resolver {
     ContactReport report_;
     Surroundings around_;
     double tolerance_ = 0, total_ = 0;
+    bool heights_ = false;  ///< c_.square holds heights over the obstacle
     std::uint32_t class_count_ = 0;  ///< of those in c_.source
     double held_ = 0;     ///< what is held back of a bulge of highest_
     double highest_ = 0;  ///< bulge up to which samples outside kTileNear keep clear of the obstacle

@@ -104,7 +104,8 @@ struct ContactRows {
     /// Six times the signed volume over `origin` of the quads' triangles.
     double (*volume)(const QuadJob& job) noexcept;
     /// Six times the volume the quads' triangles swept on the way from `from` to where they are.
-    double (*swept)(const QuadJob& job, ConstPlanes from) noexcept;
+    /// Samples whose marks and weight are 0 have not moved.
+    double (*swept)(const QuadJob& job, ConstPlanes from, const std::uint8_t* marks, const float* weight) noexcept;
     /// Adds to c[0..2] six times the coefficients of beta, beta^2, beta^3 of the volume along weight * normal.
     void (*cubic)(const QuadJob& job, ConstPlanes normal, const float* weight, double* c) noexcept;
     /// Area of quads whose first corner is marked, by the cross product of their diagonals.

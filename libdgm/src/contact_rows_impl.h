@@ -242,13 +242,27 @@ static inline __attribute__((always_inline)) Wide swept_block(const QuadJob& j, 
     return L::choose(kinds != kQuadNone, six, Wide{});
 }
 
-double swept(const QuadJob& job, ConstPlanes from) noexcept {
+double swept(const QuadJob& job, ConstPlanes from, const std::uint8_t* marks, const float* weight) noexcept {
     const QuadJob j = job;
     Doubles six = {};
+    const auto is_still = [&](std::size_t k) __attribute__((always_inline)) {
+        const auto sunk = [&](std::size_t at) __attribute__((always_inline)) {
+            return fetch<std::uint64_t>(marks + at) | marks[at + 8];
+        };
+        if ((sunk(k) | sunk(k + j.cols)) != 0) return false;
+        const auto bulged = [&](std::size_t at) __attribute__((always_inline)) {
+            return fetch<WideInts>(weight + at);  // no weight is -0
+        };
+        return !any_lane((bulged(k) | bulged(k + 1) | bulged(k + j.cols) | bulged(k + j.cols + 1)) != 0);
+    };
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         for (std::uint32_t left = j.rect.j1 - j.rect.j0 + 1;; left -= Many::kLanes, k += Many::kLanes) {
             const WideInts kinds = kinds_at<Many>(j, k, left);
+            if (is_still(k)) {
+                if (left <= Many::kLanes) break;
+                continue;
+            }
             if (any_lane(kinds == 1))
                 add_to(swept_block<true>(j, from, k, kinds), six);
             else
@@ -345,6 +359,10 @@ WeightSums weights(const WeightJob& job) noexcept {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
         for (; k + Many::kLanes <= end; k += Many::kLanes) {
+            if (!any_lane(fetch<Wide>(j.square + k) < j.limit)) {
+                put_raw(j.weight + k, Wide{});
+                continue;
+            }
             const Wide w = weight_of<Wide>(j, scale, k);
             put_raw(j.weight + k, w);
             count -= w > 0.0f;

@@ -48,7 +48,7 @@ class Smoother {
     }
     template <class F>
     void each(F f) const noexcept {
-        each_tile_of([&](std::uint32_t tile) { each_sample(s_.tile_rect(tile), f); });
+        each_tile_of([&](std::uint32_t tile) { each_sample(c_.rects[tile], f); });
         each_border(f);
     }
     template <class F>
@@ -70,7 +70,7 @@ class Smoother {
         return (any & 0x0101010101010101 * kRingIrregular) == 0;
     }
     void average_tile(std::uint32_t tile) noexcept {
-        const Rect r = s_.tile_rect(tile);
+        const Rect r = c_.rects[tile];
         if (!is_regular(r)) return each_sample(r, [&](std::uint32_t k) { average_sample(k); });
         c_.rows_of->smooth({r, s_.tables.cols, StateImpl::fixed(s_.now), StateImpl::fixed(c_.before()),
                             s_.mobility.empty() ? nullptr : s_.mobility.data(), c_.marks.data(), c_.square.data(),
@@ -87,7 +87,7 @@ class Smoother {
         if (!still || (c_.marks[k] & kInside) != 0) c_.marks[k] |= kMoving;
     }
     void place_tile(std::uint32_t tile) noexcept {
-        const Rect r = s_.tile_rect(tile);
+        const Rect r = c_.rects[tile];
         for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
             const std::uint32_t first = i * s_.tables.cols + r.j0;
             if (r.width() == 8 && (eight(c_.marks.data() + first) & 0x0101010101010101 * kMoving) == 0) continue;

@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Double3 to_own(const Shape& o, Double3 p) noexcept {
+[[gnu::always_inline]] inline Double3 to_own(const Shape& o, Double3 p) noexcept {
     const Double3 v = p - o.point;
     return {dot(o.axis[0], v), dot(o.axis[1], v), dot(o.axis[2], v)};
 }
-Double3 from_own(const Shape& o, Double3 p) noexcept {
+[[gnu::always_inline]] inline Double3 from_own(const Shape& o, Double3 p) noexcept {
     return o.point + p.x * o.axis[0] + p.y * o.axis[1] + p.z * o.axis[2];
 }
 
@@ -258,7 +258,9 @@ class SurfaceSearch {
     [[nodiscard]] Double3 at(std::uint32_t k) const noexcept { return widen(s_.point(k)); }
 
     void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
-        const Double3 pa = at(f[0]), pb = at(f[1]), pc = at(f[2]);
+        triangle(at(f[0]), at(f[1]), at(f[2]), name);
+    }
+    void triangle(Double3 pa, Double3 pb, Double3 pc, std::uint64_t name) noexcept {
         const Double3 n = cross(pb - pa, pc - pa);
         const double area = dot(n, n), height = dot(n, p_ - pa);
         if (height * height > (best_.square + rounding_ * rounding_) * (1 + 1e-6) * area) return;  // so far its plane
@@ -311,10 +313,13 @@ class SurfaceSearch {
     }
     void quad(std::uint32_t i, std::uint32_t j) noexcept {
         const ChartTables& t = s_.tables;
-        const std::uint64_t k = 2 * (std::uint64_t{i} * t.cols + j);
-        const auto f = quad_triangles(i, j, t.cols, t.diagonal(i, j));
-        triangle(f[0].data(), k);
-        triangle(f[1].data(), k + 1);
+        const std::uint32_t k = i * t.cols + j;
+        const std::uint64_t name = 2 * std::uint64_t{k};
+        // As quad_triangles() has them.
+        const Double3 a = at(k), b = at(k + t.cols), c = at(k + t.cols + 1), d = at(k + 1);
+        const bool second = t.diagonal(i, j) != 0;
+        triangle(a, b, second ? d : c, name);
+        triangle(second ? b : a, c, d, name + 1);
     }
     /// Steps to the quad under the point as the plane of each quad met foresees it: mostly that is the one, and what is
     /// left to search is small. No answer depends on it.
