@@ -50,7 +50,7 @@ Probe box_probe(const Shape& o, Double3 p) noexcept {
 }
 
 /// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Double3 nearest_on(Double3 p, Double3 a, Double3 b, Double3 c) noexcept {
+Double3 nearest_on(const Double3& p, const Double3& a, const Double3& b, const Double3& c) noexcept {
     const Double3 ab = b - a, ac = c - a, ap = p - a;
     const double d1 = dot(ab, ap), d2 = dot(ac, ap);
     if (d1 <= 0 && d2 <= 0) return a;
@@ -89,7 +89,7 @@ struct Hit {
 constexpr double kTie = 1e-10;
 
 /// Corners of a triangle by Hit::triangle.
-std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
+[[gnu::always_inline]] inline std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
     const std::uint32_t cols = s.tables.cols;
     if (name < 2 * std::uint64_t{s.tables.total}) {
         const auto k = static_cast<std::uint32_t>(name / 2), i = k / cols, j = k % cols;
@@ -260,7 +260,7 @@ class SurfaceSearch {
     void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
         triangle(at(f[0]), at(f[1]), at(f[2]), name);
     }
-    void triangle(Double3 pa, Double3 pb, Double3 pc, std::uint64_t name) noexcept {
+    void triangle(const Double3& pa, const Double3& pb, const Double3& pc, std::uint64_t name) noexcept {
         const Double3 n = cross(pb - pa, pc - pa);
         const double area = dot(n, n), height = dot(n, p_ - pa);
         if (height * height > (best_.square + rounding_ * rounding_) * (1 + 1e-6) * area) return;  // so far its plane
