@@ -56,12 +56,15 @@ void Resolver::weigh() noexcept {
     }
 }
 
+double Resolver::swept(const Rect& r) const noexcept {
+    const QuadJob job = quad_job(r);
+    if (job.rect.empty()) return 0;
+    return c_.rows_of->swept(job, StateImpl::fixed(c_.before()), c_.marks.data(), c_.weight.data());
+}
+
 double Resolver::swept(const Runs& runs) const noexcept {
     double six = 0;
-    for (const Rect& r : runs) {
-        const QuadJob job = quad_job(r);
-        if (!job.rect.empty()) six += c_.rows_of->swept(job, StateImpl::fixed(c_.before()), c_.marks.data(), c_.weight.data());
-    }
+    for (const Rect& r : runs) six += swept(r);
     return six;
 }
 
@@ -219,8 +222,7 @@ void Resolver::list_classes() noexcept {
         for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) list(k);
 }
 
-void Resolver::apply(const Runs& runs, double beta) noexcept {
-    const bool clamp = o_.bulge == Bulge::Exact;
+BulgeJob Resolver::bulge_job(double beta) const noexcept {
     BulgeJob job{};
     job.cols = s_.tables.cols;
     job.from = StateImpl::fixed(c_.before());
@@ -228,14 +230,19 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
     job.to = s_.now;
     job.weight = c_.weight.data();
     job.beta = static_cast<float>(beta);
-    job.clamp = clamp && shape_.kind == ObstacleKind::Plane;
+    job.clamp = o_.bulge == Bulge::Exact && shape_.kind == ObstacleKind::Plane;
     job.n[0] = static_cast<float>(shape_.normal.x);
     job.n[1] = static_cast<float>(shape_.normal.y);
     job.n[2] = static_cast<float>(shape_.normal.z);
     job.d = static_cast<float>(shape_.offset);
+    return job;
+}
+
+void Resolver::apply(const Runs& runs, double beta) noexcept {
+    const bool clamp = o_.bulge == Bulge::Exact;
+    BulgeJob job = bulge_job(beta);
     for (const Rect& r : runs) {
-        // Quads at its end reach into the tiles beyond.
-        job.rect = {r.i0, std::min(r.i1 + 1, s_.tables.rows - 1), r.j0, std::min(r.j1 + 1, s_.tables.cols - 1)};
+        job.rect = with_corners(r);
         c_.rows_of->bulge(job);
     }
     if (c_.border && s_.total() > s_.tables.grid) {
@@ -277,9 +284,21 @@ double solve(const Cubic& cubic, double aim, double cost, double at, double powe
 }  // namespace
 
 double Resolver::settle(double beta) noexcept {
-    apply(c_.near, beta);
-    apply(c_.ring, beta);
-    const double error = sunk_ + swept(c_.near) + swept(c_.ring) + swept_faces();
+    double error = sunk_;
+    if (s_.faces.empty() && (shape_.kind == ObstacleKind::Plane || o_.bulge == Bulge::Paper)) {
+        // Nothing is left to put back: each run is measured while it is at hand.
+        BulgeJob job = bulge_job(beta);
+        for (const Runs* runs : {&c_.near, &c_.ring})
+            for (const Rect& r : *runs) {
+                job.rect = with_corners(r);
+                c_.rows_of->bulge(job);
+                error += swept(r);
+            }
+    } else {
+        apply(c_.near, beta);
+        apply(c_.ring, beta);
+        error += swept(c_.near) + swept(c_.ring) + swept_faces();
+    }
     ++report_.passes;
     report_.beta = static_cast<float>(beta);
     report_.volume_error = error / removed_;

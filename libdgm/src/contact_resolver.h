@@ -60,6 +60,7 @@ class Resolver {
         return {r, s_.tables.cols, StateImpl::fixed(s_.now), c_.kind.data(), {0, 0, 0}};
     }
     /// What quads, and border faces, gained by the call so far.
+    [[nodiscard]] double swept(const Rect& r) const noexcept;
     [[nodiscard]] double swept(const Runs& runs) const noexcept;
     [[nodiscard]] double swept_faces() const noexcept;
     /// Corners of a border face, and how they move.
@@ -97,6 +98,11 @@ class Resolver {
 
     /// Parts the ring by whether its samples can come to rest on the obstacle.
     void part_ring() noexcept;
+    /// Of a run's quads those at its end reach into the tiles beyond.
+    [[nodiscard]] Rect with_corners(const Rect& r) const noexcept {
+        return {r.i0, std::min(r.i1 + 1, s_.tables.rows - 1), r.j0, std::min(r.j1 + 1, s_.tables.cols - 1)};
+    }
+    [[nodiscard]] BulgeJob bulge_job(double beta) const noexcept;
     /// now = clamp(before + beta w n).
     void apply(const Runs& runs, double beta) noexcept;
     /// Keep samples that were bulged by beta out of the obstacle, if the loops do not: one off seams; all copies of the

@@ -148,7 +148,7 @@ class Walk {
         row(i);
         if (down > i) row(down);
     }
-    void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
+    [[gnu::always_inline]] void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
         if (c_.square[k] == __builtin_inff()) list(k);
         c_.square[k] = d;
         c_.source[k] = r;
@@ -160,7 +160,7 @@ class Walk {
         ++count_;
     }
     /// The tiles a newly met sample has a say in.
-    void list(std::uint32_t k) noexcept {
+    [[gnu::noinline]] void list(std::uint32_t k) noexcept {
         if (stride_ == 1) {
             c_.border = c_.border || k >= s_.tables.grid;
             return c_.add_tile(s_.tile_of(k), kTilePsi);

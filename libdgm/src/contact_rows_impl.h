@@ -424,6 +424,8 @@ template <class F>
 static inline __attribute__((always_inline)) void bulge_block(const BulgeJob& j, std::size_t k) {
     const F w = fetch<F>(j.weight + k);
     const auto moving = w > 0.0f;
+    if constexpr (sizeof(F) == sizeof(Wide))
+        if (!any_lane(moving)) return;
     const F step = w * j.beta;
     const F ox = fetch<F>(j.to.x + k), oy = fetch<F>(j.to.y + k), oz = fetch<F>(j.to.z + k);
     F x = fetch<F>(j.from.x + k) + step * fetch<F>(j.normal.x + k);

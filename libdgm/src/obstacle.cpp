@@ -317,9 +317,13 @@ class SurfaceSearch {
         const std::uint64_t name = 2 * std::uint64_t{k};
         // As quad_triangles() has them.
         const Double3 a = at(k), b = at(k + t.cols), c = at(k + t.cols + 1), d = at(k + 1);
-        const bool second = t.diagonal(i, j) != 0;
-        triangle(a, b, second ? d : c, name);
-        triangle(second ? b : a, c, d, name + 1);
+        if (t.diagonal(i, j) == 0) {
+            triangle(a, b, c, name);
+            triangle(a, c, d, name + 1);
+        } else {
+            triangle(a, b, d, name);
+            triangle(b, c, d, name + 1);
+        }
     }
     /// Steps to the quad under the point as the plane of each quad met foresees it: mostly that is the one, and what is
     /// left to search is small. No answer depends on it.
