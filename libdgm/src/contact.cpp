@@ -84,10 +84,9 @@ MarkJob Resolver::mark_job(const Rect& r) noexcept {
     job.kind = Beyond::kRound;
     put(job.a, shape_.point);
     job.d = shape_.radius;
-    if (shape_.kind == ObstacleKind::Sphere) return job;
-    const Double3 along = shape_.end - shape_.point;
-    put(job.along, along);
-    job.square = dot(along, along);
+    if (shape_.kind == ObstacleKind::Capsule) put(job.along, shape_.end - shape_.point);
+    const double square = job.along[0] * job.along[0] + job.along[1] * job.along[1] + job.along[2] * job.along[2];
+    job.square = square > 0 ? square : 1;
     return job;
 }
 

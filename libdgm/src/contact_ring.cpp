@@ -62,7 +62,7 @@ class Walk {
         }
     }
     /// Signed distance at a sample, by the nodes around it; `limit` where none was reached.
-    [[nodiscard]] float between(std::uint32_t i, std::uint32_t j) const noexcept {
+    [[nodiscard, gnu::noinline]] float between(std::uint32_t i, std::uint32_t j) const noexcept {
         const std::uint32_t i0 = i - i % kStride, j0 = j - j % kStride;
         const std::uint32_t i1 = std::min(i0 + kStride, s_.tables.rows - 1), j1 = std::min(j0 + kStride, cols_ - 1);
         const float x = i1 == i0 ? 0 : static_cast<float>(i - i0) / static_cast<float>(i1 - i0);
@@ -148,7 +148,7 @@ class Walk {
         row(i);
         if (down > i) row(down);
     }
-    [[gnu::always_inline]] void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
+    [[gnu::noinline]] void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
         if (c_.square[k] == __builtin_inff()) list(k);
         c_.square[k] = d;
         c_.source[k] = r;
@@ -160,7 +160,7 @@ class Walk {
         ++count_;
     }
     /// The tiles a newly met sample has a say in.
-    [[gnu::noinline]] void list(std::uint32_t k) noexcept {
+    void list(std::uint32_t k) noexcept {
         if (stride_ == 1) {
             c_.border = c_.border || k >= s_.tables.grid;
             return c_.add_tile(s_.tile_of(k), kTilePsi);

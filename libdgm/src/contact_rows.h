@@ -32,7 +32,7 @@ struct MarkJob {
     Beyond kind;
     double a[3];      ///< plane: the unit normal; round: an end of the segment
     double along[3];  ///< round: from there to the other end
-    double square;    ///< round: along . along; 0: a point
+    double square;    ///< round: along . along; 1 where that is 0
     double d;         ///< plane: n . p - d is the distance; round: the radius
     double tolerance;
     const std::uint8_t* skip;  ///< not 0: a sample that is left alone

@@ -23,6 +23,7 @@ typedef long long Longs __attribute__((vector_size(32)));
 typedef float Wide __attribute__((vector_size(32)));
 typedef int WideInts __attribute__((vector_size(32)));
 
+constexpr bool kFourDoubles = true;
 static inline __attribute__((always_inline)) Doubles load_four(const float* p) {
     return static_cast<Doubles>(_mm256_cvtps_pd(_mm_loadu_ps(p)));
 }

@@ -4,8 +4,9 @@
 // after all other headers, and without std:: for the same reason.
 //
 // Needs Doubles, Longs (vectors of four), load_four (floats to doubles), store_four (back), four_bytes (bytes to
-// Longs), lane_bits (a bit for each lane); Wide, WideInts, wide_bytes; square_root of each; multiply_add (a b + c),
-// multiply_subtract (a b - c) and subtract_product (c - a b), fused or not, for Doubles and Wide.
+// Longs), lane_bits (a bit for each lane), kFourDoubles (whether loops in double use them); Wide, WideInts,
+// wide_bytes; square_root of each; multiply_add (a b + c), multiply_subtract (a b - c) and subtract_product (c - a b),
+// fused or not, for Doubles and Wide.
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.
@@ -37,6 +38,18 @@ struct Four {
         return c ? a : b;
     }
     static inline __attribute__((always_inline)) double sum(const D& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+    typedef float Floats __attribute__((vector_size(16)));
+    template <class To>
+    static inline __attribute__((always_inline)) void store_bits(To* p, const D& v) {
+        put_raw(p, __builtin_convertvector(v, Floats));
+    }
+    static inline __attribute__((always_inline)) D rounded(const D& v) {
+        return __builtin_convertvector(__builtin_convertvector(v, Floats), D);
+    }
+    static inline __attribute__((always_inline)) Longs either_not_zero(const D& a, const D& b, const D& c, const D& d,
+                                                                       const D& e, const D& f, const Longs& g) {
+        return (a != 0.0) | (b != 0.0) | (c != 0.0) | (d != 0.0) | (e != 0.0) | (f != 0.0) | (g != 0);
+    }
 };
 struct One {
     typedef double D;
@@ -45,7 +58,14 @@ struct One {
     static inline __attribute__((always_inline)) void store(float* p, D v) { *p = static_cast<float>(v); }
     static inline __attribute__((always_inline)) long long bytes(const std::uint8_t* p) { return *p; }
     static inline __attribute__((always_inline)) D choose(bool c, D a, D b) { return c ? a : b; }
-    static inline __attribute__((always_inline)) double sum(D v) { return v; }
+    template <class To>
+    static inline __attribute__((always_inline)) void store_bits(To* p, D v) {
+        put_raw(p, static_cast<float>(v));
+    }
+    static inline __attribute__((always_inline)) D rounded(D v) { return static_cast<double>(static_cast<float>(v)); }
+    static inline __attribute__((always_inline)) bool either_not_zero(D a, D b, D c, D d, D e, D f, long long g) {
+        return a != 0 || b != 0 || c != 0 || d != 0 || e != 0 || f != 0 || g != 0;
+    }
 };
 
 /// Lanes of as many floats as a register holds.
@@ -134,16 +154,6 @@ static inline __attribute__((always_inline)) Corners<typename L::D> corners(cons
     const std::size_t n = j.cols;
     return turned<L>(L::bytes(j.kind + k) == 1, minus(place<L>(j.at, k), o), minus(place<L>(j.at, k + n), o),
                      minus(place<L>(j.at, k + n + 1), o), minus(place<L>(j.at, k + 1), o));
-}
-
-template <class Block>
-static inline __attribute__((always_inline)) void each_row(const Rect& rect, std::uint32_t cols, Block block) {
-    for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * cols + rect.j0;
-        const std::size_t end = k + rect.j1 - rect.j0 + 1;
-        for (; k + 4 <= end; k += 4) block(Four{}, k);
-        for (; k < end; ++k) block(One{}, k);
-    }
 }
 
 /// Kinds of the quads from k on, of which `left` are asked for; planes are padded for the lanes beyond.

@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-[[gnu::always_inline]] inline Double3 to_own(const Shape& o, Double3 p) noexcept {
+Double3 to_own(const Shape& o, Double3 p) noexcept {
     const Double3 v = p - o.point;
     return {dot(o.axis[0], v), dot(o.axis[1], v), dot(o.axis[2], v)};
 }
-[[gnu::always_inline]] inline Double3 from_own(const Shape& o, Double3 p) noexcept {
+Double3 from_own(const Shape& o, Double3 p) noexcept {
     return o.point + p.x * o.axis[0] + p.y * o.axis[1] + p.z * o.axis[2];
 }
 
@@ -89,7 +89,7 @@ struct Hit {
 constexpr double kTie = 1e-10;
 
 /// Corners of a triangle by Hit::triangle.
-[[gnu::always_inline]] inline std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
+std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
     const std::uint32_t cols = s.tables.cols;
     if (name < 2 * std::uint64_t{s.tables.total}) {
         const auto k = static_cast<std::uint32_t>(name / 2), i = k / cols, j = k % cols;
@@ -132,7 +132,7 @@ class SurfaceSearch {
  private:
     static constexpr std::uint32_t kMostTies = 12;
 
-    void search() noexcept {
+    [[gnu::noinline]] void search() noexcept {
         if (search_near()) return;
         const Pyramid& y = s_.now_boxes;
         struct Entry {
@@ -260,7 +260,7 @@ class SurfaceSearch {
     void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
         triangle(at(f[0]), at(f[1]), at(f[2]), name);
     }
-    void triangle(const Double3& pa, const Double3& pb, const Double3& pc, std::uint64_t name) noexcept {
+    [[gnu::noinline]] void triangle(const Double3& pa, const Double3& pb, const Double3& pc, std::uint64_t name) noexcept {
         const Double3 n = cross(pb - pa, pc - pa);
         const double area = dot(n, n), height = dot(n, p_ - pa);
         if (height * height > (best_.square + rounding_ * rounding_) * (1 + 1e-6) * area) return;  // so far its plane
@@ -311,7 +311,7 @@ class SurfaceSearch {
             axis[d][2] = static_cast<float>(all[d].z);
         }
     }
-    void quad(std::uint32_t i, std::uint32_t j) noexcept {
+    [[gnu::noinline]] void quad(std::uint32_t i, std::uint32_t j) noexcept {
         const ChartTables& t = s_.tables;
         const std::uint32_t k = i * t.cols + j;
         const std::uint64_t name = 2 * std::uint64_t{k};

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "contact_impl.h"
+#include "../../../libdgm/src/contact_impl.h"
 #include "contact_shapes.h"
 
 namespace dgm::test {
