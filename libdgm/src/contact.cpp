@@ -234,7 +234,9 @@ Vec3 Resolver::projected(std::uint32_t k, Double3 from, const Probe& there) cons
 
 void Resolver::project() noexcept {
     const Planes saved = c_.before();
-    const auto exchange = [&](const Rect& r) { c_.rows_of->exchange(c_.marks.data(), s_.now, saved, r, s_.tables.cols); };
+    const auto exchange = [&](const Rect& r) {
+        c_.rows_of->exchange(c_.marks.data(), s_.now, saved, r, s_.tables.cols);
+    };
     const auto is_listed = [&](std::uint32_t ti, std::uint32_t tj) {
         return ti < s_.tile_rows && tj < s_.tile_cols && c_.tile_bits[ti * s_.tile_cols + tj] != 0;
     };

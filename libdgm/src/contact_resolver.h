@@ -111,7 +111,7 @@ class Resolver {
     void put_back_tile(std::uint32_t tile, double beta) noexcept;
     void put_back_classes(double beta) noexcept;
     /// Whether sample k of the ring, bulged by beta to `bulged`, is beyond the obstacle, and then where it comes out.
-    [[nodiscard, gnu::noinline]] bool falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there) noexcept;
+    [[nodiscard]] bool falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there) noexcept;
     /// Lists the representatives of the ring's classes in c_.source, which the ring's walk has left.
     void list_classes() noexcept;
 

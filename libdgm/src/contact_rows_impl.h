@@ -309,7 +309,8 @@ void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* 
                 const Triple<D> mt = minus(r.by, p.by), my = minus(s.by, q.by);
                 const Triple<D> both = plus(plus(p.by, r.by), s.by), turn = times(mt, my), z = times(t, my);
                 sums[0] += L::choose(there, inner_minus(u, z, inner(both, times(t, y))), D{});
-                const D slope = inner_minus(minus(q.by, p.by), z, inner_minus(u, turn, inner(both, times_plus(mt, y, z))));
+                const D begun = inner_minus(u, turn, inner(both, times_plus(mt, y, z)));
+                const D slope = inner_minus(minus(q.by, p.by), z, begun);
                 sums[1] += L::choose(there, 0.5f * slope, D{});
                 sums[2] += L::choose(there, inner(p.by, turn), D{});
             },

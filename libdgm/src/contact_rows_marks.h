@@ -57,8 +57,8 @@ static inline __attribute__((always_inline)) void mark_lanes(std::uint8_t* marks
 }
 
 template <class L, class Mask>
-static inline __attribute__((always_inline)) void put_if(const Mask& c, const Triple<typename L::D>& v, const Planes& to,
-                                                         std::size_t k) {
+static inline __attribute__((always_inline)) void put_if(const Mask& c, const Triple<typename L::D>& v,
+                                                         const Planes& to, std::size_t k) {
     L::store(to.x + k, L::choose(c, v.x, L::load(to.x + k)));
     L::store(to.y + k, L::choose(c, v.y, L::load(to.y + k)));
     L::store(to.z + k, L::choose(c, v.z, L::load(to.z + k)));

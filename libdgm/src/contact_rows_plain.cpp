@@ -52,7 +52,9 @@ inline unsigned lane_bits(const Longs& v) {
 #include "contact_rows_impl.h"
 }  // namespace
 
-const ContactRows kPlainContactRows{volume, swept, cubic, area, mark, exchange, put_back, smooth, weights, spread, held_back, bulge};
+const ContactRows kPlainContactRows{
+    volume, swept, cubic, area, mark, exchange, put_back, smooth,
+    weights, spread, held_back, bulge};
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const ContactRows kAvx2ContactRows;

@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Double3 to_own(const Shape& o, Double3 p) noexcept {
+[[gnu::always_inline]] inline Double3 to_own(const Shape& o, Double3 p) noexcept {
     const Double3 v = p - o.point;
     return {dot(o.axis[0], v), dot(o.axis[1], v), dot(o.axis[2], v)};
 }
-Double3 from_own(const Shape& o, Double3 p) noexcept {
+[[gnu::always_inline]] inline Double3 from_own(const Shape& o, Double3 p) noexcept {
     return o.point + p.x * o.axis[0] + p.y * o.axis[1] + p.z * o.axis[2];
 }
 
@@ -260,7 +260,8 @@ class SurfaceSearch {
     void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
         triangle(at(f[0]), at(f[1]), at(f[2]), name);
     }
-    [[gnu::noinline]] void triangle(const Double3& pa, const Double3& pb, const Double3& pc, std::uint64_t name) noexcept {
+    [[gnu::noinline]] void triangle(const Double3& pa, const Double3& pb, const Double3& pc,
+                                    std::uint64_t name) noexcept {
         const Double3 n = cross(pb - pa, pc - pa);
         const double area = dot(n, n), height = dot(n, p_ - pa);
         if (height * height > (best_.square + rounding_ * rounding_) * (1 + 1e-6) * area) return;  // so far its plane
