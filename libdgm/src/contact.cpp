@@ -29,7 +29,6 @@ ContactReport Resolver::run() noexcept {
         grow_ring(s_, c_, shape_, report_.ring_reach, bulging ? ~0u : o_.smoothing);
     if (bulging) weigh();
     list_quads();
-    save();
     project();
     if (c_.closed) {
         collect(c_.near, kTileSinking | kTileBulging, kTileSinking | kTileBulging);
@@ -62,24 +61,59 @@ void Resolver::find_contact() noexcept {
         [&](std::uint32_t tile) { mark_tile(tile); });
 }
 
+MarkJob Resolver::mark_job(const Rect& r) noexcept {
+    MarkJob job{};
+    job.rect = r;
+    job.cols = s_.tables.cols;
+    job.at = StateImpl::fixed(s_.now);
+    job.tolerance = tolerance_;
+    job.skip = c_.in_class.data();
+    job.marks = c_.marks.data();
+    job.to = c_.before();
+    const auto put = [](double* to, Double3 v) {
+        to[0] = v.x;
+        to[1] = v.y;
+        to[2] = v.z;
+    };
+    if (shape_.kind == ObstacleKind::Plane) {
+        job.kind = Beyond::kPlane;
+        put(job.a, shape_.normal);
+        job.d = shape_.offset;
+        return job;
+    }
+    job.kind = Beyond::kRound;
+    put(job.a, shape_.point);
+    job.d = shape_.radius;
+    if (shape_.kind == ObstacleKind::Capsule) put(job.along, shape_.end - shape_.point);
+    const double square = job.along[0] * job.along[0] + job.along[1] * job.along[1] + job.along[2] * job.along[2];
+    job.square = square > 0 ? square : 1;
+    return job;
+}
+
 void Resolver::mark_tile(std::uint32_t tile) noexcept {
-    const Rect r = s_.tile_rect(tile);
-    if (is_simple(tile)) {
-        PlaneSums sums;
+    const Rect r = c_.rects[tile];
+    bool any = false;
+    if (is_simple()) {
+        MarkSums sums;
         sums.deepest = report_.deepest;
-        c_.rows_of->mark(plane_job(r), sums);
-        if (sums.count == 0) return;
-        report_.samples += sums.count;
-        deepen(sums.deepest);
-        total_ += sums.total;
-        report_.total = static_cast<float>(total_);
-        c_.add_tile(tile, kTilePhi);
+        c_.rows_of->mark(mark_job(r), sums);
+        if (sums.count != 0) {
+            any = true;
+            report_.samples += sums.count;
+            deepen(sums.deepest);
+            total_ += sums.total;
+            report_.total = static_cast<float>(total_);
+        }
+        if ((s_.tile_flags[tile] & kTileSpecial) != 0)
+            each_sample(tile, [&](std::uint32_t k) {
+                if (c_.in_class[k] != 0) any = mark_sample(k) || any;
+            });
+        if (any) c_.add_tile(tile, kTilePhi);
         return;
     }
-    bool any = false, sunk = false;
+    bool sunk = false;
     look_into(shape_, s_.now_boxes.boxes[tile]);
-    // Copies of a class must agree: each by a search of its own.
-    const bool plain = remembers() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
+    const bool plain = searches() && s_.tables.mask == nullptr && (s_.tile_flags[tile] & kTileSpecial) == 0;
     const auto clear = [&](const Rect& part) {
         if (!plain) return false;
         const Double3 p = widen(s_.point(part.i0 * s_.tables.cols + part.j0));
@@ -97,27 +131,38 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
             }
         }
     for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b)
-        if (mark_sample(s_.tile_border[b])) c_.border = any = true;
+        any = mark_sample(s_.tile_border[b]) || any;
     if (any) c_.add_tile(tile, kTilePhi);
 }
 
+// Copies of a class take the verdict, and the place to go to, of the representative: nobody else is asked.
 bool Resolver::mark_sample(std::uint32_t k) noexcept {
+    if (s_.representative(k) != k) return (c_.marks[k] & kInside) != 0;
     const Double3 p = widen(s_.point(k));
     if (around_.clearance(shape_, p) > 0) return false;
     const Probe there = probe(shape_, p);
     const double d = there.distance;
     around_.note(p, d);
     if (!(d < -tolerance_)) return false;
-    c_.marks[k] = kInside;
-    if (remembers()) {
-        const Vec3 to = projected(k, p, there);
+    const Vec3 to = projected(k, p, there);
+    const auto mark = [&](std::uint32_t copy) {
+        c_.marks[copy] = kInside;
+        c_.border = c_.border || copy >= s_.tables.grid;
         const Planes saved = c_.before();
-        saved.x[k] = to.x;
-        saved.y[k] = to.y;
-        saved.z[k] = to.z;
-        if (!c_.closed) c_.source[k] = there.facet;  // the walk of an open surface's ring leaves it
+        saved.x[copy] = to.x;
+        saved.y[copy] = to.y;
+        saved.z[copy] = to.z;
+        if (!c_.closed) c_.source[copy] = there.facet;  // the walk of an open surface's ring leaves it
+    };
+    const std::uint32_t id = s_.class_id(k);
+    if (id == kNone) {
+        mark(k);
+    } else {
+        for (const std::uint32_t copy : s_.members(id)) {
+            mark(copy);
+            c_.add_tile(s_.tile_of(copy), kTilePhi);
+        }
     }
-    if (s_.representative(k) != k) return true;
     const double m = mobility_of(s_, k);
     report_.sunk = report_.sunk || -d * (1 - m) > tolerance_;
     ++report_.samples;
@@ -129,7 +174,7 @@ bool Resolver::mark_sample(std::uint32_t k) noexcept {
 
 void Resolver::size_ring() noexcept {
     for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
-        const QuadJob job = quad_job(s_.tile_rect(c_.tiles[k]));
+        const QuadJob job = quad_job(c_.rects[c_.tiles[k]]);
         if (!job.rect.empty()) area_ += c_.rows_of->area(job, c_.marks.data());
     }
     if (!o_.rings.empty()) {
@@ -171,31 +216,12 @@ void Resolver::collect(Runs& runs, std::uint8_t mask, std::uint8_t bits) noexcep
         for (std::uint32_t j = c_.tile_range.j0; j <= c_.tile_range.j1; ++j) {
             const std::uint32_t tile = i * s_.tile_cols + j;
             if ((c_.tile_bits[tile] & mask) != bits) continue;
-            const Rect r = s_.tile_rect(tile);
+            const Rect r = c_.rects[tile];
             if (runs.count != 0 && runs.rects[runs.count - 1].i0 == r.i0 && runs.rects[runs.count - 1].j1 + 1 == r.j0)
                 runs.rects[runs.count - 1].j1 = r.j1;
             else
                 runs.rects[runs.count++] = r;
         }
-}
-
-void Resolver::save() noexcept {
-    const Planes to = c_.before();
-    const auto keep = [&](std::uint32_t k) {
-        if (remembers() && (c_.marks[k] & kInside) != 0) return;  // project() exchanges it
-        to.x[k] = s_.now.x[k];
-        to.y[k] = s_.now.y[k];
-        to.z[k] = s_.now.z[k];
-    };
-    each_run([&](Rect r) {
-        // Quads at its end reach into the tiles beyond.
-        r.i1 = std::min(r.i1 + 1, s_.tables.rows - 1);
-        r.j1 = std::min(r.j1 + 1, s_.tables.cols - 1);
-        if (!remembers()) return c_.rows_of->copy(StateImpl::fixed(s_.now), to, r, s_.tables.cols);
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-            for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) keep(k);
-    });
-    for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) keep(k);
 }
 
 Vec3 Resolver::projected(std::uint32_t k, Double3 from, const Probe& there) const noexcept {
@@ -206,39 +232,36 @@ Vec3 Resolver::projected(std::uint32_t k, Double3 from, const Probe& there) cons
                                                      : from + m * (there.nearest - from));
 }
 
-void Resolver::project_sample(std::uint32_t k) noexcept {
-    if ((c_.marks[k] & kInside) == 0) return;
-    const Planes saved = c_.before();
-    if (remembers()) {
-        std::swap(s_.now.x[k], saved.x[k]);
-        std::swap(s_.now.y[k], saved.y[k]);
-        std::swap(s_.now.z[k], saved.z[k]);
-        c_.queue[k] = c_.closed ? kNone : c_.source[k];
-        return;
-    }
-    const Double3 p = widen(s_.point(k));
-    const Vec3 to = projected(k, p, probe(shape_, p));
-    c_.queue[k] = kNone;
-    s_.now.x[k] = to.x;
-    s_.now.y[k] = to.y;
-    s_.now.z[k] = to.z;
-}
-
 void Resolver::project() noexcept {
-    for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-        if ((c_.tile_bits[c_.tiles[e]] & kTilePhi) == 0) continue;
-        if (shape_.kind == ObstacleKind::Plane && s_.mobility.empty())
-            c_.rows_of->project(plane_job(s_.tile_rect(c_.tiles[e])), nullptr);
-        else
-            each_sample(c_.tiles[e], [&](std::uint32_t k) { project_sample(k); });
-    }
-    if (c_.border)
-        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) project_sample(k);
+    const Planes saved = c_.before();
+    const auto exchange = [&](const Rect& r) {
+        c_.rows_of->exchange(c_.marks.data(), s_.now, saved, r, s_.tables.cols);
+    };
+    const auto is_listed = [&](std::uint32_t ti, std::uint32_t tj) {
+        return ti < s_.tile_rows && tj < s_.tile_cols && c_.tile_bits[ti * s_.tile_cols + tj] != 0;
+    };
+    each_run([&](Rect r) {
+        exchange(r);
+        // Quads at its end reach into the tiles beyond, which may not be listed: nothing moves there.
+        const std::uint32_t ti = StateImpl::owner(r.i0, s_.tile_rows), end = StateImpl::owner(r.j1, s_.tile_cols) + 1;
+        const bool right = r.j1 + 1 < s_.tables.cols, down = r.i1 + 1 < s_.tables.rows;
+        if (right && !is_listed(ti, end)) exchange({r.i0, r.i1, r.j1 + 1, r.j1 + 1});
+        if (!down) return;
+        for (std::uint32_t tj = StateImpl::owner(r.j0, s_.tile_cols); tj < end; ++tj) {
+            const Rect tile = c_.rects[ti * s_.tile_cols + tj];
+            if (!is_listed(ti + 1, tj)) exchange({r.i1 + 1, r.i1 + 1, tile.j0, tile.j1});
+        }
+        if (right && !is_listed(ti + 1, end)) exchange({r.i1 + 1, r.i1 + 1, r.j1 + 1, r.j1 + 1});
+    });
+    if (s_.total() > s_.tables.grid)
+        c_.rows_of->exchange(c_.marks.data(), s_.now, saved, {0, 0, s_.tables.grid, s_.total() - 1}, 0);
 }
 
 void Resolver::keep() noexcept {
     const Planes from = c_.before();
+    // What did not move keeps its bits, the sign of a zero too: a copy of it may be in a tile that is not listed.
     const auto move = [&](float* base, const float* now, const float* old, std::size_t k) {
+        if (now[k] == old[k]) return;
         base[k] = base[k] == old[k] ? now[k] : base[k] + (now[k] - old[k]);
     };
     const auto all = [&](std::uint32_t k) {
@@ -263,28 +286,35 @@ void Resolver::touch() noexcept {
 
 ContactReport Resolver::finish(ContactStatus status) noexcept {
     report_.status = status;
-    const auto clear = [&](std::size_t k, std::size_t count) {
-        std::fill_n(c_.marks.data() + k, count, std::uint8_t{0});
-        std::fill_n(c_.weight.data() + k, count, 0.0f);
-        std::fill_n(c_.square.data() + k, count, kUnmet);
-    };
     const std::uint32_t cols = s_.tables.cols;
+    const auto clear = [](auto& values, std::size_t k, std::size_t count, auto value) {
+        if (count == 8)
+            std::fill_n(values.data() + k, 8, value);  // a constant: stores in place of calls
+        else
+            std::fill_n(values.data() + k, count, value);
+    };
     for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-        const Rect r = s_.tile_rect(c_.tiles[e]);
+        const std::uint32_t tile = c_.tiles[e];
+        const Rect r = c_.rects[tile];
+        const std::uint8_t bits = std::exchange(c_.tile_bits[tile], std::uint8_t{0});
+        const bool phi = (bits & kTilePhi) != 0, psi = (bits & kTilePsi) != 0;
+        if (!phi && !psi) continue;
+        // Nodes are every fourth sample, and copies of such.
+        const bool nodes = c_.spread && !heights_ && (s_.tile_flags[tile] & kTileSpecial) == 0;
         for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
-            if (r.width() == 8)
-                clear(std::size_t{i} * cols + r.j0, 8);  // a constant: stores in place of calls
-            else
-                clear(std::size_t{i} * cols + r.j0, r.width());
+            const std::size_t k = std::size_t{i} * cols + r.j0;
+            clear(c_.marks, k, r.width(), std::uint8_t{0});
+            if (psi || !c_.closed) clear(c_.weight, k, r.width(), 0.0f);
+            if ((psi || !c_.closed) && !(nodes && i % 4 != 0 && i + 1 != s_.tables.rows))
+                clear(c_.square, k, r.width(), kUnmet);
         }
-        c_.tile_bits[c_.tiles[e]] = 0;
-        // Nodes of the tiles after it may lie on the next row and column.
-        if (!c_.spread) continue;
-        const std::uint32_t i1 = std::min(r.i1 + 1, s_.tables.rows - 1), j1 = std::min(r.j1 + 1, cols - 1);
-        for (std::uint32_t i = r.i0; i <= i1; ++i) c_.square[std::size_t{i} * cols + j1] = kUnmet;
-        for (std::uint32_t j = r.j0; j <= j1; ++j) c_.square[std::size_t{i1} * cols + j] = kUnmet;
     }
-    if (c_.border) clear(s_.tables.grid, s_.total() - s_.tables.grid);
+    if (c_.border) {
+        const std::size_t border = s_.total() - s_.tables.grid;
+        clear(c_.marks, s_.tables.grid, border, std::uint8_t{0});
+        clear(c_.weight, s_.tables.grid, border, 0.0f);
+        clear(c_.square, s_.tables.grid, border, kUnmet);
+    }
     c_.tile_count = 0;
     c_.border = c_.spread = false;
     return report_;

@@ -41,7 +41,7 @@ void Resolver::weigh() noexcept {
     };
     for (std::uint32_t k = 0; k < c_.tile_count; ++k) {
         if ((c_.tile_bits[c_.tiles[k]] & kTilePsi) == 0) continue;
-        job.rect = s_.tile_rect(c_.tiles[k]);
+        job.rect = c_.rects[c_.tiles[k]];
         c_.tile_top[c_.tiles[k]] = add(c_.rows_of->weights(job));
     }
     if (!c_.border) return;
@@ -56,12 +56,15 @@ void Resolver::weigh() noexcept {
     }
 }
 
+double Resolver::swept(const Rect& r) const noexcept {
+    const QuadJob job = quad_job(r);
+    if (job.rect.empty()) return 0;
+    return c_.rows_of->swept(job, StateImpl::fixed(c_.before()), c_.marks.data(), c_.weight.data());
+}
+
 double Resolver::swept(const Runs& runs) const noexcept {
     double six = 0;
-    for (const Rect& r : runs) {
-        const QuadJob job = quad_job(r);
-        if (!job.rect.empty()) six += c_.rows_of->swept(job, StateImpl::fixed(c_.before()));
-    }
+    for (const Rect& r : runs) six += swept(r);
     return six;
 }
 
@@ -123,7 +126,7 @@ double Resolver::held_back(const Rect& r, double beta) const noexcept {
 
 double Resolver::held_back(double beta) const noexcept {
     double six = 0;
-    for (const Rect& r : c_.near) six += held_back(r, beta);
+    for (const Rect& r : c_.inner) six += held_back(r, beta);
     return six;
 }
 
@@ -146,38 +149,80 @@ void Resolver::part_ring() noexcept {
     for (std::uint32_t e = 0; foreseen() && e < c_.tile_count; ++e) {
         std::uint8_t& bits = c_.tile_bits[c_.tiles[e]];
         if ((bits & (kTileBulging | kTileNear)) != (kTileBulging | kTileNear)) continue;
-        const double held = held_back(s_.tile_rect(c_.tiles[e]), std::copysign(highest_, removed_));
+        const double held = held_back(c_.rects[c_.tiles[e]], std::copysign(highest_, removed_));
         held_ += held;
-        if (held == 0 && (bits & kTileSinking) == 0) bits &= static_cast<std::uint8_t>(~kTileNear);
+        // Nothing is held back of a lower bulge either.
+        if (held != 0)
+            bits |= kTileHeld;
+        else if ((bits & kTileSinking) == 0)
+            bits &= static_cast<std::uint8_t>(~kTileNear);
     }
     collect(c_.near, kTileBulging | kTileNear, kTileBulging | kTileNear);
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
+    if (foreseen()) collect(c_.inner, kTileHeld, kTileHeld);  // measured, and not asked for again
     if (shape_.kind == ObstacleKind::Plane) return;
     // From here on: heights over the obstacle, where they have been asked for.
+    heights_ = true;
     for (std::uint32_t e = 0; e < c_.tile_count; ++e)
-        each_sample(c_.tiles[e], [&](std::uint32_t k) { c_.square[k] = __builtin_inff(); });
+        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0)
+            each_sample(c_.tiles[e], [&](std::uint32_t k) { c_.square[k] = __builtin_inff(); });
     std::fill(c_.square.begin() + s_.tables.grid, c_.square.end(), __builtin_inff());
 }
 
-void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
-    if (!(c_.weight[k] > 0)) return;
+bool Resolver::falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there) noexcept {
+    if (!(c_.weight[k] > 0)) return false;
     // How far it was before: a bulge lower than that cannot reach the obstacle.
     float& height = c_.square[k];
     const double rise = (1 + 1e-5) * std::fabs(beta) * double{c_.weight[k]};
     if (height == __builtin_inff()) {
         const Double3 before = widen(StateImpl::at(c_.before(), k));
-        if (around_.clearance(shape_, before) > rise) return;
+        if (around_.clearance(shape_, before) > rise) return false;
         const double distance = probe(shape_, before).distance;
         around_.note(before, distance);
         height = static_cast<float>(distance);
     }
-    if (double{height} > rise + 1e-6 * std::fabs(double{height})) return;
-    const Probe there = probe(shape_, widen(s_.point(k)));
-    if (there.distance < 0) put(k, there.nearest);
+    if (double{height} > rise + 1e-6 * std::fabs(double{height})) return false;
+    there = probe(shape_, widen(bulged));
+    return there.distance < 0;
 }
 
-void Resolver::apply(const Runs& runs, double beta) noexcept {
-    const bool clamp = o_.bulge == Bulge::Exact;
+void Resolver::put_back_sample(std::uint32_t k, double beta) noexcept {
+    Probe there;
+    if (c_.in_class[k] == 0 && falls_in(k, beta, s_.point(k), there)) put(k, there.nearest);
+}
+
+void Resolver::put_back_tile(std::uint32_t tile, double beta) noexcept {
+    if (is_round()) return c_.rows_of->put_back(mark_job(c_.rects[tile]), c_.weight.data(), s_.now);
+    each_sample(tile, [&](std::uint32_t k) { put_back_sample(k, beta); });
+}
+
+// Tiles of copies may differ in whether they are near; their heights may be asked from different places. So one copy is
+// asked for all, and it does not matter whether the loops have bulged it.
+void Resolver::put_back_classes(double beta) noexcept {
+    for (std::uint32_t e = 0; e < class_count_; ++e) {
+        const std::uint32_t k = c_.source[e];
+        const float step = c_.weight[k] * static_cast<float>(beta);
+        Vec3 to = StateImpl::at(c_.before(), k) + step * StateImpl::at(s_.normal, k);
+        Probe there;
+        if (falls_in(k, beta, to, there)) to = narrow(there.nearest);
+        for (const std::uint32_t copy : s_.members(s_.class_id(k))) put(copy, widen(to));
+    }
+}
+
+void Resolver::list_classes() noexcept {
+    class_count_ = 0;
+    if (s_.class_count == 0 || shape_.kind == ObstacleKind::Plane) return;
+    const auto list = [&](std::uint32_t k) {
+        if (c_.weight[k] > 0 && s_.class_id(k) != kNone && s_.representative(k) == k) c_.source[class_count_++] = k;
+    };
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0 && (s_.tile_flags[c_.tiles[e]] & kTileSpecial) != 0)
+            each_sample(c_.tiles[e], list);
+    if (c_.border)
+        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) list(k);
+}
+
+BulgeJob Resolver::bulge_job(double beta) const noexcept {
     BulgeJob job{};
     job.cols = s_.tables.cols;
     job.from = StateImpl::fixed(c_.before());
@@ -185,14 +230,19 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
     job.to = s_.now;
     job.weight = c_.weight.data();
     job.beta = static_cast<float>(beta);
-    job.clamp = clamp && shape_.kind == ObstacleKind::Plane;
+    job.clamp = o_.bulge == Bulge::Exact && shape_.kind == ObstacleKind::Plane;
     job.n[0] = static_cast<float>(shape_.normal.x);
     job.n[1] = static_cast<float>(shape_.normal.y);
     job.n[2] = static_cast<float>(shape_.normal.z);
     job.d = static_cast<float>(shape_.offset);
+    return job;
+}
+
+void Resolver::apply(const Runs& runs, double beta) noexcept {
+    const bool clamp = o_.bulge == Bulge::Exact;
+    BulgeJob job = bulge_job(beta);
     for (const Rect& r : runs) {
-        // Quads at its end reach into the tiles beyond.
-        job.rect = {r.i0, std::min(r.i1 + 1, s_.tables.rows - 1), r.j0, std::min(r.j1 + 1, s_.tables.cols - 1)};
+        job.rect = with_corners(r);
         c_.rows_of->bulge(job);
     }
     if (c_.border && s_.total() > s_.tables.grid) {
@@ -201,7 +251,6 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         c_.rows_of->bulge(job);
     }
     if (!clamp || shape_.kind == ObstacleKind::Plane) return;
-    const auto put_back = [&](std::uint32_t k) { put_back_sample(k, beta); };
     const bool all = &runs != &c_.near;
     for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
         const std::uint32_t tile = c_.tiles[e];
@@ -209,12 +258,13 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         const bool near = (c_.tile_bits[tile] & kTileNear) != 0;
         if (near == all) continue;
         // Of a surface the box costs a search, and its samples mostly know their heights.
-        const bool asked = near && remembers();
+        const bool asked = near && searches();
         if (asked || box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]})
-            each_sample(tile, put_back);
+            put_back_tile(tile, beta);
     }
     if (c_.border && !all)
-        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back(k);
+        for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) put_back_sample(k, beta);
+    put_back_classes(beta);
 }
 
 namespace {
@@ -234,9 +284,21 @@ double solve(const Cubic& cubic, double aim, double cost, double at, double powe
 }  // namespace
 
 double Resolver::settle(double beta) noexcept {
-    apply(c_.near, beta);
-    apply(c_.ring, beta);
-    const double error = sunk_ + swept(c_.near) + swept(c_.ring) + swept_faces();
+    double error = sunk_;
+    if (s_.faces.empty() && (shape_.kind == ObstacleKind::Plane || o_.bulge == Bulge::Paper)) {
+        // Nothing is left to put back: each run is measured while it is at hand.
+        BulgeJob job = bulge_job(beta);
+        for (const Runs* runs : {&c_.near, &c_.ring})
+            for (const Rect& r : *runs) {
+                job.rect = with_corners(r);
+                c_.rows_of->bulge(job);
+                error += swept(r);
+            }
+    } else {
+        apply(c_.near, beta);
+        apply(c_.ring, beta);
+        error += swept(c_.near) + swept(c_.ring) + swept_faces();
+    }
     ++report_.passes;
     report_.beta = static_cast<float>(beta);
     report_.volume_error = error / removed_;
@@ -245,6 +307,7 @@ double Resolver::settle(double beta) noexcept {
 
 void Resolver::bulge() noexcept {
     part_ring();
+    list_classes();
     Cubic near, free;
     cubic(c_.near, near.c);
     cubic_faces(near.c);
@@ -413,7 +476,7 @@ void Resolver::polish(double error) noexcept {
     };
     for (std::uint32_t e = 0; e < c_.tile_count && count < kSamples; ++e) {
         if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
-        const Rect r = s_.tile_rect(c_.tiles[e]);
+        const Rect r = c_.rects[c_.tiles[e]];
         const std::uint32_t k = (r.i0 + r.i1) / 2 * cols + (r.j0 + r.j1) / 2;
         if (free(k)) choose(k);
     }

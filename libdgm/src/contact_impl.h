@@ -115,11 +115,13 @@ class Surroundings {
 inline constexpr std::uint8_t kInside = 1;  ///< marks: beyond the obstacle
 inline constexpr std::uint8_t kQueued = 2;  ///< waits in the queue of the ring's walk
 inline constexpr std::uint8_t kMember = 4;  ///< moves while the displacement is smoothed
+inline constexpr std::uint8_t kMoving = 8;  ///< does so in this round
 
 // Tiles with samples beyond; with samples of the ring; with quads that have one of either, one beyond, or one of the
-// ring as a corner; with quads that have a corner in a tile where samples of the ring may come to rest on the obstacle.
+// ring as a corner; with quads that have a corner in a tile where samples of the ring may come to rest on the obstacle;
+// with quads that do, on a plane.
 inline constexpr std::uint8_t kTilePhi = 1, kTilePsi = 2, kTileMoving = 4, kTileSinking = 8, kTileBulging = 16,
-                              kTileNear = 32;
+                              kTileNear = 32, kTileHeld = 64;
 
 /// Tiles side by side as one rectangle.
 struct Runs {
@@ -136,15 +138,19 @@ struct ContactImpl {
     bool closed = false;
     const ContactRows* rows_of = nullptr;
     Array<std::uint8_t> kind;  ///< of each quad, at its first corner
+    Array<std::uint8_t> in_class;  ///< samples that have copies
     Array<std::uint8_t> marks;
-    Array<float> saved;  ///< three planes `plane` apart: where samples of touched tiles were; all border samples
+    /// Three planes `plane` apart: where samples of touched tiles were; all border samples. Until they are projected,
+    /// where those beyond the obstacle will go.
+    Array<float> saved;
     std::size_t plane = 0;
     Array<float> weight, square;  ///< 0 and infinity between contacts; square: heights over the obstacle while bulging
-    Array<std::uint32_t> source;  ///< place in `rim`
+    Array<std::uint32_t> source;  ///< place in `rim`; beyond a surface Probe::facet
     Array<std::uint32_t> queue;   ///< of the ring's walk; then Probe::facet of samples in contact or smoothed
     NearTiles near_tiles{};
     Array<Vec3> rim;  ///< where edges cross the obstacle's border
     std::uint32_t rim_count = 0;
+    Array<Rect> rects;  ///< of tiles: StateImpl::tile_rect()
     Array<std::uint8_t> tile_bits;
     Array<std::uint32_t> tiles;  ///< listed ones
     std::uint32_t tile_count = 0;

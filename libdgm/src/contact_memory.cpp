@@ -55,10 +55,11 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
     c.total = t.total;
     c.plane = (std::size_t{t.total} + 1023) / 1024 * 1024 + 112;  // as the state's own
     const std::uint64_t padded = std::uint64_t{t.total} + 16;     // lanes of ContactRows
-    if (!c.kind.allocate(a, padded, kQuadNone) || !c.marks.allocate(a, padded) ||
+    if (!c.kind.allocate(a, padded, kQuadNone) || !c.marks.allocate(a, padded) || !c.in_class.allocate(a, padded) ||
         !c.saved.allocate(a, 3 * std::uint64_t{c.plane}) || !c.weight.allocate(a, padded) ||
         !c.square.allocate(a, t.total, std::numeric_limits<float>::infinity()) || !c.source.allocate(a, t.total) ||
-        !c.queue.allocate(a, t.total) || !c.tile_bits.allocate(a, tiles) || !c.tiles.allocate(a, tiles) ||
+        !c.queue.allocate(a, t.total) || !c.tile_bits.allocate(a, tiles) || !c.rects.allocate(a, tiles) ||
+        !c.tiles.allocate(a, tiles) ||
         !c.tile_top.allocate(a, tiles) || !c.inner.rects.allocate(a, tiles) || !c.ring.rects.allocate(a, tiles) ||
         !c.near.rects.allocate(a, tiles) ||
         !c.rim.allocate(
@@ -67,6 +68,8 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < t.cols; ++j)
             if (t.has_quad(i, j)) c.kind[i * t.cols + j] = static_cast<std::uint8_t>(t.diagonal(i, j));
+    for (std::uint32_t tile = 0; tile < tiles; ++tile) c.rects[tile] = s.tile_rect(tile);
+    for (const std::uint32_t sample : s.class_members) c.in_class[sample] = 1;
     c.rows_of = &choose_contact_rows(s.rows_of);
     return true;
 }
@@ -112,7 +115,7 @@ Result<ContactSolver> ContactSolver::create(const State& state, const Allocator&
     if (!detail::is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
     const detail::StateImpl& s = *state.impl();
     const std::uint64_t tiles = std::uint64_t{s.tile_rows} * s.tile_cols;
-    if (std::uint64_t{s.total()} * 64 + tiles * 64 + s.faces.size() * 12 + 131072 > max_bytes)
+    if (std::uint64_t{s.total()} * 64 + tiles * 80 + s.faces.size() * 12 + 131072 > max_bytes)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "the contact would take more memory than the limit allows"};
     detail::ContactImpl* impl = detail::create<detail::ContactImpl>(allocator, allocator);
     if (impl == nullptr) return detail::kNoMemory;

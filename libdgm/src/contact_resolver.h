@@ -32,13 +32,14 @@ class Resolver {
  private:
     // --- Phi ---
     void find_contact() noexcept;
-    [[nodiscard]] PlaneJob plane_job(const Rect& r) noexcept {
-        return {r,          s_.tables.cols, s_.now, {shape_.normal.x, shape_.normal.y, shape_.normal.z}, shape_.offset,
-                tolerance_, c_.marks.data()};
+    /// Of a plane, sphere or capsule.
+    [[nodiscard]] MarkJob mark_job(const Rect& r) noexcept;
+    /// The loops over rows know the way out, and every sample goes it whole.
+    [[nodiscard]] bool is_simple() const noexcept {
+        return (shape_.kind == ObstacleKind::Plane || is_round()) && s_.tables.mask == nullptr && s_.mobility.empty();
     }
-    [[nodiscard]] bool is_simple(std::uint32_t tile) const noexcept {
-        return shape_.kind == ObstacleKind::Plane && s_.tables.mask == nullptr && s_.mobility.empty() &&
-               (s_.tile_flags[tile] & kTileSpecial) == 0;
+    [[nodiscard]] bool is_round() const noexcept {
+        return shape_.kind == ObstacleKind::Sphere || shape_.kind == ObstacleKind::Capsule;
     }
     void mark_tile(std::uint32_t tile) noexcept;
     bool mark_sample(std::uint32_t k) noexcept;
@@ -59,6 +60,7 @@ class Resolver {
         return {r, s_.tables.cols, StateImpl::fixed(s_.now), c_.kind.data(), {0, 0, 0}};
     }
     /// What quads, and border faces, gained by the call so far.
+    [[nodiscard]] double swept(const Rect& r) const noexcept;
     [[nodiscard]] double swept(const Runs& runs) const noexcept;
     [[nodiscard]] double swept_faces() const noexcept;
     /// Corners of a border face, and how they move.
@@ -76,31 +78,42 @@ class Resolver {
         for (const Runs* runs : {&c_.inner, &c_.ring, &c_.near})
             for (const Rect& r : *runs) f(r);
     }
-    void save() noexcept;
+    /// What find_contact() left in c_.before() for samples beyond the obstacle goes to `now`, and `now` goes there.
+    void project() noexcept;
     void put(std::uint32_t k, Double3 p) noexcept {
         const Vec3 v = narrow(p);
         s_.now.x[k] = v.x;
         s_.now.y[k] = v.y;
         s_.now.z[k] = v.z;
     }
-    /// A search of a surface is dear: where a sample goes is kept from marking to projecting.
-    [[nodiscard]] bool remembers() const noexcept { return shape_.kind == ObstacleKind::Surface; }
+    /// Distances cost a search.
+    [[nodiscard]] bool searches() const noexcept { return shape_.kind == ObstacleKind::Surface; }
     [[nodiscard]] Vec3 projected(std::uint32_t k, Double3 from, const Probe& there) const noexcept;
-    void project_sample(std::uint32_t k) noexcept;
     template <class F>
     void each_sample(std::uint32_t tile, F f) const noexcept {
-        const Rect r = s_.tile_rect(tile);
+        const Rect r = c_.rects[tile];
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)
             for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) f(k);
     }
-    void project() noexcept;
 
     /// Parts the ring by whether its samples can come to rest on the obstacle.
     void part_ring() noexcept;
+    /// Of a run's quads those at its end reach into the tiles beyond.
+    [[nodiscard]] Rect with_corners(const Rect& r) const noexcept {
+        return {r.i0, std::min(r.i1 + 1, s_.tables.rows - 1), r.j0, std::min(r.j1 + 1, s_.tables.cols - 1)};
+    }
+    [[nodiscard]] BulgeJob bulge_job(double beta) const noexcept;
     /// now = clamp(before + beta w n).
     void apply(const Runs& runs, double beta) noexcept;
-    /// Keeps a sample that was bulged by beta out of the obstacle, if the loops do not.
+    /// Keep samples that were bulged by beta out of the obstacle, if the loops do not: one off seams; all copies of the
+    /// listed classes, wherever they are.
     void put_back_sample(std::uint32_t k, double beta) noexcept;
+    void put_back_tile(std::uint32_t tile, double beta) noexcept;
+    void put_back_classes(double beta) noexcept;
+    /// Whether sample k of the ring, bulged by beta to `bulged`, is beyond the obstacle, and then where it comes out.
+    [[nodiscard]] bool falls_in(std::uint32_t k, double beta, Vec3 bulged, Probe& there) noexcept;
+    /// Lists the representatives of the ring's classes in c_.source, which the ring's walk has left.
+    void list_classes() noexcept;
 
     /// Six times the volume it costs to keep the bulge out of a plane. Before anything is bulged.
     [[nodiscard]] double held_back(double beta) const noexcept;
@@ -133,6 +146,8 @@ class Resolver {
     ContactReport report_;
     Surroundings around_;
     double tolerance_ = 0, total_ = 0;
+    bool heights_ = false;  ///< c_.square holds heights over the obstacle
+    std::uint32_t class_count_ = 0;  ///< of those in c_.source
     double held_ = 0;     ///< what is held back of a bulge of highest_
     double highest_ = 0;  ///< bulge up to which samples outside kTileNear keep clear of the obstacle
     double area_ = 0;     ///< of the contact, by its quads

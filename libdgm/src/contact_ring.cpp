@@ -62,7 +62,7 @@ class Walk {
         }
     }
     /// Signed distance at a sample, by the nodes around it; `limit` where none was reached.
-    [[nodiscard]] float between(std::uint32_t i, std::uint32_t j) const noexcept {
+    [[nodiscard, gnu::noinline]] float between(std::uint32_t i, std::uint32_t j) const noexcept {
         const std::uint32_t i0 = i - i % kStride, j0 = j - j % kStride;
         const std::uint32_t i1 = std::min(i0 + kStride, s_.tables.rows - 1), j1 = std::min(j0 + kStride, cols_ - 1);
         const float x = i1 == i0 ? 0 : static_cast<float>(i - i0) / static_cast<float>(i1 - i0);
@@ -148,7 +148,7 @@ class Walk {
         row(i);
         if (down > i) row(down);
     }
-    void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
+    [[gnu::noinline]] void set(std::uint32_t k, std::uint32_t r, float d, bool inside) noexcept {
         if (c_.square[k] == __builtin_inff()) list(k);
         c_.square[k] = d;
         c_.source[k] = r;
@@ -202,7 +202,7 @@ void seed_rim(const StateImpl& s, ContactImpl& c, const Shape& shape, Walk& walk
         });
     };
     for (std::uint32_t e = 0; e < phi_tiles; ++e) {
-        const Rect r = s.tile_rect(c.tiles[e]);
+        const Rect r = c.rects[c.tiles[e]];
         // Off the grid's border and off seams whole rows of a tile show at once that they have no rim.
         const bool even = !s.tables.free_domain && s.tables.mask == nullptr && r.width() == 8 && r.i0 != 0 &&
                           r.j0 != 0 && r.i1 + 1 < s.tables.rows && (s.tile_flags[c.tiles[e]] & kTileSpecial) == 0;
@@ -238,7 +238,7 @@ void fill_between(const StateImpl& s, ContactImpl& c, const Walk& walk, float li
     for (std::uint32_t e = 0; e < c.tile_count; ++e) {  // grows by the tiles of copies
         const std::uint32_t tile = c.tiles[e];
         if ((c.tile_bits[tile] & kTilePsi) == 0) continue;
-        const Rect r = s.tile_rect(tile);
+        const Rect r = c.rects[tile];
         if (r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols) {
             const std::uint32_t first = r.i0 * cols + r.j0;
             SpreadJob job{{}, c.marks.data() + first, c.weight.data() + first, cols};
@@ -265,8 +265,8 @@ void fill_between(const StateImpl& s, ContactImpl& c, const Walk& walk, float li
         if ((s.tile_flags[tile] & kTileSpecial) == 0) continue;
         for (std::uint32_t i = r.i0; i <= r.i1; ++i)
             for (std::uint32_t k = i * cols + r.j0; k <= i * cols + r.j1; ++k) {
+                if (c.in_class[k] == 0 || (c.marks[k] & kInside) != 0) continue;
                 const std::uint32_t id = s.class_id(k);
-                if (id == kNone || (c.marks[k] & kInside) != 0) continue;
                 const std::uint32_t first = s.representative(k);
                 const float d = squared(walk.between(first / cols, first % cols));
                 c.weight[k] = d;

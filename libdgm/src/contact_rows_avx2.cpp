@@ -23,6 +23,7 @@ typedef long long Longs __attribute__((vector_size(32)));
 typedef float Wide __attribute__((vector_size(32)));
 typedef int WideInts __attribute__((vector_size(32)));
 
+constexpr bool kFourDoubles = true;
 static inline __attribute__((always_inline)) Doubles load_four(const float* p) {
     return static_cast<Doubles>(_mm256_cvtps_pd(_mm_loadu_ps(p)));
 }
@@ -46,6 +47,15 @@ static inline __attribute__((always_inline)) void add_to(const Wide& v, Doubles&
 static inline __attribute__((always_inline)) Wide square_root(const Wide& v) {
     return static_cast<Wide>(_mm256_sqrt_ps(static_cast<__m256>(v)));
 }
+static inline __attribute__((always_inline)) Doubles square_root(const Doubles& v) {
+    return static_cast<Doubles>(_mm256_sqrt_pd(static_cast<__m256d>(v)));
+}
+static inline __attribute__((always_inline)) double square_root(double v) {
+    return _mm_cvtsd_f64(_mm_sqrt_sd(_mm_setzero_pd(), _mm_set_sd(v)));
+}
+static inline __attribute__((always_inline)) unsigned lane_bits(const Longs& v) {
+    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(v)));
+}
 // fmadd: a b + c, fmsub: a b - c, fnmadd: c - a b.
 #define DGM_FUSED(type, suffix)                                                                                        \
     static inline __attribute__((always_inline)) type multiply_add(const type& a, const type& b, const type& c) {      \
@@ -65,7 +75,9 @@ DGM_FUSED(Doubles, pd)
 }  // namespace
 
 extern const ContactRows kAvx2ContactRows;
-const ContactRows kAvx2ContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, held_back, bulge};
+const ContactRows kAvx2ContactRows{
+    volume, swept, cubic, area, mark, exchange, put_back, smooth,
+    weights, spread, held_back, bulge};
 
 }  // namespace dgm::detail
 

@@ -4,8 +4,9 @@
 // after all other headers, and without std:: for the same reason.
 //
 // Needs Doubles, Longs (vectors of four), load_four (floats to doubles), store_four (back), four_bytes (bytes to
-// Longs); Wide, WideInts, wide_bytes, square_root; multiply_add (a b + c), multiply_subtract (a b - c) and
-// subtract_product (c - a b), fused or not, for Doubles and Wide.
+// Longs), lane_bits (a bit for each lane), kFourDoubles (whether loops in double use them); Wide, WideInts,
+// wide_bytes; square_root of each; multiply_add (a b + c), multiply_subtract (a b - c) and subtract_product (c - a b),
+// fused or not, for Doubles and Wide.
 //
 // A quad (a, b, c, d) split along a-c encloses a . ((b - d) x c) / 6 with the origin, split along b-d the same with the
 // corners turned by one: one determinant for two triangles.
@@ -37,6 +38,18 @@ struct Four {
         return c ? a : b;
     }
     static inline __attribute__((always_inline)) double sum(const D& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+    typedef float Floats __attribute__((vector_size(16)));
+    template <class To>
+    static inline __attribute__((always_inline)) void store_bits(To* p, const D& v) {
+        put_raw(p, __builtin_convertvector(v, Floats));
+    }
+    static inline __attribute__((always_inline)) D rounded(const D& v) {
+        return __builtin_convertvector(__builtin_convertvector(v, Floats), D);
+    }
+    static inline __attribute__((always_inline)) Longs either_not_zero(const D& a, const D& b, const D& c, const D& d,
+                                                                       const D& e, const D& f, const Longs& g) {
+        return (a != 0.0) | (b != 0.0) | (c != 0.0) | (d != 0.0) | (e != 0.0) | (f != 0.0) | (g != 0);
+    }
 };
 struct One {
     typedef double D;
@@ -45,7 +58,14 @@ struct One {
     static inline __attribute__((always_inline)) void store(float* p, D v) { *p = static_cast<float>(v); }
     static inline __attribute__((always_inline)) long long bytes(const std::uint8_t* p) { return *p; }
     static inline __attribute__((always_inline)) D choose(bool c, D a, D b) { return c ? a : b; }
-    static inline __attribute__((always_inline)) double sum(D v) { return v; }
+    template <class To>
+    static inline __attribute__((always_inline)) void store_bits(To* p, D v) {
+        put_raw(p, static_cast<float>(v));
+    }
+    static inline __attribute__((always_inline)) D rounded(D v) { return static_cast<double>(static_cast<float>(v)); }
+    static inline __attribute__((always_inline)) bool either_not_zero(D a, D b, D c, D d, D e, D f, long long g) {
+        return a != 0 || b != 0 || c != 0 || d != 0 || e != 0 || f != 0 || g != 0;
+    }
 };
 
 /// Lanes of as many floats as a register holds.
@@ -99,6 +119,11 @@ template <class D>
 static inline __attribute__((always_inline)) D inner_plus(const Triple<D>& a, const Triple<D>& b, const D& c) {
     return multiply_add(a.z, b.z, multiply_add(a.y, b.y, multiply_add(a.x, b.x, c)));
 }
+/// c - a . b.
+template <class D>
+static inline __attribute__((always_inline)) D inner_minus(const Triple<D>& a, const Triple<D>& b, const D& c) {
+    return subtract_product(subtract_product(subtract_product(c, a.x, b.x), a.y, b.y), a.z, b.z);
+}
 template <class L>
 static inline __attribute__((always_inline)) Triple<typename L::D> place(const ConstPlanes& p, std::size_t k) {
     return {L::load(p.x + k), L::load(p.y + k), L::load(p.z + k)};
@@ -129,16 +154,6 @@ static inline __attribute__((always_inline)) Corners<typename L::D> corners(cons
     const std::size_t n = j.cols;
     return turned<L>(L::bytes(j.kind + k) == 1, minus(place<L>(j.at, k), o), minus(place<L>(j.at, k + n), o),
                      minus(place<L>(j.at, k + n + 1), o), minus(place<L>(j.at, k + 1), o));
-}
-
-template <class Block>
-static inline __attribute__((always_inline)) void each_row(const Rect& rect, std::uint32_t cols, Block block) {
-    for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * cols + rect.j0;
-        const std::size_t end = k + rect.j1 - rect.j0 + 1;
-        for (; k + 4 <= end; k += 4) block(Four{}, k);
-        for (; k < end; ++k) block(One{}, k);
-    }
 }
 
 /// Kinds of the quads from k on, of which `left` are asked for; planes are padded for the lanes beyond.
@@ -242,13 +257,27 @@ static inline __attribute__((always_inline)) Wide swept_block(const QuadJob& j, 
     return L::choose(kinds != kQuadNone, six, Wide{});
 }
 
-double swept(const QuadJob& job, ConstPlanes from) noexcept {
+double swept(const QuadJob& job, ConstPlanes from, const std::uint8_t* marks, const float* weight) noexcept {
     const QuadJob j = job;
     Doubles six = {};
+    const auto is_still = [&](std::size_t k) __attribute__((always_inline)) {
+        const auto sunk = [&](std::size_t at) __attribute__((always_inline)) {
+            return fetch<std::uint64_t>(marks + at) | marks[at + 8];
+        };
+        if ((sunk(k) | sunk(k + j.cols)) != 0) return false;
+        const auto bulged = [&](std::size_t at) __attribute__((always_inline)) {
+            return fetch<WideInts>(weight + at);  // no weight is -0
+        };
+        return !any_lane((bulged(k) | bulged(k + 1) | bulged(k + j.cols) | bulged(k + j.cols + 1)) != 0);
+    };
     for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         for (std::uint32_t left = j.rect.j1 - j.rect.j0 + 1;; left -= Many::kLanes, k += Many::kLanes) {
             const WideInts kinds = kinds_at<Many>(j, k, left);
+            if (is_still(k)) {
+                if (left <= Many::kLanes) break;
+                continue;
+            }
             if (any_lane(kinds == 1))
                 add_to(swept_block<true>(j, from, k, kinds), six);
             else
@@ -259,6 +288,9 @@ double swept(const QuadJob& job, ConstPlanes from) noexcept {
     return Four::sum(six);
 }
 
+// The rate in fewer operations, which round more coarsely: it is for finding beta. With S = b_p + b_r + b_s, m for the
+// moves of the edges, X = m_t x m_y and Z = t x m_y
+//   f = S . (t x y) - u . Z,   f' = S . (Z + m_t x y) - u . X - m_u . Z,   f'' / 2 = 3 b_p . X.
 void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* out) noexcept {
     typedef Many L;
     typedef Wide D;
@@ -273,13 +305,14 @@ void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* 
         },
         [&](const auto& there, const Mover<D>& p, const Mover<D>& q, const Mover<D>& r, const Mover<D>& s)
             __attribute__((always_inline)) {
-                const Triple<D> t = minus(r.at, p.at), u = minus(q.at, p.at), v = minus(s.at, p.at), y = minus(v, u);
-                const Triple<D> mt = minus(r.by, p.by), my = minus(s.by, q.by), both = plus(p.by, r.by);
-                const Triple<D> w = times_plus(q.by, u, times(v, s.by)), turn = times(p.by, my);
-                sums[0] += L::choose(there, inner_plus(t, w, inner(both, times(t, y))), D{});
-                const D bend = inner_plus(mt, w, inner(both, times_plus(t, my, times(mt, y))));
-                sums[1] += L::choose(there, 0.5f * (bend - inner(t, turn)), D{});
-                sums[2] -= L::choose(there, inner(mt, turn), D{});
+                const Triple<D> t = minus(r.at, p.at), y = minus(s.at, q.at), u = minus(q.at, p.at);
+                const Triple<D> mt = minus(r.by, p.by), my = minus(s.by, q.by);
+                const Triple<D> both = plus(plus(p.by, r.by), s.by), turn = times(mt, my), z = times(t, my);
+                sums[0] += L::choose(there, inner_minus(u, z, inner(both, times(t, y))), D{});
+                const D begun = inner_minus(u, turn, inner(both, times_plus(mt, y, z)));
+                const D slope = inner_minus(minus(q.by, p.by), z, begun);
+                sums[1] += L::choose(there, 0.5f * slope, D{});
+                sums[2] += L::choose(there, inner(p.by, turn), D{});
             },
         [&]() __attribute__((always_inline)) {
             for (int a = 0; a < 3; ++a) {
@@ -309,86 +342,7 @@ double area(const QuadJob& job, const std::uint8_t* marks) noexcept {
     return sum;
 }
 
-void copy(ConstPlanes from, Planes to, const Rect& rect, std::uint32_t cols) noexcept {
-    const Rect r = rect;
-    const auto plane = [&](const float* a, float* b) __attribute__((always_inline)) {
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
-            std::size_t k = static_cast<std::size_t>(i) * cols + r.j0;
-            const std::size_t end = k + r.j1 - r.j0 + 1;
-            for (; k + Many::kLanes <= end; k += Many::kLanes) put_raw(b + k, fetch<Wide>(a + k));
-            for (; k < end; ++k) b[k] = a[k];
-        }
-    };
-    plane(from.x, to.x);
-    plane(from.y, to.y);
-    plane(from.z, to.z);
-}
-
-template <class L>
-static inline __attribute__((always_inline)) typename L::D beyond(const PlaneJob& j, std::size_t k) {
-    const ConstPlanes p{j.at.x, j.at.y, j.at.z};
-    const Triple<typename L::D> v = place<L>(p, k);
-    return j.n[0] * v.x + j.n[1] * v.y + j.n[2] * v.z - j.d;
-}
-
-void mark(const PlaneJob& j, PlaneSums& sums) noexcept {
-    double deepest = sums.deepest, total = 0;
-    std::uint32_t count = 0;
-    Doubles deep = {}, totals = {};
-    Longs counts = {};
-    for (std::uint32_t i = j.rect.i0; i <= j.rect.i1; ++i) {
-        std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
-        const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
-        for (; k + 4 <= end; k += 4) {
-            const Doubles d = beyond<Four>(j, k);
-            const Longs in = d < -j.tolerance;
-            const Doubles depth = in ? -d : Doubles{};
-            for (int lane = 0; lane < 4; ++lane)
-                j.marks[k + static_cast<std::size_t>(lane)] = static_cast<std::uint8_t>(in[lane] & 1);
-            deep = depth > deep ? depth : deep;
-            totals += depth;
-            counts -= in;
-        }
-        for (; k < end; ++k) {
-            const double d = beyond<One>(j, k);
-            const bool in = d < -j.tolerance;
-            j.marks[k] = in ? 1 : 0;
-            if (!in) continue;
-            deepest = -d > deepest ? -d : deepest;
-            total -= d;
-            ++count;
-        }
-    }
-    for (int lane = 0; lane < 4; ++lane) {
-        deepest = deep[lane] > deepest ? deep[lane] : deepest;
-        count += static_cast<std::uint32_t>(counts[lane]);
-    }
-    sums.deepest = deepest;
-    sums.total += total + Four::sum(totals);
-    sums.count += count;
-}
-
-template <class L>
-static inline __attribute__((always_inline)) void project_block(const PlaneJob& j, const float* mobility,
-                                                                std::size_t k) {
-    typedef typename L::D D;
-    const D distance = beyond<L>(j, k);
-    D step = L::choose((L::bytes(j.marks + k) & 1) != 0, distance, D{});
-    if (mobility != nullptr) step = step * L::load(mobility + k);
-    // What does not move keeps its bits, the sign of a zero too.
-    const auto moving = step != 0.0;
-    const Triple<D> p = place<L>({j.at.x, j.at.y, j.at.z}, k);
-    L::store(j.at.x + k, L::choose(moving, p.x - step * j.n[0], p.x));
-    L::store(j.at.y + k, L::choose(moving, p.y - step * j.n[1], p.y));
-    L::store(j.at.z + k, L::choose(moving, p.z - step * j.n[2], p.z));
-}
-
-void project(const PlaneJob& j, const float* mobility) noexcept {
-    each_row(
-        j.rect, j.cols, [&](auto lanes, std::size_t k) __attribute__((always_inline)) {
-            project_block<decltype(lanes)>(j, mobility, k);
-        });
-}
+#include "contact_rows_marks.h"
 
 /// exp(-x) for 0 <= x <= 64 within 2e-7: a Taylor polynomial of exp(-x / 64), squared six times.
 template <class F>
@@ -424,6 +378,10 @@ WeightSums weights(const WeightJob& job) noexcept {
         std::size_t k = static_cast<std::size_t>(i) * j.cols + j.rect.j0;
         const std::size_t end = k + j.rect.j1 - j.rect.j0 + 1;
         for (; k + Many::kLanes <= end; k += Many::kLanes) {
+            if (!any_lane(fetch<Wide>(j.square + k) < j.limit)) {
+                put_raw(j.weight + k, Wide{});
+                continue;
+            }
             const Wide w = weight_of<Wide>(j, scale, k);
             put_raw(j.weight + k, w);
             count -= w > 0.0f;
@@ -477,6 +435,8 @@ template <class F>
 static inline __attribute__((always_inline)) void bulge_block(const BulgeJob& j, std::size_t k) {
     const F w = fetch<F>(j.weight + k);
     const auto moving = w > 0.0f;
+    if constexpr (sizeof(F) == sizeof(Wide))
+        if (!any_lane(moving)) return;
     const F step = w * j.beta;
     const F ox = fetch<F>(j.to.x + k), oy = fetch<F>(j.to.y + k), oz = fetch<F>(j.to.z + k);
     F x = fetch<F>(j.from.x + k) + step * fetch<F>(j.normal.x + k);

@@ -15,6 +15,8 @@ typedef long long Longs __attribute__((vector_size(32)));
 typedef float Wide __attribute__((vector_size(16)));
 typedef int WideInts __attribute__((vector_size(16)));
 
+// Registers hold two at most: one by one is as quick, and a quarter of the code.
+constexpr bool kFourDoubles = false;
 inline Doubles load_four(const float* p) {
     return Doubles{p[0], p[1], p[2], p[3]};
 }
@@ -36,12 +38,23 @@ inline void add_to(const Wide& v, Doubles& sums) {
 inline Wide square_root(const Wide& v) {
     return Wide{__builtin_sqrtf(v[0]), __builtin_sqrtf(v[1]), __builtin_sqrtf(v[2]), __builtin_sqrtf(v[3])};
 }
+inline Doubles square_root(const Doubles& v) {
+    return Doubles{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
+}
+inline double square_root(double v) {
+    return __builtin_sqrt(v);
+}
+inline unsigned lane_bits(const Longs& v) {
+    return static_cast<unsigned>((v[0] & 1) | (v[1] & 2) | (v[2] & 4) | (v[3] & 8));
+}
 #include "unfused.h"
 // The bodies, which need all of the above.
 #include "contact_rows_impl.h"
 }  // namespace
 
-const ContactRows kPlainContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, held_back, bulge};
+const ContactRows kPlainContactRows{
+    volume, swept, cubic, area, mark, exchange, put_back, smooth,
+    weights, spread, held_back, bulge};
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const ContactRows kAvx2ContactRows;

@@ -2,6 +2,7 @@
 // libdgm/src/contact_smooth.cpp
 // Open surfaces have no volume to keep: instead of a bulge the displacement fades into the ring.
 #include <bit>
+#include <cstring>
 
 #include "contact_impl.h"
 
@@ -15,32 +16,84 @@ class Smoother {
     void run(std::uint32_t rounds) noexcept {
         each([&](std::uint32_t k) {
             const bool inside = (c_.marks[k] & kInside) != 0;
-            if (!inside) c_.queue[k] = kNone;
+            c_.queue[k] = inside && shape_.kind == ObstacleKind::Surface ? c_.source[k] : kNone;
             if (inside || c_.square[k] < __builtin_inff()) c_.marks[k] |= kMember;
         });
         for (std::uint32_t r = 0; r < rounds; ++r) {
             last_ = r + 1 == rounds;
             // All averages of the round before any is used: the order of samples does not show.
-            each([&](std::uint32_t k) {
-                if (moves(k)) keep(k, average(k));
+            each_tile_of([&](std::uint32_t tile) { average_tile(tile); });
+            each_border([&](std::uint32_t k) { average_sample(k); });
+            each_tile_of([&](std::uint32_t tile) {
+                look_into(shape_, s_.now_boxes.boxes[tile]);
+                place_tile(tile);
             });
-            each([&](std::uint32_t k) {
-                if (moves(k)) place(k);
+            each_border([&](std::uint32_t k) {
+                if ((c_.marks[k] & kMoving) != 0) place(k);
             });
         }
     }
 
  private:
+    /// Tiles that hold members.
     template <class F>
-    void each(F f) const noexcept {
-        for (std::uint32_t e = 0; e < c_.tile_count; ++e) {
-            const Rect r = s_.tile_rect(c_.tiles[e]);
-            look_into(shape_, s_.now_boxes.boxes[c_.tiles[e]]);
-            for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-                for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) f(k);
-        }
+    void each_tile_of(F f) const noexcept {
+        for (std::uint32_t e = 0; e < c_.tile_count; ++e)
+            if ((c_.tile_bits[c_.tiles[e]] & (kTilePhi | kTilePsi)) != 0) f(c_.tiles[e]);
+    }
+    template <class F>
+    void each_border(F f) const noexcept {
         if (c_.border)
             for (std::uint32_t k = s_.tables.grid; k < s_.total(); ++k) f(k);
+    }
+    template <class F>
+    void each(F f) const noexcept {
+        each_tile_of([&](std::uint32_t tile) { each_sample(c_.rects[tile], f); });
+        each_border(f);
+    }
+    template <class F>
+    void each_sample(const Rect& r, F f) const noexcept {
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+            for (std::uint32_t k = i * s_.tables.cols + r.j0; k <= i * s_.tables.cols + r.j1; ++k) f(k);
+    }
+    /// Eight bytes in a row, as the loops below test them.
+    [[nodiscard]] static std::uint64_t eight(const std::uint8_t* bytes) noexcept {
+        std::uint64_t word;
+        std::memcpy(&word, bytes, 8);
+        return word;
+    }
+    [[nodiscard]] bool is_regular(const Rect& r) const noexcept {
+        if (r.width() != 8) return false;
+        std::uint64_t any = 0;
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+            any |= eight(s_.ring.data() + std::size_t{i} * s_.tables.cols + r.j0);
+        return (any & 0x0101010101010101 * kRingIrregular) == 0;
+    }
+    void average_tile(std::uint32_t tile) noexcept {
+        const Rect r = c_.rects[tile];
+        if (!is_regular(r)) return each_sample(r, [&](std::uint32_t k) { average_sample(k); });
+        c_.rows_of->smooth({r, s_.tables.cols, StateImpl::fixed(s_.now), StateImpl::fixed(c_.before()),
+                            s_.mobility.empty() ? nullptr : s_.mobility.data(), c_.marks.data(), c_.square.data(),
+                            c_.weight.data(), c_.source.data()});
+    }
+    void average_sample(std::uint32_t k) noexcept {
+        c_.marks[k] &= static_cast<std::uint8_t>(~kMoving);
+        if (!moves(k)) return;
+        const Double3 d = average(k);
+        keep(k, d);
+        // Displacements come a step a round from the contact: most of the ring has none yet, and stays.
+        const auto is_none = [](Vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; };
+        const bool still = is_none(narrow(d)) && is_none(s_.point(k) - StateImpl::at(c_.before(), k));
+        if (!still || (c_.marks[k] & kInside) != 0) c_.marks[k] |= kMoving;
+    }
+    void place_tile(std::uint32_t tile) noexcept {
+        const Rect r = c_.rects[tile];
+        for (std::uint32_t i = r.i0; i <= r.i1; ++i) {
+            const std::uint32_t first = i * s_.tables.cols + r.j0;
+            if (r.width() == 8 && (eight(c_.marks.data() + first) & 0x0101010101010101 * kMoving) == 0) continue;
+            for (std::uint32_t k = first; k < first + r.width(); ++k)
+                if ((c_.marks[k] & kMoving) != 0) place(k);
+        }
     }
     /// Classes are computed once, at their representative.
     [[nodiscard]] bool moves(std::uint32_t k) const noexcept {
@@ -75,9 +128,6 @@ class Smoother {
     void place(std::uint32_t k) noexcept {
         const Vec3 d{c_.square[k], c_.weight[k], std::bit_cast<float>(c_.source[k])};
         Double3 p = widen(StateImpl::at(c_.before(), k) + d);
-        // Displacements come a step a round from the contact: most of the ring has none yet, and stays.
-        const auto is_none = [](Vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; };
-        if (is_none(d) && (c_.marks[k] & kInside) == 0 && is_none(s_.point(k) - StateImpl::at(c_.before(), k))) return;
         // On the way the plane of the facet that was nearest will do; it is the last round that must be right.
         const bool exact = last_ || shape_.kind != ObstacleKind::Surface || c_.queue[k] == kNone;
         if (!exact || !(around_.clearance(shape_, p) > 0)) {

@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Double3 to_own(const Shape& o, Double3 p) noexcept {
+[[gnu::always_inline]] inline Double3 to_own(const Shape& o, Double3 p) noexcept {
     const Double3 v = p - o.point;
     return {dot(o.axis[0], v), dot(o.axis[1], v), dot(o.axis[2], v)};
 }
-Double3 from_own(const Shape& o, Double3 p) noexcept {
+[[gnu::always_inline]] inline Double3 from_own(const Shape& o, Double3 p) noexcept {
     return o.point + p.x * o.axis[0] + p.y * o.axis[1] + p.z * o.axis[2];
 }
 
@@ -50,7 +50,7 @@ Probe box_probe(const Shape& o, Double3 p) noexcept {
 }
 
 /// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Double3 nearest_on(Double3 p, Double3 a, Double3 b, Double3 c) noexcept {
+Double3 nearest_on(const Double3& p, const Double3& a, const Double3& b, const Double3& c) noexcept {
     const Double3 ab = b - a, ac = c - a, ap = p - a;
     const double d1 = dot(ab, ap), d2 = dot(ac, ap);
     if (d1 <= 0 && d2 <= 0) return a;
@@ -71,13 +71,22 @@ Double3 nearest_on(Double3 p, Double3 a, Double3 b, Double3 c) noexcept {
     return a + (vb / sum) * ab + (vc / sum) * ac;
 }
 
+/// A triangle whose nearest point is one of the nearest of all.
 struct Hit {
     double square = kInfinity;
-    double facing = 0;  ///< n . (p - nearest), n the unit normal of the triangle that faces p most
+    double facing = 0;  ///< n . (p - nearest), n the triangle's unit normal; 0 without area
+    double rank = -1;   ///< |facing|, -1 without area
     Double3 nearest;
     std::uint64_t triangle =
         kNoTriangle;  ///< 2 k + t: triangle t of the quad at sample k; from 2 total on border faces
+
+    /// The order among triangles as near: the one that faces the point most, then the first.
+    [[nodiscard]] bool before(const Hit& other) const noexcept {
+        return rank != other.rank ? rank > other.rank : triangle < other.triangle;
+    }
 };
+/// Squares that differ by less than this share of them are equal: triangles that share a corner or an edge.
+constexpr double kTie = 1e-10;
 
 /// Corners of a triangle by Hit::triangle.
 std::array<std::uint32_t, 3> corners_of(const StateImpl& s, std::uint64_t name) noexcept {
@@ -104,9 +113,27 @@ class SurfaceSearch {
           slack_(o.slack),
           rounding_(o.rounding + 1e-6 * std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)})) {}
 
+    /// The answer is a function of the point and the triangles alone. The least square is, in whatever order triangles
+    /// are met; so is the first in Hit's order among all triangles with that square.
     Hit run(std::uint64_t hint) noexcept {
         if (hint != kNoTriangle) start_at(hint);
-        if (search_near()) return best_;
+        search();
+        if (ties_ <= 1) return best_;
+        choosing_ = true;
+        if (ties_ <= kMostTies) {
+            for (std::uint32_t k = 0; k < ties_; ++k) triangle(corners_of(s_, tie_[k]).data(), tie_[k]);
+        } else {
+            search();  // more than were kept: all are met once more
+        }
+        chosen_.square = best_.square;
+        return chosen_;
+    }
+
+ private:
+    static constexpr std::uint32_t kMostTies = 12;
+
+    [[gnu::noinline]] void search() noexcept {
+        if (search_near()) return;
         const Pyramid& y = s_.now_boxes;
         struct Entry {
             double square;
@@ -134,10 +161,7 @@ class SurfaceSearch {
                     stack[at] = {d, level, node};
                 }
         }
-        return best_;
     }
-
- private:
     /// Searches follow each other over the obstacle: the tiles around one serve the next. @return false: start from the
     /// root.
     bool search_near() noexcept {
@@ -233,29 +257,34 @@ class SurfaceSearch {
     }
     [[nodiscard]] Double3 at(std::uint32_t k) const noexcept { return widen(s_.point(k)); }
 
-    /// Nearer ones win; among those as near the one that faces the point most, then the first: whatever the order.
     void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
-        const Double3 pa = at(f[0]), pb = at(f[1]), pc = at(f[2]);
+        triangle(at(f[0]), at(f[1]), at(f[2]), name);
+    }
+    [[gnu::noinline]] void triangle(const Double3& pa, const Double3& pb, const Double3& pc,
+                                    std::uint64_t name) noexcept {
         const Double3 n = cross(pb - pa, pc - pa);
         const double area = dot(n, n), height = dot(n, p_ - pa);
         if (height * height > (best_.square + rounding_ * rounding_) * (1 + 1e-6) * area) return;  // so far its plane
         const Double3 q = nearest_on(p_, pa, pb, pc), v = p_ - q;
         const double square = dot(v, v);
-        if (square > best_.square * (1 + 1e-10)) return;
-        const double length = std::sqrt(area);
-        if (!(length > 0)) {
-            if (square < best_.square) found({square, best_.facing, q, name});
+        if (square > best_.square * (1 + kTie)) return;
+        const double length = std::sqrt(area), facing = length > 0 ? dot(n, v) / length : 0;
+        const Hit hit{square, facing, length > 0 ? std::fabs(facing) : -1, q, name};
+        if (choosing_) {
+            if (chosen_.triangle == kNoTriangle || hit.before(chosen_)) chosen_ = hit;
             return;
         }
-        const double facing = dot(n, v) / length;
-        if (square >= best_.square * (1 - 1e-10)) {
-            const double now = std::fabs(facing), before = std::fabs(best_.facing);
-            if (now < before || (now == before && name >= best_.triangle)) {
-                best_.square = std::min(square, best_.square);
-                return;
-            }
+        if (square < best_.square) {
+            if (square * (1 + kTie) < best_.square) ties_ = 0;
+            found(hit);
         }
-        found({std::min(square, best_.square), facing, q, name});
+        note_tie(name);
+    }
+    void note_tie(std::uint64_t name) noexcept {
+        for (std::uint32_t k = 0; k < std::min(ties_, kMostTies); ++k)
+            if (tie_[k] == name) return;
+        if (ties_ < kMostTies) tie_[ties_] = name;
+        if (ties_ <= kMostTies) ++ties_;
     }
     void found(const Hit& hit) noexcept {
         best_ = hit;
@@ -283,12 +312,19 @@ class SurfaceSearch {
             axis[d][2] = static_cast<float>(all[d].z);
         }
     }
-    void quad(std::uint32_t i, std::uint32_t j) noexcept {
+    [[gnu::noinline]] void quad(std::uint32_t i, std::uint32_t j) noexcept {
         const ChartTables& t = s_.tables;
-        const std::uint64_t k = 2 * (std::uint64_t{i} * t.cols + j);
-        const auto f = quad_triangles(i, j, t.cols, t.diagonal(i, j));
-        triangle(f[0].data(), k);
-        triangle(f[1].data(), k + 1);
+        const std::uint32_t k = i * t.cols + j;
+        const std::uint64_t name = 2 * std::uint64_t{k};
+        // As quad_triangles() has them.
+        const Double3 a = at(k), b = at(k + t.cols), c = at(k + t.cols + 1), d = at(k + 1);
+        if (t.diagonal(i, j) == 0) {
+            triangle(a, b, c, name);
+            triangle(a, c, d, name + 1);
+        } else {
+            triangle(a, b, d, name);
+            triangle(b, c, d, name + 1);
+        }
     }
     /// Steps to the quad under the point as the plane of each quad met foresees it: mostly that is the one, and what is
     /// left to search is small. No answer depends on it.
@@ -335,7 +371,8 @@ class SurfaceSearch {
         for (; near != 0; near &= near - 1) {
             const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(near));
             const std::uint32_t i = i0 + bit / 8, j = j0 + bit % 8;
-            const bool is_done = best_.triangle / 2 == std::uint64_t{i} * t.cols + j;  // both of its triangles
+            // Both of its triangles.
+            const bool is_done = !choosing_ && best_.triangle / 2 == std::uint64_t{i} * t.cols + j;
             if (!is_done && t.has_quad(i, j)) quad(i, j);
         }
         if (s_.face_start.empty()) return;
@@ -351,7 +388,11 @@ class SurfaceSearch {
     const Double3 p_;
     const double slack_, rounding_;
     double reach_ = kInfinity;  ///< square of how far boxes may lie
-    Hit best_;
+    Hit best_;                  ///< the nearest so far
+    bool choosing_ = false;     ///< best_ is final; of all as near chosen_ is the first in Hit's order
+    Hit chosen_;
+    std::uint32_t ties_ = 0;  ///< triangles that may be as near; kMostTies + 1: not all are in tie_
+    std::uint64_t tie_[kMostTies];
 };
 
 Probe surface_probe(const Shape& o, Double3 p) noexcept {

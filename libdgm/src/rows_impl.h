@@ -303,6 +303,28 @@ static inline __attribute__((always_inline)) void plane_bounds(const float* p, c
 }
 
 void bounds(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept {
+    const std::uint32_t count = rect.j1 - rect.j0 + 1;
+    if (count > DGM_LANES && count <= 2 * DGM_LANES) {  // a tile and a column: two loads a row, which overlap
+        Floats l[3], h[3];
+        for (int d = 0; d < 3; ++d) {
+            l[d] = Floats{} + low[d];
+            h[d] = Floats{} + high[d];
+        }
+        for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
+            const std::size_t k = static_cast<std::size_t>(i) * cols + rect.j0;
+            const float* const rows[3] = {at.x + k, at.y + k, at.z + k};
+            for (int d = 0; d < 3; ++d) {
+                const Floats v = load<Floats>(rows[d]), w = load<Floats>(rows[d] + count - DGM_LANES);
+                l[d] = lower(lower(l[d], v), w);
+                h[d] = upper(upper(h[d], v), w);
+            }
+        }
+        for (int d = 0; d < 3; ++d) {
+            low[d] = lower(low[d], extreme_lane<false>(l[d]));
+            high[d] = upper(high[d], extreme_lane<true>(h[d]));
+        }
+        return;
+    }
     plane_bounds(at.x, rect, cols, low[0], high[0]);
     plane_bounds(at.y, rect, cols, low[1], high[1]);
     plane_bounds(at.z, rect, cols, low[2], high[2]);
