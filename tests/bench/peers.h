@@ -26,13 +26,9 @@ struct Mesh {
     std::vector<std::array<std::uint32_t, 3>> faces;
     std::vector<std::uint32_t> face_start, face_of;  // faces of each vertex
 
-    Mesh(std::uint32_t n, std::vector<Vec> points) : rest(std::move(points)), now(rest), normal(rest.size()) {
-        for (std::uint32_t i = 0; i + 1 < n; ++i)
-            for (std::uint32_t j = 0; j + 1 < n; ++j) {
-                const std::uint32_t a = i * n + j, b = a + n, c = b + 1, d = a + 1;
-                faces.push_back({a, b, c});
-                faces.push_back({a, c, d});
-            }
+    Mesh(std::uint32_t n, std::vector<Vec> points) : Mesh(std::move(points), grid_faces(n)) {}
+    Mesh(std::vector<Vec> points, std::vector<std::array<std::uint32_t, 3>> triangles)
+        : rest(std::move(points)), now(rest), normal(rest.size()), faces(std::move(triangles)) {
         face_start.assign(rest.size() + 1, 0);
         for (const auto& f : faces)
             for (const std::uint32_t v : f) ++face_start[v + 1];
@@ -42,6 +38,16 @@ struct Mesh {
         for (std::uint32_t f = 0; f < faces.size(); ++f)
             for (const std::uint32_t v : faces[f]) face_of[at[v]++] = f;
         for (std::uint32_t v = 0; v < rest.size(); ++v) update_normal(v);
+    }
+    static std::vector<std::array<std::uint32_t, 3>> grid_faces(std::uint32_t n) {
+        std::vector<std::array<std::uint32_t, 3>> out;
+        for (std::uint32_t i = 0; i + 1 < n; ++i)
+            for (std::uint32_t j = 0; j + 1 < n; ++j) {
+                const std::uint32_t a = i * n + j, b = a + n, c = b + 1, d = a + 1;
+                out.push_back({a, b, c});
+                out.push_back({a, c, d});
+            }
+        return out;
     }
     void update_normal(std::uint32_t v) {
         Vec sum{};
@@ -95,6 +101,7 @@ class Brush {
         const bool hit = dot(d, mesh_.normal[nearest]) < 0;
         const float share = std::clamp(d[2] / 4, -1.0f, 1.0f);
         touched_.clear();
+        pressed_ += hit ? 1 : 0;
         if (hit) {
             if (use_tree_) {
                 tree_.radiusSearch(at.data(), radius_ * radius_, touched_, nanoflann::SearchParams(32, 0, false));
@@ -114,7 +121,10 @@ class Brush {
         return hit ? -share * share * share : 0;
     }
 
+    [[nodiscard]] long pressed() const { return pressed_; }  ///< ticks that found the tool below the surface
+
  private:
+    long pressed_ = 0;
     /// A vertex that moved and its neighbours need new normals, each once.
     void stale_around(std::uint32_t v) {
         for (std::uint32_t k = mesh_.face_start[v]; k < mesh_.face_start[v + 1]; ++k)
