@@ -285,7 +285,8 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
         if (!outputs.empty()) outputs[k] = out;
         if (!press.active) continue;
         contacts[count++] = press.contact;
-        at_once = at_once || !(detail::share_at(s, t, press.contact.sample) > 0);
+        // What a contact has hardly a hold of is not asked to make up for what fades.
+        at_once = at_once || !(detail::share_at(s, t, press.contact.sample) > 1e-6f);
     }
 
     if (s.fading.normals_owed && !o.normals) detail::settle(s);  // they stay as they are now

@@ -201,6 +201,27 @@ TEST(Limits, SurfacesWithoutAreaAndWithoutTriangles) {
     EXPECT_EQ(obstacle_distance(o, {0, 0, 0}).error().code, ErrorCode::NotFound);
 }
 
+TEST(Limits, WeakHoldDoesNotThrowTheSurfaceAbout) {
+    ChartSpec chart = grid_chart(9, 9, sheet);
+    std::vector<float> share;
+    for (int k = 0; k < 81; ++k) share.insert(share.end(), {1, k == 40 ? 1e-45f : 1});
+    chart.add("contact", ElementType::kF32, {9, 9, 2}, share);
+    State state = make_state(chart);
+    KernelOptions kernel;
+    kernel.reach = 3;
+    const DeformTable table = DeformTable::create(kernel).value();
+    TickOptions o;
+    o.relax_rate = 1;
+    o.d_max = 1;
+    ToolInput in;
+    in.position = {4, 4, -0.5f};  // behind sample 40, which can hardly move
+    for (int k = 0; k < 3; ++k) {
+        ASSERT_TRUE(tick(state, table, o, {&in, 1}, {}).ok());
+        for (std::uint32_t s = 0; s < 81; ++s)
+            ASSERT_LE(std::fabs(state.positions()[s].z - state.rest_positions()[s].z), 1.001f) << s;
+    }
+}
+
 /// Another process writes diagonals of 200 and faces of 2^32 - 1 into the mapped file, again and again.
 TEST(Limits, FileOverwrittenWhileItIsRead) {
     constexpr std::uint32_t kSide = 257;  // a call lasts long enough to be overtaken between its check and its end
