@@ -66,6 +66,8 @@ Result<ChartTables> read_tables(const Chart& chart) noexcept {
     t.diagonals = elements<std::uint8_t>(chart, "diagonals", &t.diagonals_offset);
     t.normal = elements<std::int16_t>(chart, "normal", nullptr);
     t.border_normal = elements<std::int16_t>(chart, "border_normal", nullptr);
+    t.deformation = elements<float>(chart, "deformation", &t.deformation_offset);
+    t.contact = elements<float>(chart, "contact", &t.contact_offset);
     std::size_t count = 0;
     if (const auto* faces = elements<std::uint32_t>(chart, "border_faces", &t.faces_offset, &count))
         t.faces = {faces, count};

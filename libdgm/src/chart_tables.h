@@ -21,6 +21,13 @@ struct PositionLayer {
     }
 };
 
+/// A value of the mapped file, loaded once: whoever overwrites the file may do so between two loads, and a compiler is
+/// free to load twice what is checked and then used.
+template <class T>
+[[nodiscard]] T load_once(const T* from) noexcept {
+    return *static_cast<const volatile T*>(from);
+}
+
 struct ChartTables {
     std::uint32_t rows = 0, cols = 0;
     std::uint32_t grid = 0;   ///< rows * cols
@@ -33,8 +40,11 @@ struct ChartTables {
     const std::int16_t* normal = nullptr;
     const std::int16_t* border_normal = nullptr;
     const float* border_uv = nullptr;
+    const float* deformation = nullptr;  ///< E, F, G, stiffness of each grid sample
+    const float* contact = nullptr;      ///< area, mobility of each grid sample
     std::span<const std::uint32_t> faces, seams;
-    std::uint64_t mask_offset = 0, diagonals_offset = 0, border_uv_offset = 0, faces_offset = 0, seams_offset = 0;
+    std::uint64_t mask_offset = 0, diagonals_offset = 0, border_uv_offset = 0, faces_offset = 0, seams_offset = 0,
+                  deformation_offset = 0, contact_offset = 0;
 
     [[nodiscard]] bool on_surface(std::uint32_t sample) const noexcept {
         return sample >= grid || mask == nullptr || mask[sample] != 0;
@@ -45,8 +55,9 @@ struct ChartTables {
         const std::uint8_t* m = mask + std::size_t{i} * cols + j;
         return m[0] != 0 && m[1] != 0 && m[cols] != 0 && m[cols + 1] != 0;
     }
+    /// 0 or 1, whatever the file holds by now.
     [[nodiscard]] unsigned diagonal(std::uint32_t i, std::uint32_t j) const noexcept {
-        return diagonals == nullptr ? 0 : diagonals[std::size_t{i} * (cols - 1) + j];
+        return diagonals == nullptr ? 0 : diagonals[std::size_t{i} * (cols - 1) + j] & 1u;
     }
     /// Local position: scale * stored where the layer is quantised (or the grid is f32, whose scale is 1), else as
     /// stored: the f32 border of a u16 chart is not quantised.

@@ -111,6 +111,10 @@ bool is_finite(Vec3 v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+bool is_place(Vec3 v) noexcept {
+    return std::fabs(v.x) <= kMaxCoordinate && std::fabs(v.y) <= kMaxCoordinate && std::fabs(v.z) <= kMaxCoordinate;
+}
+
 /// Depth first, nearest child first.
 void search_pyramid(const StateImpl& s, const Pyramid& p, Vec3 tool, Best& best, const Rect* except) noexcept {
     Entry stack[4 * kMaxLevels];  // a visited node leaves at most three siblings behind on each level
@@ -138,9 +142,13 @@ void search_pyramid(const StateImpl& s, const Pyramid& p, Vec3 tool, Best& best,
 }
 }  // namespace detail
 
+namespace {
+constexpr Error kBadTool{ErrorCode::BadArgument, kNoOffset, "a coordinate of the tool is beyond 1e18"};
+}
+
 Result<Nearest> nearest_sample(State& state, Vec3 tool) noexcept {
     detail::StateImpl& s = *state.impl();
-    if (!detail::is_finite(tool)) return Error{ErrorCode::BadArgument, kNoOffset, "the tool position is not finite"};
+    if (!detail::is_place(tool)) return kBadTool;
     detail::refit(s, s.now_boxes);
     detail::Best best;
     detail::search_pyramid(s, s.now_boxes, tool, best);
@@ -149,7 +157,7 @@ Result<Nearest> nearest_sample(State& state, Vec3 tool) noexcept {
 
 Result<Nearest> track_sample(State& state, Vec3 tool, std::uint32_t last, std::uint32_t a) noexcept {
     detail::StateImpl& s = *state.impl();
-    if (!detail::is_finite(tool)) return Error{ErrorCode::BadArgument, kNoOffset, "the tool position is not finite"};
+    if (!detail::is_place(tool)) return kBadTool;
     if (!s.usable(last)) return Error{ErrorCode::BadArgument, kNoOffset, "the last sample is not on the surface"};
     if (a >= s.max_reach)
         return Error{ErrorCode::BadArgument, kNoOffset, "the window is larger than the state was made for"};

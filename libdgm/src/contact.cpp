@@ -329,9 +329,9 @@ Result<void> check(const StateImpl& s, const ContactImpl& c, const ContactOption
     if (o.rings.size() > 16 || o.smoothing > 64)
         return Error{ErrorCode::BadArgument, kNoOffset, "more ring sizes or rounds of smoothing than allowed"};
     for (const RingSize& r : o.rings)
-        if (!std::isfinite(r.total) || !std::isfinite(r.reach) || !(r.reach > 0) || !std::isfinite(r.sigma) ||
-            !(r.sigma > 0))
-            return Error{ErrorCode::BadArgument, kNoOffset, "a ring size is not a positive number"};
+        if (!std::isfinite(r.total) || !(r.reach >= kMinStep && r.reach <= kMaxCoordinate) ||
+            !(r.sigma >= kMinStep * kMinStep && r.sigma <= kMaxCoordinate * kMaxCoordinate))
+            return Error{ErrorCode::BadArgument, kNoOffset, "a ring size is not a number or out of range"};
     if (o.bulge > Bulge::None || o.mode > DeformMode::Plastic)
         return Error{ErrorCode::Unsupported, kNoOffset, "the bulge or the mode is not supported"};
     return {};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "state_impl.h"
 #include "table_impl.h"
@@ -204,11 +205,15 @@ std::uint32_t count_samples(const StateImpl& s) noexcept {
 }
 }  // namespace
 
+/// A difference of floats may be infinite: it counts as the largest float, so that no infinity meets a 0.
 Vec3 clamped(Vec3 d, float d_max) noexcept {
-    const double length = std::sqrt(double{d.x} * d.x + double{d.y} * d.y + double{d.z} * d.z);
+    constexpr double kMost = std::numeric_limits<float>::max();
+    const double x = std::clamp(double{d.x}, -kMost, kMost), y = std::clamp(double{d.y}, -kMost, kMost),
+                 z = std::clamp(double{d.z}, -kMost, kMost);
+    const double length = std::sqrt(x * x + y * y + z * z);
     if (length <= d_max) return d;
     const double f = d_max / length;
-    return {static_cast<float>(d.x * f), static_cast<float>(d.y * f), static_cast<float>(d.z * f)};
+    return {static_cast<float>(x * f), static_cast<float>(y * f), static_cast<float>(z * f)};
 }
 
 Result<void> check_contact(const StateImpl& s, const TableImpl& t, Footprint footprint, DeformMode mode, float d_max,
@@ -217,8 +222,8 @@ Result<void> check_contact(const StateImpl& s, const TableImpl& t, Footprint foo
         return Error{ErrorCode::BadArgument, kNoOffset, "d_max is not a positive number"};
     if (t.options.reach > s.max_reach)
         return Error{ErrorCode::BadArgument, kNoOffset, "the table reaches farther than the state was made for"};
-    if (!std::isfinite(step) || !(step >= 0))
-        return Error{ErrorCode::BadArgument, kNoOffset, "the step is not a number from 0"};
+    if (step != 0 && !(step >= kMinStep && step <= kMaxStep))
+        return Error{ErrorCode::BadArgument, kNoOffset, "the step is neither 0 nor in 1e-15 .. 1e15"};
     if (footprint > Footprint::Grid)
         return Error{ErrorCode::Unsupported, kNoOffset, "the footprint is not supported"};
     if (mode != DeformMode::Elastic && mode != DeformMode::Plastic)
@@ -279,8 +284,8 @@ Result<DeformReport> deform(State& state, const DeformTable& table, const Touch&
     const detail::TableImpl& t = *table.impl();
     if (!s.usable(touch.sample))
         return Error{ErrorCode::BadArgument, kNoOffset, "the contact is no sample of the surface"};
-    if (!detail::is_finite(touch.displacement))
-        return Error{ErrorCode::BadArgument, kNoOffset, "the displacement is not finite"};
+    if (!detail::is_place(touch.displacement))
+        return Error{ErrorCode::BadArgument, kNoOffset, "a component of the displacement is beyond 1e18"};
     if (auto r = detail::check_contact(s, t, touch.footprint, touch.mode, touch.d_max, touch.step); !r)
         return r.error();
     return detail::apply_contact(s, t,

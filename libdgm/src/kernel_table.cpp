@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include <dgm/limits.h>
+
 #include "asset_impl.h"
 #include "rows.h"
 #include "table_impl.h"
@@ -52,13 +54,15 @@ Result<void> check(const KernelOptions& o) noexcept {
     if (o.reach < 1 || o.reach > kMaxReach) return bad("the reach is not in 1..1024");
     if (o.end != KernelEnd::Printed && o.end != KernelEnd::Compact)
         return Error{ErrorCode::Unsupported, kNoOffset, "the kernel end is not supported"};
+    const auto in_range = [](float radius) { return radius >= kMinKernelRadius && radius <= kMaxKernelRadius; };
     switch (o.shape) {
         case KernelShape::Circular:
-            if (!std::isfinite(o.sigma) || !(o.sigma > 0)) return bad("sigma is not a positive number");
+            if (!(o.sigma >= kMinSigma && o.sigma <= kMaxSigma)) return bad("sigma is not in 1e-6 .. 1e12");
             return {};
         case KernelShape::Elliptic:
-            if (!std::isfinite(o.radius_a) || !(o.radius_a > 0) || !std::isfinite(o.radius_b) || !(o.radius_b > 0))
-                return bad("a radius is not a positive number");
+            if (!in_range(o.radius_a) || !in_range(o.radius_b)) return bad("a radius is not in 1e-3 .. 1e6");
+            if (std::max(o.radius_a, o.radius_b) > kMaxKernelRatio * std::min(o.radius_a, o.radius_b))
+                return bad("a radius is more than 1e4 times the other");
             if (!std::isfinite(o.angle)) return bad("the angle is not finite");
             return {};
         case KernelShape::User:

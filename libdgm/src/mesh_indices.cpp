@@ -142,7 +142,7 @@ Result<void> check_tables(const ChartTables& t) noexcept {
     if (t.diagonals != nullptr)
         for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
             for (std::uint32_t j = 0; j + 1 < t.cols; ++j)
-                if (t.diagonal(i, j) > 1 && t.has_quad(i, j))
+                if (t.diagonals[std::size_t{i} * (t.cols - 1) + j] > 1 && t.has_quad(i, j))
                     return Error{ErrorCode::BadValue, t.diagonals_offset + std::uint64_t{i} * (t.cols - 1) + j,
                                  "a diagonal is neither 0 nor 1"};
     for (std::size_t k = 0; k < t.faces.size() / 3 * 3; ++k)
@@ -152,12 +152,19 @@ Result<void> check_tables(const ChartTables& t) noexcept {
 }
 }  // namespace
 
+// What was checked may have been overwritten since: the file is mapped.
+std::uint32_t corner_of_face(const ChartTables& t, std::size_t place) noexcept {
+    const std::uint32_t v = load_once(t.faces.data() + place);
+    return v < t.total ? v : 0;
+}
+
 Result<std::uint64_t> make_indices(const ChartTables& t, const ReconstructOptions& options,
                                    std::span<std::uint32_t> out) noexcept {
     if (auto r = check_tables(t); !r) return r.error();
     Sink sink(out, options.topology);
     Builder(t, options.lod_stride, sink).run();
-    for (std::size_t k = 0; k + 2 < t.faces.size(); k += 3) sink.triangle(t.faces[k], t.faces[k + 1], t.faces[k + 2]);
+    for (std::size_t k = 0; k + 2 < t.faces.size(); k += 3)
+        sink.triangle(corner_of_face(t, k), corner_of_face(t, k + 1), corner_of_face(t, k + 2));
     sink.end();
     return sink.count();
 }

@@ -15,4 +15,7 @@ namespace dgm::detail {
 [[nodiscard]] Result<std::uint64_t> make_indices(const ChartTables& tables, const ReconstructOptions& options,
                                                  std::span<std::uint32_t> out) noexcept;
 
+/// A corner of a border face, for sure below `total`.
+[[nodiscard]] std::uint32_t corner_of_face(const ChartTables& tables, std::size_t place) noexcept;
+
 }  // namespace dgm::detail

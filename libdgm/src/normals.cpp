@@ -158,11 +158,11 @@ Result<void> build_rings(StateImpl& s) noexcept {
                 for (std::uint32_t q = row - 1; q <= row + 1; ++q) apart = apart && s.class_id(q) == kNone;
             if (apart) s.ring[k] |= kRingInside;
         }
+    s.any_face = quads != 0 || !s.faces.empty();
     const double mean = quads == 0 ? 0 : area / static_cast<double>(quads);
     s.normals_of = choose_normals(*s.rows_of, s.uniform ? nullptr : s.ring.data(), 1);
     if (!(mean > 0) || !std::isfinite(mean)) return {};
-    s.mean_step = static_cast<float>(std::sqrt(mean));
-    if (!(s.mean_step > 0) || !std::isfinite(s.mean_step)) s.mean_step = 1;
+    s.mean_step = std::max(static_cast<float>(std::sqrt(mean)), kMinStep);  // at most 2e18: positions are bounded
     // Squares of area vectors shall lie amid the range of float. 1 is quickest.
     if (mean < 1e-4 || mean > 1e4) {
         const int power = std::clamp(-std::ilogb(mean), -120, 120);

@@ -49,7 +49,8 @@ Probe box_probe(const Shape& o, Double3 p) noexcept {
     return {std::fabs(c[face]) - h[face], from_own(o, {nearest[0], nearest[1], nearest[2]})};
 }
 
-/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5). An edge without length is passed over:
+/// its ends are on the other two.
 Double3 nearest_on(const Double3& p, const Double3& a, const Double3& b, const Double3& c) noexcept {
     const Double3 ab = b - a, ac = c - a, ap = p - a;
     const double d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -58,14 +59,15 @@ Double3 nearest_on(const Double3& p, const Double3& a, const Double3& b, const D
     const double d3 = dot(ab, bp), d4 = dot(ac, bp);
     if (d3 >= 0 && d4 <= d3) return b;
     const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + (d1 / (d1 - d3)) * ab;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) return a + (d1 / (d1 - d3)) * ab;
     const Double3 cp = p - c;
     const double d5 = dot(ab, cp), d6 = dot(ac, cp);
     if (d6 >= 0 && d5 <= d6) return c;
     const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + (d2 / (d2 - d6)) * ac;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) return a + (d2 / (d2 - d6)) * ac;
     const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0)
+        return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
     const double sum = va + vb + vc;
     if (!(sum > 0)) return a;  // no area: its edges have been asked
     return a + (vb / sum) * ab + (vc / sum) * ac;
@@ -422,7 +424,7 @@ bool read_rotation(const float* r, Double3* axis) noexcept {
 Result<Shape> make_shape(const Obstacle& o) noexcept {
     Shape shape;
     shape.kind = o.kind;
-    if (!is_finite(o.point)) return kBadObstacle;
+    if (!is_place(o.point)) return kBadObstacle;
     shape.point = widen(o.point);
     switch (o.kind) {
         case ObstacleKind::Plane: {
@@ -434,15 +436,15 @@ Result<Shape> make_shape(const Obstacle& o) noexcept {
             return shape;
         }
         case ObstacleKind::Capsule:
-            if (!is_finite(o.end)) return kBadObstacle;
+            if (!is_place(o.end)) return kBadObstacle;
             shape.end = widen(o.end);
             [[fallthrough]];
         case ObstacleKind::Sphere:
-            if (!std::isfinite(o.radius) || !(o.radius > 0)) return kBadObstacle;
+            if (!(o.radius > 0 && o.radius <= kMaxCoordinate)) return kBadObstacle;
             shape.radius = o.radius;
             return shape;
         case ObstacleKind::Box:
-            if (!is_finite(o.half) || !(o.half.x > 0 && o.half.y > 0 && o.half.z > 0)) return kBadObstacle;
+            if (!is_place(o.half) || !(o.half.x > 0 && o.half.y > 0 && o.half.z > 0)) return kBadObstacle;
             shape.half = widen(o.half);
             return read_rotation(o.rotation, shape.axis) ? Result<Shape>{shape} : Result<Shape>{kBadObstacle};
         case ObstacleKind::Surface:
@@ -450,10 +452,10 @@ Result<Shape> make_shape(const Obstacle& o) noexcept {
         default:
             return Error{ErrorCode::Unsupported, kNoOffset, "the kind of obstacle is not supported"};
     }
-    if (o.surface == nullptr || !std::isfinite(o.reach) || !(o.reach >= 0)) return kBadObstacle;
+    if (o.surface == nullptr || !(o.reach >= 0 && o.reach <= kMaxCoordinate)) return kBadObstacle;
     if (!read_rotation(o.rotation, shape.axis)) return kBadObstacle;
     StateImpl& s = *o.surface->impl();
-    if (s.any_sample == kNone) return Error{ErrorCode::NotFound, kNoOffset, "the obstacle has no sample"};
+    if (!s.any_face) return Error{ErrorCode::NotFound, kNoOffset, "the obstacle has no triangle"};
     shape.surface = &s;
     refit(s, s.now_boxes);
     shape.open = s.open_surface;
@@ -576,7 +578,8 @@ double box_distance(const Shape& o, const Box& box) noexcept {
 }  // namespace detail
 
 Result<ObstacleDistance> obstacle_distance(const Obstacle& obstacle, Vec3 point) noexcept {
-    if (!detail::is_finite(point)) return Error{ErrorCode::BadArgument, kNoOffset, "the point is not finite"};
+    if (!detail::is_place(point))
+        return Error{ErrorCode::BadArgument, kNoOffset, "a coordinate of the point is beyond 1e18"};
     auto shape = detail::make_shape(obstacle);
     if (!shape) return shape.error();
     const detail::Probe p = detail::probe(shape.value(), detail::widen(point));

@@ -82,7 +82,8 @@ class VertexWriter {
         if (target_.position_format == VertexFormat::F16)
             return shorts(k, target_.position_offset, to_half(p.x), to_half(p.y), to_half(p.z));
         const auto place = [](float v, float from, float step) {
-            return to_unit(static_cast<float>((double{v} - from) / step / 65535));
+            // Clamped before the cast: a double beyond float has none.
+            return to_unit(static_cast<float>(std::clamp((double{v} - from) / step / 65535, -1.0, 2.0)));
         };
         shorts(k, target_.position_offset, place(p.x, o.x, s.x), place(p.y, o.y, s.y), place(p.z, o.z, s.z));
     }
@@ -250,7 +251,17 @@ Result<void> write_stored_normals(const ChartTables& t, const VertexWriter& out)
     return {};
 }
 
-/// Triangles of all quads and border faces, as make_indices() has them.
+/// make_indices() into as much memory as was counted: all of it is written, even if the file has changed since.
+Result<void> write_indices(const ChartTables& t, const ReconstructOptions& options,
+                           std::span<std::uint32_t> out) noexcept {
+    auto made = make_indices(t, options, out);
+    if (!made) return made.error();
+    const std::uint64_t written = std::min<std::uint64_t>(made.value(), out.size());
+    std::fill(out.begin() + static_cast<std::ptrdiff_t>(written), out.end(), 0u);
+    return {};
+}
+
+/// Triangles of all quads and border faces, as make_indices() has them. `out` is as long as was counted.
 Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t> out) noexcept {
     const ChartTables t = tables;  // what is written could be in the caller's for all the compiler knows
     unsigned all = 0;
@@ -258,10 +269,7 @@ Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t>
         for (std::size_t k = 0; k < std::size_t{t.rows - 1} * (t.cols - 1); ++k) all |= t.diagonals[k];
     bool good = all <= 1;
     for (const std::uint32_t v : t.faces) good = good && v < t.total;
-    if (!good) {  // off the surface, or an error
-        auto made = make_indices(t, {}, out);
-        return made ? Result<void>{} : Result<void>{made.error()};
-    }
+    if (!good) return write_indices(t, {}, out);  // off the surface, or an error
     std::uint32_t* to = out.data();
     std::size_t left = out.size();  // the file may change under us
     for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
@@ -278,7 +286,9 @@ Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t>
             to += 6;
             left -= 6;
         }
-    std::copy_n(t.faces.data(), std::min(left, t.faces.size() / 3 * 3), to);
+    const std::size_t corners = std::min(left, t.faces.size() / 3 * 3);
+    for (std::size_t k = 0; k < corners; ++k) to[k] = corner_of_face(t, k);
+    std::fill_n(to + corners, left - corners, 0u);  // 0 of them, unless the file has changed since they were counted
     return {};
 }
 
@@ -357,11 +367,9 @@ Result<MeshCounts> write_mesh(const ChartTables& t, const VertexTarget& vertices
     if (!indices.empty()) {
         if (indices.size() < counts.indices)
             return Error{ErrorCode::BufferTooSmall, kNoOffset, "the index memory is too small"};
-        if (options.lod_stride != 1 || options.topology != IndexTopology::Triangles) {
-            if (auto r = make_indices(t, options, indices); !r) return r.error();
-        } else if (auto r = write_triangles(t, indices); !r) {
-            return r.error();
-        }
+        const std::span<std::uint32_t> out = indices.first(static_cast<std::size_t>(counts.indices));
+        const bool plain = options.lod_stride == 1 && options.topology == IndexTopology::Triangles;
+        if (auto r = plain ? write_triangles(t, out) : write_indices(t, options, out); !r) return r.error();
     }
     if (!vertices.memory.empty()) {
         auto out = VertexWriter::make(vertices, counts.vertices);

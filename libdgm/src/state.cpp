@@ -38,6 +38,7 @@ bool copy_tables(StateImpl& s, const ChartTables& t) noexcept {
     s.tables = t;
     s.tables.geometry = s.tables.border = {};
     s.tables.normal = s.tables.border_normal = nullptr;
+    s.tables.deformation = s.tables.contact = nullptr;
     s.tables.mask = s.mask.data();
     s.tables.diagonals = s.diagonals.data();
     s.tables.border_uv = s.border_uv.data();
@@ -51,6 +52,7 @@ std::uint64_t plane_floats(std::uint64_t total) noexcept {
     return (total + 1023) / 1024 * 1024 + 112;
 }
 
+/// Checked before, but where the file has been overwritten since: what is kept is bounded whatever it holds.
 bool copy_positions(StateImpl& s, const ChartTables& t) noexcept {
     s.plane = static_cast<std::size_t>(plane_floats(t.total));
     if (!s.planes.allocate(s.allocator, 16 * std::uint64_t{s.plane})) return false;
@@ -64,15 +66,25 @@ bool copy_positions(StateImpl& s, const ChartTables& t) noexcept {
     s.rough = s.planes.data() + next;
     for (std::uint32_t k = 0; k < t.total; ++k) {
         Vec3 p = t.position(k);
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-            p = {};  // off the surface: checked before
+        if (!is_place(p)) p = {};  // off the surface
         s.rest.x[k] = p.x;
         s.rest.y[k] = p.y;
         s.rest.z[k] = p.z;
     }
+    return true;
+}
+
+/// Copies hold the bits of their representative, as in the file that was checked.
+void weld_positions(StateImpl& s) noexcept {
+    for (std::uint32_t id = 0; id < s.class_count; ++id)
+        for (const std::uint32_t copy : s.members(id)) {
+            const Vec3 p = StateImpl::at(s.rest, s.members(id)[0]);
+            s.rest.x[copy] = p.x;
+            s.rest.y[copy] = p.y;
+            s.rest.z[copy] = p.z;
+        }
     std::memcpy(s.base.x, s.rest.x, 3 * s.plane * sizeof(float));
     std::memcpy(s.now.x, s.rest.x, 3 * s.plane * sizeof(float));
-    return true;
 }
 
 /// Border faces of each sample, as offsets into one list.
@@ -140,24 +152,18 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
            GeodesicScratch::kBuckets * sizeof(FrontNode) + 4096;
 }
 
-/// Element `column` of a layer [m][n][width], 0 .. 1 each; nothing is kept if all are 1.
-Result<void> copy_share(StateImpl& s, const Chart& chart, const char* name, std::size_t width, std::size_t column,
+/// The last element of a layer [m][n][width]; nothing is kept if all are 1.
+Result<void> copy_share(StateImpl& s, const float* layer, std::uint64_t offset, std::size_t width,
                         Array<float>& to) noexcept {
-    auto layer = chart.find(name);
-    if (!layer) return {};
-    auto values = layer.value().as<float>();
-    if (!values) return values.error();
-    if (values.value().size() != s.tables.grid * width)
-        return Error{ErrorCode::BadLayer, layer.value().file_offset, "the layer does not fit the grid"};
-    const float* from = values.value().data() + column;
+    if (layer == nullptr) return {};
     if (!to.allocate(s.allocator, s.tables.grid, 1.0f)) return kNoMemory;
     bool all_one = true;
     for (std::size_t k = 0; k < s.tables.grid; ++k) {
         if (!s.tables.on_surface(static_cast<std::uint32_t>(k))) continue;
-        const float v = from[width * k];
-        if (!(v >= 0 && v <= 1))
-            return Error{ErrorCode::BadValue, layer.value().file_offset + 4 * (width * k + column),
-                         "stiffness or mobility is not in 0..1"};
+        const std::size_t at = width * k + width - 1;
+        const float v = load_once(layer + at);
+        if (!is_behaviour(3, v))
+            return Error{ErrorCode::BadValue, offset + 4 * at, "stiffness or mobility is not in 0..1"};
         to[k] = v;
         all_one = all_one && v == 1;
     }
@@ -176,9 +182,9 @@ void weld_share(const StateImpl& s, Array<float>& values) noexcept {
     }
 }
 
-Result<void> copy_behaviour(StateImpl& s, const Chart& chart) noexcept {
-    if (auto r = copy_share(s, chart, "deformation", 4, 3, s.stiffness); !r) return r;
-    if (auto r = copy_share(s, chart, "contact", 2, 1, s.mobility); !r) return r;
+Result<void> copy_behaviour(StateImpl& s, const ChartTables& t) noexcept {
+    if (auto r = copy_share(s, t.deformation, t.deformation_offset, 4, s.stiffness); !r) return r;
+    if (auto r = copy_share(s, t.contact, t.contact_offset, 2, s.mobility); !r) return r;
     weld_share(s, s.stiffness);
     weld_share(s, s.mobility);
     return {};
@@ -205,9 +211,10 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     if (auto r = check_values(own, s.allocator); !r) return r;
     if (!copy_positions(s, own) || !index_faces(s)) return kNoMemory;
     if (auto r = build_classes(s); !r) return r;
+    weld_positions(s);
     if (auto r = build_links(s); !r) return r;
     s.tables.seams = {};
-    if (auto r = copy_behaviour(s, chart); !r) return r;
+    if (auto r = copy_behaviour(s, own); !r) return r;
     if (auto r = build_rings(s); !r) return r;
     if (auto r = build_pyramid(s); !r) return r;
     // Distances depend on the rest normals: the same bits whatever the processor.

@@ -8,6 +8,7 @@
 
 #include <dgm/deform.h>
 #include <dgm/grid.h>
+#include <dgm/limits.h>
 #include <dgm/state.h>
 
 #include "chart_tables.h"
@@ -186,6 +187,7 @@ struct StateImpl {
     GeodesicScratch geodesic;
     Array<ToolSlot> tools;
     std::uint32_t any_sample = kNone;  ///< the first on the surface
+    bool any_face = false;             ///< it has a triangle at all
     bool open_surface = true;          ///< some edge of the welded surface has one face
 
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
@@ -351,6 +353,8 @@ struct Best {
 void search_pyramid(const StateImpl& state, const Pyramid& pyramid, Vec3 tool, Best& best,
                     const Rect* except = nullptr) noexcept;
 [[nodiscard]] bool is_finite(Vec3 v) noexcept;
+/// No coordinate beyond kMaxCoordinate, none a NaN.
+[[nodiscard]] bool is_place(Vec3 v) noexcept;
 
 [[nodiscard]] Result<DeformReport> apply_contact(StateImpl& state, const TableImpl& table,
                                                  const Contact& contact) noexcept;

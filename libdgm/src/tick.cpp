@@ -43,7 +43,7 @@ Result<void> check(const StateImpl& s, const TableImpl& t, const TickOptions& o,
     if (!outputs.empty() && outputs.size() < tools.size()) return bad("there are fewer outputs than tools");
     std::uint64_t named = 0;
     for (const ToolInput& in : tools) {
-        if (!is_finite(in.position)) return bad("the tool position is not finite");
+        if (!is_place(in.position)) return bad("a coordinate of a tool is beyond 1e18");
         if (in.kind > ToolKind::Grasp) return Error{ErrorCode::Unsupported, kNoOffset, "the tool kind is not known"};
         if (in.tool >= s.tools.size()) return bad("the state was made for fewer tools");
         if ((named >> in.tool & 1) != 0) return bad("a tool is named twice");
@@ -199,7 +199,7 @@ Press move_tool(StateImpl& s, const TickOptions& o, const ToolInput& in, ToolOut
     const Vec3 asked = settled(slot, wish, in.position, o), d = asked == wish ? wish : clamped(asked, o.d_max);
     out.holding = slot.holding;
     out.displacement = d;
-    out.force = contact_force(d, o.d_max, o.f_max).value();
+    if (const auto force = contact_force(d, o.d_max, o.f_max)) out.force = force.value();
     Vec3 applied = d;
     if (o.mode == DeformMode::Plastic) {
         // The permanent shape follows: a touch asks only for what is missing, the others for what is new.
@@ -285,7 +285,8 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
         if (!outputs.empty()) outputs[k] = out;
         if (!press.active) continue;
         contacts[count++] = press.contact;
-        at_once = at_once || !(detail::share_at(s, t, press.contact.sample) > 0);
+        // What a contact has hardly a hold of is not asked to make up for what fades.
+        at_once = at_once || !(detail::share_at(s, t, press.contact.sample) > 1e-6f);
     }
 
     if (s.fading.normals_owed && !o.normals) detail::settle(s);  // they stay as they are now

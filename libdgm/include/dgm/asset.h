@@ -69,7 +69,9 @@ class Chart {
 /// Opening checks magic, version, header and index hash, file size, ranges (overflow-checked), alignment, names,
 /// overlaps, and types and shapes of the known layers; unknown optional layers are listed with known = false, unknown
 /// required ones are refused. It does not read the layers: see verify() for their hashes and validate_chart() for
-/// their values. The file must not be shortened while it is mapped.
+/// their values. The file must not be shortened while it is mapped: pages beyond its end cannot be read (SIGBUS, an
+/// access violation). If it is overwritten in place, calls that read it give values of either content, or an error;
+/// indices they write still lie in the range promised, and a State or an index once read stays what it is.
 class Asset {
  public:
     /// Maps a file. @return FileMissing, ReadFailed, or what open_memory answers.

@@ -19,15 +19,16 @@ struct Nearest {
 ///
 /// Boxes of tiles touched since the last query are refitted first, hence the non-const state. The answer is that of an
 /// exhaustive search with squared distances evaluated in float.
-/// @return BadArgument if `tool` (local coordinates) is not finite, NotFound if the chart has no sample.
+/// @return BadArgument if a coordinate of `tool` (local) is beyond kMaxCoordinate (limits.h), NotFound if the chart has
+///         no sample.
 /// No allocation. O(log samples) for a tool near the surface.
 [[nodiscard]] DGM_API Result<Nearest> nearest_sample(State& state, Vec3 tool) noexcept;
 
 /// Nearest sample in the (2a + 1) x (2a + 1) window around `last`, continued across seams as in deform().
 ///
 /// Can miss the true nearest one if the tool jumped farther than the window or to another fold.
-/// @return BadArgument: tool not finite, `last` not on the surface, a >= StateOptions::max_reach. LimitExceeded as in
-///         deform(). No allocation. O(a^2).
+/// @return BadArgument: tool beyond kMaxCoordinate, `last` not on the surface, a >= StateOptions::max_reach.
+///         LimitExceeded as in deform(). No allocation. O(a^2).
 [[nodiscard]] DGM_API Result<Nearest> track_sample(State& state, Vec3 tool, std::uint32_t last,
                                                    std::uint32_t a) noexcept;
 

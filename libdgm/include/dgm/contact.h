@@ -35,7 +35,8 @@ enum class ObstacleKind : std::uint32_t {
     Surface = 4,  ///< the present shape of another state, searched through its own pyramid
 };
 
-/// All coordinates are local ones of the state that is pressed against it.
+/// All coordinates are local ones of the state that is pressed against it, and none, nor a radius, half side or reach,
+/// is beyond kMaxCoordinate (limits.h).
 struct Obstacle {
     ObstacleKind kind = ObstacleKind::Plane;
     Vec3 point = {};       ///< plane: a point of it. Sphere, box: centre. Capsule: one end. Surface:
@@ -60,8 +61,8 @@ enum class Bulge : std::uint32_t {
 /// Row of the paper's table of R and sigma by D.
 struct RingSize {
     float total = 0;  ///< for D up to this (the last row: for any D)
-    float reach = 0;  ///< R, local units, > 0
-    float sigma = 0;  ///< local units squared, > 0
+    float reach = 0;  ///< R, local units, 1e-15 .. 1e18
+    float sigma = 0;  ///< local units squared, 1e-30 .. 1e36
 };
 
 struct ContactOptions {
@@ -127,7 +128,8 @@ class ContactSolver {
 /// A step beyond the obstacle of less than 2e-7 of the largest coordinate is none: a shape that rests is left alone.
 /// @return BadArgument: an obstacle, limit or ring that is not finite (limits may be infinite) or out of range, a
 ///         rotation that is none, a surface that is the state itself, a solver made for another state. Unsupported
-///         kind, bulge or mode. On an error nothing has been changed.
+///         kind, bulge or mode. NotFound: the obstacle is a surface without triangles. On an error nothing has been
+///         changed.
 /// No allocation, no locks. O(samples in contact and ring), for surfaces times a search of their pyramid.
 [[nodiscard]] DGM_API Result<ContactReport> resolve_contact(State& state, const ContactSolver& solver,
                                                             const Obstacle& obstacle,

@@ -34,11 +34,13 @@ struct KernelOptions {
     KernelShape shape = KernelShape::Circular;
     KernelEnd end = KernelEnd::Printed;  ///< as the paper; Compact takes no longer and differs by 0.3 % of the depth
     /// Squared grid steps, 2 std^2 in eq. 7 (the paper says std). With b = 11, 16 leaves 5e-4 of the depth at the rim.
+    /// 1e-6 .. 1e12 (limits.h).
     float sigma = 16;
     std::uint32_t reach = 11;  ///< b of eq. 7: samples with |di| < b and |dj| < b move; 1 .. kMaxReach
     /// Elliptic: distances in grid steps at which the weight is 1/e along both axes (a circle of radius r is
     /// sigma = r^2), and the angle in radians from the row direction (+i) towards the column direction (+j) at which
-    /// axis a lies. The compact end is 0 on the ellipse of these proportions that touches distance b.
+    /// axis a lies. Radii lie in 1e-3 .. 1e6, the longer one at most 1e4 times the shorter one. The compact end is 0 on
+    /// the ellipse of these proportions that touches distance b.
     float radius_a = 4, radius_b = 4, angle = 0;
     /// User: 2 .. 65536 finite weights in [-1, 1]; copied. `end` and `sigma` have no meaning for them.
     std::span<const float> values = {};
@@ -49,7 +51,7 @@ inline constexpr std::uint32_t kMaxReach = 1024;
 /// The kernel's values for one (sigma, b, shape), computed once. Immutable: any number of threads and states share it.
 class DeformTable {
  public:
-    /// @return BadArgument (sigma or a radius not finite or <= 0, angle not finite, reach or values out of range),
+    /// @return BadArgument (sigma, a radius, their ratio, reach or values out of range, angle not finite),
     ///         Unsupported shape or end, OutOfMemory.
     [[nodiscard]] DGM_API static Result<DeformTable> create(const KernelOptions& options,
                                                             const Allocator& allocator = {}) noexcept;
@@ -99,11 +101,12 @@ enum class DeformMode : std::uint32_t {
 /// One touch of a tool.
 struct Touch {
     std::uint32_t sample = 0;  ///< the contact (i_c, j_c) as a sample index; any copy of a seam class will do
-    Vec3 displacement;         ///< d_c, local units: into the surface pushes, out of it pulls
+    Vec3 displacement;         ///< d_c, local units: into the surface pushes, out of it pulls; within kMaxCoordinate
     float d_max = 0;           ///< |d_c| is shortened to this; > 0
     Footprint footprint = Footprint::Surface;
     DeformMode mode = DeformMode::Elastic;
-    /// All footprints but Grid: local length that counts as one grid step of the kernel. 0: State::mean_step().
+    /// All footprints but Grid: local length that counts as one grid step of the kernel, 1e-15 .. 1e15.
+    /// 0: State::mean_step().
     float step = 0;
 };
 
@@ -136,9 +139,10 @@ inline constexpr std::uint32_t kMaxFrames = 128;
 /// Every touch adds: for a tool that presses elastically call state.release() (or relax()) first each tick, then one
 /// deform() a contact; or let tick() do it. Normals follow at State::update_normals().
 ///
-/// @return BadArgument: sample not on the surface, d_c or d_max not finite, d_max <= 0, table.reach() beyond
-///         StateOptions::max_reach, step negative or not finite. LimitExceeded: Footprint::Grid, more samples in reach than the
-///         state's scratch holds (many sheets around one seam node). Unsupported footprint or mode. On every error nothing has been changed.
+/// @return BadArgument: sample not on the surface, d_c beyond kMaxCoordinate, d_max not finite or <= 0, table.reach()
+///         beyond StateOptions::max_reach, step out of range. LimitExceeded: Footprint::Grid, more samples in reach than
+///         the state's scratch holds (many sheets around one seam node). Unsupported footprint or mode. On every error
+///         nothing has been changed.
 /// No allocation, no locks. O(b^2).
 [[nodiscard]] DGM_API Result<DeformReport> deform(State& state, const DeformTable& table, const Touch& touch) noexcept;
 

@@ -5,7 +5,8 @@
  * Rules: a call that can fail returns a dgm_code (DGM_OK is 0) and fills `error` if that is not null. Structs start
  * with struct_size = sizeof(struct): older and newer libraries then read and write only what both know; a newer option
  * that is not 0 and not known is DGM_UNSUPPORTED. All-zero options are the defaults. Handles are destroyed with their
- * _destroy / _close call, null is allowed there. Nothing throws, aborts, prints or keeps global state.
+ * _destroy / _close call, null is allowed there. Nothing throws, aborts, prints or keeps global state. Coordinates,
+ * displacements and radii beyond 1e18 are DGM_BAD_ARGUMENT (limits.h).
  */
 #pragma once
 #include <stddef.h>
@@ -147,8 +148,8 @@ typedef struct dgm_kernel_options {
     uint32_t shape;           /* 0 circular, 1 elliptic, 2 user */
     uint32_t end;             /* 0 eq. 7 as printed, 1 compact */
     uint32_t reach;           /* b of eq. 7 */
-    float sigma;              /* squared grid steps */
-    float radius_a, radius_b; /* elliptic: grid steps to weight 1/e */
+    float sigma;              /* squared grid steps, 1e-6 .. 1e12 */
+    float radius_a, radius_b; /* elliptic: grid steps to weight 1/e, 1e-3 .. 1e6, ratio at most 1e4 */
     float angle;              /* elliptic: radians from +i towards +j */
     const float* values;      /* user: weights at equal distances 0 .. b, copied */
     size_t value_count;
@@ -161,7 +162,7 @@ typedef struct dgm_touch {
     float d_max;
     uint32_t footprint; /* 0 surface, 1 the same (once metric), 2 geodesic, 3 grid: eq. 7 as printed */
     uint32_t mode;      /* 0 elastic, 1 plastic */
-    float step;         /* surface, geodesic: local length of a kernel step; 0: the mean one */
+    float step;         /* surface, geodesic: local length of a kernel step, 1e-15 .. 1e15; 0: the mean one */
 } dgm_touch;
 
 typedef struct dgm_deform_report {

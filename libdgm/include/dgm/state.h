@@ -8,6 +8,7 @@
 
 #include <dgm/allocator.h>
 #include <dgm/asset.h>
+#include <dgm/limits.h>
 #include <dgm/map_view.h>
 #include <dgm/result.h>
 
@@ -46,8 +47,7 @@ class State {
  public:
     /// Decodes the geometry, and stiffness and mobility if there are such layers, and checks the chart's values
     /// (validate_chart).
-    /// @return MissingLayer without geometry, what validate_chart answers, BadValue for a stiffness or mobility outside
-    ///         0 .. 1 or a first fundamental form that is not finite, LimitExceeded, OutOfMemory, BadArgument.
+    /// @return MissingLayer without geometry, what validate_chart answers, LimitExceeded, OutOfMemory, BadArgument.
     [[nodiscard]] DGM_API static Result<State> create(const Chart& chart, const StateOptions& options = {}) noexcept;
     DGM_API State(State&& other) noexcept;
     DGM_API State& operator=(State&& other) noexcept;
@@ -74,7 +74,8 @@ class State {
     [[nodiscard]] DGM_API PointView normals() const noexcept;
     /// Brings normals() up to date where the shape was touched since. O(touched samples).
     DGM_API void update_normals() noexcept;
-    /// Square root of the mean area of a rest quad: the length of a grid step, on the whole.
+    /// Square root of the mean area of a rest quad: the length of a grid step, on the whole; at least 1e-15, and 1
+    /// where there is no area.
     [[nodiscard]] DGM_API float mean_step() const noexcept;
     [[nodiscard]] DGM_API StateUsage usage() const noexcept;
     /// Instruction set in use: "plain" or "avx2" (with AVX-512 for the normals of uniform diagonals where there is it).

@@ -43,7 +43,7 @@ enum class ContactRule : std::uint32_t {
 struct ToolInput {
     std::uint32_t tool = 0;  ///< which of StateOptions::max_tools; each at most once a tick
     ToolKind kind = ToolKind::Touch;
-    Vec3 position;        ///< local coordinates
+    Vec3 position;        ///< local coordinates, within kMaxCoordinate (limits.h)
     bool engaged = true;  ///< false: grasp lets go; touch and poke do not touch
 };
 

@@ -116,10 +116,12 @@ TEST(Deform, LongDisplacementsAreShortenedToDMax) {
     EXPECT_NEAR(done.value().displacement.x, 3, 1e-6);
     EXPECT_NEAR(done.value().displacement.z, 4, 1e-6);
     EXPECT_NEAR(state.positions()[40].z, 4, 1e-6);
-    // Also where the squares of floats overflow.
-    const auto huge = deform(state, make_table(4, 3), press(40, {3e38f, 0, 0}, 1));
+    // Also at the largest displacement there may be, and not beyond it.
+    const auto huge = deform(state, make_table(4, 3), press(40, {kMaxCoordinate, 0, 0}, 1));
     ASSERT_TRUE(huge.ok());
     EXPECT_NEAR(huge.value().displacement.x, 1, 1e-6);
+    const Touch beyond = press(40, {0, std::nextafter(-kMaxCoordinate, -INFINITY), 0}, 1);
+    EXPECT_EQ(deform(state, make_table(4, 3), beyond).error().code, ErrorCode::BadArgument);
 }
 
 TEST(Deform, ElasticTouchesGoOnReleasePlasticOnesStay) {

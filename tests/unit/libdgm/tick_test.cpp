@@ -373,8 +373,10 @@ TEST(Tick, BadInputsAreRefusedWithoutHarm) {
     EXPECT_EQ(tick(state, table, good, {twice, 1}, {two, 0}).error().code, ErrorCode::Ok) << "no outputs wanted";
     one(state, table, good, tool_at({12, 17, -0.5f}));
     EXPECT_TRUE(same_bits(state.positions()[12 * 31 + 17], before));
-    // Finite but absurd places do no harm either.
-    for (const float far : {1e20f, 1e30f, 3e38f}) {
+    EXPECT_EQ(code(good, tool_at({0, -2e18f, 0})), ErrorCode::BadArgument) << "beyond kMaxCoordinate";
+    EXPECT_EQ(code(good, tool_at({3e38f, 0, 0})), ErrorCode::BadArgument);
+    // Legal but absurd places do no harm either.
+    for (const float far : {1e10f, 1e17f, 1e18f}) {
         const ToolOutput there = one(state, table, good, tool_at({far, -far, far}));
         EXPECT_TRUE(std::isfinite(there.displacement.z) && std::isfinite(there.force.z));
         EXPECT_LT(there.sample, 31u * 31);
