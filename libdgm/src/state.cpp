@@ -126,7 +126,7 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
     // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (21), classes,
     // slots.
     return shape + std::uint64_t{t.total} * (3 + 12 + 21 + 8 + 8 + (o.metric ? 12 : 0)) + walk +
-           tiles * (4 * sizeof(Box) + 44) + t.faces.size() * 40 + t.seams.size() * 80 +
+           tiles * (4 * sizeof(Box) + 52) + t.faces.size() * 40 + t.seams.size() * 80 +
            (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
            GeodesicScratch::kBuckets * sizeof(FrontNode) + 4096;
 }

@@ -167,6 +167,8 @@ struct StateImpl {
     Array<std::uint32_t> tile_list, next_tiles;
     std::uint32_t tile_count_listed = 0;
     Array<std::uint32_t> tile_border_start, tile_border;  ///< border samples of each tile
+    /// Border faces by the tile whose leaf holds them, and tiles that hold faces with a corner in this one.
+    Array<std::uint32_t> tile_face_start, tile_faces, tile_link_start, tile_links;
     Pyramid now_boxes, base_boxes;
     RectList elastic;  ///< where now may differ from base, besides `fading`
     Fading fading;

@@ -212,6 +212,26 @@ typedef struct dgm_tick_report {
     uint32_t crossed_seam, truncated;
 } dgm_tick_report;
 
+/* A ray and what it meets first (pick.h), local coordinates. */
+typedef struct dgm_pick_options {
+    uint32_t struct_size;
+    uint32_t skip_back_faces; /* 1: triangles seen from behind are passed */
+    float max_distance;       /* 0: no limit */
+} dgm_pick_options;
+
+typedef struct dgm_ray_hit {
+    uint32_t struct_size;
+    uint32_t sample;      /* corner with the largest weight, by its class's representative */
+    uint32_t row, column; /* quad, or DGM_NONE for a face of a border strip */
+    uint32_t triangle;    /* of the quad: 0 or 1; else the place in `border_faces` */
+    uint32_t corners[3];  /* samples */
+    uint32_t front;       /* 1: seen from the side that `normal` points to */
+    float barycentric[3];
+    float distance; /* local units, whatever the direction's length */
+    float point[3];
+    float normal[3]; /* unit normal of the flat triangle */
+} dgm_ray_hit;
+
 /* Contact with an obstacle (contact.h), local coordinates of the state that is pressed against it. */
 typedef struct dgm_contact_solver dgm_contact_solver; /* scratch of contacts of one state */
 
@@ -341,6 +361,10 @@ DGM_API dgm_code dgm_track_sample(dgm_state* state, const float tool[3], uint32_
 /* dgm_track_sample() made certain by the pyramid; *lost: the window alone had missed the sample. */
 DGM_API dgm_code dgm_track_nearest(dgm_state* state, const float tool[3], uint32_t last, uint32_t a, uint32_t* sample,
                                    float* distance, uint32_t* lost, dgm_error* error);
+/* First triangle of the present shape along a ray; DGM_NOT_FOUND if there is none. `options` and `hit` may be null. The
+   direction may have any length but 0. */
+DGM_API dgm_code dgm_pick_ray(dgm_state* state, const float origin[3], const float direction[3],
+                              const dgm_pick_options* options, dgm_ray_hit* hit, dgm_error* error);
 /* One turn of the haptic loop: track, hit, force, deform, normals (tick.h). outputs and report may be null. */
 DGM_API dgm_code dgm_tick(dgm_state* state, const dgm_table* table, const dgm_tick_options* options,
                           const dgm_tool_input* tools, size_t tool_count, dgm_tool_output* outputs,
