@@ -29,7 +29,7 @@ struct Picker {
     const bool back_faces;
     Found best;
 
-    void offer(std::uint64_t triangle, const std::uint32_t* corners) noexcept {
+    [[gnu::noinline]] void offer(std::uint64_t triangle, const std::uint32_t* corners) noexcept {
         TriangleHit hit;
         if (!meets(ray, shear(ray, planes, corners[0]), shear(ray, planes, corners[1]), shear(ray, planes, corners[2]),
                    hit))

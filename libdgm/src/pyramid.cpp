@@ -148,6 +148,7 @@ Result<void> build_pyramid(StateImpl& s) noexcept {
     s.tile_rows = tile_count(s.tables.rows - 1);
     s.tile_cols = tile_count(s.tables.cols - 1);
     const std::uint32_t tiles = s.tile_rows * s.tile_cols;
+    if (!s.changes.allocate(s.allocator, {s.tables.rows, s.tables.cols, s.total() - s.tables.grid})) return kNoMemory;
     if (!s.tile_flags.allocate(s.allocator, tiles) || !s.tile_list.allocate(s.allocator, tiles) ||
         !s.next_tiles.allocate(s.allocator, tiles) || !s.fading.time.allocate(s.allocator, tiles) ||
         !s.fading.left.allocate(s.allocator, tiles) || !s.fading.plain.tiles.allocate(s.allocator, tiles) ||

@@ -10,6 +10,7 @@
 #include <dgm/grid.h>
 #include <dgm/state.h>
 
+#include "changes.h"
 #include "chart_tables.h"
 #include "memory.h"
 #include "rect_list.h"
@@ -41,7 +42,7 @@ struct WalkNode {
 inline constexpr std::uint8_t kTileSpecial = 1;  ///< holds seam samples, a free border or samples off the surface
 inline constexpr std::uint8_t kTileListed = 2;   ///< in StateImpl::tile_list; only while one function runs
 inline constexpr std::uint8_t kTileFading = 4;   ///< in Fading::plain or Fading::special
-inline constexpr std::uint8_t kTileMoved = 8;    ///< came to rest since settle()
+inline constexpr std::uint8_t kTileMoved = 8;    ///< faded or came to rest, and settle() has not told of it
 
 inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows.h is in the ring
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
@@ -174,6 +175,7 @@ struct StateImpl {
     Fading fading;
     RectList normal_dirty;  ///< moved since update_normals()
     std::uint32_t base_version = 0;
+    mutable Changes changes;  ///< of `now` and `normal`, for readers: asking changes nothing else
     WalkScratch walk;
     FootprintScratch footprint;
     GeodesicScratch geodesic;
@@ -228,6 +230,7 @@ struct StateImpl {
     /// Notes that samples moved, those of a Rect or a RectList; `plastic`: in the base shape too.
     template <class Moved>
     void touch(const Moved& moved, bool plastic) noexcept {
+        changes.note(moved);
         if (!plastic) elastic.add(moved);
         if (!plastic && fading.in_tick) return;
         now_boxes.dirty.add(moved);
@@ -237,6 +240,11 @@ struct StateImpl {
         ++base_version;
     }
     void touch_all() noexcept;
+    /// Whoever writes to `now` or `normal` past touch() and update_normals() says where, for changed_rows().
+    void note_moved(const Rect& r) noexcept { changes.note(r); }
+    void note_normals(const Rect& r) noexcept { changes.note(r); }
+    /// Positions or normals of border samples low .. high.
+    void note_border(std::uint32_t low, std::uint32_t high) noexcept { changes.note_border(low, high); }
     /// Appends a tile to tile_list once.
     void list_tile(std::uint32_t tile) noexcept {
         if ((tile_flags[tile] & kTileListed) != 0) return;

@@ -39,7 +39,8 @@ StateUsage State::usage() const noexcept {
                                     s.face_of, s.stiffness, s.mobility, s.metric, s.class_of, s.class_start,
                                     s.class_members, s.link_start, s.links, s.tile_flags, s.tile_list, s.next_tiles,
                                     s.tile_border_start, s.tile_border, s.tile_face_start, s.tile_faces,
-                                    s.tile_link_start, s.tile_links, s.fading.time, s.fading.left,
+                                    s.tile_link_start, s.tile_links,
+                                    s.changes.cells, s.changes.blocks, s.changes.bands, s.fading.time, s.fading.left,
                                     s.fading.plain.tiles, s.fading.special.tiles, s.now_boxes.boxes, s.base_boxes.boxes,
                                     s.walk.slot_of, s.walk.nodes, s.walk.heap, s.walk.visited, f.key, f.weight,
                                     f.samples, f.classes, f.class_seen, s.geodesic.nodes, s.geodesic.marks, s.geodesic.touched, s.tools);
