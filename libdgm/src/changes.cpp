@@ -36,6 +36,26 @@ void Changes::stamp(const Rect& r) noexcept {
     stamped = true;
 }
 
+void Changes::note(const RectList& list) noexcept {
+    for (std::uint32_t k = 0; k < list.count; ++k) note(list.rects[k]);
+    note_border(list.border_low, list.border_high);
+}
+
+void Changes::note_border(std::uint32_t low, std::uint32_t high) noexcept {
+    if (low > high) return;
+    const std::size_t from = std::size_t{grid.rows} * grid.across();
+    for (std::uint32_t c = (low - grid.grid()) / kCellSamples; c <= (high - grid.grid()) / kCellSamples; ++c)
+        cells[from + c] = epoch + 1;
+    border_latest = epoch + 1;
+    stamped = true;
+}
+
+void Changes::note_sample(std::uint32_t sample) noexcept {
+    if (sample >= grid.grid()) return note_border(sample, sample);
+    const std::uint32_t i = sample / grid.cols, j = sample % grid.cols;
+    stamp({i, i, j, j});
+}
+
 /// Joined where at most a fifth of the joint rectangle was not noted.
 void Changes::note_other(const Rect& r) noexcept {
     if (r.empty()) return;

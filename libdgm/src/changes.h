@@ -75,24 +75,10 @@ struct Changes {
         if (count != 0 && waiting[count - 1].rect.holds(r)) return;
         note_other(r);
     }
-    void note(const RectList& list) noexcept {
-        for (std::uint32_t k = 0; k < list.count; ++k) note(list.rects[k]);
-        note_border(list.border_low, list.border_high);
-    }
+    void note(const RectList& list) noexcept;
     /// Border samples low .. high (sample indices).
-    void note_border(std::uint32_t low, std::uint32_t high) noexcept {
-        if (low > high) return;
-        const std::size_t from = std::size_t{grid.rows} * grid.across();
-        for (std::uint32_t c = (low - grid.grid()) / kCellSamples; c <= (high - grid.grid()) / kCellSamples; ++c)
-            cells[from + c] = epoch + 1;
-        border_latest = epoch + 1;
-        stamped = true;
-    }
-    void note_sample(std::uint32_t sample) noexcept {
-        if (sample >= grid.grid()) return note_border(sample, sample);
-        const std::uint32_t i = sample / grid.cols, j = sample % grid.cols;
-        stamp({i, i, j, j});
-    }
+    void note_border(std::uint32_t low, std::uint32_t high) noexcept;
+    void note_sample(std::uint32_t sample) noexcept;
     /// Stamps what waits. The epoch is then that of the latest change.
     void bring_up() noexcept;
     /// f(row, first cell, last cell) of every run stamped after `cursor`, then border(first cell, last cell).

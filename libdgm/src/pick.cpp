@@ -126,7 +126,7 @@ Vec3 flat_normal(Vec3 a, Vec3 b, Vec3 c) noexcept {
     return {static_cast<float>(x / length), static_cast<float>(y / length), static_cast<float>(z / length)};
 }
 
-RayHit report(const StateImpl& s, const Found& found) noexcept {
+[[gnu::cold]] RayHit report(const StateImpl& s, const Found& found) noexcept {
     RayHit out;
     const std::uint32_t quads = (s.tables.rows - 1) * (s.tables.cols - 1);
     if (found.triangle < 2 * std::uint64_t{quads}) {

@@ -262,12 +262,12 @@ struct StateImpl {
 [[nodiscard]] Result<void> build_classes(StateImpl& state) noexcept;
 [[nodiscard]] Result<void> build_links(StateImpl& state) noexcept;
 /// Tiles, their border samples and boxes. @return OutOfMemory.
-[[nodiscard]] Result<void> build_pyramid(StateImpl& state) noexcept;
+[[nodiscard, gnu::cold]] Result<void> build_pyramid(StateImpl& state) noexcept;  // cold: built small
 /// Brings the boxes of moved samples and of the nodes above them up to date.
 void refit(StateImpl& state, Pyramid& pyramid) noexcept;
 
 /// Which corners are in the ring of each sample, and which samples need ring_normal(). @return OutOfMemory.
-[[nodiscard]] Result<void> build_rings(StateImpl& state) noexcept;
+[[nodiscard, gnu::cold]] Result<void> build_rings(StateImpl& state) noexcept;
 /// Area-weighted unit normal of a shape over the welded ring; 0 without area.
 [[nodiscard]] Vec3 ring_normal(const StateImpl& state, const ConstPlanes& shape, std::uint32_t sample) noexcept;
 /// Of `count` regular samples side by side. @return false if one was left at 0: float would not do.
