@@ -7,6 +7,7 @@
 // same bits, and no coordinate that fits a float overflows.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "state_impl.h"
 
@@ -178,6 +179,9 @@ NormalJob job_of(const StateImpl& s, const Rect& rect, const ConstPlanes& at, co
 }
 
 void put(StateImpl& s, std::uint32_t sample, Vec3 n) noexcept {
+    const Vec3 old = StateImpl::at(s.normal, sample);
+    if (std::memcmp(&old, &n, sizeof n) == 0) return;
+    s.changes.note_sample(sample);
     s.normal.x[sample] = n.x;
     s.normal.y[sample] = n.y;
     s.normal.z[sample] = n.z;
@@ -208,6 +212,7 @@ void update_rect(StateImpl& s, const Rect& moved) noexcept {
                       moved.j0 == 0 ? 0 : moved.j0 - 1, std::min(moved.j1 + 1, t.cols - 1)};
     const Rect inner{std::max(around.i0, 1u), std::min(around.i1, t.rows - 2), std::max(around.j0, 1u),
                      std::min(around.j1, t.cols - 2)};
+    s.note_normals(around);
     if (!inner.empty() && !s.normals_of(job_of(s, inner, StateImpl::fixed(s.now), s.normal)))
         for (std::uint32_t i = inner.i0; i <= inner.i1; ++i)
             for (std::uint32_t k = i * t.cols + inner.j0; k <= i * t.cols + inner.j1; ++k)

@@ -126,11 +126,13 @@ bool press_patch(StateImpl& s, const TableImpl& t, const Contact& c, DeformRepor
     } else if (!(press.key == p.key)) {
         lift(s, *press.patch);
         s.now_boxes.dirty.add(press.patch->rects);
+        s.changes.note(press.patch->rects);
         start(s, p);
     }
     const PatchJob move{p.rows.data(), p.row_count, StateImpl::fixed(s.base), s.now, p.weight.data(), {c.d.x, c.d.y, c.d.z}};
     const bool sure = s.rows_of->press({move, s.normal, press.forms.data(), press.saved.data()});
     s.now_boxes.dirty.add(p.rects);
+    s.changes.note(p.rects);
     press.moved = ++s.moved;
     if (!sure) {
         s.normal_dirty.add(p.rects);

@@ -38,6 +38,10 @@ Box leaf_box(const StateImpl& s, const Pyramid& p, std::uint32_t tile) noexcept 
     }
     for (std::uint32_t b = s.tile_border_start[tile]; b < s.tile_border_start[tile + 1]; ++b)
         grow(box, StateImpl::at(p.at, s.tile_border[b]));
+    if (s.tile_face_start.empty()) return box;
+    for (std::uint32_t k = s.tile_face_start[tile]; k < s.tile_face_start[tile + 1]; ++k)
+        for (std::size_t c = 0; c < 3; ++c)
+            grow(box, StateImpl::at(p.at, s.faces[3 * std::size_t{s.tile_faces[k]} + c]));
     return box;
 }
 
@@ -65,6 +69,33 @@ bool index_border(StateImpl& s, std::uint32_t tiles) noexcept {
     for (std::uint32_t b = 0; b < border; ++b) {
         const std::uint32_t sample = s.tables.grid + b;
         s.tile_border[s.tile_border_start[s.tile_of(sample) + 1]++] = sample;
+    }
+    return true;
+}
+
+/// Each border face is held by the leaf of its first corner, whose box grows around all three: rays look for it there.
+/// A tile that owns another corner links to that leaf, so that its box follows.
+bool index_faces(StateImpl& s, std::uint32_t tiles) noexcept {
+    const std::size_t count = s.faces.size() / 3;
+    if (count == 0) return true;
+    if (!s.tile_face_start.allocate(s.allocator, std::uint64_t{tiles} + 2) ||
+        !s.tile_faces.allocate(s.allocator, count) ||
+        !s.tile_link_start.allocate(s.allocator, std::uint64_t{tiles} + 2) ||
+        !s.tile_links.allocate(s.allocator, 2 * std::uint64_t{count}))
+        return false;
+    for (std::size_t f = 0; f < count; ++f) {
+        ++s.tile_face_start[s.tile_of(s.faces[3 * f]) + 2];
+        for (std::size_t c = 1; c < 3; ++c) ++s.tile_link_start[s.tile_of(s.faces[3 * f + c]) + 2];
+    }
+    for (std::size_t k = 2; k < s.tile_face_start.size(); ++k) {
+        s.tile_face_start[k] += s.tile_face_start[k - 1];
+        s.tile_link_start[k] += s.tile_link_start[k - 1];
+    }
+    for (std::size_t f = 0; f < count; ++f) {
+        const std::uint32_t home = s.tile_of(s.faces[3 * f]);
+        s.tile_faces[s.tile_face_start[home + 1]++] = static_cast<std::uint32_t>(f);
+        for (std::size_t c = 1; c < 3; ++c)
+            s.tile_links[s.tile_link_start[s.tile_of(s.faces[3 * f + c]) + 1]++] = home;
     }
     return true;
 }
@@ -117,10 +148,12 @@ Result<void> build_pyramid(StateImpl& s) noexcept {
     s.tile_rows = tile_count(s.tables.rows - 1);
     s.tile_cols = tile_count(s.tables.cols - 1);
     const std::uint32_t tiles = s.tile_rows * s.tile_cols;
+    if (!s.changes.allocate(s.allocator, {s.tables.rows, s.tables.cols, s.total() - s.tables.grid})) return kNoMemory;
     if (!s.tile_flags.allocate(s.allocator, tiles) || !s.tile_list.allocate(s.allocator, tiles) ||
         !s.next_tiles.allocate(s.allocator, tiles) || !s.fading.time.allocate(s.allocator, tiles) ||
         !s.fading.left.allocate(s.allocator, tiles) || !s.fading.plain.tiles.allocate(s.allocator, tiles) ||
-        !s.fading.special.tiles.allocate(s.allocator, tiles) || !index_border(s, tiles))
+        !s.fading.special.tiles.allocate(s.allocator, tiles) || !index_border(s, tiles) ||
+        !index_faces(s, tiles))
         return kNoMemory;
     for (Pyramid* p : {&s.now_boxes, &s.base_boxes}) {
         std::uint32_t r = s.tile_rows, c = s.tile_cols, nodes = 0;
@@ -155,6 +188,10 @@ void refit(StateImpl& s, Pyramid& p) noexcept {
     if (p.dirty.border_low <= p.dirty.border_high)
         for (std::uint32_t b = p.dirty.border_low; b <= p.dirty.border_high; ++b) s.list_tile(s.tile_of(b));
     p.dirty.clear();
+    if (!s.tile_link_start.empty())
+        for (std::uint32_t k = 0, moved = s.tile_count_listed; k < moved; ++k)
+            for (std::uint32_t e = s.tile_link_start[s.tile_list[k]]; e < s.tile_link_start[s.tile_list[k] + 1]; ++e)
+                s.list_tile(s.tile_links[e]);
     std::uint32_t count = s.tile_count_listed;
     for (std::uint32_t k = 0; k < count; ++k) p.boxes[s.tile_list[k]] = leaf_box(s, p, s.tile_list[k]);
     s.end_tile_list();

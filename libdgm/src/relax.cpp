@@ -42,11 +42,17 @@ bool is_special(const StateImpl& s, std::uint32_t tile) noexcept {
     return (s.tile_flags[tile] & kTileSpecial) != 0;
 }
 
+/// Samples of a tile are not where settle() last told.
+void mark_moved(StateImpl& s, std::uint32_t tile) noexcept {
+    std::uint8_t& flags = s.tile_flags[tile];
+    s.fading.tile_moved += (flags & kTileMoved) == 0 ? 1 : 0;
+    flags |= kTileMoved;
+}
+
 /// A tile that has come to rest; its place in the list goes to the last one.
 void drop(StateImpl& s, TileList& list, std::uint32_t place) noexcept {
-    std::uint8_t& flags = s.tile_flags[list.tiles[place]];
-    s.fading.tile_moved += (flags & kTileMoved) == 0 ? 1 : 0;
-    flags = static_cast<std::uint8_t>((flags & ~kTileFading) | kTileMoved);
+    mark_moved(s, list.tiles[place]);
+    s.tile_flags[list.tiles[place]] &= static_cast<std::uint8_t>(~kTileFading);
     list.tiles[place] = list.tiles[--list.count];
 }
 
@@ -55,10 +61,15 @@ void fade_special(StateImpl& s) noexcept {
     const double passed = f.clock - f.special_time;
     if (!(passed > 0)) return;
     f.special_time = f.clock;
-    for (std::uint32_t k = f.special.count; k-- > 0;)
-        if (!(relax_rect(s, s.tile_rect(f.special.tiles[k]), passed) > 0)) drop(s, f.special, k);
+    for (std::uint32_t k = f.special.count; k-- > 0;) {
+        const Rect r = s.tile_rect(f.special.tiles[k]);
+        s.note_moved(r);
+        mark_moved(s, f.special.tiles[k]);
+        if (!(relax_rect(s, r, passed) > 0)) drop(s, f.special, k);
+    }
     if (f.border_low > f.border_high) return;
     f.border_moved = true;
+    s.note_border(f.border_low, f.border_high);
     if (relax_rect(s, border_run(f.border_low, f.border_high), passed) > 0) return;
     f.border_low = kNone;
     f.border_high = 0;
@@ -91,16 +102,20 @@ void fade_run(StateImpl& s, std::uint32_t first, std::uint32_t last) noexcept {
     Fading& f = s.fading;
     Rect r = s.tile_rect(first);
     r.j1 = s.tile_rect(last).j1;
+    s.note_moved(r);
     const float left = relax_rect(s, r, f.clock - f.time[first]);
     for (std::uint32_t tile = first; tile <= last; ++tile) {
         f.time[tile] = f.clock;
         f.left[tile] = left;
+        mark_moved(s, tile);
     }
 }
 
 void release_list(StateImpl& s, TileList& list) noexcept {
     for (std::uint32_t k = list.count; k-- > 0;) {
-        copy_rect(s, s.tile_rect(list.tiles[k]));
+        const Rect r = s.tile_rect(list.tiles[k]);
+        s.note_moved(r);
+        copy_rect(s, r);
         drop(s, list, k);
     }
 }
@@ -109,16 +124,15 @@ void release_list(StateImpl& s, TileList& list) noexcept {
 void tell_moved(StateImpl& s) noexcept {
     Fading& f = s.fading;
     RectList moved;
-    if (f.plain.count + f.special.count + f.tile_moved != 0) {
-        constexpr std::uint8_t kEither = kTileFading | kTileMoved;
+    if (f.tile_moved != 0) {
         for (std::uint32_t i = 0; i < s.tile_rows; ++i)
             for (std::uint32_t j = 0; j < s.tile_cols; ++j) {
                 const std::uint32_t first = i * s.tile_cols + j;
-                if ((s.tile_flags[first] & kEither) == 0) continue;
+                if ((s.tile_flags[first] & kTileMoved) == 0) continue;
                 std::uint32_t last = first;
                 for (;; ++last, ++j) {
                     s.tile_flags[last] &= static_cast<std::uint8_t>(~kTileMoved);
-                    if (j + 1 == s.tile_cols || (s.tile_flags[last + 1] & kEither) == 0) break;
+                    if (j + 1 == s.tile_cols || (s.tile_flags[last + 1] & kTileMoved) == 0) break;
                 }
                 Rect r = s.tile_rect(first);
                 r.j1 = s.tile_rect(last).j1;
@@ -135,19 +149,23 @@ void tell_moved(StateImpl& s) noexcept {
     s.normal_dirty.add(moved);
 }
 
-/// What is in `elastic` fades from now on. The tiles it meets are up to the clock.
-void start_fading(StateImpl& s) noexcept {
+/// What is in `elastic` fades from now on. The tiles it meets are up to the clock. `told`: touch() told of it already.
+void start_fading(StateImpl& s, bool told) noexcept {
     Fading& f = s.fading;
     if (s.elastic.empty()) return;
     for (std::uint32_t k = 0; k < s.elastic.count; ++k) {
         const TileRange t = tiles_of(s, s.elastic.rects[k]);
         for (std::uint32_t i = t.i0; i <= t.i1; ++i)
-            for (std::uint32_t j = t.j0; j <= t.j1; ++j) start_tile(s, i * s.tile_cols + j);
+            for (std::uint32_t j = t.j0; j <= t.j1; ++j) {
+                start_tile(s, i * s.tile_cols + j);
+                if (!told) mark_moved(s, i * s.tile_cols + j);
+            }
     }
     if (s.elastic.border_low <= s.elastic.border_high) {
         fade_special(s);
         f.border_low = std::min(f.border_low, s.elastic.border_low);
         f.border_high = std::max(f.border_high, s.elastic.border_high);
+        f.border_moved = f.border_moved || !told;
     }
     s.elastic.clear();
 }
@@ -203,7 +221,7 @@ void fade(StateImpl& s, std::uint32_t sample) noexcept {
 void advance_fading(StateImpl& s, double passed) noexcept {
     Fading& f = s.fading;
     ++s.moved;
-    start_fading(s);
+    start_fading(s, true);
     if (f.plain.count == 0 && f.special.count == 0 && f.border_low > f.border_high) {
         f.clock = f.special_time = 0;  // nothing keeps a time
         return;
@@ -234,6 +252,7 @@ void release_elastic(StateImpl& s) noexcept {
         if (f.border_low <= f.border_high) {
             copy_rect(s, border_run(f.border_low, f.border_high));
             f.border_moved = true;
+            s.note_border(f.border_low, f.border_high);
         }
         f.border_low = kNone;
         f.border_high = 0;
@@ -244,6 +263,7 @@ void release_elastic(StateImpl& s) noexcept {
     for (std::uint32_t k = 0; k < s.elastic.count; ++k) copy_rect(s, s.elastic.rects[k]);
     if (s.elastic.border_low <= s.elastic.border_high)
         copy_rect(s, border_run(s.elastic.border_low, s.elastic.border_high));
+    s.changes.note(s.elastic);
     s.now_boxes.dirty.add(s.elastic);
     s.normal_dirty.add(s.elastic);
     s.elastic.clear();
@@ -256,7 +276,7 @@ void relax_elastic(StateImpl& s, double passed) noexcept {
 
 void end_fading_tick(StateImpl& s, bool normals) noexcept {
     s.fading.in_tick = false;
-    start_fading(s);
+    start_fading(s, false);
     s.fading.behind = true;  // the clock may stand, but what was touched has still to be told
     s.fading.normals_owed = normals;
     sweep(s);

@@ -147,7 +147,8 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
     // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (21), classes,
     // slots.
     return shape + patches + std::uint64_t{t.total} * (3 + 12 + 21 + 8 + 8) + walk +
-           tiles * (4 * sizeof(Box) + 44) + t.faces.size() * 40 + t.seams.size() * 80 +
+           tiles * (4 * sizeof(Box) + 52 + 9 * 8) + 2 * (std::uint64_t{t.rows} + t.cols) * 8 + (t.total - t.grid) +
+           t.faces.size() * 40 + t.seams.size() * 80 +
            (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
            GeodesicScratch::kBuckets * sizeof(FrontNode) + 4096;
 }
@@ -180,6 +181,27 @@ void weld_share(const StateImpl& s, Array<float>& values) noexcept {
         for (const std::uint32_t copy : members)
             if (copy < s.tables.grid) values[copy] = v;
     }
+}
+
+/// Where the permanent shape, which the present one is, is not the rest shape: rows between their first and last such
+/// sample.
+RectList unlike_rest(const StateImpl& s) noexcept {
+    RectList moved;
+    const auto unlike = [&](std::uint32_t k) {
+        const Vec3 a = StateImpl::at(s.base, k), b = StateImpl::at(s.rest, k);
+        return std::memcmp(&a, &b, sizeof a) != 0;
+    };
+    for (std::uint32_t i = 0; i < s.tables.rows; ++i) {
+        Rect row{i, i, 0, s.tables.cols - 1};
+        const std::uint32_t first = i * s.tables.cols;
+        while (row.j0 < s.tables.cols && !unlike(first + row.j0)) ++row.j0;
+        if (row.j0 == s.tables.cols) continue;
+        while (!unlike(first + row.j1)) --row.j1;
+        moved.add(row);
+    }
+    for (std::uint32_t k = s.tables.grid; k < s.total(); ++k)
+        if (unlike(k)) moved.add_border(k);
+    return moved;
 }
 
 Result<void> copy_behaviour(StateImpl& s, const ChartTables& t) noexcept {
@@ -226,6 +248,7 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     update_normals(s);
     measure_roughness(s);
     s.elastic.clear();
+    s.changes.bring_up();  // all that, before any reader's first look
     for (std::uint32_t k = 0; k < s.total() && s.any_sample == kNone; ++k)
         if (s.usable(k)) s.any_sample = k;
     auto closed = find_rim(s);
@@ -326,10 +349,11 @@ Result<void> State::relax(float dt, float rate) noexcept {
 void State::reset() noexcept {
     detail::StateImpl& s = *settled();
     detail::release_elastic(s);
+    const detail::RectList moved = detail::unlike_rest(s);
+    if (moved.empty()) return;
     std::memcpy(s.base.x, s.rest.x, 3 * s.plane * sizeof(float));
     std::memcpy(s.now.x, s.rest.x, 3 * s.plane * sizeof(float));
-    s.elastic.clear();
-    s.touch_all();
+    s.touch(moved, true);
 }
 
 }  // namespace dgm

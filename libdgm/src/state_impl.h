@@ -11,6 +11,7 @@
 #include <dgm/limits.h>
 #include <dgm/state.h>
 
+#include "changes.h"
 #include "chart_tables.h"
 #include "memory.h"
 #include "patch.h"
@@ -43,7 +44,7 @@ struct WalkNode {
 inline constexpr std::uint8_t kTileSpecial = 1;  ///< holds seam samples, a free border or samples off the surface
 inline constexpr std::uint8_t kTileListed = 2;   ///< in StateImpl::tile_list; only while one function runs
 inline constexpr std::uint8_t kTileFading = 4;   ///< in Fading::plain or Fading::special
-inline constexpr std::uint8_t kTileMoved = 8;    ///< came to rest since settle()
+inline constexpr std::uint8_t kTileMoved = 8;    ///< faded or came to rest, and settle() has not told of it
 
 inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows.h is in the ring
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
@@ -170,6 +171,8 @@ struct StateImpl {
     Array<std::uint32_t> tile_list, next_tiles;
     std::uint32_t tile_count_listed = 0;
     Array<std::uint32_t> tile_border_start, tile_border;  ///< border samples of each tile
+    /// Border faces by the tile whose leaf holds them, and tiles that hold faces with a corner in this one.
+    Array<std::uint32_t> tile_face_start, tile_faces, tile_link_start, tile_links;
     Pyramid now_boxes, base_boxes;
     RectList elastic;  ///< where now may differ from base, besides `fading`
     Fading fading;
@@ -182,6 +185,7 @@ struct StateImpl {
     std::uint64_t patch_clock = 0;
     PatchScratch patch_scratch;
     PatchPress press;
+    mutable Changes changes;  ///< of `now` and `normal`, for readers: asking changes nothing else
     WalkScratch walk;
     FootprintScratch footprint;
     GeodesicScratch geodesic;
@@ -238,6 +242,7 @@ struct StateImpl {
     template <class Moved>
     void touch(const Moved& where, bool plastic) noexcept {
         ++moved;
+        changes.note(where);
         if (!plastic) elastic.add(where);
         if (!plastic && fading.in_tick) return;
         now_boxes.dirty.add(where);
@@ -247,6 +252,11 @@ struct StateImpl {
         ++base_version;
     }
     void touch_all() noexcept;
+    /// Whoever writes to `now` or `normal` past touch() and update_normals() says where, for changed_rows().
+    void note_moved(const Rect& r) noexcept { changes.note(r); }
+    void note_normals(const Rect& r) noexcept { changes.note(r); }
+    /// Positions or normals of border samples low .. high.
+    void note_border(std::uint32_t low, std::uint32_t high) noexcept { changes.note_border(low, high); }
     /// Appends a tile to tile_list once.
     void list_tile(std::uint32_t tile) noexcept {
         if ((tile_flags[tile] & kTileListed) != 0) return;
@@ -264,12 +274,12 @@ struct StateImpl {
 [[nodiscard]] Result<void> build_classes(StateImpl& state) noexcept;
 [[nodiscard]] Result<void> build_links(StateImpl& state) noexcept;
 /// Tiles, their border samples and boxes. @return OutOfMemory.
-[[nodiscard]] Result<void> build_pyramid(StateImpl& state) noexcept;
+[[nodiscard, gnu::cold]] Result<void> build_pyramid(StateImpl& state) noexcept;  // cold: built small
 /// Brings the boxes of moved samples and of the nodes above them up to date.
 void refit(StateImpl& state, Pyramid& pyramid) noexcept;
 
 /// Which corners are in the ring of each sample, and which samples need ring_normal(). @return OutOfMemory.
-[[nodiscard]] Result<void> build_rings(StateImpl& state) noexcept;
+[[nodiscard, gnu::cold]] Result<void> build_rings(StateImpl& state) noexcept;
 /// How far normals lie from those of the faces around them, at rest.
 void measure_roughness(StateImpl& state) noexcept;
 /// Twice the area vector of the welded ring of a sample, and its slope as in RingJob.

@@ -7,6 +7,7 @@
 #include <dgm/collide.h>
 #include <dgm/contact.h>
 #include <dgm/deform.h>
+#include <dgm/pick.h>
 #include <dgm/reconstruct.h>
 #include <dgm/snapshot.h>
 #include <dgm/tick.h>
@@ -66,6 +67,8 @@ void exercise_state(dgm::State& state, const dgm::DeformTable& table) {
         const auto near = dgm::nearest_sample(state, here), tracked = dgm::track_sample(state, here, touch.sample, 2);
         require(near.ok() == tracked.ok());
         require(!near.ok() || state.on_surface(near.value().sample));
+        const auto hit = dgm::pick_ray(state, {here.x, here.y, here.z + 2}, touch.displacement);
+        require(!hit.ok() || (state.on_surface(hit.value().sample) && hit.value().distance >= 0));
         static_cast<void>(state.normal(touch.sample));
         if (k % 4 == 0) state.release();
     }

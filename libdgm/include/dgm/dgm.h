@@ -213,6 +213,26 @@ typedef struct dgm_tick_report {
     uint32_t crossed_seam, truncated;
 } dgm_tick_report;
 
+/* A ray and what it meets first (pick.h), local coordinates. */
+typedef struct dgm_pick_options {
+    uint32_t struct_size;
+    uint32_t skip_back_faces; /* 1: triangles seen from behind are passed */
+    float max_distance;       /* 0: no limit */
+} dgm_pick_options;
+
+typedef struct dgm_ray_hit {
+    uint32_t struct_size;
+    uint32_t sample;      /* corner with the largest weight, by its class's representative */
+    uint32_t row, column; /* quad, or DGM_NONE for a face of a border strip */
+    uint32_t triangle;    /* of the quad: 0 or 1; else the place in `border_faces` */
+    uint32_t corners[3];  /* samples */
+    uint32_t front;       /* 1: seen from the side that `normal` points to */
+    float barycentric[3];
+    float distance; /* local units, whatever the direction's length */
+    float point[3];
+    float normal[3]; /* unit normal of the flat triangle */
+} dgm_ray_hit;
+
 /* Contact with an obstacle (contact.h), local coordinates of the state that is pressed against it. */
 typedef struct dgm_contact_solver dgm_contact_solver; /* scratch of contacts of one state */
 
@@ -254,6 +274,13 @@ typedef struct dgm_contact_report {
     float deepest, total, ring_reach, ring_sigma, beta;
     double removed, volume_error, first_order_error, paper_error;
 } dgm_contact_report;
+
+/* Samples first + r * cols + c, r < rows, c < columns: a rectangle of the grid or, first >= rows * cols of the chart, an
+   interval of border samples (changed.h). In arrays elements stand struct_size bytes apart. */
+typedef struct dgm_changed_range {
+    uint32_t struct_size;
+    uint32_t first, columns, rows;
+} dgm_changed_range;
 
 /* Shapes from one writer to any number of readers (snapshot.h). */
 typedef struct dgm_snapshots dgm_snapshots;
@@ -319,6 +346,11 @@ DGM_API void dgm_state_update_normals(dgm_state* state);
    after a tick: what fades is brought up to date by this call. */
 DGM_API size_t dgm_state_positions(const dgm_state* state, const float* xyz[3]);
 DGM_API size_t dgm_state_normals(const dgm_state* state, const float* xyz[3]);
+/* Where these arrays hold other bits than when *cursor was last passed here; *cursor is 0 at first, each reader has its
+   own. ranges[0].struct_size is set by the caller and counts for all; capacity is at least 1, or 2 if there are border
+   samples (else DGM_BUFFER_TOO_SMALL), and more than 256 are not used: what does not fit is joined to larger ranges. */
+DGM_API dgm_code dgm_state_changed_rows(const dgm_state* state, uint64_t* cursor, dgm_changed_range* ranges,
+                                        size_t capacity, size_t* count, dgm_error* error);
 DGM_API float dgm_state_mean_step(const dgm_state* state);
 DGM_API uint32_t dgm_state_sample_count(const dgm_state* state);
 DGM_API dgm_code dgm_state_position(const dgm_state* state, uint32_t sample, float position[3], dgm_error* error);
@@ -342,6 +374,10 @@ DGM_API dgm_code dgm_track_sample(dgm_state* state, const float tool[3], uint32_
 /* dgm_track_sample() made certain by the pyramid; *lost: the window alone had missed the sample. */
 DGM_API dgm_code dgm_track_nearest(dgm_state* state, const float tool[3], uint32_t last, uint32_t a, uint32_t* sample,
                                    float* distance, uint32_t* lost, dgm_error* error);
+/* First triangle of the present shape along a ray; DGM_NOT_FOUND if there is none. `options` and `hit` may be null. The
+   direction may have any length but 0. */
+DGM_API dgm_code dgm_pick_ray(dgm_state* state, const float origin[3], const float direction[3],
+                              const dgm_pick_options* options, dgm_ray_hit* hit, dgm_error* error);
 /* One turn of the haptic loop: track, hit, force, deform, normals (tick.h). outputs and report may be null. */
 DGM_API dgm_code dgm_tick(dgm_state* state, const dgm_table* table, const dgm_tick_options* options,
                           const dgm_tool_input* tools, size_t tool_count, dgm_tool_output* outputs,
@@ -371,6 +407,12 @@ DGM_API dgm_code dgm_snapshots_publish(dgm_snapshots* snapshots, const dgm_state
 DGM_API uint64_t dgm_snapshots_frame(const dgm_snapshots* snapshots);
 DGM_API dgm_code dgm_snapshots_read(const dgm_snapshots* snapshots, float* positions, float* normals,
                                     size_t floats_each, dgm_snapshot_info* info, dgm_error* error);
+/* The memory holds frame `since` (0: nothing) and is brought to the newest one: only what differs is copied, and named
+   in ranges as by dgm_state_changed_rows(). After DGM_BUSY call with since 0. */
+DGM_API dgm_code dgm_snapshots_read_changed(const dgm_snapshots* snapshots, float* positions, float* normals,
+                                            size_t floats_each, uint64_t since, dgm_changed_range* ranges,
+                                            size_t capacity, size_t* count, dgm_snapshot_info* info,
+                                            dgm_error* error);
 
 /* What assets and states cost. */
 DGM_API dgm_code dgm_asset_get_usage(const dgm_asset* asset, dgm_asset_usage* usage, dgm_error* error);

@@ -12,6 +12,7 @@
 #include <span>
 
 #include <dgm/allocator.h>
+#include <dgm/changed.h>
 #include <dgm/map_view.h>
 #include <dgm/result.h>
 #include <dgm/state.h>
@@ -36,12 +37,18 @@ struct SnapshotInfo {
     std::uint32_t retries = 0;
 };
 
+/// What read_changed() copied.
+struct SnapshotChanges {
+    SnapshotInfo info;
+    std::size_t ranges = 0;  ///< written to the caller's list
+};
+
 /// One writer at a time calls publish(); any number of threads call read() and frame() at any time.
 ///
-/// Memory: slots x 12 bytes a sample (24 with normals), taken at creation.
+/// Memory: slots x 12.5 bytes a sample (24.5 with normals), taken at creation.
 class Snapshots {
  public:
-    /// For states with as many samples as this one.
+    /// For states with as many rows, columns and border samples as this one.
     /// @return BadArgument (slots, half an allocator), LimitExceeded, OutOfMemory.
     [[nodiscard]] DGM_API static Result<Snapshots> create(const State& state,
                                                           const SnapshotOptions& options = {}) noexcept;
@@ -51,7 +58,7 @@ class Snapshots {
 
     /// Copies positions and normals (as of the last State::update_normals() or tick()). Wait-free.
     /// @param tag  any number, handed to readers: a time, a tick
-    /// @return the frame's number; BadArgument if the state has another number of samples. O(samples).
+    /// @return the frame's number; BadArgument if the state has another number of rows, columns or border samples. O(samples).
     DGM_API Result<std::uint64_t> publish(const State& state, std::uint64_t tag = 0) noexcept;
     /// Number of the newest frame, 0 before the first.
     [[nodiscard]] DGM_API std::uint64_t frame() const noexcept;
@@ -61,6 +68,19 @@ class Snapshots {
     ///         Busy if it was overtaken every time: then the memory holds parts of several frames.
     [[nodiscard]] DGM_API Result<SnapshotInfo> read(std::span<float> positions,
                                                     std::span<float> normals) const noexcept;
+    /// The same for a reader that keeps what it read: `positions` and `normals` hold frame `since` and are brought to
+    /// the newest one. Only samples that differ between the two frames, in positions or normals, are copied, and a
+    /// little around them; `ranges` says which (see changed_rows() for what a range may hold).
+    ///
+    /// A reader that is overtaken copies all samples when it starts again. If the frames come from more than one state,
+    /// or the state is published to more than four Snapshots, all samples count as changed.
+    /// @param since   the frame that the memory holds, from the last read; 0: none, all is copied. A frame that has not
+    ///                been published yet is taken for 0.
+    /// @param ranges  1 is enough for a square domain, 2 for a free one; BufferTooSmall if it is less
+    /// @return as read(). After Busy call with 0.
+    [[nodiscard]] DGM_API Result<SnapshotChanges> read_changed(std::span<float> positions, std::span<float> normals,
+                                                               std::uint64_t since,
+                                                               std::span<ChangedRange> ranges) const noexcept;
     [[nodiscard]] DGM_API std::uint32_t sample_count() const noexcept;
     [[nodiscard]] DGM_API std::uint64_t bytes() const noexcept;
 

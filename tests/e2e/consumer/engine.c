@@ -66,29 +66,27 @@ static size_t load_indices(const dgm_state* state, uint32_t lod_stride, gpu_buff
     return (size_t)counts.indices;
 }
 
-/* Each frame: upload the rows that differ from what the GPU has. `last` holds 6 floats a sample: its own copy. */
-static size_t upload_dirty_rows(dgm_state* state, size_t cols, float* last, gpu_buffer* vertices) {
+/* Each frame: upload what changed since *cursor, which is 0 before the first one. */
+static size_t upload_changes(dgm_state* state, size_t cols, uint64_t* cursor, gpu_buffer* vertices) {
+    dgm_error error = {.struct_size = sizeof error};
+    dgm_changed_range ranges[16] = {{.struct_size = sizeof ranges[0]}};
     const float *position[3], *normal[3];
-    const size_t samples = dgm_state_positions(state, position);
-    size_t row, rows_sent = 0;
+    size_t count, r, row, k, samples_sent = 0;
     dgm_state_update_normals(state); /* where touched */
+    check(dgm_state_changed_rows(state, cursor, ranges, 16, &count, &error), &error);
+    dgm_state_positions(state, position);
     dgm_state_normals(state, normal);
-    for (row = 0; row < samples; row += cols) { /* border samples of a free chart follow as further rows */
-        const size_t end = row + cols < samples ? row + cols : samples;
-        int changed = 0;
-        size_t k, c;
-        for (k = row; k < end; ++k)
-            for (c = 0; c < 3; ++c) {
-                changed |= last[6 * k + c] != position[c][k] || last[6 * k + 3 + c] != normal[c][k];
-                last[6 * k + c] = position[c][k];
-                last[6 * k + 3 + c] = normal[c][k];
+    for (r = 0; r < count; ++r)
+        for (row = 0; row < ranges[r].rows; ++row) {
+            const size_t first = ranges[r].first + row * cols, end = first + ranges[r].columns;
+            for (k = first; k < end; ++k) { /* uv stays; an engine maps the buffer once and writes rows into it */
+                const float vertex[6] = {position[0][k], position[1][k], position[2][k],
+                                         normal[0][k],   normal[1][k],   normal[2][k]};
+                gpu_write(vertices, k * FLOATS * sizeof(float), vertex, sizeof vertex);
             }
-        if (!changed) continue;
-        ++rows_sent;
-        for (k = row; k < end; ++k) /* uv stays; an engine maps the buffer once and writes rows into it */
-            gpu_write(vertices, k * FLOATS * sizeof(float), last + 6 * k, 6 * sizeof(float));
-    }
-    return rows_sent;
+            samples_sent += ranges[r].columns;
+        }
+    return samples_sent;
 }
 
 int main(int argc, char** argv) {
@@ -101,8 +99,8 @@ int main(int argc, char** argv) {
     dgm_state* state = NULL;
     dgm_table* table = NULL;
     gpu_buffer vertices, indices[2], fresh;
-    size_t count, rows, fine, coarse, k;
-    float* last;
+    size_t count, sent, fine, coarse, k;
+    uint64_t cursor = 0;
 
     if (argc != 2) return 2;
     check(dgm_asset_open(argv[1], NULL, NULL, &asset, &error), &error);
@@ -113,23 +111,21 @@ int main(int argc, char** argv) {
     fine = load_indices(state, 1, &indices[0]);
     coarse = load_indices(state, 4, &indices[1]);
     if (coarse == 0 || coarse >= fine) return 3;
-    last = calloc(count, 6 * sizeof(float));
-    if (last == NULL) return 2;
-    rows = upload_dirty_rows(state, info.cols, last, &vertices); /* fills `last` */
-    if (rows != info.rows) return 4;
-    if (upload_dirty_rows(state, info.cols, last, &vertices) != 0) return 5;
+    if (upload_changes(state, info.cols, &cursor, &vertices) != count) return 4; /* at first all of it */
+    if (upload_changes(state, info.cols, &cursor, &vertices) != 0) return 5;
 
     check(dgm_nearest_sample(state, tool, &touch.sample, NULL, &error), &error);
     check(dgm_deform(state, table, &touch, NULL, &error), &error);
-    rows = upload_dirty_rows(state, info.cols, last, &vertices);
-    if (rows == 0 || rows > 2 * 3 + 2) return 6; /* b - 1 = 2 rows to each side, one more for normals: not all 17 */
-    load_vertices(state, &fresh);                /* all anew: the buffer must hold the same */
+    sent = upload_changes(state, info.cols, &cursor, &vertices);
+    /* b - 1 = 2 samples to each side and one more for normals, on both sides of the seam, columns by eight: not all */
+    if (sent == 0 || sent > 7 * (8 + 9)) return 6;
+    if (upload_changes(state, info.cols, &cursor, &vertices) != 0) return 8;
+    load_vertices(state, &fresh); /* all anew: the buffer must hold the same */
     for (k = 0; k < count * FLOATS; ++k) {
         const float now = ((const float*)(void*)fresh.bytes)[k], sent = ((const float*)(void*)vertices.bytes)[k];
         if (k % FLOATS >= 3 && k % FLOATS < 6 ? fabsf(now - sent) > 1e-4f : now != sent) return 7;
     }
-    printf("%u of %u rows\n", (unsigned)rows, (unsigned)info.rows);
-    free(last);
+    printf("%u of %u samples\n", (unsigned)sent, (unsigned)count);
     free(vertices.bytes);
     free(fresh.bytes);
     free(indices[0].bytes);

@@ -3,10 +3,12 @@
 // Per-tick calls take no memory: malloc and its relatives are replaced for this program and for libdgm.so alike.
 #include <gtest/gtest.h>
 
+#include <dgm/changed.h>
 #include <dgm/collide.h>
 #include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/force.h>
+#include <dgm/pick.h>
 #include <dgm/reconstruct.h>
 #include <dgm/snapshot.h>
 #include <dgm/tick.h>
@@ -62,6 +64,9 @@ TEST(Tick, TakesNoMemory) {
     std::vector<float> vertices(65 * 65 * 6);
     std::vector<std::uint32_t> indices(64 * 64 * 6);
     const VertexTarget target{std::as_writable_bytes(std::span(vertices)), 24, 0, 12};
+    ChangedRange ranges[4];
+    std::uint64_t cursor = 0;
+    std::size_t met = 0, changed = 0;
     bool sound = true;
     const long before = g_allocations;
     std::uint32_t last = 0;
@@ -80,11 +85,15 @@ TEST(Tick, TakesNoMemory) {
         touch.d_max = 1;
         touch.mode = k % 5 == 0 ? DeformMode::Plastic : DeformMode::Elastic;
         sound = sound && deform(state, table, touch).ok();
+        met += pick_ray(state, tool + Vec3{0, 0, 40}, {0, 0, -1}).ok() ? 1 : 0;
+        changed += changed_rows(state, cursor, ranges).value();
         if (k % 100 == 0) sound = sound && reconstruct(state, target, indices).ok();
     }
     state.reset();
     const long after = g_allocations;
     EXPECT_TRUE(sound);
+    EXPECT_GT(met, 1000u);
+    EXPECT_GE(changed, 2000u);
     EXPECT_EQ(after, before);
 }
 
