@@ -43,12 +43,12 @@ inline Wide square_root(const Wide& v) {
 
 const ContactRows kPlainContactRows{volume, swept, cubic, area, copy, mark, project, weights, spread, held_back, bulge};
 
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
 extern const ContactRows kAvx2ContactRows;
 #endif
 
 const ContactRows& choose_contact_rows(const RowKernels* rows) noexcept {
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
     if (rows != &kPlainRows) return kAvx2ContactRows;
 #else
     static_cast<void>(rows);

@@ -10,6 +10,10 @@
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
 #endif
 
 namespace dgm::detail {
@@ -22,6 +26,10 @@ typedef int Ints __attribute__((vector_size(16)));
 static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
 #if defined(__SSE__)
     return 1.0f / static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
+#elif defined(__wasm_simd128__)
+    return 1.0f / reinterpret_cast<Floats>(wasm_f32x4_sqrt(reinterpret_cast<v128_t>(v)));
+#elif defined(__aarch64__)
+    return 1.0f / reinterpret_cast<Floats>(vsqrtq_f32(reinterpret_cast<float32x4_t>(v)));
 #else
     for (int k = 0; k < DGM_LANES; ++k) v[k] = 1.0f / __builtin_sqrtf(v[k]);
     return v;
@@ -60,13 +68,13 @@ inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
 
 const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near};
 
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
 extern const RowKernels kAvx2Rows;
 extern const NormalLoops kAvx512Normals;
 #endif
 
 const RowKernels& choose_rows(bool plain) noexcept {
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
     __builtin_cpu_init();
     if (!plain && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return kAvx2Rows;
 #else
@@ -76,7 +84,7 @@ const RowKernels& choose_rows(bool plain) noexcept {
 }
 
 NormalLoops choose_normals(const RowKernels& rows, const std::uint8_t* ring, float scale) noexcept {
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
     if (&rows == &kAvx2Rows && ring == nullptr && scale == 1 && __builtin_cpu_supports("avx512f") &&
         __builtin_cpu_supports("avx512vl"))
         return kAvx512Normals;

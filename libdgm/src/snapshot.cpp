@@ -2,7 +2,8 @@
 // libdgm/src/snapshot.cpp
 // Sequence locks without fences, which ThreadSanitizer does not know: the writer's data stores are releases, so that
 // whoever sees one of them sees the odd sequence before it; the reader's data loads are acquires, so that the second
-// look at the sequence comes after them. On x86 all of these are plain moves.
+// look at the sequence comes after them. On x86-64 all of these are plain moves. The compilers' __atomic functions take
+// plain memory, as std::atomic_ref does, which clang's C++ library does not have.
 #include <dgm/snapshot.h>
 
 #include <atomic>
@@ -42,30 +43,38 @@ using detail::kFloats;
 using detail::SnapshotImpl;
 using detail::SnapshotSlot;
 using detail::Word;
-using Number = std::atomic_ref<std::uint64_t>;
 
 constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the snapshots"};
+
+template <class T>
+T load_acquire(const T& from) noexcept {
+    return __atomic_load_n(&from, __ATOMIC_ACQUIRE);
+}
+template <class T>
+void store_release(T& to, T value) noexcept {
+    __atomic_store_n(&to, value, __ATOMIC_RELEASE);
+}
 
 void store_plane(Word* to, const float* from, std::size_t count) noexcept {
     const std::size_t whole = count / kFloats;
     for (std::size_t k = 0; k < whole; ++k) {
         Word w;
         std::memcpy(&w, from + k * kFloats, sizeof w);
-        std::atomic_ref<Word>(to[k]).store(w, std::memory_order_release);
+        store_release(to[k], w);
     }
     if (whole * kFloats == count) return;
     Word w = 0;
     std::memcpy(&w, from + whole * kFloats, (count - whole * kFloats) * sizeof(float));
-    std::atomic_ref<Word>(to[whole]).store(w, std::memory_order_release);
+    store_release(to[whole], w);
 }
 void load_plane(Word* from, float* to, std::size_t count) noexcept {
     const std::size_t whole = count / kFloats;
     for (std::size_t k = 0; k < whole; ++k) {
-        const Word w = std::atomic_ref<Word>(from[k]).load(std::memory_order_acquire);
+        const Word w = load_acquire(from[k]);
         std::memcpy(to + k * kFloats, &w, sizeof w);
     }
     if (whole * kFloats == count) return;
-    const Word w = std::atomic_ref<Word>(from[whole]).load(std::memory_order_acquire);
+    const Word w = load_acquire(from[whole]);
     std::memcpy(to + whole * kFloats, &w, (count - whole * kFloats) * sizeof(float));
 }
 
@@ -73,15 +82,15 @@ bool try_read(SnapshotImpl& s, std::span<float> positions, std::span<float> norm
     const std::uint64_t newest = s.newest.load(std::memory_order_acquire);
     const auto at = static_cast<std::uint32_t>((newest - 1) % s.slots);
     SnapshotSlot& slot = s.slot[at];
-    const std::uint64_t before = Number(slot.sequence).load(std::memory_order_acquire);
+    const std::uint64_t before = load_acquire(slot.sequence);
     if (before % 2 != 0) return false;
-    info.frame = Number(slot.frame).load(std::memory_order_acquire);
-    info.tag = Number(slot.tag).load(std::memory_order_acquire);
+    info.frame = load_acquire(slot.frame);
+    info.tag = load_acquire(slot.tag);
     for (std::uint32_t p = 0; p < 3; ++p) {
         if (!positions.empty()) load_plane(s.plane(at, p), positions.data() + std::size_t{p} * s.total, s.total);
         if (!normals.empty()) load_plane(s.plane(at, 3 + p), normals.data() + std::size_t{p} * s.total, s.total);
     }
-    return Number(slot.sequence).load(std::memory_order_relaxed) == before;
+    return __atomic_load_n(&slot.sequence, __ATOMIC_RELAXED) == before;
 }
 }  // namespace
 
@@ -124,14 +133,14 @@ Result<std::uint64_t> Snapshots::publish(const State& state, std::uint64_t tag) 
     const std::uint64_t frame = s.newest.load(std::memory_order_relaxed) + 1;
     const auto at = static_cast<std::uint32_t>((frame - 1) % s.slots);
     SnapshotSlot& slot = s.slot[at];
-    const std::uint64_t sequence = Number(slot.sequence).load(std::memory_order_relaxed);
-    Number(slot.sequence).store(sequence + 1, std::memory_order_relaxed);
-    Number(slot.frame).store(frame, std::memory_order_release);
-    Number(slot.tag).store(tag, std::memory_order_release);
+    const std::uint64_t sequence = __atomic_load_n(&slot.sequence, __ATOMIC_RELAXED);
+    __atomic_store_n(&slot.sequence, sequence + 1, __ATOMIC_RELAXED);
+    store_release(slot.frame, frame);
+    store_release(slot.tag, tag);
     const detail::StateImpl& from = *state.impl();
     const float* planes[6] = {from.now.x, from.now.y, from.now.z, from.normal.x, from.normal.y, from.normal.z};
     for (std::uint32_t p = 0; p < s.planes; ++p) store_plane(s.plane(at, p), planes[p], s.total);
-    Number(slot.sequence).store(sequence + 2, std::memory_order_release);
+    store_release(slot.sequence, sequence + 2);
     s.newest.store(frame, std::memory_order_release);
     return frame;
 }
