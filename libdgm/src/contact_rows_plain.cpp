@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "contact_rows.h"
+#include "four_roots.h"
 
 // Vectors wider than the target's registers stay inside this file: no function passes one across.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -34,7 +35,7 @@ inline void add_to(const Wide& v, Doubles& sums) {
     for (int k = 0; k < 4; ++k) sums[k] += static_cast<double>(v[k]);
 }
 inline Wide square_root(const Wide& v) {
-    return Wide{__builtin_sqrtf(v[0]), __builtin_sqrtf(v[1]), __builtin_sqrtf(v[2]), __builtin_sqrtf(v[3])};
+    return four_roots(v);
 }
 #include "unfused.h"
 // The bodies, which need all of the above.

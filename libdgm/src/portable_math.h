@@ -7,7 +7,7 @@
 // It takes binary64 arithmetic rounded operation by operation: no contraction (-ffp-contract=off), no fast-math, no
 // x87 registers. An x87 build works, but its last bits are its own.
 //
-// Errors: exp and log below 1 unit in the last place of the double, power below 1 + |y log x|; sine and cosine below
+// Errors: exp and log at most 1 unit in the last place of the double, power below 1 + |y log x|; sine and cosine below
 // 3e-16. Rounded to float that is half a unit in the float's last place and a millionth of one.
 //
 // Reduction, then polynomials: [Cody, Waite 1980] for exp and log, [Payne, Hanek 1983] for the angle.

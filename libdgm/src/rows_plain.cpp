@@ -3,18 +3,11 @@
 // Four lanes on whatever the target has, and the choice at run time.
 #include <cstddef>
 
+#include "four_roots.h"
 #include "rows.h"
 
 // Vectors go by value between functions of this file alone: how a target without SSE would hand them over is no matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
-
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#elif defined(__wasm_simd128__)
-#include <wasm_simd128.h>
-#elif defined(__aarch64__)
-#include <arm_neon.h>
-#endif
 
 namespace dgm::detail {
 namespace {
@@ -24,16 +17,7 @@ typedef Floats Floats4;
 typedef int Ints __attribute__((vector_size(16)));
 
 static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
-#if defined(__SSE__)
-    return 1.0f / static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
-#elif defined(__wasm_simd128__)
-    return 1.0f / reinterpret_cast<Floats>(wasm_f32x4_sqrt(reinterpret_cast<v128_t>(v)));
-#elif defined(__aarch64__)
-    return 1.0f / reinterpret_cast<Floats>(vsqrtq_f32(reinterpret_cast<float32x4_t>(v)));
-#else
-    for (int k = 0; k < DGM_LANES; ++k) v[k] = 1.0f / __builtin_sqrtf(v[k]);
-    return v;
-#endif
+    return 1.0f / four_roots(v);
 }
 static inline __attribute__((always_inline)) bool any(Ints v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;

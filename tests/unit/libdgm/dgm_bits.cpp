@@ -17,6 +17,7 @@
 #include <dgm/state.h>
 #include <dgm/tick.h>
 
+#include "../../../libdgm/src/portable_math.h"
 #include "exact_shapes.h"
 
 namespace dgm::test {
@@ -310,6 +311,16 @@ void collide_all(const Map& map) {
     print(map.name + " collide", state, found);
 }
 
+void print_math() {
+    Digest values;
+    for (int k = -40000; k <= 40000; ++k) {
+        const double x = k / 55.0, e = detail::portable_exp(x);
+        const detail::SineCosine a = detail::portable_sine(static_cast<float>(e * x));
+        values.add(e, detail::portable_log(e), detail::portable_pow(1 + x * x, 0.3 * x), a.sine, a.cosine);
+    }
+    std::printf("%-52s %016llx\n", "exp, log, pow, sine", values.hash());
+}
+
 int run() {
     ChartSpec sheet_chart = grid_chart(33, 37, bent_sheet);
     ChartSpec tube = grid_chart(29, 41, bent_tube(41), tube_seams(29, 41));
@@ -323,6 +334,7 @@ int run() {
                         {"painted_tube", painted},       {"free", free_chart(23, 29, bent_sheet)},
                         {"ball", closed},                {"mixed_ball", mixed_closed}};
     std::printf("loops %s\n", maps[0].state().loops());
+    print_math();
     for (const Map& map : maps) {
         print(map.name + " rest", map.state(), {});
         deform_all(map);
