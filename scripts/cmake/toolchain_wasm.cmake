@@ -8,7 +8,6 @@ set(CMAKE_C_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_CXX_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_AR llvm-ar-14)
 set(CMAKE_RANLIB llvm-ranlib-14)
-set(CMAKE_EXECUTABLE_SUFFIX .wasm)
 set(CMAKE_PREFIX_PATH /usr)  # for xxhash.h, which libdgm/CMakeLists.txt copies
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_CXX_FLAGS_INIT -fno-exceptions)
