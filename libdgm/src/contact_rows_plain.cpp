@@ -35,7 +35,9 @@ inline void add_to(const Wide& v, Doubles& sums) {
     for (int k = 0; k < 4; ++k) sums[k] += static_cast<double>(v[k]);
 }
 inline Wide square_root(const Wide& v) {
-    return four_roots(v);
+    Wide roots = v;
+    take_roots(roots);
+    return roots;
 }
 #include "unfused.h"
 // The bodies, which need all of the above.

@@ -14,15 +14,16 @@ namespace dgm::detail {
 
 typedef float FourFloats __attribute__((vector_size(16)));
 
-static inline __attribute__((always_inline)) FourFloats four_roots(FourFloats v) {
+/// In place: how a target without SSE would hand a vector over is no matter.
+static inline __attribute__((always_inline)) void take_roots(FourFloats& v) {
 #if defined(__SSE__)
-    return static_cast<FourFloats>(_mm_sqrt_ps(static_cast<__m128>(v)));
+    v = static_cast<FourFloats>(_mm_sqrt_ps(static_cast<__m128>(v)));
 #elif defined(__wasm_simd128__)
-    return reinterpret_cast<FourFloats>(wasm_f32x4_sqrt(reinterpret_cast<v128_t>(v)));
+    v = reinterpret_cast<FourFloats>(wasm_f32x4_sqrt(reinterpret_cast<v128_t>(v)));
 #elif defined(__aarch64__)
-    return reinterpret_cast<FourFloats>(vsqrtq_f32(reinterpret_cast<float32x4_t>(v)));
+    v = reinterpret_cast<FourFloats>(vsqrtq_f32(reinterpret_cast<float32x4_t>(v)));
 #else
-    return FourFloats{__builtin_sqrtf(v[0]), __builtin_sqrtf(v[1]), __builtin_sqrtf(v[2]), __builtin_sqrtf(v[3])};
+    v = FourFloats{__builtin_sqrtf(v[0]), __builtin_sqrtf(v[1]), __builtin_sqrtf(v[2]), __builtin_sqrtf(v[3])};
 #endif
 }
 

@@ -17,7 +17,8 @@ typedef Floats Floats4;
 typedef int Ints __attribute__((vector_size(16)));
 
 static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
-    return 1.0f / four_roots(v);
+    take_roots(v);
+    return 1.0f / v;
 }
 static inline __attribute__((always_inline)) bool any(Ints v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;
