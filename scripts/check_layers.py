@@ -74,7 +74,7 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"CGAL/", CGAL), (r"Eigen/|unsupported/Eigen/", EIGEN), (r"embree3/", EMBREE), (r"(oneapi/)?tbb/", TBB),
     (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
-    (r"toml\+\+/", TOML), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"[a-z]*mmintrin\.h", INTRINSICS),
+    (r"toml\+\+/", TOML), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
     (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
     (r"(sys|linux|net|netinet|arpa)/|(fcntl|fnmatch|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),

@@ -14,6 +14,7 @@
 #include <span>
 
 #include "contact_resolver.h"
+#include "portable_math.h"
 
 namespace dgm::detail {
 namespace {
@@ -33,7 +34,7 @@ void Resolver::weigh() noexcept {
     job.limit = std::min(report_.ring_reach * report_.ring_reach, 64 * report_.ring_sigma);
     job.slope = slope;
     // A kernel that is flat up to R has no compact form to speak of.
-    job.end = o_.bulge == Bulge::Exact && slope > 0.25f ? std::exp(-slope) : 0.0f;
+    job.end = o_.bulge == Bulge::Exact && slope > 0.25f ? portable_exp(-slope) : 0.0f;
     const auto add = [&](const WeightSums& sums) {
         report_.ring += sums.count;
         weights_ += sums.total;
@@ -272,7 +273,7 @@ namespace {
 double solve(const Cubic& cubic, double aim, double cost, double at, double power) noexcept {
     double b = at;
     for (int k = 0; k < 12; ++k) {
-        const double lost = cost == 0 ? 0 : cost * std::pow(b / at, power);
+        const double lost = cost == 0 ? 0 : cost * portable_pow(b / at, power);
         const double next = b - (cubic(b) - lost - aim) / (cubic.slope(b) - power * lost / b);
         if (!std::isfinite(next) || !(next * at > 0)) break;
         const bool done = std::fabs(next - b) <= 1e-13 * std::fabs(next);
@@ -360,7 +361,7 @@ void Resolver::bulge() noexcept {
             (sign * error * first > 0 ? high : low) = std::fabs(beta);
             const double cost = all(beta) - removed_ - error;
             if (older != 0 && cost * older_cost > 0 && older != beta) {
-                const double fitted = std::log(cost / older_cost) / std::log(beta / older);
+                const double fitted = portable_log(cost / older_cost) / portable_log(beta / older);
                 if (fitted > 0 && fitted < 8) power = fitted;
             }
             double next = std::fabs(solve(all, removed_, cost, beta, power));

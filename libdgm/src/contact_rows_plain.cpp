@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "contact_rows.h"
+#include "four_roots.h"
 
 // Vectors wider than the target's registers stay inside this file: no function passes one across.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -36,7 +37,9 @@ inline void add_to(const Wide& v, Doubles& sums) {
     for (int k = 0; k < 4; ++k) sums[k] += static_cast<double>(v[k]);
 }
 inline Wide square_root(const Wide& v) {
-    return Wide{__builtin_sqrtf(v[0]), __builtin_sqrtf(v[1]), __builtin_sqrtf(v[2]), __builtin_sqrtf(v[3])};
+    Wide roots = v;
+    take_roots(roots);
+    return roots;
 }
 inline Doubles square_root(const Doubles& v) {
     return Doubles{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
@@ -56,12 +59,12 @@ const ContactRows kPlainContactRows{
     volume, swept, cubic, area, mark, exchange, put_back, smooth,
     weights, spread, held_back, bulge};
 
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
 extern const ContactRows kAvx2ContactRows;
 #endif
 
 const ContactRows& choose_contact_rows(const RowKernels* rows) noexcept {
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
     if (rows != &kPlainRows) return kAvx2ContactRows;
 #else
     static_cast<void>(rows);

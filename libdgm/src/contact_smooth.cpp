@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact_smooth.cpp
 // Open surfaces have no volume to keep: instead of a bulge the displacement fades into the ring.
-#include <bit>
 #include <cstring>
 
 #include "contact_impl.h"
@@ -123,10 +122,10 @@ class Smoother {
         const Vec3 v = narrow(d);
         c_.square[k] = v.x;
         c_.weight[k] = v.y;
-        c_.source[k] = std::bit_cast<std::uint32_t>(v.z);
+        c_.source[k] = __builtin_bit_cast(std::uint32_t, v.z);
     }
     void place(std::uint32_t k) noexcept {
-        const Vec3 d{c_.square[k], c_.weight[k], std::bit_cast<float>(c_.source[k])};
+        const Vec3 d{c_.square[k], c_.weight[k], __builtin_bit_cast(float, c_.source[k])};
         Double3 p = widen(StateImpl::at(c_.before(), k) + d);
         // On the way the plane of the facet that was nearest will do; it is the last round that must be right.
         const bool exact = last_ || shape_.kind != ObstacleKind::Surface || c_.queue[k] == kNone;

@@ -2,6 +2,8 @@
 // libdgm/src/mapped_file_posix.cpp
 #include "mapped_file.h"
 
+#if !defined(_WIN32) && !defined(__wasm__) && !defined(DGM_NO_FILES)
+
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -43,3 +45,5 @@ MappedFile::~MappedFile() {
 }
 
 }  // namespace dgm::detail
+
+#endif

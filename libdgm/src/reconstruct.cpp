@@ -4,7 +4,6 @@
 #include <dgm/reconstruct.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -204,7 +203,7 @@ bool copy_grid_positions(const ChartTables& t, const VertexWriter& out) noexcept
         const std::uint32_t count = std::min(kChunk, t.grid - k);
         std::uint32_t carried = 0;  // into the sign: the exponent is all ones, no finite number
         for (std::uint32_t e = 0; e < 3 * count; ++e)
-            carried |= (std::bit_cast<std::uint32_t>(from[e]) & 0x7FFFFFFFu) + 0x00800000u;
+            carried |= (__builtin_bit_cast(std::uint32_t, from[e]) & 0x7FFFFFFFu) + 0x00800000u;
         if ((carried & 0x80000000u) != 0) return false;
         if (out.stride() == kSample) {
             std::memcpy(to, from, count * kSample);

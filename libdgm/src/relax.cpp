@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "portable_math.h"
 #include "state_impl.h"
 
 namespace dgm::detail {
@@ -35,7 +36,7 @@ float still(const StateImpl& s) noexcept {
 }
 float relax_rect(const StateImpl& s, const Rect& r, double passed) noexcept {
     return s.rows_of->relax(
-        {r, s.tables.cols, s.now, StateImpl::fixed(s.base), static_cast<float>(std::exp(-passed)), still(s)});
+        {r, s.tables.cols, s.now, StateImpl::fixed(s.base), static_cast<float>(portable_exp(-passed)), still(s)});
 }
 
 bool is_special(const StateImpl& s, std::uint32_t tile) noexcept {
@@ -178,7 +179,7 @@ void sweep(StateImpl& s) noexcept {
         const std::uint32_t tile = f.plain.tiles[f.sweep];
         const double passed = f.clock - f.time[tile];
         const bool known = f.left[tile] < __builtin_inff();
-        if (passed > 0 && (!known || passed >= std::log(double{f.left[tile]} / still(s)))) fade_run(s, tile, tile);
+        if (passed > 0 && (!known || passed >= portable_log(double{f.left[tile]} / still(s)))) fade_run(s, tile, tile);
         if (f.left[tile] > 0)
             ++f.sweep;
         else

@@ -9,6 +9,17 @@
 #pragma once
 #include <cstdint>
 
+// Loops for AVX2 and AVX-512 come with the library. GCC's own code for Windows keeps such vectors at places of the stack
+// that are not aligned as its instructions ask (GCC bug 54412), and crashes. An assembler that makes every vector move
+// an unaligned one mends that: -Wa,-muse-unaligned-vector-move. Whoever builds with it defines DGM_UNALIGNED_MOVES, as
+// our CMakeLists.txt does; without it, GCC on Windows gets the plain loops.
+#if (defined(__x86_64__) || defined(__i386__)) && \
+    (!defined(_WIN32) || defined(__clang__) || defined(DGM_UNALIGNED_MOVES))
+#define DGM_HAS_AVX 1
+#else
+#define DGM_HAS_AVX 0
+#endif
+
 namespace dgm::detail {
 
 /// Of normals between variants, where the ring's corners are not sharper than 1e-3 of a full turn.

@@ -5,7 +5,7 @@
 
 #include "rows.h"
 
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
 #include <immintrin.h>
 
 #if defined(__clang__)

@@ -3,14 +3,11 @@
 // Four lanes on whatever the target has, and the choice at run time.
 #include <cstddef>
 
+#include "four_roots.h"
 #include "rows.h"
 
 // Vectors go by value between functions of this file alone: how a target without SSE would hand them over is no matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
-
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
 
 namespace dgm::detail {
 namespace {
@@ -20,12 +17,8 @@ typedef Floats Floats4;
 typedef int Ints __attribute__((vector_size(16)));
 
 static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
-#if defined(__SSE__)
-    return 1.0f / static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
-#else
-    for (int k = 0; k < DGM_LANES; ++k) v[k] = 1.0f / __builtin_sqrtf(v[k]);
-    return v;
-#endif
+    take_roots(v);
+    return 1.0f / v;
 }
 static inline __attribute__((always_inline)) Floats root(Floats v) {
 #if defined(__SSE__)
@@ -72,13 +65,13 @@ inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
 const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near,
                             chords, profile, rings, move_patch, press};
 
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
 extern const RowKernels kAvx2Rows;
 extern const NormalLoops kAvx512Normals;
 #endif
 
 const RowKernels& choose_rows(bool plain) noexcept {
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
     __builtin_cpu_init();
     if (!plain && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return kAvx2Rows;
 #else
@@ -88,7 +81,7 @@ const RowKernels& choose_rows(bool plain) noexcept {
 }
 
 NormalLoops choose_normals(const RowKernels& rows, const std::uint8_t* ring, float scale) noexcept {
-#if defined(__x86_64__) || defined(__i386__)
+#if DGM_HAS_AVX
     if (&rows == &kAvx2Rows && ring == nullptr && scale == 1 && __builtin_cpu_supports("avx512f") &&
         __builtin_cpu_supports("avx512vl"))
         return kAvx512Normals;

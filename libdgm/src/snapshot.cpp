@@ -2,7 +2,8 @@
 // libdgm/src/snapshot.cpp
 // Sequence locks without fences, which ThreadSanitizer does not know: the writer's data stores are releases, so that
 // whoever sees one of them sees the odd sequence before it; the reader's data loads are acquires, so that the second
-// look at the sequence comes after them. On x86 all of these are plain moves.
+// look at the sequence comes after them. On x86-64 all of these are plain moves. The compilers' __atomic functions take
+// plain memory, as std::atomic_ref does, which clang's C++ library does not have.
 #include <dgm/snapshot.h>
 
 #include <algorithm>
@@ -54,10 +55,18 @@ using detail::kFloats;
 using detail::SnapshotImpl;
 using detail::SnapshotSlot;
 using detail::Word;
-using Number = std::atomic_ref<std::uint64_t>;
 
 constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the snapshots"};
 constexpr Error kBusy{ErrorCode::Busy, kNoOffset, "the writer overtook the reader again and again"};
+
+template <class T>
+T load_acquire(const T& from) noexcept {
+    return __atomic_load_n(&from, __ATOMIC_ACQUIRE);
+}
+template <class T>
+void store_release(T& to, T value) noexcept {
+    __atomic_store_n(&to, value, __ATOMIC_RELEASE);
+}
 
 /// `from`: floats or numbers of 32 bits.
 void store_plane(Word* to, const void* memory, std::size_t count) noexcept {
@@ -66,17 +75,17 @@ void store_plane(Word* to, const void* memory, std::size_t count) noexcept {
     for (std::size_t k = 0; k < whole; ++k) {
         Word w;
         std::memcpy(&w, from + k * sizeof w, sizeof w);
-        std::atomic_ref<Word>(to[k]).store(w, std::memory_order_release);
+        store_release(to[k], w);
     }
     if (whole * kFloats == count) return;
     Word w = 0;
     std::memcpy(&w, from + whole * sizeof w, (count - whole * kFloats) * sizeof(float));
-    std::atomic_ref<Word>(to[whole]).store(w, std::memory_order_release);
+    store_release(to[whole], w);
 }
 /// Element k of a plane of floats or numbers of 32 bits.
 template <class T>
 T load_one(Word* from, std::size_t k) noexcept {
-    const Word w = std::atomic_ref<Word>(from[k / kFloats]).load(std::memory_order_acquire);
+    const Word w = load_acquire(from[k / kFloats]);
     T values[kFloats];
     std::memcpy(values, &w, sizeof w);
     return values[k % kFloats];
@@ -84,11 +93,11 @@ T load_one(Word* from, std::size_t k) noexcept {
 void load_plane(Word* from, float* to, std::size_t count) noexcept {
     const std::size_t whole = count / kFloats;
     for (std::size_t k = 0; k < whole; ++k) {
-        const Word w = std::atomic_ref<Word>(from[k]).load(std::memory_order_acquire);
+        const Word w = load_acquire(from[k]);
         std::memcpy(to + k * kFloats, &w, sizeof w);
     }
     if (whole * kFloats == count) return;
-    const Word w = std::atomic_ref<Word>(from[whole]).load(std::memory_order_acquire);
+    const Word w = load_acquire(from[whole]);
     std::memcpy(to + whole * kFloats, &w, (count - whole * kFloats) * sizeof(float));
 }
 
@@ -107,12 +116,12 @@ bool try_read(SnapshotImpl& s, SnapshotInfo& info, Copy copy) noexcept {
     const std::uint64_t newest = s.newest.load(std::memory_order_acquire);
     const auto at = static_cast<std::uint32_t>((newest - 1) % s.slots);
     SnapshotSlot& slot = s.slot[at];
-    const std::uint64_t before = Number(slot.sequence).load(std::memory_order_acquire);
+    const std::uint64_t before = load_acquire(slot.sequence);
     if (before % 2 != 0) return false;
-    info.frame = Number(slot.frame).load(std::memory_order_acquire);
-    info.tag = Number(slot.tag).load(std::memory_order_acquire);
+    info.frame = load_acquire(slot.frame);
+    info.tag = load_acquire(slot.tag);
     copy(at, info.frame);
-    return Number(slot.sequence).load(std::memory_order_relaxed) == before;
+    return __atomic_load_n(&slot.sequence, __ATOMIC_RELAXED) == before;
 }
 
 Result<void> check_read(const SnapshotImpl& s, std::span<float> positions, std::span<float> normals) noexcept {
@@ -182,16 +191,16 @@ void copy_changed(SnapshotImpl& s, std::uint32_t at, std::uint64_t frame, std::u
         detail::each_run_of(
             0, across, [&](std::uint32_t c) { return changed(std::size_t{i} * across + c); },
             [&](std::uint32_t first, std::uint32_t last) {
-                const std::uint32_t j = first * detail::kCellSamples;
-                copy(std::size_t{i} * cols + j, std::min((last + 1) * detail::kCellSamples, cols) - j);
+                const std::uint32_t j = first * detail::kRunSamples;
+                copy(std::size_t{i} * cols + j, std::min((last + 1) * detail::kRunSamples, cols) - j);
                 writer.add_row(i, first, last);
             });
     }
     detail::each_run_of(
         0, border, [&](std::uint32_t c) { return changed(std::size_t{s.grid.rows} * across + c); },
         [&](std::uint32_t first, std::uint32_t last) {
-            const std::uint32_t b = first * detail::kCellSamples;
-            copy(s.grid.grid() + b, std::min((last + 1) * detail::kCellSamples, s.grid.border) - b);
+            const std::uint32_t b = first * detail::kRunSamples;
+            copy(s.grid.grid() + b, std::min((last + 1) * detail::kRunSamples, s.grid.border) - b);
             writer.add_border(first, last);
         });
 }
@@ -243,16 +252,16 @@ Result<std::uint64_t> Snapshots::publish(const State& state, std::uint64_t tag) 
     const std::uint64_t frame = s.newest.load(std::memory_order_relaxed) + 1;
     const auto at = static_cast<std::uint32_t>((frame - 1) % s.slots);
     SnapshotSlot& slot = s.slot[at];
-    const std::uint64_t sequence = Number(slot.sequence).load(std::memory_order_relaxed);
-    Number(slot.sequence).store(sequence + 1, std::memory_order_relaxed);
-    Number(slot.frame).store(frame, std::memory_order_release);
-    Number(slot.tag).store(tag, std::memory_order_release);
+    const std::uint64_t sequence = __atomic_load_n(&slot.sequence, __ATOMIC_RELAXED);
+    __atomic_store_n(&slot.sequence, sequence + 1, __ATOMIC_RELAXED);
+    store_release(slot.frame, frame);
+    store_release(slot.tag, tag);
     const detail::StateImpl& from = *state.impl();
     const float* planes[6] = {from.now.x, from.now.y, from.now.z, from.normal.x, from.normal.y, from.normal.z};
     for (std::uint32_t p = 0; p < s.planes; ++p) store_plane(s.plane(at, p), planes[p], s.total);
     stamp_cells(s, from, frame);
     store_plane(s.cells_of(at), s.cells.data(), s.cells.size());
-    Number(slot.sequence).store(sequence + 2, std::memory_order_release);
+    store_release(slot.sequence, sequence + 2);
     s.newest.store(frame, std::memory_order_release);
     return frame;
 }

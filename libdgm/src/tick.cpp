@@ -8,6 +8,7 @@
 
 #include <dgm/force.h>
 
+#include "portable_math.h"
 #include "state_impl.h"
 #include "table_impl.h"
 
@@ -171,7 +172,7 @@ Vec3 settled(ToolSlot& slot, Vec3 wish, Vec3 tool, const TickOptions& o) noexcep
         slot.carried = {};
         return wish;
     }
-    if (!(slot.carried == Vec3{})) slot.carried = std::exp(-o.dt / o.settle_time) * slot.carried;
+    if (!(slot.carried == Vec3{})) slot.carried = portable_exp(-o.dt / o.settle_time) * slot.carried;
     const Vec3 change = wish - slot.wish;
     const float jump = length(change), allowed = slot.placed ? 2 * length(tool - slot.at) : 0;
     if (jump > allowed) slot.carried = slot.carried - (1 - allowed / jump) * change;

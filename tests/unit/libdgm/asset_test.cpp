@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "opened.h"
+#include "platform.h"
 
 namespace dgm::test {
 namespace {
@@ -97,6 +98,7 @@ TEST(Asset, RecordsBehindTheUserBlock) {
     EXPECT_TRUE(opened.asset.verify().ok());
 }
 
+#if DGM_TEST_FILES
 TEST(Asset, FromAFile) {
     const std::string path = testing::TempDir() + "dgm_asset_test.dgm";
     const Image image = build({full_chart()});
@@ -119,6 +121,14 @@ TEST(Asset, FromAFile) {
     EXPECT_EQ(Asset::open(testing::TempDir().c_str()).error().code, ErrorCode::ReadFailed);
     EXPECT_EQ(Asset::open(nullptr).error().code, ErrorCode::BadArgument);
 }
+#else
+TEST(Asset, FilesAreNotMapped) {
+    const Error e = Asset::open("dgm_asset_test.dgm").error();
+    EXPECT_EQ(e.code, ErrorCode::Unsupported);
+    EXPECT_NE(std::string(e.message).find("open_memory"), std::string::npos) << "what to do instead";
+    EXPECT_EQ(Asset::open(nullptr).error().code, ErrorCode::BadArgument);
+}
+#endif
 
 TEST(Asset, Wishes) {
     Image image = build({full_chart(), grid_chart(4, 4, sheet)});

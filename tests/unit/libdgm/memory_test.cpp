@@ -13,6 +13,7 @@
 #include <map>
 
 #include "opened.h"
+#include "platform.h"
 
 namespace dgm::test {
 namespace {
@@ -26,16 +27,15 @@ struct Counting {
                 [](void* user, std::size_t bytes, std::size_t alignment) -> void* {
                     auto* self = static_cast<Counting*>(user);
                     if (self->calls++ >= self->allowed) return nullptr;
-                    void* memory = nullptr;
-                    if (posix_memalign(&memory, std::max(alignment, sizeof(void*)), bytes) != 0) return nullptr;
-                    self->live[memory] = bytes;
+                    void* memory = take_aligned(bytes, alignment);
+                    if (memory != nullptr) self->live[memory] = bytes;
                     return memory;
                 },
                 [](void* user, void* memory, std::size_t bytes) {
                     auto* self = static_cast<Counting*>(user);
                     self->mismatch |= self->live.count(memory) == 0 || self->live[memory] != bytes;
                     self->live.erase(memory);
-                    std::free(memory);
+                    give_aligned(memory);
                 }};
     }
 };
@@ -153,13 +153,11 @@ TEST(Memory, MaxBytesIsAnUpperBound) {
                              auto* s = static_cast<Sum*>(user);
                              s->now += bytes;
                              s->peak = std::max(s->peak, s->now);
-                             void* memory = nullptr;
-                             return posix_memalign(&memory, std::max(alignment, sizeof(void*)), bytes) == 0 ? memory
-                                                                                                            : nullptr;
+                             return take_aligned(bytes, alignment);
                          },
                          [](void* user, void* memory, std::size_t bytes) {
                              static_cast<Sum*>(user)->now -= bytes;
-                             std::free(memory);
+                             give_aligned(memory);
                          }};
     std::uint64_t low = 0, high = 1 << 24;  // the smallest limit that is accepted
     while (high - low > 1) {

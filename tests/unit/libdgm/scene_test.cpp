@@ -6,11 +6,6 @@
 #include <dgm/deform.h>
 #include <dgm/reconstruct.h>
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -18,6 +13,13 @@
 #include <string>
 
 #include "opened.h"
+#include "platform.h"
+#if DGM_TEST_PAGES
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
 
 namespace dgm::test {
 namespace {
@@ -31,6 +33,7 @@ ChartSpec big_chart(std::uint32_t texels = 64, std::uint8_t grey = 99) {
     return chart;
 }
 
+#if DGM_TEST_PAGES
 /// A file with a hole wherever the bytes are 0 for whole pages: what is not read of it is nowhere in memory.
 struct SparseFile {
     static constexpr std::size_t kPage = 4096;
@@ -104,6 +107,7 @@ TEST(Scene, ThousandAssetsCostWhatIsTouched) {
     state.release();
     EXPECT_EQ(state.usage().active_samples, 0u);
 }
+#endif
 
 TEST(Scene, StateTellsItsBytes) {
     struct Count {
@@ -113,11 +117,11 @@ TEST(Scene, StateTellsItsBytes) {
     options.allocator = {&count,
                          [](void* user, std::size_t bytes, std::size_t alignment) -> void* {
                              static_cast<Count*>(user)->bytes += bytes;
-                             return std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+                             return take_aligned(bytes, alignment);
                          },
                          [](void* user, void* memory, std::size_t bytes) {
                              static_cast<Count*>(user)->bytes -= bytes;
-                             std::free(memory);
+                             give_aligned(memory);
                          }};
     for (const ChartSpec& chart : {big_chart(), free_chart(65, 33, sheet)}) {
         const State state = State::create(Opened(build({chart})).chart(), options).value();

@@ -9,13 +9,17 @@
 #include <dgm/tick.h>
 
 #include <atomic>
-#include <thread>
 
 #include "opened.h"
+#include "platform.h"
+#if DGM_TEST_THREADS
+#include <thread>
+#endif
 
 namespace dgm::test {
 namespace {
 
+#if DGM_TEST_THREADS
 TEST(Snapshots, ReadersSeeWholeFrames) {
     // Frame f is the sheet moved by f along z, all of it: mixed frames would show.
     State state = make_state(grid_chart(33, 35, [](double i, double j) { return Point{float(i), float(j), 0}; }));
@@ -112,6 +116,7 @@ TEST(Snapshots, TicksWhileRenderingAndOthersTouchTheSameAsset) {
     other.join();
     EXPECT_TRUE(sound);
 }
+#endif
 
 TEST(Snapshots, Refusals) {
     State state = make_state(grid_chart(9, 9, sheet)), other = make_state(grid_chart(9, 10, sheet));
