@@ -124,6 +124,7 @@ struct PatchPress {
     bool active = false;  ///< now = base + weight d of `patch`, and nothing else is elastic
     const Patch* patch = nullptr;
     PatchKey key;
+    Vec3 d;
     std::uint64_t moved = 0;  ///< StateImpl::moved at the end of the last tick
     Array<float> forms;          ///< as RingJob
     Array<float> saved;          ///< 24 floats a row: normals of the base shape

@@ -83,7 +83,7 @@ void prepare(StateImpl& s, Patch& p) noexcept {
         copy_row(saved + 16, s.normal.z + row.first, row.width);
     }
     s.rows_of->rings({p.rows.data(), p.row_count, cols, s.tables.grid - cols, cols, StateImpl::fixed(s.base), plane,
-                      s.uniform ? nullptr : s.ring.data(), s.normal_scale, s.press.forms.data()});
+                      s.ring.data(), s.normal_scale, s.press.forms.data()});
     Irregular(s, p).put();
     constexpr float kZero[8] = {};
     for (std::uint32_t r = 0; r < p.row_count; ++r) copy_row(plane + p.rows[r].first, kZero, p.rows[r].width);
@@ -119,6 +119,12 @@ bool press_patch(StateImpl& s, const TableImpl& t, const Contact& c, DeformRepor
     Patch& p = patch_of(s, t, c);
     if (p.row_count > press.capacity) return false;
     const bool ours = press.active && press.moved == s.moved && press.patch != nullptr && s.normal_dirty.empty();
+    if (ours && press.key == p.key && press.d == c.d) {  // nothing changes, so nobody is told
+        report.samples = p.samples;
+        report.crossed_seam = p.crossed_seam;
+        return true;
+    }
+    press.d = c.d;
     if (!ours) {
         release_elastic(s);
         update_normals(s);

@@ -178,7 +178,7 @@ struct RingJob {
     std::uint32_t count, first, last, cols;  ///< rows that start at samples first .. last - 1 are done
     ConstPlanes at;
     const float* weight;       ///< plane
-    const std::uint8_t* ring;  ///< as NormalJob
+    const std::uint8_t* ring;  ///< bits as in NormalJob
     float scale;
     float* forms;  ///< kFormFloats a row: x, y and z of eight areas, then of eight slopes
 };

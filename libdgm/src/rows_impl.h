@@ -511,7 +511,7 @@ static inline __attribute__((always_inline)) void add_form(RingForm<F>& sum, con
     sum.slope.z = subtract_product(multiply_add(a.w, b.v.z, sum.slope.z), b.w, a.v.z);
 }
 
-template <class F, class I, bool kUniform>
+template <class F, class I>
 static inline __attribute__((always_inline)) RingForm<F> ring_form(const RingJob& j, std::size_t k) {
     const auto near = [&](std::size_t s) {
         return Weighted<F>{{load<F>(j.at.x + s), load<F>(j.at.y + s), load<F>(j.at.z + s)}, load<F>(j.weight + s)};
@@ -519,31 +519,25 @@ static inline __attribute__((always_inline)) RingForm<F> ring_form(const RingJob
     const std::size_t n = j.cols;
     const Weighted<F> n0 = near(k + n), n1 = near(k + 1), n2 = near(k - n), n3 = near(k - 1);
     RingForm<F> sum{};
-    if constexpr (kUniform) {
-        add_form(sum, n1 - n0, n2 - near(k + n + 1));
-        add_form(sum, near(k - n - 1) - n0, n3 - n2);
-    } else {
-        const I ring = widen(j.ring + k, I{});
-        const auto corner_of = [&](const Weighted<F>& in, const Weighted<F>& edge, auto bit) {
-            return Weighted<F>{corner<F, I, decltype(bit)::kBit>(ring, in.v, edge.v),
-                               choose_bit<decltype(bit)::kBit>(ring, in.w, edge.w)};
-        };
-        const Weighted<F> c1 = corner_of(near(k - n + 1), n1, Bit<1>{});
-        add_form(sum, n1 - n0, c1 - corner_of(near(k + n + 1), n0, Bit<0>{}));
-        add_form(sum, corner_of(near(k - n - 1), n2, Bit<2>{}) - c1, n3 - n2);
-        add_form(sum, n3 - n0, corner_of(near(k + n - 1), n3, Bit<3>{}) - c1);
-    }
+    const I ring = widen(j.ring + k, I{});
+    const auto corner_of = [&](const Weighted<F>& in, const Weighted<F>& edge, auto bit) {
+        return Weighted<F>{corner<F, I, decltype(bit)::kBit>(ring, in.v, edge.v),
+                           choose_bit<decltype(bit)::kBit>(ring, in.w, edge.w)};
+    };
+    const Weighted<F> c1 = corner_of(near(k - n + 1), n1, Bit<1>{});
+    add_form(sum, n1 - n0, c1 - corner_of(near(k + n + 1), n0, Bit<0>{}));
+    add_form(sum, corner_of(near(k - n - 1), n2, Bit<2>{}) - c1, n3 - n2);
+    add_form(sum, n3 - n0, corner_of(near(k + n - 1), n3, Bit<3>{}) - c1);
     return sum;
 }
 
-template <bool kUniform>
-static inline __attribute__((always_inline)) void ring_rows(const RingJob& job) {
+void rings(const RingJob& job) noexcept {
     const RingJob j = job;
     for (std::uint32_t r = 0; r < j.count; ++r) {
         const PatchRow row = j.rows[r];
         if (row.first < j.first || row.first >= j.last) continue;
         for (std::uint32_t k = 0; k < row.width; k += DGM_LANES) {
-            const RingForm<Floats> form = ring_form<Floats, Ints, kUniform>(j, row.first + k);
+            const RingForm<Floats> form = ring_form<Floats, Ints>(j, row.first + k);
             float* to = j.forms + kFormFloats * static_cast<std::size_t>(r) + k;
             store<Floats>(to, form.area.x * j.scale);
             store<Floats>(to + 8, form.area.y * j.scale);
@@ -554,13 +548,6 @@ static inline __attribute__((always_inline)) void ring_rows(const RingJob& job) 
         }
     }
 }
-void rings(const RingJob& job) noexcept {
-    if (job.ring == nullptr)
-        ring_rows<true>(job);
-    else
-        ring_rows<false>(job);
-}
-
 /// Samples k on, with the weights at w.
 template <class F>
 static inline __attribute__((always_inline)) void patch_block(const PatchJob& j, std::size_t k, const float* w) {

@@ -21,12 +21,8 @@ static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
     return 1.0f / v;
 }
 static inline __attribute__((always_inline)) Floats root(Floats v) {
-#if defined(__SSE__)
-    return static_cast<Floats>(_mm_sqrt_ps(static_cast<__m128>(v)));
-#else
-    for (int k = 0; k < DGM_LANES; ++k) v[k] = __builtin_sqrtf(v[k]);
+    take_roots(v);
     return v;
-#endif
 }
 static inline __attribute__((always_inline)) Floats gather(const float* from, const Ints& at) {
     return Floats{from[at[0]], from[at[1]], from[at[2]], from[at[3]]};
