@@ -36,10 +36,10 @@ Result<void> check_faces(const ChartTables& t) noexcept {
     return {};
 }
 
-/// Tools look for the seams of a square where its border is.
+/// Tools look for seams where the border is: on the grid's in a square, among the border samples in a free domain.
 bool may_have_class(const ChartTables& t, std::uint32_t sample) noexcept {
     if (sample >= t.total || !t.on_surface(sample)) return false;
-    if (t.free_domain) return true;
+    if (t.free_domain) return sample >= t.grid;
     const std::uint32_t i = sample / t.cols, j = sample % t.cols;
     return i == 0 || j == 0 || i + 1 == t.rows || j + 1 == t.cols;
 }
@@ -68,8 +68,7 @@ Result<void> check_seams(const ChartTables& t, const Allocator& allocator) noexc
         const std::uint32_t representative = load_once(t.seams.data() + k), copy = load_once(t.seams.data() + k + 1);
         const std::uint64_t at = t.seams_offset + 4 * k;
         if (!may_have_class(t, representative) || !may_have_class(t, copy))
-            return Error{ErrorCode::BadSeamTable, at,
-                         "a seam pair names no sample of the surface, or one inside of a square"};
+            return Error{ErrorCode::BadSeamTable, at, "a seam pair names no sample of the border"};
         if (representative >= copy)
             return Error{ErrorCode::BadSeamTable, at, "the representative is not the lowest of its class"};
         if (weld[copy] != copy) return Error{ErrorCode::BadSeamTable, at, "a sample is a copy twice"};

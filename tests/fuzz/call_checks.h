@@ -51,6 +51,9 @@ inline void check_points(const State& state, const PointView& points, const char
         const Vec3 first = points[members[0]];
         for (const std::uint32_t copy : members) {
             const Vec3 p = points[copy];
+            if (std::memcmp(&p, &first, sizeof p) != 0)
+                DGM_SAY("class %u: sample %u at %a %a %a, sample %u at %a %a %a\n", id, members[0], first.x, first.y,
+                        first.z, copy, p.x, p.y, p.z);
             promise(std::memcmp(&p, &first, sizeof p) == 0, torn);
             promise(state.class_of(copy) == id, "a member of a class is not in it");
         }

@@ -346,6 +346,7 @@ class Program {
 Result<State> random_state(Dice& dice, const Chart& chart) {
     StateOptions options;
     options.max_reach = dice.one_in(4) ? dice.between(1, 12) : 65;
+    options.metric = dice.one_in(2);
     options.max_tools = dice.one_in(8) ? dice.below(65) : 4;
     options.plain_loops = dice.one_in(4);
     return State::create(chart, options);

@@ -29,6 +29,7 @@ class CProgram {
             dgm_state_options o{};
             o.struct_size = size_of(o);
             o.max_reach = dice_.one_in(3) ? dice_.below(70) : 0;
+            o.metric = dice_.below(2);
             o.max_tools = dice_.one_in(9) ? dice_.below(70) : 0;
             o.plain_loops = dice_.below(2);
             static_cast<void>(dgm_state_create(asset_, chart, optional(o), nullptr, state, error()));

@@ -240,7 +240,7 @@ ChartSpec random_free_chart(Dice& dice, std::uint32_t m, std::uint32_t n) {
     }
     Uints border(chart.border_samples);
     std::iota(border.begin(), border.end(), grid);
-    if (dice.one_in(2)) weld(chart, classes_of(random_pairs(dice, dice.one_in(4) ? usable : border), total), grid);
+    if (dice.one_in(2)) weld(chart, classes_of(random_pairs(dice, dice.one_in(20) ? usable : border), total), grid);
     return chart;
 }
 }  // namespace

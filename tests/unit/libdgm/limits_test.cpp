@@ -62,14 +62,18 @@ TEST(Limits, PositionsOfAMap) {
                    ErrorCode::BadValue, "geometry", 0);
 }
 
-TEST(Limits, SeamsOfASquareLieOnItsBorder) {
+TEST(Limits, SeamsLieOnTheBorder) {
     const auto spec = [](SeamPairs pairs) { return grid_chart(7, 5, sheet, pairs); };
     expect_taken(spec({{0, 4}, {2, 32}, {10, 14}}));
     expect_refused(spec({{0, 4}, {2, 16}}), ErrorCode::BadSeamTable, "seams", 8);  // a copy inside
     expect_refused(spec({{6, 34}}), ErrorCode::BadSeamTable, "seams", 0);          // a representative inside
     expect_refused(spec({{6, 7}, {0, 4}}), ErrorCode::BadSeamTable, "seams", 0);   // both
-    // A free domain has its borders anywhere: there the same classes may be.
+    // In a free domain that is among the border samples, from 5 * 6 on; 8 is on the surface, with quads around it.
     expect_taken(free_chart(5, 6, sheet, {{30, 41}, {31, 40}}));
+    ChartSpec mixed = free_chart(5, 6, sheet);
+    std::memcpy(mixed.layer("border_geometry").bytes.data(), mixed.layer("geometry").bytes.data() + 12 * 8, 12);
+    mixed.add("seams", ElementType::kU32, {1, 2}, std::vector<std::uint32_t>{8, 30});
+    expect_refused(mixed, ErrorCode::BadSeamTable, "seams", 0);
 }
 
 TEST(Limits, WhatTouchesReadOfAMap) {
