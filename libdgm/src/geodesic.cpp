@@ -217,11 +217,13 @@ class Fan {
             const Exits out = exits(2 * side + turned);
             const Vec3 at = StateImpl::at(s_.rest, source);
             const Vec3 e = StateImpl::at(s_.rest, left) - at, f = StateImpl::at(s_.rest, out.apex) - at;
-            offer(corner(left), per_step_ * std::sqrt(dgm::dot(e, e)));
-            offer(corner(out.apex), per_step_ * std::sqrt(dgm::dot(f, f)));
-            if (corner(left) == source || corner(out.apex) == source) continue;
             const float d = per_step_ * std::sqrt(dgm::dot(e, e));
-            bend_later(2 * side + turned, 0, corner(left), d, d);
+            if (corner(left) == source || corner(out.apex) == source) {
+                offer(corner(left), d);
+                continue;
+            }
+            if (offer(corner(left), d)) bend_later(2 * side + turned, 0, corner(left), d, d);
+            if (left < out.apex) continue;  // the other side at the source does it
             // The plane: the source, the apex at the right, the left end.
             const float length2 = dgm::dot(f, f), inverse = per_step_ / std::sqrt(length2), x = dgm::dot(e, f) * inverse;
             const Vec3 h = (per_step_ * e) - (x * inverse / per_step_) * f;
