@@ -120,14 +120,7 @@ bool make_scratch(StateImpl& s, std::uint32_t max_tools) noexcept {
         !f.samples.allocate(a, s.total()) || !f.classes.allocate(a, s.class_count) ||
         !f.class_seen.allocate(a, s.class_count))
         return false;
-    GeodesicScratch& g = s.geodesic;
-    if (!g.nodes.allocate(a, std::uint64_t{s.total()} + GeodesicScratch::kBuckets) || !g.marks.allocate(a, s.total()) ||
-        !g.touched.allocate(a, s.total()))
-        return false;
-    for (std::uint32_t k = s.total(); k < s.total() + GeodesicScratch::kBuckets; ++k)
-        g.nodes[k].next = g.nodes[k].previous = k;
-    for (std::uint32_t k = 0; k < s.tables.grid; ++k)
-        if ((s.ring[k] & kRingObtuse) != 0) g.marks[k] = kFrontObtuse;
+    if (!make_geodesics(s)) return false;
     return s.tools.allocate(a, max_tools);
 }
 
@@ -150,7 +143,7 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
            tiles * (4 * sizeof(Box) + 52 + 9 * 8) + 2 * (std::uint64_t{t.rows} + t.cols) * 8 + (t.total - t.grid) +
            t.faces.size() * 40 + t.seams.size() * 80 +
            (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
-           GeodesicScratch::kBuckets * sizeof(FrontNode) + 4096;
+           window_capacity(o.max_reach) * sizeof(Window) + 4096;
 }
 
 /// The last element of a layer [m][n][width]; nothing is kept if all are 1.

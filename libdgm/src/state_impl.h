@@ -13,6 +13,7 @@
 
 #include "changes.h"
 #include "chart_tables.h"
+#include "geodesic.h"
 #include "memory.h"
 #include "patch.h"
 #include "rect_list.h"
@@ -91,22 +92,6 @@ struct FootprintScratch {
     std::uint32_t class_count = 0;
     Array<std::uint8_t> class_seen;
     bool truncated = false;
-};
-
-/// A geodesic walk's memory, by sample (used at representatives); emptied after each.
-struct FrontNode {
-    float distance = __builtin_inff();
-    std::uint32_t next = kNone, previous = kNone;  ///< in the bucket's list
-    std::uint32_t bucket = 0;
-};
-inline constexpr std::uint8_t kFrontKnown = 1;   ///< only during a walk
-inline constexpr std::uint8_t kFrontObtuse = 2;  ///< kRingObtuse, for ever
-struct GeodesicScratch {
-    static constexpr std::uint32_t kBuckets = 256;
-    Array<FrontNode> nodes;     ///< of samples, then of buckets: each one's list is a ring through its own node
-    Array<std::uint8_t> marks;  ///< kFront*
-    Array<std::uint32_t> touched;
-    std::uint32_t touched_count = 0;
 };
 
 struct TileList {

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/geodesic_tables.cpp
+#include "geodesic.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "state_impl.h"
+
+namespace dgm::detail {
+namespace {
+
+/// Corners of a quad: a, b, c, d as in quad_triangles().
+struct Triangle {
+    int tail, head, apex;
+};
+constexpr Triangle kSides[2][6] = {{{0, 1, 2}, {1, 2, 0}, {3, 2, 0}, {0, 3, 2}, {0, 2, 1}, {0, 2, 3}},
+                                   {{0, 1, 3}, {1, 2, 3}, {3, 2, 1}, {0, 3, 1}, {1, 3, 0}, {1, 3, 2}}};
+/// Which of the sides belong to one triangle.
+constexpr int kTriangles[2][2][3] = {{{0, 1, 4}, {2, 3, 5}}, {{0, 3, 4}, {1, 2, 5}}};
+
+struct Vec3d {
+    double x, y, z;
+};
+Vec3d from_to(const StateImpl& s, std::uint32_t a, std::uint32_t b) noexcept {
+    return {double{s.rest.x[b]} - s.rest.x[a], double{s.rest.y[b]} - s.rest.y[a], double{s.rest.z[b]} - s.rest.z[a]};
+}
+double dot(const Vec3d& a, const Vec3d& b) noexcept {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+double doubled_area(const Vec3d& a, const Vec3d& b) noexcept {
+    const Vec3d n{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    return std::sqrt(dot(n, n));
+}
+
+Apex apex_of(const StateImpl& s, std::uint32_t tail, std::uint32_t head, std::uint32_t apex) noexcept {
+    const Vec3d e = from_to(s, tail, head), f = from_to(s, tail, apex);
+    const double length2 = dot(e, e);
+    const auto along = static_cast<float>(dot(e, f) / length2), height = static_cast<float>(doubled_area(e, f) / length2);
+    return length2 > 0 && std::isfinite(along) && std::isfinite(height) ? Apex{along, height} : Apex{};
+}
+
+/// Angle of the direction (x, y), y >= 0, in radians, within 2e-5 on every machine [Hastings 1955, sheet 13].
+double angle_of(double x, double y) noexcept {
+    constexpr double kHalfTurn = 3.14159265358979;
+    const double far = std::max(std::fabs(x), y), near = std::min(std::fabs(x), y);
+    if (!(far > 0)) return 0;
+    const double t = near / far, q = t * t;
+    double a = t * (0.9998660 + q * (-0.3302995 + q * (0.1801410 + q * (-0.0851330 + q * 0.0208351))));
+    if (y > std::fabs(x)) a = kHalfTurn / 2 - a;
+    return x < 0 ? kHalfTurn - a : a;
+}
+
+template <class Visit>
+void each_side(const StateImpl& s, Visit visit) noexcept {
+    const ChartTables& t = s.tables;
+    for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
+        for (std::uint32_t j = 0; j + 1 < t.cols; ++j) {
+            if (!t.has_quad(i, j)) continue;
+            const std::uint32_t a = i * t.cols + j;
+            const std::uint32_t at[4] = {a, a + t.cols, a + t.cols + 1, a + 1};
+            for (const auto& sides : kTriangles[t.diagonal(i, j)])
+                for (const int k : sides) {
+                    const Triangle& side = kSides[t.diagonal(i, j)][k];
+                    visit(8 * (a + t.cols) + static_cast<std::uint32_t>(k), at[side.tail], at[side.head], at[side.apex]);
+                }
+        }
+    for (std::uint32_t f = 0; f < s.faces.size() / 3; ++f)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t* at = s.faces.data() + 3 * std::size_t{f};
+            visit(s.geodesic.strip + 4 * f + k, at[k], at[(k + 1) % 3], at[(k + 2) % 3]);
+        }
+}
+
+/// Side of the quad beyond; of a diagonal that of the other triangle.
+std::int32_t beyond(std::int32_t side, std::int32_t cols) noexcept {
+    const std::int32_t to[6] = {-8 + 2, 8 * cols + 3, 8 + 0, -8 * cols + 1, 5, 4};
+    return to[side];
+}
+
+void make_steps(GeodesicScratch& g, std::uint32_t cols) noexcept {
+    const auto n = static_cast<std::int32_t>(cols);
+    const std::int32_t sample[4] = {0, n, n + 1, 1};
+    for (int diagonal = 0; diagonal < 2; ++diagonal)
+        for (const auto& sides : kTriangles[diagonal])
+            for (const int in : sides)
+                for (int turned = 0; turned < 2; ++turned) {
+                    const Triangle& t = kSides[diagonal][in];
+                    SideSteps& to = g.steps[diagonal][in][turned];
+                    to.apex = sample[t.apex];
+                    const int right = turned ? t.head : t.tail;
+                    for (const int out : sides) {
+                        if (out == in) continue;
+                        const Triangle& o = kSides[diagonal][out];
+                        const bool is_right = o.tail == right || o.head == right;
+                        // Right ends: the edge's own, or the apex.
+                        const int end = is_right ? right : t.apex;
+                        to.exit[is_right ? 0 : 1] = {out - in, beyond(out, n) - in, o.tail != end};
+                    }
+                }
+}
+
+/// A side whose triangle has no neighbour beyond it on the grid.
+struct LooseSide {
+    std::uint32_t low, high;  ///< representatives of its ends
+    std::uint32_t side;
+    bool turned;
+};
+
+/// Joins sides that share an edge after welding; ends of those left alone are an open border.
+/// @return false if there is no memory.
+bool link_sides(StateImpl& s) noexcept {
+    GeodesicScratch& g = s.geodesic;
+    const auto n = static_cast<std::int32_t>(s.tables.cols);
+    const auto is_loose = [&](std::uint32_t side) {
+        if (std::isinf(g.apex[side].along)) return false;
+        return side >= g.strip || std::isinf(g.apex[side + static_cast<std::uint32_t>(beyond(static_cast<std::int32_t>(side & 7), n))].along);
+    };
+    std::uint64_t count = 0;
+    each_side(s, [&](std::uint32_t side, auto, auto, auto) { count += is_loose(side) ? 1 : 0; });
+    Array<LooseSide> loose;
+    if (!loose.allocate(s.allocator, count) || !g.links.allocate(s.allocator, count)) return false;
+    std::size_t at = 0;
+    each_side(s, [&](std::uint32_t side, std::uint32_t tail, std::uint32_t head, std::uint32_t) {
+        const std::uint32_t a = s.representative(tail), b = s.representative(head);
+        if (is_loose(side)) loose[at++] = {std::min(a, b), std::max(a, b), side, a > b};
+    });
+    std::sort(loose.begin(), loose.end(), [](const LooseSide& a, const LooseSide& b) {
+        return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.side < b.side;
+    });
+    for (std::size_t first = 0, end; first < at; first = end) {
+        for (end = first; end < at && loose[end].low == loose[first].low && loose[end].high == loose[first].high; ++end) {}
+        for (std::size_t k = first; k < end; ++k) {
+            const LooseSide& next = loose[k + 1 < end ? k + 1 : first];
+            g.links[k] = {loose[k].side, next.side, loose[k].turned != next.turned};
+        }
+        if (end - first == 2) continue;
+        for (const std::uint32_t v : {loose[first].low, loose[first].high})
+            g.corners[v] |= end - first == 1 ? kCornerRim : kCornerBends;
+    }
+    std::sort(g.links.begin(), g.links.end(), [](const SideLink& a, const SideLink& b) { return a.from < b.from; });
+    return true;
+}
+
+/// Shortest ways pass straight through every corner but those with more than a whole turn around them, or more than
+/// half a turn on an open border.
+void mark_bends(StateImpl& s) noexcept {
+    constexpr double kHalfTurn = 3.14159265358979, kLeast = 4e-2;
+    GeodesicScratch& g = s.geodesic;
+    std::fill(g.distance.begin(), g.distance.end(), 0.0f);
+    each_side(s, [&](std::uint32_t, std::uint32_t tail, std::uint32_t head, std::uint32_t apex) {
+        const Vec3d e = from_to(s, apex, tail), f = from_to(s, apex, head);
+        g.distance[s.representative(apex)] += static_cast<float>(angle_of(dot(e, f), doubled_area(e, f)));
+    });
+    for (std::uint32_t v = 0; v < s.total(); ++v)
+        if (g.distance[v] > ((g.corners[v] & kCornerRim) != 0 ? 1 : 2) * kHalfTurn + kLeast) g.corners[v] |= kCornerBends;
+    std::fill(g.distance.begin(), g.distance.end(), __builtin_inff());
+}
+}  // namespace
+
+std::uint64_t window_capacity(std::uint64_t max_reach) noexcept {
+    std::uint64_t count = 1024;
+    while (count < 64 * max_reach * max_reach && count < (1u << 17)) count *= 2;
+    return count;
+}
+
+bool make_geodesics(StateImpl& s) noexcept {
+    GeodesicScratch& g = s.geodesic;
+    const Allocator& a = s.allocator;
+    const std::uint64_t strip = 8 * (std::uint64_t{s.tables.grid} + s.tables.cols), sides = strip + s.faces.size() / 3 * 4;
+    if (sides >= 1u << 31) return false;
+    g.strip = static_cast<std::uint32_t>(strip);
+    if (!g.apex.allocate(a, sides) || !g.corners.allocate(a, s.total()) || !g.distance.allocate(a, s.total()) ||
+        !g.touched.allocate(a, s.total()) || !g.windows.allocate(a, window_capacity(s.max_reach)))
+        return false;
+    make_steps(g, s.tables.cols);
+    each_side(s, [&](std::uint32_t side, std::uint32_t tail, std::uint32_t head, std::uint32_t apex) {
+        g.apex[side] = apex_of(s, tail, head, apex);
+    });
+    for (std::uint32_t i = 0; i + 1 < s.tables.rows; ++i)
+        for (std::uint32_t j = 0; j + 1 < s.tables.cols; ++j)
+            if (s.tables.diagonal(i, j) == 1) g.corners[i * s.tables.cols + j] |= kCornerDiagonal;
+    for (std::uint32_t v = 0; v < s.total(); ++v)
+        if (s.class_id(v) != kNone) g.corners[v] |= kCornerClass;
+    if (!link_sides(s)) return false;
+    mark_bends(s);
+    return true;
+}
+
+}  // namespace dgm::detail
