@@ -3,9 +3,11 @@
 // Makes a map, opens it and makes any calls with any options, in any order. The bytes are decisions (dice.h): no file
 // is read. Promise: no map that passes validate_chart() can crash, abort or tear the runtime. After each call seam
 // copies are equal to the bit, positions finite, reports within bounds; an error has changed nothing, to the bit.
+#include <dgm/changed.h>
 #include <dgm/collide.h>
 #include <dgm/contact.h>
 #include <dgm/force.h>
+#include <dgm/pick.h>
 #include <dgm/reconstruct.h>
 #include <dgm/snapshot.h>
 #include <dgm/tick.h>
@@ -100,6 +102,8 @@ class Program {
             case 9:
                 return contact();
             case 10:
+                changes();
+                pick();
                 return search();
             case 11:
                 return release();
@@ -276,6 +280,44 @@ class Program {
         note_base(o.mode == DeformMode::Plastic);
     }
 
+    void pick() {
+        const Vec3 from = random_place(dice_, state_);
+        const Vec3 to = dice_.one_in(3) ? random_vector(dice_, 1) : random_place(dice_, state_) - from;
+        PickOptions o;
+        if (dice_.one_in(3)) o.max_distance = random_length(dice_, state_.mean_step());
+        o.back_faces = !dice_.one_in(3);
+        const auto hit = pick_ray(state_, from, to, o);
+        if (!hit) return;
+        const RayHit& h = hit.value();
+        DGM_SAY("ray from %g %g %g along %g %g %g: %g\n", from.x, from.y, from.z, to.x, to.y, to.z, h.distance);
+        promise(state_.on_surface(h.sample), "a ray hit a sample off the surface");
+        promise(h.distance >= 0 && h.distance <= o.max_distance && is_finite(h.point), "a ray's hit is not finite");
+        promise(o.back_faces || h.front, "a ray hit a back face that was to be passed");
+        for (int k = 0; k < 3; ++k)
+            promise(state_.on_surface(h.corners[k]) && h.barycentric[k] >= 0 && h.barycentric[k] <= 1.001f,
+                    "a ray hit beside a triangle");
+    }
+
+    /// Whatever has other bits than at the last time is in a range.
+    void changes() {
+        ChangedRange ranges[6];
+        const std::size_t most = dice_.between(state_.sample_count() > state_.rows() * state_.cols() ? 2 : 1, 6);
+        const auto count = changed_rows(state_, cursor_, {ranges, most});
+        promise(count.ok() && count.value() <= most, "changes do not fit into two ranges");
+        const Shape now = shape_of(state_.positions());
+        std::vector<bool> told(now.size());
+        for (std::size_t k = 0; k < count.value(); ++k)
+            for (std::uint32_t r = 0; r < ranges[k].rows; ++r)
+                for (std::uint32_t c = 0; c < ranges[k].columns; ++c) {
+                    const std::uint32_t sample = ranges[k].first + r * state_.cols() + c;
+                    promise(sample < now.size(), "a range of changes goes beyond the samples");
+                    told[sample] = true;
+                }
+        for (std::size_t k = 0; k < seen_.size(); ++k)
+            promise(told[k] || std::memcmp(&now[k], &seen_[k], sizeof now[k]) == 0, "a change was not told");
+        seen_ = now;
+    }
+
     /// nearest_sample() against all samples, as it rounds.
     void search() {
         const Vec3 tool = random_place(dice_, state_);
@@ -337,7 +379,8 @@ class Program {
     State& state_;
     State& other_;
     const bool watched_;  ///< every call is looked at; else what fades may wait
-    Shape base_;
+    Shape base_, seen_;
+    std::uint64_t cursor_ = 0;
     std::vector<DeformTable> tables_;
     std::optional<ContactSolver> solver_;
     std::optional<Snapshots> snapshots_;
