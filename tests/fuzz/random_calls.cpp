@@ -4,6 +4,8 @@
 // put where a crash finds it: the last one printed is the one that broke; run it alone by `random_calls NUMBER 1`.
 // Writes nothing but that. The bytes of program n are n in eight bytes, lowest first: what a file of corpus/calls
 // holds.
+#include <unistd.h>
+
 #include <chrono>
 #include <cinttypes>
 #include <csignal>
@@ -27,6 +29,7 @@ constexpr bool kSanitized = true;
 #else
 constexpr bool kSanitized = false;
 #endif
+constexpr unsigned kMostSeconds = 20;
 volatile std::uint64_t g_running = 0;
 
 extern "C" void say_which(int) {
@@ -43,11 +46,13 @@ int main(int argc, char** argv) {
     if (!kSanitized)
         for (const int signal : {SIGSEGV, SIGFPE, SIGBUS}) std::signal(signal, say_which);
     std::signal(SIGABRT, say_which);
+    std::signal(SIGALRM, say_which);  // a program takes milliseconds: one that runs for seconds never ends
     const auto start = std::chrono::steady_clock::now();
     std::uint64_t done = 0;
     for (; done < count; ++done) {
         if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > limit) break;
         g_running = first + done;
+        alarm(kMostSeconds);
         std::uint8_t bytes[8];
         for (int k = 0; k < 8; ++k) bytes[k] = static_cast<std::uint8_t>((first + done) >> 8 * k);
         LLVMFuzzerTestOneInput(bytes, sizeof bytes);
