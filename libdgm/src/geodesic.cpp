@@ -33,7 +33,6 @@ struct Vec2 {
 [[gnu::always_inline]] inline float cross(Vec2 a, Vec2 b) noexcept { return a.x * b.y - a.y * b.x; }
 [[gnu::always_inline]] inline float dot(Vec2 a, Vec2 b) noexcept { return a.x * b.x + a.y * b.y; }
 [[gnu::always_inline]] inline float length(Vec2 a) noexcept { return std::sqrt(dot(a, a)); }
-[[gnu::always_inline]] inline float size(Vec2 a) noexcept { return std::fabs(a.x) + std::fabs(a.y); }
 
 struct Exits {
     std::uint32_t apex;  ///< sample
@@ -73,7 +72,7 @@ class Fan {
             for (const std::uint32_t copy : s_.members(s_.class_id(source))) start(source, copy);
         bend_late();
         for (; bucket_ < GeodesicScratch::kBuckets; ++bucket_)
-            while (g_.buckets[bucket_] != kNone) {
+            while (g_.buckets[bucket_] != kNone && in_budget()) {
                 const std::uint32_t k = g_.buckets[bucket_];
                 const Window w = g_.windows[k];
                 g_.buckets[bucket_] = w.next;
@@ -87,8 +86,13 @@ class Fan {
     std::uint64_t count = 0, merged = 0;
 
  private:
+    /// Crumpled surfaces could go on for ever. What is not reached by then is left out or keeps a longer way: organs take
+    /// less than a tenth of it.
+    [[nodiscard]] bool in_budget() noexcept { return ++work_ < 1000 * (std::uint64_t{g_.touched_count} + 100); }
+    std::uint64_t work_ = 0;
+
     void bend_late() noexcept {
-        while (late_ != 0) {
+        while (late_ != 0 && in_budget()) {
             const Late at = later_[--late_];
             if (distance_[at.v] == at.d) bend_beside(at);
         }

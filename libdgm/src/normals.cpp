@@ -104,7 +104,7 @@ void measure_roughness(StateImpl& s) noexcept {
 
 Result<void> build_rings(StateImpl& s) noexcept {
     const ChartTables& t = s.tables;
-    if (!s.ring.allocate(s.allocator, t.grid))
+    if (!s.ring.allocate(s.allocator, std::uint64_t{t.grid} + 16))
         return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the rings"};
     s.uniform = true;
     double area = 0;

@@ -120,6 +120,7 @@ void finish(StateImpl& s, Patch& p) noexcept {
             p.rects.add_border(c.first + c.width - 1);
             continue;
         }
+        // A press writes normals of whole rows of a cell.
         const std::uint32_t i = c.first / s.tables.cols, j = c.first % s.tables.cols;
         p.rects.add_near({i, i + c.height - 1, j, j + c.width - 1});
     }
@@ -158,7 +159,8 @@ bool make_patches(StateImpl& s, bool press) noexcept {
     if (!press) return true;
     const std::uint64_t side = press_cells(s.max_reach);
     s.press.capacity = static_cast<std::uint32_t>(8 * std::min(cells, side * side));
-    return s.press.forms.allocate(a, std::uint64_t{kFormFloats} * s.press.capacity) &&
+    return s.press.plane.allocate(a, std::uint64_t{s.total()} + s.tables.cols + 2 * PatchPress::kPad) &&
+           s.press.forms.allocate(a, std::uint64_t{kFormFloats} * s.press.capacity) &&
            s.press.saved.allocate(a, std::uint64_t{kSavedFloats} * s.press.capacity);
 }
 

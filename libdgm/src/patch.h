@@ -126,6 +126,8 @@ struct PatchPress {
     PatchKey key;
     Vec3 d;
     std::uint64_t moved = 0;  ///< StateImpl::moved at the end of the last tick
+    Array<float> plane;          ///< weights by sample, 0 between calls; read up to kPad beyond its ends
+    static constexpr std::uint32_t kPad = 16;
     Array<float> forms;          ///< as RingJob
     Array<float> saved;          ///< 24 floats a row: normals of the base shape
     std::uint32_t capacity = 0;  ///< rows

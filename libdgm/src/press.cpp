@@ -44,7 +44,7 @@ class Irregular {
             }
             const std::uint32_t id = s_.class_id(sample);
             if (id != kNone && s_.members(id)[0] != sample) continue;
-            const RingForm form = ring_form(s_, StateImpl::fixed(s_.base), s_.footprint.weight.data(), sample);
+            const RingForm form = ring_form(s_, StateImpl::fixed(s_.base), s_.press.plane.data() + PatchPress::kPad, sample);
             if (id == kNone)
                 put_form(sample, form);
             else
@@ -71,7 +71,7 @@ class Irregular {
 
 /// Area vectors of the base shape around the patch, and how they grow with the displacement.
 void prepare(StateImpl& s, Patch& p) noexcept {
-    float* plane = s.footprint.weight.data();
+    float* plane = s.press.plane.data() + PatchPress::kPad;
     const std::uint32_t cols = s.tables.cols;
     for (std::uint32_t r = 0; r < p.row_count; ++r) {
         PatchRow& row = p.rows[r];

@@ -512,11 +512,11 @@ static inline __attribute__((always_inline)) void add_form(RingForm<F>& sum, con
 }
 
 template <class F, class I>
-static inline __attribute__((always_inline)) RingForm<F> ring_form(const RingJob& j, std::size_t k) {
-    const auto near = [&](std::size_t s) {
+static inline __attribute__((always_inline)) RingForm<F> ring_form(const RingJob& j, std::ptrdiff_t k) {
+    const auto near = [&](std::ptrdiff_t s) {
         return Weighted<F>{{load<F>(j.at.x + s), load<F>(j.at.y + s), load<F>(j.at.z + s)}, load<F>(j.weight + s)};
     };
-    const std::size_t n = j.cols;
+    const std::ptrdiff_t n = j.cols;
     const Weighted<F> n0 = near(k + n), n1 = near(k + 1), n2 = near(k - n), n3 = near(k - 1);
     RingForm<F> sum{};
     const I ring = widen(j.ring + k, I{});
@@ -537,7 +537,7 @@ void rings(const RingJob& job) noexcept {
         const PatchRow row = j.rows[r];
         if (row.first < j.first || row.first >= j.last) continue;
         for (std::uint32_t k = 0; k < row.width; k += DGM_LANES) {
-            const RingForm<Floats> form = ring_form<Floats, Ints>(j, row.first + k);
+            const RingForm<Floats> form = ring_form<Floats, Ints>(j, static_cast<std::ptrdiff_t>(row.first + k));
             float* to = j.forms + kFormFloats * static_cast<std::size_t>(r) + k;
             store<Floats>(to, form.area.x * j.scale);
             store<Floats>(to + 8, form.area.y * j.scale);

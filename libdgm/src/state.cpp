@@ -139,11 +139,11 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
                                   (o.max_tools == 0 ? 0 : std::min(cells, side * side) * kCellSamples * 9 * sizeof(float));
     // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (21), classes,
     // slots.
-    return shape + patches + std::uint64_t{t.total} * (3 + 12 + 21 + 8 + 8) + walk +
+    return shape + patches + std::uint64_t{t.total} * (3 + 12 + 80 + 8 + 8 + 4) + walk +
            tiles * (4 * sizeof(Box) + 52 + 9 * 8) + 2 * (std::uint64_t{t.rows} + t.cols) * 8 + (t.total - t.grid) +
            t.faces.size() * 40 + t.seams.size() * 80 +
            (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
-           window_capacity(o.max_reach) * sizeof(Window) + 4096;
+           window_capacity(o.max_reach) * sizeof(Window) + (t.cols + std::uint64_t{t.rows}) * 80 + 8192;
 }
 
 /// The last element of a layer [m][n][width]; nothing is kept if all are 1.

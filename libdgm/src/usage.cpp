@@ -51,7 +51,7 @@ StateUsage State::usage() const noexcept {
                                     s.walk.slot_of, s.walk.nodes, s.walk.heap, s.walk.visited, f.key, f.weight,
                                     f.samples, f.classes, f.class_seen, s.geodesic.apex, s.geodesic.links, s.geodesic.corners,
                                     s.geodesic.distance, s.geodesic.touched, s.geodesic.windows, s.tools,
-                                    s.patch_scratch.slot_of, s.patch_scratch.flags, s.press.forms, s.press.saved) +
+                                    s.patch_scratch.slot_of, s.patch_scratch.flags, s.press.plane, s.press.forms, s.press.saved) +
         detail::patch_bytes(s);
     detail::RectList active = s.elastic;
     detail::add_fading(s, active);
