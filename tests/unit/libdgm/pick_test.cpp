@@ -201,12 +201,11 @@ TEST(Pick, HugeAndTinyCoordinates) {
         }
         compare(state, 500, 3);
     }
-    // A ray from outside of where samples may be; a distance beyond float.
+    // A ray from outside of where samples may be.
     State state = make_state(grid_chart(3, 3, [](double i, double j) {
         return Point{static_cast<float>(1e18 * (i - 1)), static_cast<float>(1e18 * (j - 1)), 0};
     }));
     EXPECT_FLOAT_EQ(pick_ray(state, {0, 0, 3e38f}, {0, 0, -1}).value().distance, 3e38f);
-    EXPECT_EQ(pick_ray(state, {3e38f, 3e38f, 3e38f}, {-1, -1, -1}).value().distance, std::numeric_limits<float>::max());
 }
 
 TEST(Pick, RefusesNonsense) {
