@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
     touch.sample = whole(3) * state.cols() + whole(4);
     touch.displacement = {real(7), real(8), real(9)};
     touch.d_max = real(10);
+    touch.footprint = dgm::Footprint::Grid;
     const auto report = dgm::deform(state, table.value(), touch);
     if (!report) return refuse(report.error());
 
