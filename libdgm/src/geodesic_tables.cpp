@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/geodesic_tables.cpp
+// How triangles unfold, which sides share an edge, and where shortest ways bend: worked out once for the rest surface.
+//
+// [Hastings 1955] Approximations for digital computers. Sheet 13: the arc tangent, the same bits on every machine.
 #include "geodesic.h"
 
 #include <algorithm>
@@ -40,7 +43,7 @@ Apex apex_of(const StateImpl& s, std::uint32_t tail, std::uint32_t head, std::ui
     return length2 > 0 && std::isfinite(along) && std::isfinite(height) ? Apex{along, height} : Apex{};
 }
 
-/// Angle of the direction (x, y), y >= 0, in radians, within 2e-5 on every machine [Hastings 1955, sheet 13].
+/// Angle of the direction (x, y), y >= 0, in radians, within 2e-5 [Hastings 1955].
 double angle_of(double x, double y) noexcept {
     constexpr double kHalfTurn = 3.14159265358979;
     const double far = std::max(std::fabs(x), y), near = std::min(std::fabs(x), y);
@@ -72,10 +75,11 @@ void each_side(const StateImpl& s, Visit visit) noexcept {
         }
 }
 
-/// Side of the quad beyond; of a diagonal that of the other triangle.
-std::int32_t beyond(std::int32_t side, std::int32_t cols) noexcept {
-    const std::int32_t to[6] = {-8 + 2, 8 * cols + 3, 8 + 0, -8 * cols + 1, 5, 4};
-    return to[side];
+/// From a side of a quad to the same edge in the triangle beyond.
+std::int32_t beyond(std::uint32_t side, std::uint32_t cols) noexcept {
+    const auto n = static_cast<std::int32_t>(8 * cols);
+    const std::int32_t to[6] = {-8 + 2, n + 2, 8 - 2, -n - 2, 1, -1};
+    return to[side & 7];
 }
 
 void make_steps(GeodesicScratch& g, std::uint32_t cols) noexcept {
@@ -86,16 +90,18 @@ void make_steps(GeodesicScratch& g, std::uint32_t cols) noexcept {
             for (const int in : sides)
                 for (int turned = 0; turned < 2; ++turned) {
                     const Triangle& t = kSides[diagonal][in];
-                    SideSteps& to = g.steps[diagonal][in][turned];
+                    const int right = turned != 0 ? t.head : t.tail, left = turned != 0 ? t.tail : t.head;
+                    Steps& to = g.steps[diagonal][in][turned];
                     to.apex = sample[t.apex];
-                    const int right = turned ? t.head : t.tail;
+                    to.end[0] = sample[right];
+                    to.end[1] = sample[left];
                     for (const int out : sides) {
                         if (out == in) continue;
                         const Triangle& o = kSides[diagonal][out];
-                        const bool is_right = o.tail == right || o.head == right;
-                        // Right ends: the edge's own, or the apex.
-                        const int end = is_right ? right : t.apex;
-                        to.exit[is_right ? 0 : 1] = {out - in, beyond(out, n) - in, o.tail != end};
+                        const int hand = o.tail == right || o.head == right ? 0 : 1;
+                        const int turn = (o.tail != (hand == 0 ? right : t.apex) ? 1 : 0) - turned;
+                        to.own[hand] = 2 * (out - in) + turn;
+                        to.out[hand] = to.own[hand] + 2 * beyond(static_cast<std::uint32_t>(out), cols);
                     }
                 }
 }
@@ -111,10 +117,10 @@ struct LooseSide {
 /// @return false if there is no memory.
 bool link_sides(StateImpl& s) noexcept {
     GeodesicScratch& g = s.geodesic;
-    const auto n = static_cast<std::int32_t>(s.tables.cols);
+    const std::uint32_t n = s.tables.cols;
     const auto is_loose = [&](std::uint32_t side) {
         if (std::isinf(g.apex[side].along)) return false;
-        return side >= g.strip || std::isinf(g.apex[side + static_cast<std::uint32_t>(beyond(static_cast<std::int32_t>(side & 7), n))].along);
+        return side >= g.strip || std::isinf(g.apex[side + static_cast<std::uint32_t>(beyond(side, n))].along);
     };
     std::uint64_t count = 0;
     each_side(s, [&](std::uint32_t side, auto, auto, auto) { count += is_loose(side) ? 1 : 0; });
@@ -145,30 +151,39 @@ bool link_sides(StateImpl& s) noexcept {
 /// Shortest ways pass straight through every corner but those with more than a whole turn around them, or more than
 /// half a turn on an open border.
 void mark_bends(StateImpl& s) noexcept {
-    constexpr double kHalfTurn = 3.14159265358979, kLeast = 4e-2;
+    constexpr double kHalfTurn = 3.14159265358979, kLeast = 0.02;
     GeodesicScratch& g = s.geodesic;
     std::fill(g.distance.begin(), g.distance.end(), 0.0f);
     each_side(s, [&](std::uint32_t, std::uint32_t tail, std::uint32_t head, std::uint32_t apex) {
         const Vec3d e = from_to(s, apex, tail), f = from_to(s, apex, head);
         g.distance[s.representative(apex)] += static_cast<float>(angle_of(dot(e, f), doubled_area(e, f)));
     });
-    for (std::uint32_t v = 0; v < s.total(); ++v)
-        if (g.distance[v] > ((g.corners[v] & kCornerRim) != 0 ? 1 : 2) * kHalfTurn + kLeast) g.corners[v] |= kCornerBends;
-    std::fill(g.distance.begin(), g.distance.end(), __builtin_inff());
+    for (std::uint32_t v = 0; v < s.total(); ++v) {
+        const double straight = ((g.corners[v] & kCornerRim) != 0 ? 1 : 2) * kHalfTurn;
+        if (g.distance[v] > straight + kLeast) g.corners[v] |= kCornerBends;
+        g.distance[v] = __builtin_inff();
+    }
+}
+
+/// As many as wait at once on curved organs with a reach of max_reach, and half as many again.
+std::uint64_t window_capacity(std::uint64_t max_reach) noexcept {
+    return 512 + 96 * max_reach;
 }
 }  // namespace
 
-std::uint64_t window_capacity(std::uint64_t max_reach) noexcept {
-    std::uint64_t count = 1024;
-    while (count < 64 * max_reach * max_reach && count < (1u << 17)) count *= 2;
-    return count;
+std::uint64_t geodesic_bytes(std::uint64_t rows, std::uint64_t cols, std::uint64_t face_corners,
+                             std::uint64_t max_reach) noexcept {
+    const std::uint64_t loose = 2 * (rows + cols) + 2 * face_corners;
+    return window_capacity(max_reach) * sizeof(Window) + loose * (sizeof(SideLink) + sizeof(LooseSide)) +
+           (8 * cols + 2 * face_corners) * sizeof(Apex);
 }
 
 bool make_geodesics(StateImpl& s) noexcept {
     GeodesicScratch& g = s.geodesic;
     const Allocator& a = s.allocator;
-    const std::uint64_t strip = 8 * (std::uint64_t{s.tables.grid} + s.tables.cols), sides = strip + s.faces.size() / 3 * 4;
-    if (sides >= 1u << 31) return false;
+    const std::uint64_t strip = 8 * (std::uint64_t{s.tables.grid} + s.tables.cols);
+    const std::uint64_t sides = strip + s.faces.size() / 3 * 4;
+    if (sides >= 1u << 30) return false;
     g.strip = static_cast<std::uint32_t>(strip);
     if (!g.apex.allocate(a, sides) || !g.corners.allocate(a, s.total()) || !g.distance.allocate(a, s.total()) ||
         !g.touched.allocate(a, s.total()) || !g.windows.allocate(a, window_capacity(s.max_reach)))
@@ -179,7 +194,7 @@ bool make_geodesics(StateImpl& s) noexcept {
     });
     for (std::uint32_t i = 0; i + 1 < s.tables.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < s.tables.cols; ++j)
-            if (s.tables.diagonal(i, j) == 1) g.corners[i * s.tables.cols + j] |= kCornerDiagonal;
+            if (s.tables.has_quad(i, j) && s.tables.diagonal(i, j) == 1) g.corners[i * s.tables.cols + j] |= kCornerDiagonal;
     for (std::uint32_t v = 0; v < s.total(); ++v)
         if (s.class_id(v) != kNone) g.corners[v] |= kCornerClass;
     if (!link_sides(s)) return false;
