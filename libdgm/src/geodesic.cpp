@@ -18,6 +18,8 @@
 namespace dgm::detail {
 namespace {
 
+/// Corners measured by a window merged from two may be farther by twice kMerge than they are: squared.
+constexpr float kBehind = 0.96f;
 /// Triangles around a corner that are looked at where it bends ways.
 constexpr int kMostAround = 64;
 
@@ -66,7 +68,8 @@ class Fan {
             for (std::uint32_t k = 0; k < g_.touched_count; ++k)
                 each_copy(g_.touched[k], [&](std::uint32_t copy) {
                     each_side_at(copy, [&](Way way) {
-                        const std::uint32_t v = corner(steps(way).end[1]);
+                        Steps room;
+                        const std::uint32_t v = corner(across(way, room).end(1));
                         const Vec3 e = StateImpl::at(s_.rest, v) - StateImpl::at(s_.rest, g_.touched[k]);
                         changed |= offer(v, distance_[g_.touched[k]] + per_step_ * std::sqrt(dgm::dot(e, e))) ? 1 : 0;
                     });
@@ -86,37 +89,51 @@ class Fan {
         return true;
     }
 
-    /// The triangle that a way leads into: its samples and ways out.
+    /// The triangle that a way leads into, as steps from where it stands.
     struct Across {
-        std::uint32_t apex, end[2];
-        Way out[2];  ///< kNone: not on the grid
-        Way own[2];
+        const Steps* steps;
+        std::uint32_t quad;
+        Way way;
+        [[nodiscard, gnu::always_inline]] std::uint32_t apex() const noexcept { return from(quad, steps->apex); }
+        [[nodiscard, gnu::always_inline]] std::uint32_t end(int hand) const noexcept { return from(quad, steps->end[hand]); }
+        [[nodiscard, gnu::always_inline]] Way out(int hand) const noexcept { return from(way, steps->out[hand]); }
+        [[nodiscard, gnu::always_inline]] Way own(int hand) const noexcept { return from(way, steps->own[hand]); }
+        [[nodiscard, gnu::always_inline]] static std::uint32_t from(std::uint32_t base, std::int32_t to) noexcept {
+            return base + static_cast<std::uint32_t>(to);
+        }
     };
-    [[nodiscard, gnu::always_inline]] Across steps(Way way) const noexcept {
-        if (way >= strip_) [[unlikely]] return steps_of_strip(way);
+    /// `room` holds the steps of a strip's triangle.
+    [[nodiscard, gnu::always_inline]] Across across(Way way, Steps& room) const noexcept {
+        if (way >= strip_) [[unlikely]] {
+            room = strip_steps(way);
+            return {&room, 0, way};
+        }
         const std::uint32_t quad = (way >> 4) - cols_;
-        const Steps& s = g_.steps[corners_[quad] & kCornerDiagonal][way >> 1 & 7][way & 1];
-        const auto from = [](std::uint32_t base, std::int32_t to) { return base + static_cast<std::uint32_t>(to); };
-        return {from(quad, s.apex), {from(quad, s.end[0]), from(quad, s.end[1])},
-                {from(way, s.out[0]), from(way, s.out[1])}, {from(way, s.own[0]), from(way, s.own[1])}};
+        return {&g_.steps[corners_[quad] & kCornerDiagonal][way >> 1 & 7][way & 1], quad, way};
     }
-    [[nodiscard, gnu::noinline]] Across steps_of_strip(Way way) const noexcept {
-        const std::uint32_t f = (way - strip_) >> 3, k = way >> 1 & 3, next = k == 2 ? 0 : k + 1, last = k == 0 ? 2 : k - 1;
-        const std::uint32_t* at = s_.faces.data() + 3 * std::size_t{f};
-        const Way to_next = strip_ + 8 * f + 2 * next, to_last = strip_ + 8 * f + 2 * last;
-        if ((way & 1) == 0) return {at[last], {at[k], at[next]}, {0, 0}, {to_last + 1, to_next + 1}};
-        return {at[last], {at[next], at[k]}, {0, 0}, {to_next, to_last}};
+    [[nodiscard, gnu::noinline]] Steps strip_steps(Way way) const noexcept {
+        const std::uint32_t first = (way - strip_) >> 4, k = way >> 1 & 7, next = k == 2 ? 0 : k + 1, last = k == 0 ? 2 : k - 1;
+        const std::uint32_t* at = s_.faces.data() + 3 * std::size_t{first};
+        const auto sample = [&](std::uint32_t corner) { return static_cast<std::int32_t>(at[corner]); };
+        const auto step = [&](std::uint32_t side, Way turned) {
+            return static_cast<std::int32_t>(strip_ + 16 * first + 2 * side + turned - way);
+        };
+        const std::int32_t none = -static_cast<std::int32_t>(way);
+        if ((way & 1) == 0) return {sample(last), {sample(k), sample(next)}, {none, none}, {step(last, 1), step(next, 1)}};
+        return {sample(last), {sample(next), sample(k)}, {none, none}, {step(next, 0), step(last, 0)}};
     }
-    /// Visits the ways into the triangles beyond a way out.
+    [[nodiscard, gnu::always_inline]] bool is_there(Way way) const noexcept {
+        return apex_[g_.place_of(way >> 1)].along < __builtin_inff();
+    }
+    /// Visits the ways into the triangles that are linked to the side of a way out.
     template <class Visit>
-    [[gnu::always_inline]] void beyond(Way out, Way own, Visit visit) const noexcept {
-        if (apex_[out >> 1].along < __builtin_inff()) [[likely]]
-            return visit(out);
+    void each_linked(Way own, Visit visit) const noexcept {
         constexpr int kMost = 8;  // triangles at one edge
         const SideLink* link = link_of(own >> 1);
+        Way turned = own & 1;
         for (int k = 0; link != nullptr && link->to != own >> 1 && k < kMost; ++k) {
-            visit(2 * link->to + ((own & 1) ^ (link->turned ? 1u : 0u)));
-            own = 2 * (own >> 1) + ((own & 1) ^ (link->turned ? 1u : 0u));
+            turned ^= link->turned ? 1u : 0u;
+            visit(2 * link->to + turned);
             link = link_of(link->to);
         }
     }
@@ -134,10 +151,11 @@ class Fan {
     template <class Visit>
     void each_side_at(std::uint32_t sample, Visit visit) const noexcept {
         const ChartTables& t = s_.tables;
+        Steps room;
         const auto look = [&](std::uint32_t side) {
-            if (std::isinf(apex_[side].along)) return;
+            if (std::isinf(apex_[g_.place_of(side)].along)) return;
             for (const Way way : {2 * side, 2 * side + 1})
-                if (steps(way).end[0] == sample) visit(way);
+                if (across(way, room).end(0) == sample) visit(way);
         };
         if (sample < t.grid) {
             const std::uint32_t i = sample / cols_, j = sample % cols_;
@@ -147,25 +165,26 @@ class Fan {
         }
         if (s_.face_start.empty()) return;
         for (std::uint32_t k = s_.face_start[sample]; k < s_.face_start[sample + 1]; ++k)
-            for (std::uint32_t side = 0; side < 3; ++side) look(strip_ / 2 + 4 * s_.face_of[k] + side);
+            for (std::uint32_t side = 0; side < 3; ++side) look(strip_ / 2 + 8 * s_.face_of[k] + side);
     }
 
     /// A triangle at the contact, with that at the right of the way into it.
     void start(std::uint32_t source, Way way) noexcept {
-        const Across out = steps(way);
-        const std::uint32_t left = corner(out.end[1]), apex = corner(out.apex);
+        Steps room;
+        const Across out = across(way, room);
+        const std::uint32_t left = corner(out.end(1)), apex = corner(out.apex());
         const Vec3 at = StateImpl::at(s_.rest, source);
         const Vec3 e = per_step_ * (StateImpl::at(s_.rest, left) - at), f = per_step_ * (StateImpl::at(s_.rest, apex) - at);
-        const float d = std::sqrt(dgm::dot(e, e)), across = std::sqrt(dgm::dot(f, f));
+        const float d = std::sqrt(dgm::dot(e, e)), far = std::sqrt(dgm::dot(f, f));
         const bool fresh = offer(left, d);
-        if (left == source || apex == source || !(across > 0)) return;
-        const float x = dgm::dot(e, f) / across;
-        const Vec3 h = e - (x / across) * f;
-        const Vec2 a{across, 0}, b{x, std::sqrt(dgm::dot(h, h))};
-        if (fresh) bend_later(left, out.own[0] ^ 1u, a - b, -a, b, d);
+        if (left == source || apex == source || !(far > 0)) return;
+        const float x = dgm::dot(e, f) / far;
+        const Vec3 h = e - (x / far) * f;
+        const Vec2 a{far, 0}, b{x, std::sqrt(dgm::dot(h, h))};
+        if (fresh) bend_later(left, out.own(0) ^ 1u, a - b, -a, b, d);
         // Its other side at the contact comes here too.
-        if (out.end[1] < out.apex) return;
-        push(out.out[1], out.own[1], a, b - a, 0, 1, 0);
+        if (out.end(1) < out.apex()) return;
+        push(out.out(1), out.own(1), a, b - a, 0, 1, 0);
     }
 
     /// Lines that cross the edge from a to a + e between right and left go on.
@@ -178,8 +197,16 @@ class Fan {
             const float area = cross(a, e), e2 = dot(e, e);
             if (!(dot(r, e) < 0) || !(dot(l, e) > 0) || !(area * area < room2 * e2)) return;
         }
-        beyond(out, own, [&](Way way) {
-            if (!queue_.put({a.x, a.y, e.x, e.y, right, left, offset, way, kNone})) complete_ = false;
+        const Window w{a.x, a.y, e.x, e.y, right, left, offset, out, kNone};
+        if (is_there(out)) [[likely]]
+            complete_ &= queue_.put(w);
+        else
+            push_linked(w, own);
+    }
+    [[gnu::noinline]] void push_linked(Window w, Way own) noexcept {
+        each_linked(own, [&](Way way) {
+            w.way = way;
+            complete_ &= queue_.put(w);
         });
     }
 
@@ -189,33 +216,34 @@ class Fan {
     }
     /// From the right end of an edge to the third corner of the triangle that a way leads into.
     [[nodiscard, gnu::always_inline]] Vec2 to_third(Way way, Vec2 e) const noexcept {
-        const Apex z = apex_[way >> 1];
+        const Apex z = apex_[g_.place_of(way >> 1)];
         const float along = (way & 1) != 0 ? 1 - z.along : z.along;
         return {along * e.x + z.height * e.y, along * e.y - z.height * e.x};
     }
 
     void cross_triangle(const Window& w) noexcept {
-        const Across out = steps(w.way);
+        Steps place;
+        const Across out = across(w.way, place);
         const Vec2 a{w.ax, w.ay}, e{w.ex, w.ey}, ac = to_third(w.way, e), c = a + ac, cb = e - ac;
-        const std::uint32_t v = corner(out.apex);
+        const std::uint32_t v = corner(out.apex());
         const float known = distance_[v], c2 = dot(c, c), area = cross(a, e), whole = area - cross(e, ac);
         const float at = cross(a, ac) / whole;  // the line to c crosses the edge here
         const float first = w.right, last = w.left;
         const float right = (at - first) * whole, left = (last - at) * whole;
         const float room = known - w.offset;
         if (room > 0 && room * room > c2) reach(w, v, c, right, left);
-        const bool behind = !(room > 0) || room * room < c2;
+        const bool behind = !(room > 0) || room * room < kBehind * c2;
         if (right > 0) {  // lines to the right of c
             const float from = first > 0 ? first * area / (first * area + right) : 0;
             const float to = left > 0 ? 1 : last * area / (last * area - left);
             if (!behind || !is_behind(known, c, a + from * ac, w.offset))
-                push(out.out[0], out.own[0], a, ac, from, to, w.offset);
+                push(out.out(0), out.own(0), a, ac, from, to, w.offset);
         }
         if (left > 0) {
             const float from = right > 0 ? 0 : right / (right - (1 - first) * area);
             const float to = last < 1 ? left / (left + (1 - last) * area) : 1;
             if (!behind || !is_behind(known, c, c + to * cb, w.offset))
-                push(out.out[1], out.own[1], c, cb, from, to, w.offset);
+                push(out.out(1), out.own(1), c, cb, from, to, w.offset);
         }
     }
 
@@ -238,7 +266,10 @@ class Fan {
     /// The triangle beyond an edge; the corner that is turned around is at the origin.
     [[nodiscard]] Turn turn(Way out, Way own, Vec2 a, Vec2 e) const noexcept {
         Turn t;
-        beyond(out, own, [&](Way way) { t.way = way; });
+        if (is_there(out))
+            t.way = out;
+        else
+            each_linked(own, [&](Way way) { t.way = way; });
         if (t.way == kNone) return t;
         t.a = a;
         t.e = e;
@@ -248,14 +279,15 @@ class Fan {
     /// The next triangle around corner v. One with two corners in v is left across the edge opposite to that by which it
     /// was entered.
     [[nodiscard]] Turn next(const Turn& t, const Across& at, std::uint32_t v, int hand) const noexcept {
-        if (corner(at.apex) == v) return turn(at.out[hand], at.own[hand], t.a, t.e);
-        return hand == 0 ? turn(at.out[1], at.own[1], t.apex, -t.apex) : turn(at.out[0], at.own[0], {0, 0}, t.apex);
+        if (corner(at.apex()) == v) return turn(at.out(hand), at.own(hand), t.a, t.e);
+        return hand == 0 ? turn(at.out(1), at.own(1), t.apex, -t.apex) : turn(at.out(0), at.own(0), {0, 0}, t.apex);
     }
     /// The triangle around v into which a line goes straight on along `ray`, half a turn from where it came.
     [[nodiscard]] Turn straight_on(Turn t, std::uint32_t v, Vec2 ray, int hand) const noexcept {
+        Steps room;
         for (int k = 0; t.way != kNone && k < kMostAround; ++k) {
-            const Across at = steps(t.way);
-            if (corner(at.apex) != v && (hand == 0 ? cross(ray, t.apex) : cross(t.apex, ray)) > 0) return t;
+            const Across at = across(t.way, room);
+            if (corner(at.apex()) != v && (hand == 0 ? cross(ray, t.apex) : cross(t.apex, ray)) > 0) return t;
             t = next(t, at, v, hand);
         }
         return {};
@@ -275,28 +307,29 @@ class Fan {
 
     /// A corner becomes a source for what lies between the ways straight on around its right and around its left.
     [[gnu::noinline]] void bend(const Window& w) noexcept {
-        const Across in = steps(w.way & ~kBend);
-        const std::uint32_t v = corner(in.apex);
+        Steps room;
+        const Across in = across(w.way & ~kBend, room);
+        const std::uint32_t v = corner(in.apex());
         const float d = w.offset;
-        if (distance_[v] != d) return;
+        if (distance_[v] != d) return;  // there was a shorter way
         const Vec2 a{w.ax, w.ay}, b = a + Vec2{w.ex, w.ey}, ray{w.right, w.left};
-        const Turn on[2] = {straight_on(turn(in.out[0], in.own[0], a, -a), v, ray, 0),
-                            straight_on(turn(in.out[1], in.own[1], {0, 0}, b), v, ray, 1)};
+        const Turn on[2] = {straight_on(turn(in.out(0), in.own(0), a, -a), v, ray, 0),
+                            straight_on(turn(in.out(1), in.own(1), {0, 0}, b), v, ray, 1)};
         if (on[0].way == kNone && on[1].way == kNone) return;
         const int hand = on[0].way == kNone ? 1 : 0;
         const bool closed = on[1 - hand].way != kNone;
-        const std::uint32_t end = closed ? steps(on[1].way).own[1] >> 1 : kNone;
+        const std::uint32_t end = closed ? across(on[1].way, room).own(1) >> 1 : kNone;
         Turn t = on[hand];
         float begin = meet(ray, facing(t, hand));
         for (int k = 0; t.way != kNone && k < kMostAround; ++k) {
-            const Across at = steps(t.way);
-            const std::uint32_t apex = corner(at.apex);
+            const Across at = across(t.way, room);
+            const std::uint32_t apex = corner(at.apex());
             if (apex != v) {
                 const Facing f = facing(t, hand);
-                const bool last = at.own[hand] >> 1 == end;
+                const bool last = at.own(hand) >> 1 == end;
                 float finish = hand == 0 ? 1 : 0;
                 if (last) finish = meet(ray, facing(on[1], 1));
-                push(at.out[hand], at.own[hand], f.a, f.e, hand == 0 ? begin : finish, hand == 0 ? finish : begin, d);
+                push(at.out(hand), at.own(hand), f.a, f.e, hand == 0 ? begin : finish, hand == 0 ? finish : begin, d);
                 if (last) return;
                 begin = 1 - finish;
                 const float along = length(t.apex);
@@ -331,7 +364,16 @@ void fill_by_front(StateImpl& s, const TableImpl& t, const Contact& c, Patch& p)
         if (!(d < reach)) continue;
         const float weight = weigher.at(first, d);
         const auto put = [&](std::uint32_t sample) {
-            const std::uint32_t slot = add_cell(s, p, cell_of(s, sample)), place = place_in_cell(s, sample);
+            std::uint32_t cell, place;
+            if (sample < s.tables.grid) {  // cell_of() and place_in_cell() with one division
+                const std::uint32_t i = sample / s.tables.cols, j = sample - i * s.tables.cols;
+                cell = (i >> 3) * s.patch_scratch.cols + (j >> 3);
+                place = (i & 7) * 8 + (j & 7);
+            } else {
+                cell = cell_of(s, sample);
+                place = place_in_cell(s, sample);
+            }
+            const std::uint32_t known = s.patch_scratch.slot_of[cell], slot = known != kNone ? known : add_cell(s, p, cell);
             p.cells[slot].reach |= std::uint64_t{1} << place;
             p.weights(slot)[place] = weight;
         };

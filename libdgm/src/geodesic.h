@@ -5,7 +5,7 @@
 // A side is an edge as one triangle has it, with a tail and a head. Quad q = i cols + j has the sides
 // 8 (q + cols) + 0 .. 5: a-b, b-c, d-c, a-d with corners as in quad_triangles(), then the diagonal as the first and as
 // the second triangle have it. Both quads beside an edge name its tail alike. Quads that are not there have sides too:
-// that is where ways leave the grid. Triangle f of a free domain's strip has the sides strip + 4 f + 0 .. 2, each from
+// that is where ways leave the grid. Triangle f of a free domain's strip has the sides strip + 8 f + 0 .. 2, each from
 // one corner to the next.
 #pragma once
 #include <cstdint>
@@ -58,8 +58,9 @@ inline constexpr std::uint8_t kCornerRim = 4;       ///< of a representative: on
 inline constexpr std::uint8_t kCornerBends = 8;     ///< of a representative: shortest ways bend here
 
 struct GeodesicScratch {
-    static constexpr std::uint32_t kBuckets = 128, kRecent = 1024;
-    Array<Apex> apex;  ///< by side
+    static constexpr std::uint32_t kBuckets = 128, kRecent = 1024, kSides = 6;
+    Array<Apex> apex;  ///< at place_of(side)
+    [[nodiscard]] static std::uint32_t place_of(std::uint32_t side) noexcept { return (side >> 3) * kSides + (side & 7); }
     Array<SideLink> links;
     Steps steps[2][8][2] = {};        ///< by diagonal, side of the quad, turned
     std::uint32_t strip = 0;          ///< the first side of the strip
@@ -77,6 +78,6 @@ struct GeodesicScratch {
 /// Bytes that make_geodesics() takes at most, besides those by sample (kGeodesicSample).
 [[nodiscard]] std::uint64_t geodesic_bytes(std::uint64_t rows, std::uint64_t cols, std::uint64_t face_corners,
                                            std::uint64_t max_reach) noexcept;
-inline constexpr std::uint64_t kGeodesicSample = 8 * sizeof(Apex) + sizeof(std::uint8_t) + 2 * sizeof(float);
+inline constexpr std::uint64_t kGeodesicSample = GeodesicScratch::kSides * sizeof(Apex) + sizeof(std::uint8_t) + 2 * sizeof(float);
 
 }  // namespace dgm::detail

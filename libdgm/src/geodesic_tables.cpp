@@ -71,7 +71,7 @@ void each_side(const StateImpl& s, Visit visit) noexcept {
     for (std::uint32_t f = 0; f < s.faces.size() / 3; ++f)
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t* at = s.faces.data() + 3 * std::size_t{f};
-            visit(s.geodesic.strip + 4 * f + k, at[k], at[(k + 1) % 3], at[(k + 2) % 3]);
+            visit(s.geodesic.strip + 8 * f + k, at[k], at[(k + 1) % 3], at[(k + 2) % 3]);
         }
 }
 
@@ -118,9 +118,9 @@ struct LooseSide {
 bool link_sides(StateImpl& s) noexcept {
     GeodesicScratch& g = s.geodesic;
     const std::uint32_t n = s.tables.cols;
+    const auto is_there = [&](std::uint32_t side) { return !std::isinf(g.apex[g.place_of(side)].along); };
     const auto is_loose = [&](std::uint32_t side) {
-        if (std::isinf(g.apex[side].along)) return false;
-        return side >= g.strip || std::isinf(g.apex[side + static_cast<std::uint32_t>(beyond(side, n))].along);
+        return is_there(side) && (side >= g.strip || !is_there(side + static_cast<std::uint32_t>(beyond(side, n))));
     };
     std::uint64_t count = 0;
     each_side(s, [&](std::uint32_t side, auto, auto, auto) { count += is_loose(side) ? 1 : 0; });
@@ -154,9 +154,11 @@ void mark_bends(StateImpl& s) noexcept {
     constexpr double kHalfTurn = 3.14159265358979, kLeast = 0.02;
     GeodesicScratch& g = s.geodesic;
     std::fill(g.distance.begin(), g.distance.end(), 0.0f);
-    each_side(s, [&](std::uint32_t, std::uint32_t tail, std::uint32_t head, std::uint32_t apex) {
-        const Vec3d e = from_to(s, apex, tail), f = from_to(s, apex, head);
-        g.distance[s.representative(apex)] += static_cast<float>(angle_of(dot(e, f), doubled_area(e, f)));
+    each_side(s, [&](std::uint32_t side, std::uint32_t, std::uint32_t, std::uint32_t apex) {
+        const Apex z = g.apex[g.place_of(side)];
+        if (std::isinf(z.along)) return;
+        const double x = z.along, y = z.height;
+        g.distance[s.representative(apex)] += static_cast<float>(angle_of(x * (x - 1) + y * y, y));
     });
     for (std::uint32_t v = 0; v < s.total(); ++v) {
         const double straight = ((g.corners[v] & kCornerRim) != 0 ? 1 : 2) * kHalfTurn;
@@ -175,22 +177,22 @@ std::uint64_t geodesic_bytes(std::uint64_t rows, std::uint64_t cols, std::uint64
                              std::uint64_t max_reach) noexcept {
     const std::uint64_t loose = 2 * (rows + cols) + 2 * face_corners;
     return window_capacity(max_reach) * sizeof(Window) + loose * (sizeof(SideLink) + sizeof(LooseSide)) +
-           (8 * cols + 2 * face_corners) * sizeof(Apex);
+           (cols + face_corners / 3) * GeodesicScratch::kSides * sizeof(Apex);
 }
 
 bool make_geodesics(StateImpl& s) noexcept {
     GeodesicScratch& g = s.geodesic;
     const Allocator& a = s.allocator;
     const std::uint64_t strip = 8 * (std::uint64_t{s.tables.grid} + s.tables.cols);
-    const std::uint64_t sides = strip + s.faces.size() / 3 * 4;
-    if (sides >= 1u << 30) return false;
+    const std::uint64_t sides = strip + 8 * (std::uint64_t{s.faces.size()} / 3);
+    if (sides >= 1u << 30) return false;  // ways have two bits more
     g.strip = static_cast<std::uint32_t>(strip);
-    if (!g.apex.allocate(a, sides) || !g.corners.allocate(a, s.total()) || !g.distance.allocate(a, s.total()) ||
+    if (!g.apex.allocate(a, sides / 8 * g.kSides) || !g.corners.allocate(a, s.total()) || !g.distance.allocate(a, s.total()) ||
         !g.touched.allocate(a, s.total()) || !g.windows.allocate(a, window_capacity(s.max_reach)))
         return false;
     make_steps(g, s.tables.cols);
     each_side(s, [&](std::uint32_t side, std::uint32_t tail, std::uint32_t head, std::uint32_t apex) {
-        g.apex[side] = apex_of(s, tail, head, apex);
+        g.apex[g.place_of(side)] = apex_of(s, tail, head, apex);
     });
     for (std::uint32_t i = 0; i + 1 < s.tables.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < s.tables.cols; ++j)
