@@ -45,39 +45,72 @@ class Fan {
           per_step_(per_step),
           queue_(g_, radius) {}
 
-    /// @return false if not all windows were followed: distances may be too long then.
-    bool run(std::uint32_t source) noexcept {
+    void run(std::uint32_t source) noexcept {
         constexpr std::uint32_t kWindows = 4096, kWindowsASample = 64;
         static_cast<void>(offer(source, 0));
-        each_copy(source, [&](std::uint32_t copy) { each_side_at(copy, [&](Way way) { start(source, way); }); });
+        Steps room;
+        each_copy(source, [&](std::uint32_t copy) {
+            each_side_at(copy, [&](Way way) { start(source, across(way, room)); });
+        });
         Window w;
         for (std::uint32_t count = 0; queue_.take(w); ++count) {
-            if (count > kWindows + kWindowsASample * g_.touched_count) return false;
+            if (count > kWindows + kWindowsASample * g_.touched_count) {
+                complete_ = false;
+                break;
+            }
             if ((w.way & kBend) == 0)
                 cross_triangle(w);
             else
                 bend(w);
         }
-        return complete_;
-    }
-
-    /// Shorter ways along edges, from all samples with a distance, in some rounds.
-    void run_along_edges() noexcept {
-        for (int round = 0, changed = 1; changed != 0 && round < 16; ++round) {
-            changed = 0;
-            for (std::uint32_t k = 0; k < g_.touched_count; ++k)
-                each_copy(g_.touched[k], [&](std::uint32_t copy) {
-                    each_side_at(copy, [&](Way way) {
-                        Steps room;
-                        const std::uint32_t v = corner(across(way, room).end(1));
-                        const Vec3 e = StateImpl::at(s_.rest, v) - StateImpl::at(s_.rest, g_.touched[k]);
-                        changed |= offer(v, distance_[g_.touched[k]] + per_step_ * std::sqrt(dgm::dot(e, e))) ? 1 : 0;
-                    });
-                });
-        }
+        if (find_missed()) go_along_edges();
     }
 
  private:
+    /// Marks samples beside one without a distance that should have one: merged windows can leave gaps where the
+    /// surface is a saddle. All are marked if some windows were not followed. @return whether there are any.
+    [[nodiscard]] bool find_missed() noexcept {
+        const std::uint32_t beside[8] = {1, cols_ + 1, cols_, cols_ - 1};
+        bool any = !complete_;
+        for (std::uint32_t k = 0; k < g_.touched_count; ++k) {
+            const std::uint32_t v = g_.touched[k];
+            bool missed = !complete_;
+            if (v < s_.tables.grid && (s_.ring[v] & kRingIrregular) == 0 && distance_[v] < radius_ - 1)
+                for (int d = 0; d < 4; ++d) missed = missed || is_missed(v + beside[d]) || is_missed(v - beside[d]);
+            if (missed) corners_[v] |= kCornerChanged;
+            any = any || missed;
+        }
+        return any;
+    }
+    [[nodiscard, gnu::always_inline]] bool is_missed(std::uint32_t sample) const noexcept {
+        return distance_[sample] == __builtin_inff() && distance_[corner(sample)] == __builtin_inff();
+    }
+    /// Shorter ways along edges from samples that are marked, and from those these lead to.
+    [[gnu::noinline]] void go_along_edges() noexcept {
+        constexpr int kRounds = 64;
+        bool changed = true;
+        Steps room;
+        for (int round = 0; changed; ++round) {
+            changed = false;
+            for (std::uint32_t k = 0; k < g_.touched_count; ++k) {
+                const std::uint32_t from = g_.touched[k];
+                if ((corners_[from] & kCornerChanged) == 0) continue;
+                corners_[from] &= static_cast<std::uint8_t>(~kCornerChanged);
+                if (round == kRounds) continue;
+                const Vec3 at = StateImpl::at(s_.rest, from);
+                each_copy(from, [&](std::uint32_t copy) {
+                    each_side_at(copy, [&](Way way) {
+                        const std::uint32_t v = corner(across(way, room).end(1));
+                        const Vec3 e = per_step_ * (StateImpl::at(s_.rest, v) - at);
+                        if (!offer(v, distance_[from] + std::sqrt(dgm::dot(e, e)))) return;
+                        corners_[v] |= kCornerChanged;
+                        changed = true;
+                    });
+                });
+            }
+        }
+    }
+
     [[nodiscard, gnu::always_inline]] std::uint32_t corner(std::uint32_t sample) const noexcept {
         return (corners_[sample] & kCornerClass) == 0 ? sample : s_.representative(sample);
     }
@@ -169,9 +202,7 @@ class Fan {
     }
 
     /// A triangle at the contact, with that at the right of the way into it.
-    void start(std::uint32_t source, Way way) noexcept {
-        Steps room;
-        const Across out = across(way, room);
+    void start(std::uint32_t source, const Across& out) noexcept {
         const std::uint32_t left = corner(out.end(1)), apex = corner(out.apex());
         const Vec3 at = StateImpl::at(s_.rest, source);
         const Vec3 e = per_step_ * (StateImpl::at(s_.rest, left) - at), f = per_step_ * (StateImpl::at(s_.rest, apex) - at);
@@ -341,7 +372,7 @@ class Fan {
     StateImpl& s_;
     GeodesicScratch& g_;
     const Apex* const apex_;
-    const std::uint8_t* const corners_;
+    std::uint8_t* const corners_;
     float* const distance_;
     const std::uint32_t cols_;
     const Way strip_;
@@ -354,7 +385,7 @@ class Fan {
 void fill_by_front(StateImpl& s, const TableImpl& t, const Contact& c, Patch& p) noexcept {
     const float reach = static_cast<float>(t.options.reach);
     Fan fan(s, reach, 1 / c.step);
-    if (!fan.run(s.representative(c.sample))) fan.run_along_edges();
+    fan.run(s.representative(c.sample));
     const Weigher weigher(s, t, c);
     GeodesicScratch& g = s.geodesic;
     for (std::uint32_t k = 0; k < g.touched_count; ++k) {

@@ -56,6 +56,7 @@ inline constexpr std::uint8_t kCornerDiagonal = 1;  ///< the quad that starts he
 inline constexpr std::uint8_t kCornerClass = 2;     ///< in a seam class
 inline constexpr std::uint8_t kCornerRim = 4;       ///< of a representative: on an open border
 inline constexpr std::uint8_t kCornerBends = 8;     ///< of a representative: shortest ways bend here
+inline constexpr std::uint8_t kCornerChanged = 16;  ///< of a representative: while ways along edges are looked at
 
 struct GeodesicScratch {
     static constexpr std::uint32_t kBuckets = 128, kRecent = 1024, kSides = 6;

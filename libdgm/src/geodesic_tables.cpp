@@ -151,7 +151,7 @@ bool link_sides(StateImpl& s) noexcept {
 /// Shortest ways pass straight through every corner but those with more than a whole turn around them, or more than
 /// half a turn on an open border.
 void mark_bends(StateImpl& s) noexcept {
-    constexpr double kHalfTurn = 3.14159265358979, kLeast = 0.02;
+    constexpr double kHalfTurn = 3.14159265358979, kLeast = 0.01;
     GeodesicScratch& g = s.geodesic;
     std::fill(g.distance.begin(), g.distance.end(), 0.0f);
     each_side(s, [&](std::uint32_t side, std::uint32_t, std::uint32_t, std::uint32_t apex) {
@@ -169,7 +169,7 @@ void mark_bends(StateImpl& s) noexcept {
 
 /// As many as wait at once on curved organs with a reach of max_reach, and half as many again.
 std::uint64_t window_capacity(std::uint64_t max_reach) noexcept {
-    return 512 + 96 * max_reach;
+    return 1024 + 32 * max_reach;
 }
 }  // namespace
 

@@ -95,7 +95,7 @@ class WindowQueue {
 
  private:
     static constexpr std::uint32_t kBuckets = GeodesicScratch::kBuckets;
-    static constexpr float kMerge = 0.01f;  ///< of the distance to the nearer source
+    static constexpr float kMerge = 0.007f;  ///< of the distance to the nearer source
     static constexpr float kPart = 0.05f;   ///< radians by which lines of two that join lead away from each other
     static constexpr float kMeet = 0.15f;   ///< or towards each other
     static constexpr float kGap = 0.1f;      ///< radians between two windows that join
