@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/geodesic.h
-// Memory for distances on the rest surface: how each triangle unfolds beside each of its sides, and windows on the way.
+// Memory for distances on the rest surface: how triangles unfold and hang together, and windows on the way.
 //
 // A side is an edge as one triangle has it, with a tail and a head. Quad q = i cols + j has the sides
 // 8 (q + cols) + 0 .. 5: a-b, b-c, d-c, a-d with corners as in quad_triangles(), then the diagonal as the first and as
@@ -16,26 +16,29 @@ namespace dgm::detail {
 
 struct StateImpl;
 
-/// The corner of a triangle beyond a side, in lengths of it: from the tail towards the head, and square to that.
-struct Apex {
-    float along = __builtin_inff();  ///< infinity: no triangle, or a side without length
-    float height = 0;
+/// A triangle in the plane: its base from (0, 0) to (1, 0), its apex here. The base is the diagonal of a quad, side 0 in
+/// a strip. One without any length counts as a millionth of the longer sides.
+struct FlatTriangle {
+    float x = __builtin_inff();  ///< infinity: no triangle, or one with two corners in one place of the welded surface
+    float y = 0;
 };
 
-/// Joins a side at a seam, at a strip, or of an edge with more than two triangles to the next side of the same edge.
+/// Joins a side to the next of the same edge, in a ring: at seams, at strips, and where triangles are missing.
 struct SideLink {
     std::uint32_t from, to;
     bool turned;  ///< the tail of one is the head of the other
 };
 
-/// A way through an edge, as 2 side + 1 if the head of the side is on the right.
+/// A way through an edge into a triangle, as 2 side + 1 if the head of the side is on the right.
 using Way = std::uint32_t;
 
-/// Ways out of a triangle, from the one in. 0: across the right edge, 1: across the left one.
+/// The triangle that a way leads into, relative to the way and its quad.
 struct Steps {
-    std::int32_t apex, end[2];  ///< samples, from that of the quad; ends of the edge of the way in: right, left
-    std::int32_t out[2];        ///< way into the triangle beyond
-    std::int32_t own[2];        ///< way out, as this triangle has the side
+    std::int32_t apex, end[2];  ///< samples beyond the edge, and at its right and left end
+    std::int32_t out[2];        ///< ways on, across the right and the left edge
+    std::int32_t own[2];        ///< the same edges as sides of this triangle
+    std::int32_t shape;         ///< place in GeodesicScratch::shapes, from twice the number of the quad
+    float edge[2], third[2];    ///< right to left end: edge[0] + edge[1] apex; right end to apex: third[0] + third[1] apex
 };
 
 /// Straight lines from a source at the origin of a plane into which all triangles on the way are laid, where they cross
@@ -48,29 +51,28 @@ struct Window {
     Way way;             ///< kNone: free
     std::uint32_t next;  ///< in its bucket, or of the free ones
 };
-/// A corner that bends ways waits as a Window: the edge by which the triangle before it was entered, seen from it; the
-/// direction it was reached in (right, left); its distance (offset).
+/// A corner that bends ways waits as a Window too: the edge by which the triangle before it was entered, seen from it;
+/// the direction it was reached in (right, left); its distance (offset).
 inline constexpr Way kBend = 1u << 31;
 
 inline constexpr std::uint8_t kCornerDiagonal = 1;  ///< the quad that starts here is split by diagonal 1
-inline constexpr std::uint8_t kCornerClass = 2;     ///< in a seam class
-inline constexpr std::uint8_t kCornerRim = 4;       ///< of a representative: on an open border
-inline constexpr std::uint8_t kCornerBends = 8;     ///< of a representative: shortest ways bend here
-inline constexpr std::uint8_t kCornerChanged = 16;  ///< of a representative: while ways along edges are looked at
+inline constexpr std::uint8_t kCornerLoose = 2;     ///< it has links, or lies beside no quad
+inline constexpr std::uint8_t kCornerClass = 4;     ///< in a seam class
+inline constexpr std::uint8_t kCornerRim = 8;       ///< of a representative: on an open border
+inline constexpr std::uint8_t kCornerBends = 16;    ///< of a representative: shortest ways bend here
+inline constexpr std::uint8_t kCornerChanged = 32;  ///< of a representative: while ways along edges are looked at
 
+/// Distances stand in FootprintScratch::key, and the samples that have one in FootprintScratch::samples.
 struct GeodesicScratch {
-    static constexpr std::uint32_t kBuckets = 128, kRecent = 1024, kSides = 6;
-    Array<Apex> apex;  ///< at place_of(side)
-    [[nodiscard]] static std::uint32_t place_of(std::uint32_t side) noexcept { return (side >> 3) * kSides + (side & 7); }
-    Array<SideLink> links;
-    Steps steps[2][8][2] = {};        ///< by diagonal, side of the quad, turned
-    std::uint32_t strip = 0;          ///< the first side of the strip
-    Array<std::uint8_t> corners;      ///< kCorner* by sample
-    Array<float> distance;            ///< by sample; infinity between calls
-    Array<std::uint32_t> touched;     ///< samples with a distance
-    std::uint32_t touched_count = 0;
+    static constexpr std::uint32_t kBuckets = 128, kRecent = 1024;
+    Array<FlatTriangle> shapes;          ///< two a quad, then two a triangle of the strip, of which the first counts
+    Array<SideLink> links;        ///< by side
+    Array<std::uint8_t> corners;  ///< kCorner* by sample
+    Steps steps[2][8][2] = {};    ///< by diagonal, side of the quad, turned
+    Steps strip_steps[4][2] = {};  ///< by side, turned; samples are places among the triangle's corners
+    std::uint32_t strip = 0;      ///< the first side of the strip
     Array<Window> windows;
-    std::uint32_t buckets[kBuckets];  ///< by distance: the first window, kNone
+    std::uint32_t buckets[kBuckets];     ///< by distance: the first window, kNone
     std::uint32_t recent[kRecent] = {};  ///< by way: where a window for it may wait
 };
 
@@ -79,6 +81,6 @@ struct GeodesicScratch {
 /// Bytes that make_geodesics() takes at most, besides those by sample (kGeodesicSample).
 [[nodiscard]] std::uint64_t geodesic_bytes(std::uint64_t rows, std::uint64_t cols, std::uint64_t face_corners,
                                            std::uint64_t max_reach) noexcept;
-inline constexpr std::uint64_t kGeodesicSample = GeodesicScratch::kSides * sizeof(Apex) + sizeof(std::uint8_t) + 2 * sizeof(float);
+inline constexpr std::uint64_t kGeodesicSample = 2 * sizeof(FlatTriangle) + sizeof(std::uint8_t);
 
 }  // namespace dgm::detail
