@@ -317,14 +317,14 @@ class Fan {
         return k > 0 ? std::min(k, 1.0f) : 0;
     }
 
-    /// Marks samples beside one that has no distance and should have one: joined windows can leave gaps where the
-    /// surface is a saddle. Marks all if some windows were not followed. @return whether there are any.
+    /// Marks samples beside one that has no distance and should have one, since joined windows can leave gaps where the
+    /// surface is a saddle; ends of short edges; all if some windows were not followed. @return whether there are any.
     [[nodiscard]] bool find_missed() noexcept {
         const std::uint32_t beside[4] = {1, cols_ + 1, cols_, cols_ - 1};
         bool any = !complete_;
         for (const std::uint32_t v : touched()) {
-            bool missed = !complete_;
-            if (v < s_.tables.grid && (s_.ring[v] & kRingIrregular) == 0)
+            bool missed = !complete_ || (corners_[v] & kCornerShort) != 0;
+            if (!missed && v < s_.tables.grid && (s_.ring[v] & kRingIrregular) == 0)
                 for (const std::uint32_t d : beside) missed = missed || is_missed(v, v + d) || is_missed(v, v - d);
             if (missed) corners_[v] |= kCornerChanged;
             any = any || missed;

@@ -60,7 +60,8 @@ inline constexpr std::uint8_t kCornerLoose = 2;     ///< it has links, or lies b
 inline constexpr std::uint8_t kCornerClass = 4;     ///< in a seam class
 inline constexpr std::uint8_t kCornerRim = 8;       ///< of a representative: on an open border
 inline constexpr std::uint8_t kCornerBends = 16;    ///< of a representative: shortest ways bend here
-inline constexpr std::uint8_t kCornerChanged = 32;  ///< of a representative: while ways along edges are looked at
+inline constexpr std::uint8_t kCornerShort = 32;    ///< of a representative: at the end of a short edge
+inline constexpr std::uint8_t kCornerChanged = 64;  ///< of a representative: while ways along edges are looked at
 
 /// Distances stand in FootprintScratch::key, and the samples that have one in FootprintScratch::samples.
 struct GeodesicScratch {

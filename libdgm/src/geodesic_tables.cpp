@@ -185,6 +185,19 @@ bool link_sides(StateImpl& s) noexcept {
     return true;
 }
 
+/// Ends of edges so short that what joining windows costs would be a step from one to the other.
+void mark_short_edges(StateImpl& s) noexcept {
+    constexpr double kShort = 0.15;  // mean steps
+    const double most = kShort * double{s.mean_step};
+    each_triangle(s, [&](const Triangle& t, std::uint32_t, std::uint32_t, const std::uint32_t* at) {
+        for (const Side& side : t.side) {
+            const Vec3d e = from_to(s, at[side.tail], at[side.head]);
+            if (!(dot(e, e) < most * most)) continue;
+            for (const int end : {side.tail, side.head}) s.geodesic.corners[s.representative(at[end])] |= kCornerShort;
+        }
+    });
+}
+
 /// Shortest ways pass straight through every corner but those with more than a whole turn around them, or more than
 /// half a turn on an open border.
 void mark_bends(StateImpl& s) noexcept {
@@ -238,6 +251,7 @@ bool make_geodesics(StateImpl& s) noexcept {
         if (s.class_id(v) != kNone) g.corners[v] |= kCornerClass;
     if (!link_sides(s)) return false;
     mark_bends(s);
+    mark_short_edges(s);
     return true;
 }
 
