@@ -107,14 +107,14 @@ class WindowQueue {
         const float bend = first.offset - w.offset;
         const Vec2 r1 = a1 + narrow.right * e1, l1 = a1 + narrow.left * e1;
         const Vec2 r2 = a2 + narrow.right * e2, l2 = a2 + narrow.left * e2;
-        const float length1 = length(r1), length2 = length(r2), most = kMerge * std::min(length1, length2);
-        if (!(std::fabs(length1 + bend - length2) < most) || !(std::fabs(length(l1) + bend - length(l2)) < most))
-            return false;
-        // The left one's lines must not lead away from those of the right one: what lies between would be lost.
-        const bool first_right = first.right + first.left < w.right + w.left;
-        const Vec2 j1 = first_right == second ? l1 : r1, j2 = first_right == second ? l2 : r2;
-        const float apart = dot(j1, e1) * length(j2) - dot(j2, e2) * length(j1);
-        const float turn = first_right ? -apart : apart, unit = std::sqrt(dot(e1, e1)) * length(j1) * length(j2);
+        const float right1 = length(r1), right2 = length(r2), left1 = length(l1), left2 = length(l2);
+        const float most = kMerge * std::min(right1, right2);
+        if (!(std::fabs(right1 + bend - right2) < most) || !(std::fabs(left1 + bend - left2) < most)) return false;
+        // The lines of both must run side by side, above all not lead away from each other.
+        const bool first_right = first.right + first.left < w.right + w.left, at_left = first_right == second;
+        const float length1 = at_left ? left1 : right1, length2 = at_left ? left2 : right2;
+        const float apart = dot(at_left ? l1 : r1, e1) * length2 - dot(at_left ? l2 : r2, e2) * length1;
+        const float turn = first_right ? -apart : apart, unit = std::sqrt(dot(e1, e1)) * length1 * length2;
         if (!(turn < kPart * unit) || !(-turn < kMeet * unit)) return false;
         const float gap = std::max(first.right, w.right) - std::min(first.left, w.left);
         if (!(gap * cross(a1, e1) < kGap * length1 * length1)) return false;
