@@ -15,15 +15,16 @@
 #include "patch.h"
 #include "state_impl.h"
 #include "table_impl.h"
+#include "unfolding.h"
 #include "window_queue.h"
 
 namespace dgm::detail {
 namespace {
 
-/// Corners measured by a joined window may be farther by twice kMerge than they are: squared.
+/// Squared share of its distance by which a corner must be nearer than a window has it: joined windows are not exact.
 constexpr float kBehind = 0.96f;
-/// Triangles around a corner that are looked at where it bends ways, and triangles at one edge.
-constexpr int kMostAround = 64, kMostBeyond = 8;
+/// Triangles around a corner that are looked at where it bends ways.
+constexpr int kMostAround = 64;
 /// Windows that are followed at most. Organs need 4 a sample, the wildest surfaces 15.
 constexpr std::uint32_t kWindows = 4096, kWindowsASample = 64;
 /// How far ways along edges lead at most from where windows went.
@@ -37,45 +38,24 @@ struct Turn {
     Vec2 apex{};  ///< the third corner
 };
 
-/// The triangle that a way leads into.
-struct Across {
-    const Steps* steps;
-    const std::uint32_t* corners;  ///< of a strip's triangle, else null
-    std::uint32_t quad;
-    Way way;
-    bool loose;  ///< ways on have to be looked up
-    [[nodiscard, gnu::always_inline]] std::uint32_t sample(std::int32_t step) const noexcept {
-        return corners == nullptr ? quad + static_cast<std::uint32_t>(step) : corners[step];
-    }
-    [[nodiscard, gnu::always_inline]] std::uint32_t apex() const noexcept { return sample(steps->apex); }
-    [[nodiscard, gnu::always_inline]] std::uint32_t end(int hand) const noexcept { return sample(steps->end[hand]); }
-    [[nodiscard, gnu::always_inline]] Way out(int hand) const noexcept {
-        return way + static_cast<Way>(steps->out[hand]);
-    }
-    [[nodiscard, gnu::always_inline]] Way own(int hand) const noexcept {
-        return way + static_cast<Way>(steps->own[hand]);
-    }
-};
-
 class Fan {
  public:
     /// Lengths in steps. Distances go to FootprintScratch::key.
     Fan(StateImpl& s, float radius, float per_step) noexcept
         : s_(s),
           g_(s.geodesic),
-          shapes_(g_.shapes.data()),
+          surface_(s),
           corners_(g_.corners.data()),
           distance_(s.footprint.key.data()),
           touched_(s.footprint.samples.data()),
           cols_(s.tables.cols),
-          strip_(2 * g_.strip),
           radius_(radius),
           per_step_(per_step),
           queue_(g_, radius) {}
 
     void run(std::uint32_t source) noexcept {
         static_cast<void>(offer(source, 0));
-        each_triangle_at(source, [&](const Across& at) { start(source, at); });
+        surface_.each_triangle_at(source, [&](const Across& at) { start(source, at); });
         Window w;
         for (std::uint32_t count = 0; queue_.take(w); ++count) {
             if (count > kWindows + kWindowsASample * count_) {
@@ -93,9 +73,6 @@ class Fan {
     [[nodiscard]] std::span<const std::uint32_t> touched() const noexcept { return {touched_, count_}; }
 
  private:
-    [[nodiscard, gnu::always_inline]] std::uint32_t corner(std::uint32_t sample) const noexcept {
-        return (corners_[sample] & kCornerClass) == 0 ? sample : s_.representative(sample);
-    }
     /// A way of length d to v. @return whether it is the shortest so far.
     [[gnu::always_inline]] bool offer(std::uint32_t v, float d) noexcept {
         if (!(d < distance_[v]) || !(d <= radius_)) return false;
@@ -104,77 +81,9 @@ class Fan {
         return true;
     }
 
-    [[nodiscard, gnu::always_inline]] Across across(Way way) const noexcept {
-        const std::uint32_t quad = (way >> 4) - cols_;
-        if (way >= strip_) [[unlikely]]
-            return {&g_.strip_steps[way >> 1 & 7][way & 1], s_.faces.data() + 3 * std::size_t{(way - strip_) >> 4}, quad,
-                    way, true};
-        const std::uint8_t flags = corners_[quad];
-        return {&g_.steps[flags & kCornerDiagonal][way >> 1 & 7][way & 1], nullptr, quad, way,
-                (flags & kCornerLoose) != 0};
-    }
-    [[nodiscard, gnu::always_inline]] FlatTriangle shape(const Across& at) const noexcept {
-        return shapes_[2 * (at.way >> 4) + static_cast<std::uint32_t>(at.steps->shape)];
-    }
-    /// From the right end of the edge e to the third corner of the triangle beyond.
-    [[nodiscard, gnu::always_inline]] Vec2 to_third(const Across& at, Vec2 e) const noexcept {
-        const FlatTriangle z = shape(at);
-        const Steps& s = *at.steps;
-        const Vec2 edge{s.edge[0] + s.edge[1] * z.x, s.edge[1] * z.y};
-        const Vec2 third{s.third[0] + s.third[1] * z.x, s.third[1] * z.y};
-        const float share = 1 / dot(edge, edge), along = share * dot(edge, third);
-        const float height = share * std::fabs(cross(edge, third));
-        return {along * e.x + height * e.y, along * e.y - height * e.x};
-    }
-    [[nodiscard]] const SideLink* link_of(std::uint32_t side) const noexcept {
-        const SideLink* found = std::lower_bound(g_.links.begin(), g_.links.end(), side,
-                                                 [](const SideLink& a, std::uint32_t b) { return a.from < b; });
-        return found != g_.links.end() && found->from == side ? found : nullptr;
-    }
-    /// Visits the ways on across an edge of a loose triangle: those that are linked, or else the one on the grid.
-    template <class Visit>
-    void each_beyond(const Across& at, int hand, Visit visit) const noexcept {
-        const std::uint32_t own = at.own(hand) >> 1;
-        const SideLink* link = link_of(own);
-        if (link == nullptr) return visit(at.out(hand));
-        Way turned = at.own(hand) & 1;
-        for (int k = 0; link != nullptr && link->to != own && k < kMostBeyond; ++k) {
-            turned ^= link->turned ? 1u : 0u;
-            visit(2 * link->to + turned);
-            link = link_of(link->to);
-        }
-    }
-    template <class Visit>
-    void each_copy(std::uint32_t v, Visit visit) const noexcept {
-        if ((corners_[v] & kCornerClass) == 0) return visit(v);
-        for (const std::uint32_t copy : s_.members(s_.class_id(v))) visit(copy);
-    }
-    /// Visits the triangles at v, by the ways in that have v at their right: two each.
-    template <class Visit>
-    void each_triangle_at(std::uint32_t v, Visit visit) const noexcept {
-        const ChartTables& t = s_.tables;
-        each_copy(v, [&](std::uint32_t sample) {
-            const auto look = [&](std::uint32_t side) {
-                for (const Way way : {2 * side, 2 * side + 1}) {
-                    const Across at = across(way);
-                    if (at.end(0) == sample && !std::isinf(shape(at).x)) visit(at);
-                }
-            };
-            if (sample < t.grid) {
-                const std::uint32_t i = sample / cols_, j = sample % cols_;
-                for (std::uint32_t qi = i == 0 ? 0 : i - 1; qi <= i && qi + 1 < t.rows; ++qi)
-                    for (std::uint32_t qj = j == 0 ? 0 : j - 1; qj <= j && qj + 1 < cols_; ++qj)
-                        for (std::uint32_t k = 0; k < 6; ++k) look(8 * (qi * cols_ + qj + cols_) + k);
-            }
-            if (s_.face_start.empty()) return;
-            for (std::uint32_t k = s_.face_start[sample]; k < s_.face_start[sample + 1]; ++k)
-                for (std::uint32_t side = 0; side < 3; ++side) look(g_.strip + 8 * s_.face_of[k] + side);
-        });
-    }
-
     /// A triangle at the contact.
     void start(std::uint32_t source, const Across& in) noexcept {
-        const std::uint32_t left = corner(in.end(1));
+        const std::uint32_t left = surface_.corner(in.end(1));
         const Vec3 at = StateImpl::at(s_.rest, source);
         const Vec3 e = per_step_ * (StateImpl::at(s_.rest, left) - at);
         const Vec3 f = per_step_ * (StateImpl::at(s_.rest, in.apex()) - at);
@@ -208,7 +117,7 @@ class Fan {
             push_loose(w, at, hand);
     }
     [[gnu::noinline]] void push_loose(Window w, const Across& at, int hand) noexcept {
-        each_beyond(at, hand, [&](Way way) {
+        surface_.each_beyond(at, hand, [&](Way way) {
             w.way = way;
             complete_ &= queue_.put(w);
         });
@@ -220,9 +129,9 @@ class Fan {
     }
 
     void cross_triangle(const Window& w) noexcept {
-        const Across in = across(w.way);
-        const Vec2 a{w.ax, w.ay}, e{w.ex, w.ey}, ac = to_third(in, e), c = a + ac, cb = e - ac;
-        const std::uint32_t v = corner(in.apex());
+        const Across in = surface_.across(w.way);
+        const Vec2 a{w.ax, w.ay}, e{w.ex, w.ey}, ac = surface_.to_third(in, e), c = a + ac, cb = e - ac;
+        const std::uint32_t v = surface_.corner(in.apex());
         const float known = distance_[v], room = known - w.offset, c2 = dot(c, c);
         // The line to c crosses the edge at `at`.
         const float area = cross(a, e), whole = area - cross(e, ac), at = cross(a, ac) / whole;
@@ -255,25 +164,25 @@ class Fan {
     }
     /// A corner becomes a source for what lies between the ways straight on around its right and around its left.
     [[gnu::noinline]] void bend(const Window& w) noexcept {
-        const Across in = across(w.way & ~kBend);
+        const Across in = surface_.across(w.way & ~kBend);
         const float d = w.offset;
-        if (distance_[corner(in.apex())] != d) return;  // there was a shorter way
+        if (distance_[surface_.corner(in.apex())] != d) return;  // there was a shorter way
         const Vec2 a{w.ax, w.ay}, b = a + Vec2{w.ex, w.ey}, ray{w.right, w.left};
         const Turn on[2] = {straight_on(turn(in, 0, a, -a), ray, 0), straight_on(turn(in, 1, {0, 0}, b), ray, 1)};
         if (on[0].way == kNone && on[1].way == kNone) return;
         const int hand = on[0].way == kNone ? 1 : 0;
-        const std::uint32_t end = on[1 - hand].way == kNone ? kNone : across(on[1].way).own(1) >> 1;
+        const std::uint32_t end = on[1 - hand].way == kNone ? kNone : surface_.across(on[1].way).own(1) >> 1;
         Turn t = on[hand];
         float begin = meet(ray, facing(t, hand));
         for (int k = 0; t.way != kNone && k < kMostAround; ++k) {
-            const Across at = across(t.way);
+            const Across at = surface_.across(t.way);
             const Facing f = facing(t, hand);
             const bool last = at.own(hand) >> 1 == end;
             const float finish = last ? meet(ray, facing(on[1], 1)) : hand == 0 ? 1.0f : 0.0f;
             push(at, hand, f.a, f.e, hand == 0 ? begin : finish, hand == 0 ? finish : begin, d);
             if (last) return;
             begin = 1 - finish;
-            const std::uint32_t apex = corner(at.apex());
+            const std::uint32_t apex = surface_.corner(at.apex());
             const float along = length(t.apex);
             if (offer(apex, d + along)) bend_later(apex, t.way, t.a - t.apex, t.e, t.apex, d + along);
             t = next(t, at, hand);
@@ -285,11 +194,11 @@ class Fan {
         if (!at.loose)
             t.way = at.out(hand);
         else
-            each_beyond(at, hand, [&](Way way) { t.way = way; });
+            surface_.each_beyond(at, hand, [&](Way way) { t.way = way; });
         if (t.way == kNone) return t;
         t.a = a;
         t.e = e;
-        t.apex = a + to_third(across(t.way), e);
+        t.apex = a + surface_.to_third(surface_.across(t.way), e);
         return t;
     }
     /// The next triangle around the corner.
@@ -300,7 +209,7 @@ class Fan {
     [[nodiscard]] Turn straight_on(Turn t, Vec2 ray, int hand) const noexcept {
         for (int k = 0; t.way != kNone && k < kMostAround; ++k) {
             if ((hand == 0 ? cross(ray, t.apex) : cross(t.apex, ray)) > 0) return t;
-            t = next(t, across(t.way), hand);
+            t = next(t, surface_.across(t.way), hand);
         }
         return {};
     }
@@ -334,7 +243,7 @@ class Fan {
     [[nodiscard, gnu::always_inline]] bool is_missed(std::uint32_t v, std::uint32_t beside) const noexcept {
         if (distance_[beside] < __builtin_inff()) [[likely]]
             return false;
-        return distance_[corner(beside)] == __builtin_inff() && distance_[v] + span(v, beside) < radius_;
+        return distance_[surface_.corner(beside)] == __builtin_inff() && distance_[v] + span(v, beside) < radius_;
     }
     /// The straight line between two samples, in steps.
     [[nodiscard]] float span(std::uint32_t a, std::uint32_t b) const noexcept {
@@ -351,8 +260,8 @@ class Fan {
                 if ((corners_[from] & kCornerChanged) == 0) continue;
                 corners_[from] &= static_cast<std::uint8_t>(~kCornerChanged);
                 if (round == kMostRounds) continue;
-                each_triangle_at(from, [&](const Across& in) {
-                    const std::uint32_t v = corner(in.end(1));
+                surface_.each_triangle_at(from, [&](const Across& in) {
+                    const std::uint32_t v = surface_.corner(in.end(1));
                     if (!offer(v, distance_[from] + span(from, v))) return;
                     corners_[v] |= kCornerChanged;
                     changed = true;
@@ -363,12 +272,11 @@ class Fan {
 
     StateImpl& s_;
     GeodesicScratch& g_;
-    const FlatTriangle* const shapes_;
+    const Unfolding surface_;
     std::uint8_t* const corners_;
     float* const distance_;
     std::uint32_t* const touched_;
     const std::uint32_t cols_;
-    const Way strip_;
     const float radius_, per_step_;
     std::uint32_t count_ = 0;  ///< touched
     bool complete_ = true;     ///< no window was left out for want of room or time

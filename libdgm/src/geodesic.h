@@ -16,8 +16,8 @@ namespace dgm::detail {
 
 struct StateImpl;
 
-/// A triangle in the plane: its base from (0, 0) to (1, 0), its apex here. The base is the diagonal of a quad, side 0 in
-/// a strip. One without any length counts as a millionth of the longer sides.
+/// A triangle in the plane: its base from (0, 0) to (1, 0), its apex here. The base is the diagonal of a quad, side 0
+/// in a strip. One without any length counts as a millionth of the longer sides.
 struct FlatTriangle {
     float x = __builtin_inff();  ///< infinity: no triangle, or one with two corners in one place of the welded surface
     float y = 0;
@@ -37,8 +37,9 @@ struct Steps {
     std::int32_t apex, end[2];  ///< samples beyond the edge, and at its right and left end
     std::int32_t out[2];        ///< ways on, across the right and the left edge
     std::int32_t own[2];        ///< the same edges as sides of this triangle
-    std::int32_t shape;         ///< place in GeodesicScratch::shapes, from twice the number of the quad
-    float edge[2], third[2];    ///< right to left end: edge[0] + edge[1] apex; right end to apex: third[0] + third[1] apex
+    std::int32_t half;          ///< of the quad: which of its triangles
+    float edge[2],
+        third[2];  ///< right to left end: edge[0] + edge[1] apex; right end to apex: third[0] + third[1] apex
 };
 
 /// Straight lines from a source at the origin of a plane into which all triangles on the way are laid, where they cross
@@ -66,12 +67,12 @@ inline constexpr std::uint8_t kCornerChanged = 64;  ///< of a representative: wh
 /// Distances stand in FootprintScratch::key, and the samples that have one in FootprintScratch::samples.
 struct GeodesicScratch {
     static constexpr std::uint32_t kBuckets = 128, kRecent = 1024;
-    Array<FlatTriangle> shapes;          ///< two a quad, then two a triangle of the strip, of which the first counts
-    Array<SideLink> links;        ///< by side
-    Array<std::uint8_t> corners;  ///< kCorner* by sample
-    Steps steps[2][8][2] = {};    ///< by diagonal, side of the quad, turned
-    Steps strip_steps[4][2] = {};  ///< by side, turned; samples are places among the triangle's corners
-    std::uint32_t strip = 0;      ///< the first side of the strip
+    Array<FlatTriangle> triangles;  ///< two a quad, then two a triangle of the strip, of which the first counts
+    Array<SideLink> links;          ///< by side
+    Array<std::uint8_t> corners;    ///< kCorner* by sample
+    Steps steps[2][8][2] = {};      ///< by diagonal, side of the quad, turned
+    Steps strip_steps[4][2] = {};   ///< by side, turned; samples are places among the triangle's corners
+    std::uint32_t strip = 0;        ///< the first side of the strip
     Array<Window> windows;
     std::uint32_t buckets[kBuckets];     ///< by distance: the first window, kNone
     std::uint32_t recent[kRecent] = {};  ///< by way: where a window for it may wait

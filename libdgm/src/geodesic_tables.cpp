@@ -20,10 +20,9 @@ struct Triangle {
     int corner[3];  ///< of the quad: a, b, c, d
     Side side[3];
 };
-constexpr Triangle kTriangles[2][2] = {{{{0, 2, 1}, {{0, 0, 1, 2}, {1, 1, 2, 0}, {4, 0, 2, 1}}},
-                                        {{0, 2, 3}, {{2, 3, 2, 0}, {3, 0, 3, 2}, {5, 0, 2, 3}}}},
-                                       {{{1, 3, 0}, {{0, 0, 1, 3}, {3, 0, 3, 1}, {4, 1, 3, 0}}},
-                                        {{1, 3, 2}, {{1, 1, 2, 3}, {2, 3, 2, 1}, {5, 1, 3, 2}}}}};
+constexpr Triangle kTriangles[2][2] = {
+    {{{0, 2, 1}, {{0, 0, 1, 2}, {1, 1, 2, 0}, {4, 0, 2, 1}}}, {{0, 2, 3}, {{2, 3, 2, 0}, {3, 0, 3, 2}, {5, 0, 2, 3}}}},
+    {{{1, 3, 0}, {{0, 0, 1, 3}, {3, 0, 3, 1}, {4, 1, 3, 0}}}, {{1, 3, 2}, {{1, 1, 2, 3}, {2, 3, 2, 1}, {5, 1, 3, 2}}}}};
 constexpr Triangle kStrip = {{0, 1, 2}, {{0, 0, 1, 2}, {1, 1, 2, 0}, {2, 2, 0, 1}}};
 
 struct Vec3d {
@@ -58,7 +57,7 @@ double angle_of(double x, double y) noexcept {
     return x < 0 ? kHalfTurn - a : a;
 }
 
-/// Visits triangles with the number of their shape and of their side 0, and their samples.
+/// Visits triangles with the place of their FlatTriangle, the number of side 0, and their samples.
 template <class Visit>
 void each_triangle(const StateImpl& s, Visit visit) noexcept {
     const ChartTables& t = s.tables;
@@ -80,9 +79,9 @@ std::int32_t beyond(int side, std::uint32_t cols) noexcept {
     return to[side];
 }
 
-/// Where corner `k` of a quad or of a strip's triangle lies: 1 and FlatTriangle times these.
+/// Where corner `k` of a quad or of a strip's triangle lies: in bases along the base, and in apexes.
 struct Place {
-    float one, shape;
+    float one, apex;
 };
 Place place_of(const Triangle& t, int k) noexcept {
     return k == t.corner[0] ? Place{0, 0} : k == t.corner[1] ? Place{1, 0} : Place{0, 1};
@@ -96,9 +95,9 @@ Steps steps_of(const Triangle& t, const Side& in, int turned) noexcept {
     to.end[0] = right;
     to.end[1] = left;
     to.edge[0] = l.one - r.one;
-    to.edge[1] = l.shape - r.shape;
+    to.edge[1] = l.apex - r.apex;
     to.third[0] = c.one - r.one;
-    to.third[1] = c.shape - r.shape;
+    to.third[1] = c.apex - r.apex;
     for (const Side& out : t.side) {
         if (out.number == in.number) continue;
         const int hand = out.tail == right || out.head == right ? 0 : 1;
@@ -118,7 +117,7 @@ void make_steps(GeodesicScratch& g, std::uint32_t cols) noexcept {
                     for (std::int32_t* v : {&to.apex, &to.end[0], &to.end[1]}) *v = sample[*v];
                     for (int hand = 0; hand < 2; ++hand)
                         to.out[hand] = to.own[hand] + 2 * beyond(in.number + ((to.own[hand] + turned) >> 1), cols);
-                    to.shape = k;
+                    to.half = k;
                     g.steps[diagonal][in.number][turned] = to;
                 }
         for (const Side& in : kStrip.side) g.strip_steps[in.number][turned] = steps_of(kStrip, in, turned);
@@ -136,8 +135,8 @@ struct LooseSide {
 template <class Visit>
 void each_loose(const StateImpl& s, Visit visit) noexcept {
     const GeodesicScratch& g = s.geodesic;
-    each_triangle(s, [&](const Triangle& t, std::uint32_t shape, std::uint32_t side0, const std::uint32_t* at) {
-        if (std::isinf(g.shapes[shape].x)) return;
+    each_triangle(s, [&](const Triangle& t, std::uint32_t flat, std::uint32_t side0, const std::uint32_t* at) {
+        if (std::isinf(g.triangles[flat].x)) return;
         for (const Side& side : t.side) {
             const std::uint32_t own = side0 + static_cast<std::uint32_t>(side.number);
             if (own < g.strip) {
@@ -145,7 +144,8 @@ void each_loose(const StateImpl& s, Visit visit) noexcept {
                 const std::uint32_t slot = other >> 3, quad = slot - s.tables.cols;
                 if (slot >= s.tables.cols) {
                     const bool cut = (g.corners[quad] & kCornerDiagonal) != 0;
-                    if (!std::isinf(g.shapes[2 * slot + static_cast<std::uint32_t>(g.steps[cut][other & 7][0].shape)].x))
+                    if (!std::isinf(
+                            g.triangles[2 * slot + static_cast<std::uint32_t>(g.steps[cut][other & 7][0].half)].x))
                         continue;
                 }
             }
@@ -205,8 +205,8 @@ void mark_bends(StateImpl& s) noexcept {
     GeodesicScratch& g = s.geodesic;
     Array<float>& angle = s.footprint.key;
     std::fill(angle.begin(), angle.end(), 0.0f);
-    each_triangle(s, [&](const Triangle& t, std::uint32_t shape, std::uint32_t, const std::uint32_t* at) {
-        const double x = g.shapes[shape].x, y = g.shapes[shape].y;
+    each_triangle(s, [&](const Triangle& t, std::uint32_t flat, std::uint32_t, const std::uint32_t* at) {
+        const double x = g.triangles[flat].x, y = g.triangles[flat].y;
         if (std::isinf(x)) return;
         const double angles[3] = {angle_of(x, y), angle_of(1 - x, y), angle_of(x * (x - 1) + y * y, y)};
         for (int k = 0; k < 3; ++k) angle[s.representative(at[t.corner[k]])] += static_cast<float>(angles[k]);
@@ -237,16 +237,17 @@ bool make_geodesics(StateImpl& s) noexcept {
     const std::uint64_t slots = std::uint64_t{s.tables.grid} + s.tables.cols, faces = s.faces.size() / 3;
     if (slots + faces >= 1u << 27) return false;  // ways have 32 bits
     g.strip = static_cast<std::uint32_t>(8 * slots);
-    if (!g.shapes.allocate(a, 2 * (slots + faces)) || !g.corners.allocate(a, s.total()) ||
+    if (!g.triangles.allocate(a, 2 * (slots + faces)) || !g.corners.allocate(a, s.total()) ||
         !g.windows.allocate(a, window_capacity(s.max_reach)))
         return false;
     make_steps(g, s.tables.cols);
-    each_triangle(s, [&](const Triangle& t, std::uint32_t shape, std::uint32_t, const std::uint32_t* at) {
-        g.shapes[shape] = flat_triangle(s, at[t.corner[0]], at[t.corner[1]], at[t.corner[2]]);
+    each_triangle(s, [&](const Triangle& t, std::uint32_t flat, std::uint32_t, const std::uint32_t* at) {
+        g.triangles[flat] = flat_triangle(s, at[t.corner[0]], at[t.corner[1]], at[t.corner[2]]);
     });
     for (std::uint32_t i = 0; i + 1 < s.tables.rows; ++i)
         for (std::uint32_t j = 0; j + 1 < s.tables.cols; ++j)
-            if (s.tables.has_quad(i, j) && s.tables.diagonal(i, j) == 1) g.corners[i * s.tables.cols + j] |= kCornerDiagonal;
+            if (s.tables.has_quad(i, j) && s.tables.diagonal(i, j) == 1)
+                g.corners[i * s.tables.cols + j] |= kCornerDiagonal;
     for (std::uint32_t v = 0; v < s.total(); ++v)
         if (s.class_id(v) != kNone) g.corners[v] |= kCornerClass;
     if (!link_sides(s)) return false;

@@ -70,7 +70,8 @@ class WindowQueue {
         else
             return false;
         const float at = per_bucket_ * distance;
-        const std::uint32_t bucket = at < static_cast<float>(kBuckets - 1) ? static_cast<std::uint32_t>(at) : kBuckets - 1;
+        const std::uint32_t bucket =
+            at < static_cast<float>(kBuckets - 1) ? static_cast<std::uint32_t>(at) : kBuckets - 1;
         std::uint32_t& head = buckets_[std::max(bucket, bucket_)];
         windows_[k] = w;
         windows_[k].next = head;
@@ -96,8 +97,8 @@ class WindowQueue {
  private:
     static constexpr std::uint32_t kBuckets = GeodesicScratch::kBuckets;
     static constexpr float kMerge = 0.007f;  ///< of the distance to the nearer source
-    static constexpr float kPart = 0.05f;   ///< radians by which lines of two that join lead away from each other
-    static constexpr float kMeet = 0.15f;   ///< or towards each other
+    static constexpr float kPart = 0.05f;    ///< radians by which lines of two that join lead away from each other
+    static constexpr float kMeet = 0.15f;    ///< or towards each other
     static constexpr float kGap = 0.1f;      ///< radians between two windows that join
 
     [[nodiscard]] static bool merge(Window& first, const Window& w) noexcept {

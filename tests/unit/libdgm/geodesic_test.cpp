@@ -131,9 +131,11 @@ TEST(Geodesic, OverTheEdgesOfACube) {
         }
         return best;
     };
-    for (const std::uint32_t contact : {0u, 3 * n + 5, 7 * n + 1, 6 * n + 16, 7 * n + 63, 8 * n + 16, 8 * n + 21, 5 * n + 30})
-        EXPECT_LT(worst_weight(state, table, contact, [&](std::uint32_t k) { return distance(rest[contact], rest[k]); }),
-                  0.012)
+    for (const std::uint32_t contact :
+         {0u, 3 * n + 5, 7 * n + 1, 6 * n + 16, 7 * n + 63, 8 * n + 16, 8 * n + 21, 5 * n + 30})
+        EXPECT_LT(
+            worst_weight(state, table, contact, [&](std::uint32_t k) { return distance(rest[contact], rest[k]); }),
+            0.012)
             << contact / n << ' ' << contact % n;
 }
 
@@ -155,10 +157,12 @@ TEST(Geodesic, BendsAtTheCornerOfANotch) {
         const bool cut = apart && (a.x < b.x ? side : -side) > 0;
         return cut ? std::hypot(a.x, a.y) + std::hypot(b.x, b.y) : std::hypot(double{a.x} - b.x, double{a.y} - b.y);
     };
-    for (const auto& [i, j] : {std::array{16, 0}, {14, 1}, {18, 0}, {20, 0}, {17, 3}, {24, 0}, {27, 2}, {20, 5}, {0, 0}}) {
+    for (const auto& [i, j] :
+         {std::array{16, 0}, {14, 1}, {18, 0}, {20, 0}, {17, 3}, {24, 0}, {27, 2}, {20, 5}, {0, 0}}) {
         const std::uint32_t contact = static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j);
-        EXPECT_LT(worst_weight(state, table, contact, [&](std::uint32_t k) { return distance(rest[contact], rest[k]); }),
-                  0.012)
+        EXPECT_LT(
+            worst_weight(state, table, contact, [&](std::uint32_t k) { return distance(rest[contact], rest[k]); }),
+            0.012)
             << i << ' ' << j;
     }
 }
@@ -179,8 +183,9 @@ TEST(Geodesic, SliversOfOneToFifty) {
         State state = make_state(grid_chart(m, n, [&](double i, double j) { return pleated(u(i), v(i, j), 7); }));
         for (const auto& [i, j] : {std::array{4, 150}, {3, 90}, {5, 210}}) {
             const auto flat = [&](std::uint32_t k) { return std::hypot(u(k / n) - u(i), v(k / n, k % n) - v(i, j)); };
-            EXPECT_LT(worst_weight(state, table, static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j), flat),
-                      0.012)
+            EXPECT_LT(
+                worst_weight(state, table, static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j), flat),
+                0.012)
                 << shear << ": " << i << ' ' << j;
         }
     }
@@ -216,7 +221,8 @@ TEST(Geodesic, FreeDomainWithItsStrip) {
         const Vec3 p = state.rest_positions()[k];
         return std::array{double{p.x} * std::sqrt(2.0), double{p.y}};
     };
-    for (const std::uint32_t contact : {12 * n + 10, 1 * n + 1, 2 * n + 9, m * n, m * n + 17, m * n + 40, 24 * n + 20}) {
+    for (const std::uint32_t contact :
+         {12 * n + 10, 1 * n + 1, 2 * n + 9, m * n, m * n + 17, m * n + 40, 24 * n + 20}) {
         ASSERT_TRUE(state.on_surface(contact));
         const auto flat = [&](std::uint32_t k) {
             return std::hypot(at(k)[0] - at(contact)[0], at(k)[1] - at(contact)[1]);
