@@ -10,6 +10,8 @@
 #pragma once
 #include <cstdint>
 
+#include <dgm/state.h>
+
 #include "memory.h"
 
 namespace dgm::detail {
@@ -25,8 +27,8 @@ struct FlatTriangle {
 
 /// Joins a side to the next of the same edge, in a ring: at seams, at strips, and where triangles are missing.
 struct SideLink {
-    std::uint32_t from, to;
-    bool turned;  ///< the tail of one is the head of the other
+    std::uint32_t from = kNone, to = kNone;
+    bool turned = false;  ///< the tail of one is the head of the other
 };
 
 /// A way through an edge into a triangle, as 2 side + 1 if the head of the side is on the right.
@@ -68,12 +70,14 @@ inline constexpr std::uint8_t kCornerChanged = 64;  ///< of a representative: wh
 struct GeodesicScratch {
     static constexpr std::uint32_t kBuckets = 128, kRecent = 1024;
     Array<FlatTriangle> triangles;  ///< two a quad, then two a triangle of the strip, of which the first counts
-    Array<SideLink> links;          ///< by side
+    Array<SideLink> links;          ///< a hash table: that of a side stands at hash(side), or at the next free place
+    std::uint32_t hash_shift = 31;  ///< links.size() is 2^(32 - hash_shift)
     Array<std::uint8_t> corners;    ///< kCorner* by sample
     Steps steps[2][8][2] = {};      ///< by diagonal, side of the quad, turned
     Steps strip_steps[4][2] = {};   ///< by side, turned; samples are places among the triangle's corners
     std::uint32_t strip = 0;        ///< the first side of the strip
     Array<Window> windows;
+    [[nodiscard]] std::uint32_t hash(std::uint32_t side) const noexcept { return (side * 2654435769u) >> hash_shift; }
     std::uint32_t buckets[kBuckets];     ///< by distance: the first window, kNone
     std::uint32_t recent[kRecent] = {};  ///< by way: where a window for it may wait
 };

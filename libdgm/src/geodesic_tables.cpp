@@ -161,7 +161,14 @@ bool link_sides(StateImpl& s) noexcept {
     std::uint64_t count = 0;
     each_loose(s, [&](auto, auto, auto) { ++count; });
     Array<LooseSide> loose;
-    if (!loose.allocate(s.allocator, count) || !g.links.allocate(s.allocator, count)) return false;
+    std::uint64_t places = 2;  // at most half of them taken
+    for (; places < 2 * count + 1; places *= 2) --g.hash_shift;
+    if (!loose.allocate(s.allocator, count) || !g.links.allocate(s.allocator, places)) return false;
+    const auto put = [&](const SideLink& link) {
+        std::uint32_t k = g.hash(link.from);
+        while (g.links[k].from != kNone) k = (k + 1) & static_cast<std::uint32_t>(places - 1);
+        g.links[k] = link;
+    };
     std::size_t at = 0;
     each_loose(s, [&](std::uint32_t side, std::uint32_t tail, std::uint32_t head) {
         const std::uint32_t a = s.representative(tail), b = s.representative(head);
@@ -176,12 +183,11 @@ bool link_sides(StateImpl& s) noexcept {
         for (end = first; end < at && loose[end].low == low && loose[end].high == high; ++end) {}
         for (std::size_t k = first; k < end; ++k) {
             const LooseSide& next = loose[k + 1 < end ? k + 1 : first];
-            g.links[k] = {loose[k].side, next.side, loose[k].turned != next.turned};
+            put({loose[k].side, next.side, loose[k].turned != next.turned});
         }
         if (end - first == 2) continue;
         for (const std::uint32_t v : {low, high}) g.corners[v] |= end - first == 1 ? kCornerRim : kCornerBends;
     }
-    std::sort(g.links.begin(), g.links.end(), [](const SideLink& a, const SideLink& b) { return a.from < b.from; });
     return true;
 }
 
@@ -227,7 +233,7 @@ std::uint64_t window_capacity(std::uint64_t max_reach) noexcept {
 std::uint64_t geodesic_bytes(std::uint64_t rows, std::uint64_t cols, std::uint64_t face_corners,
                              std::uint64_t max_reach) noexcept {
     const std::uint64_t loose = 2 * (rows + cols) + 2 * face_corners;
-    return window_capacity(max_reach) * sizeof(Window) + loose * (sizeof(SideLink) + sizeof(LooseSide)) +
+    return window_capacity(max_reach) * sizeof(Window) + loose * (4 * sizeof(SideLink) + sizeof(LooseSide)) +
            2 * (cols + face_corners / 3) * sizeof(FlatTriangle);
 }
 

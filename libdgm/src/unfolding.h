@@ -2,7 +2,6 @@
 // libdgm/src/unfolding.h
 // The welded triangles of the rest surface, as ways go over them: which triangle lies beyond an edge, and where.
 #pragma once
-#include <algorithm>
 #include <cmath>
 
 #include "geodesic.h"
@@ -110,9 +109,12 @@ class Unfolding {
 
  private:
     [[nodiscard]] const SideLink* link_of(std::uint32_t side) const noexcept {
-        const SideLink* found = std::lower_bound(g_.links.begin(), g_.links.end(), side,
-                                                 [](const SideLink& a, std::uint32_t b) { return a.from < b; });
-        return found != g_.links.end() && found->from == side ? found : nullptr;
+        const auto last = static_cast<std::uint32_t>(g_.links.size() - 1);
+        for (std::uint32_t k = g_.hash(side);; k = (k + 1) & last) {
+            const SideLink& link = g_.links[k];
+            if (link.from == side) return &link;
+            if (link.from == kNone) return nullptr;
+        }
     }
 
     static constexpr int kMostBeyond = 8;  ///< triangles at one edge
