@@ -138,11 +138,9 @@ class Fan {
         const float right = (at - w.right) * whole, left = (w.left - at) * whole;
         if (room > 0 && room * room > c2) {
             // Straight, or around the outermost line.
-            Vec2 from{0, 0};
-            if (right < 0) from = a + w.right * e;
-            if (left < 0) from = a + w.left * e;
-            const float d = w.offset + length(from) + length(c - from);
-            if (offer(v, d)) bend_later(v, w.way, a - c, e, c - from, d);
+            const Vec2 over = a + std::min(w.left, std::max(w.right, at)) * e, ray = c - over;
+            const float d = w.offset + length(over) + length(ray);
+            if (offer(v, d)) bend_later(v, w.way, a - c, e, right >= 0 && left >= 0 ? c : ray, d);
         }
         const bool behind = !(room > 0) || room * room < kBehind * c2;
         if (right > 0) {  // lines to the right of c
@@ -233,16 +231,18 @@ class Fan {
         bool any = !complete_;
         for (const std::uint32_t v : touched()) {
             bool missed = !complete_ || (corners_[v] & kCornerShort) != 0;
-            if (!missed && v < s_.tables.grid && (s_.ring[v] & kRingIrregular) == 0)
-                for (const std::uint32_t d : beside) missed = missed || is_missed(v, v + d) || is_missed(v, v - d);
+            if (!missed && v < s_.tables.grid && (s_.ring[v] & kRingIrregular) == 0) {
+                float sum = 0;
+                for (const std::uint32_t d : beside) sum += distance_[v + d] + distance_[v - d];
+                if (!(sum < __builtin_inff()))
+                    for (const std::uint32_t d : beside) missed = missed || is_missed(v, v + d) || is_missed(v, v - d);
+            }
             if (missed) corners_[v] |= kCornerChanged;
             any = any || missed;
         }
         return any;
     }
-    [[nodiscard, gnu::always_inline]] bool is_missed(std::uint32_t v, std::uint32_t beside) const noexcept {
-        if (distance_[beside] < __builtin_inff()) [[likely]]
-            return false;
+    [[nodiscard]] bool is_missed(std::uint32_t v, std::uint32_t beside) const noexcept {
         return distance_[surface_.corner(beside)] == __builtin_inff() && distance_[v] + span(v, beside) < radius_;
     }
     /// The straight line between two samples, in steps.
