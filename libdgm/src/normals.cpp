@@ -130,35 +130,11 @@ Result<void> build_rings(StateImpl& s) noexcept {
                                              (t.diagonal(i - 1, j - 1) == 0 ? 4 : 0) |
                                              (t.diagonal(i, j - 1) == 1 ? 8 : 0));
         }
-    // Where fronts of geodesic distance may come from behind.
-    const auto mark_obtuse = [&](const std::uint32_t* f) {
-        bool bad = false;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 at = StateImpl::at(s.rest, f[k]);
-            const Vec3 e = StateImpl::at(s.rest, f[(k + 1) % 3]) - at, g = StateImpl::at(s.rest, f[(k + 2) % 3]) - at;
-            const float product = std::sqrt(dot(e, e)) * std::sqrt(dot(g, g)), cosine = dot(e, g);
-            bad = bad || cosine < -0.05f * product || cosine > 0.97f * product;
-        }
-        for (std::size_t k = 0; k < 3; ++k)
-            if (bad && f[k] < t.grid) s.ring[f[k]] |= kRingObtuse;
-    };
-    for (std::uint32_t i = 0; i + 1 < t.rows; ++i)
-        for (std::uint32_t j = 0; j + 1 < t.cols; ++j)
-            if (t.has_quad(i, j))
-                for (const auto& f : quad_triangles(i, j, t.cols, t.diagonal(i, j))) mark_obtuse(f.data());
     const auto irregular = [&](std::uint32_t sample) {
         if (sample < t.grid) s.ring[sample] |= kRingIrregular;
     };
     for (const std::uint32_t sample : s.class_members) irregular(sample);
     for (const std::uint32_t sample : s.faces) irregular(sample);
-    for (std::uint32_t i = 1; i + 1 < t.rows; ++i)
-        for (std::uint32_t j = 1; j + 1 < t.cols; ++j) {
-            const std::uint32_t k = i * t.cols + j;
-            bool apart = (s.ring[k] & kRingIrregular) == 0;
-            for (std::uint32_t row = k - t.cols; apart && row <= k + t.cols; row += t.cols)
-                for (std::uint32_t q = row - 1; q <= row + 1; ++q) apart = apart && s.class_id(q) == kNone;
-            if (apart) s.ring[k] |= kRingInside;
-        }
     s.any_face = quads != 0 || !s.faces.empty();
     const double mean = quads == 0 ? 0 : area / static_cast<double>(quads);
     s.normals_of = choose_normals(*s.rows_of, s.uniform ? nullptr : s.ring.data(), 1);

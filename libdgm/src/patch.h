@@ -7,7 +7,7 @@
 // the contact is another one.
 //
 // Distances come from the straight lines in space ("chords") between the contact and the samples where these are
-// certain to tell the distance on the surface, else from a front that runs over the triangles (geodesic.cpp). Where a
+// certain to tell the distance on the surface, else from windows that run over the triangles (geodesic.cpp). Where a
 // chord from the contact meets the surface at sample x under an angle of sine s to the tangent plane, its length c has
 // a gradient of sqrt(1 - s^2) along the surface. So following it downhill from x leads to the contact, on a way of at
 // most c / sqrt(1 - S^2), S being the largest sine along the way: the distance lies between c and that. The way cannot
@@ -98,7 +98,7 @@ inline constexpr float kSharp = 0.02f;
 /// Fills an empty patch by chords. @return false where they are uncertain; the patch is empty again then.
 [[nodiscard]] bool fill_by_chords(StateImpl& state, const TableImpl& table, const Contact& contact,
                                   Patch& patch) noexcept;
-/// The same by a front, anywhere.
+/// The same by windows over the triangles, anywhere.
 void fill_by_front(StateImpl& state, const TableImpl& table, const Contact& contact, Patch& patch) noexcept;
 
 /// Kernels with a direction, and stiffness: what turns the distance to a sample into its weight.

@@ -137,13 +137,13 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
     const std::uint64_t side = press_cells(o.max_reach);
     const std::uint64_t patches = cells * (5 + patches_for(o) * (sizeof(PatchCell) + 8 * sizeof(PatchRow) + kCellSamples * sizeof(float))) +
                                   (o.max_tools == 0 ? 0 : std::min(cells, side * side) * kCellSamples * 9 * sizeof(float));
-    // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic (21), classes,
+    // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic, classes,
     // slots.
-    return shape + patches + std::uint64_t{t.total} * (3 + 12 + 80 + 8 + 8 + 4) + walk +
+    return shape + patches + std::uint64_t{t.total} * (3 + 12 + kGeodesicSample + 8 + 8 + 4) + walk +
            tiles * (4 * sizeof(Box) + 52 + 9 * 8) + 2 * (std::uint64_t{t.rows} + t.cols) * 8 + (t.total - t.grid) +
-           t.faces.size() * 40 + t.seams.size() * 80 +
-           (t.rows + t.cols) * std::uint64_t{128} + o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
-           window_capacity(o.max_reach) * sizeof(Window) + (t.cols + std::uint64_t{t.rows}) * 80 + 8192;
+           t.faces.size() * 40 + t.seams.size() * 80 + (t.rows + t.cols) * std::uint64_t{128} +
+           o.max_tools * sizeof(ToolSlot) + sizeof(StateImpl) +
+           geodesic_bytes(t.rows, t.cols, t.faces.size(), o.max_reach) + 8192;
 }
 
 /// The last element of a layer [m][n][width]; nothing is kept if all are 1.

@@ -49,8 +49,8 @@ StateUsage State::usage() const noexcept {
                                     s.changes.cells, s.changes.blocks, s.changes.bands, s.fading.time, s.fading.left,
                                     s.fading.plain.tiles, s.fading.special.tiles, s.now_boxes.boxes, s.base_boxes.boxes,
                                     s.walk.slot_of, s.walk.nodes, s.walk.heap, s.walk.visited, f.key, f.weight,
-                                    f.samples, f.classes, f.class_seen, s.geodesic.apex, s.geodesic.links, s.geodesic.corners,
-                                    s.geodesic.distance, s.geodesic.touched, s.geodesic.windows, s.tools,
+                                    f.samples, f.classes, f.class_seen, s.geodesic.triangles, s.geodesic.links, s.geodesic.corners,
+                                    s.geodesic.windows, s.tools,
                                     s.patch_scratch.slot_of, s.patch_scratch.flags, s.press.plane, s.press.forms, s.press.saved) +
         detail::patch_bytes(s);
     detail::RectList active = s.elastic;
