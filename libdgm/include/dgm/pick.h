@@ -41,7 +41,8 @@ struct RayHit {
 /// border strip.
 ///
 /// Boxes of tiles touched since the last query are refitted first, hence the non-const state.
-/// @param origin, direction  local coordinates, any finite numbers; the direction need not be of length 1
+/// @param origin, direction  local coordinates, any finite numbers; the direction need not be of length 1. From 1e15
+///        times the surface's size its samples round to one place, and nothing is met.
 /// @return NotFound if nothing is met within max_distance; BadArgument if a number is not finite, the direction is 0
 ///         or max_distance is negative or NaN. A distance beyond float is given as the largest float.
 /// No allocation, no locks. O(log samples) for most rays; one that grazes the surface looks at all tiles along it.

@@ -7,8 +7,10 @@
 #include <dgm/dgm.h>
 #include <dgm/snapshot.h>
 
+#if !defined(__wasm__)  // no threads there
 #include <atomic>
 #include <thread>
+#endif
 
 #include "changed_life.h"
 
@@ -96,6 +98,7 @@ TEST(Changed, SnapshotsOfSeveralStates) {
     }
 }
 
+#if !defined(__wasm__)
 TEST(Changed, OvertakenReadersStillHoldWholeFrames) {
     // Frame f moved the sheet to height f, but only every third frame moves all of it: the others its middle.
     State state = make_state(grid_chart(65, 67, [](double i, double j) { return Point{float(i), float(j), 0}; }));
@@ -146,6 +149,7 @@ TEST(Changed, OvertakenReadersStillHoldWholeFrames) {
     EXPECT_EQ(wrong, 0);
     EXPECT_GT(reads, 0);
 }
+#endif
 
 TEST(Changed, SnapshotRefusals) {
     State state = make_state(free_chart(27, 34, test::sheet));

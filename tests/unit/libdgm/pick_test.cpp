@@ -206,6 +206,9 @@ TEST(Pick, HugeAndTinyCoordinates) {
         return Point{static_cast<float>(1e18 * (i - 1)), static_cast<float>(1e18 * (j - 1)), 0};
     }));
     EXPECT_FLOAT_EQ(pick_ray(state, {0, 0, 3e38f}, {0, 0, -1}).value().distance, 3e38f);
+    EXPECT_NEAR(pick_ray(state, {1e30f, 1e30f, 1e30f}, {-1, -1, -1}).value().distance / 1e30, std::sqrt(3.0), 1e-6);
+    // Rounded beside 3e38, all samples lie at one place, which has no area.
+    EXPECT_EQ(pick_ray(state, {3e38f, 3e38f, 3e38f}, {-1, -1, -1}).error().code, ErrorCode::NotFound);
 }
 
 TEST(Pick, RefusesNonsense) {
