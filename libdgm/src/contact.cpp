@@ -259,10 +259,14 @@ void Resolver::project() noexcept {
 
 void Resolver::keep() noexcept {
     const Planes from = c_.before();
-    // What did not move keeps its bits, the sign of a zero too: a copy of it may be in a tile that is not listed.
+    // What did not move keeps its bits: a copy of it may be in a tile that is not listed. The sign of a zero is a bit,
+    // too: what moved by less than floats can tell may have turned it.
+    const auto bits = [](float v) { return __builtin_bit_cast(std::uint32_t, v); };
     const auto move = [&](float* base, const float* now, const float* old, std::size_t k) {
-        if (now[k] == old[k]) return;
-        base[k] = base[k] == old[k] ? now[k] : base[k] + (now[k] - old[k]);
+        if (bits(base[k]) == bits(old[k]))
+            base[k] = now[k];
+        else if (now[k] != old[k])
+            base[k] += now[k] - old[k];
     };
     const auto all = [&](std::uint32_t k) {
         move(s_.base.x, s_.now.x, from.x, k);

@@ -119,9 +119,9 @@ inline constexpr std::uint8_t kMoving = 8;  ///< does so in this round
 
 // Tiles with samples beyond; with samples of the ring; with quads that have one of either, one beyond, or one of the
 // ring as a corner; with quads that have a corner in a tile where samples of the ring may come to rest on the obstacle;
-// with quads that do, on a plane.
+// with quads that do, on a plane; whose distances between nodes are filled in.
 inline constexpr std::uint8_t kTilePhi = 1, kTilePsi = 2, kTileMoving = 4, kTileSinking = 8, kTileBulging = 16,
-                              kTileNear = 32, kTileHeld = 64;
+                              kTileNear = 32, kTileHeld = 64, kTileSpread = 128;
 
 /// Tiles side by side as one rectangle.
 struct Runs {

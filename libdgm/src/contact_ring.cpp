@@ -231,48 +231,63 @@ void seed_rim(const StateImpl& s, ContactImpl& c, const Shape& shape, Walk& walk
             if ((c.marks[k] & kInside) != 0) seed(k);
 }
 
-/// Squared distances of all samples of the ring's tiles into c.weight.
-void fill_between(const StateImpl& s, ContactImpl& c, const Walk& walk, float limit) noexcept {
+/// Squared distances of all samples of the tile into c.weight. @return whether a copy of one lies in a tile that was
+/// listed for other reasons: it has to be filled now as well.
+bool fill_tile(const StateImpl& s, ContactImpl& c, const Walk& walk, float limit, std::uint32_t tile) noexcept {
     const std::uint32_t cols = s.tables.cols;
     const auto squared = [](float d) { return d > 0 ? d * d : 0; };
-    for (std::uint32_t e = 0; e < c.tile_count; ++e) {  // grows by the tiles of copies
-        const std::uint32_t tile = c.tiles[e];
-        if ((c.tile_bits[tile] & kTilePsi) == 0) continue;
-        const Rect r = c.rects[tile];
-        if (r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols) {
-            const std::uint32_t first = r.i0 * cols + r.j0;
-            SpreadJob job{{}, c.marks.data() + first, c.weight.data() + first, cols};
-            for (std::uint32_t a = 0; a < 9; ++a)
-                job.nodes[a] = walk.signed_square(first + kStride * (a / 3 * cols + a % 3));
-            c.rows_of->spread(job);
+    const Rect r = c.rects[tile];
+    if (r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols) {
+        const std::uint32_t first = r.i0 * cols + r.j0;
+        SpreadJob job{{}, c.marks.data() + first, c.weight.data() + first, cols};
+        for (std::uint32_t a = 0; a < 9; ++a)
+            job.nodes[a] = walk.signed_square(first + kStride * (a / 3 * cols + a % 3));
+        c.rows_of->spread(job);
+    }
+    // What is left of the last row and column of tiles.
+    for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+        for (std::uint32_t j = i < r.i0 + 8 && r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols ? r.j0 + 8 : r.j0;
+             j <= r.j1;) {
+            // Four samples between two columns of nodes: along a row the distance is linear.
+            const std::uint32_t last = std::min((j / kStride + 1) * kStride, cols - 1);
+            const std::uint32_t end = std::min(last, r.j1 + 1);
+            const float from = walk.between(i, j), to = walk.between(i, last);
+            const float slope = last == j ? 0 : (to - from) / static_cast<float>(last - j);
+            for (std::uint32_t q = j; q < std::max(end, j + 1); ++q) {
+                const std::size_t k = std::size_t{i} * cols + q;
+                const float d = squared(from + slope * static_cast<float>(q - j));
+                c.weight[k] = (c.marks[k] & kInside) != 0 ? __builtin_inff() : d;
+            }
+            j = std::max(end, j + 1);
         }
-        // What is left of the last row and column of tiles.
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-            for (std::uint32_t j = i < r.i0 + 8 && r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols ? r.j0 + 8 : r.j0;
-                 j <= r.j1;) {
-                // Four samples between two columns of nodes: along a row the distance is linear.
-                const std::uint32_t last = std::min((j / kStride + 1) * kStride, cols - 1);
-                const std::uint32_t end = std::min(last, r.j1 + 1);
-                const float from = walk.between(i, j), to = walk.between(i, last);
-                const float slope = last == j ? 0 : (to - from) / static_cast<float>(last - j);
-                for (std::uint32_t q = j; q < std::max(end, j + 1); ++q) {
-                    const std::size_t k = std::size_t{i} * cols + q;
-                    const float d = squared(from + slope * static_cast<float>(q - j));
-                    c.weight[k] = (c.marks[k] & kInside) != 0 ? __builtin_inff() : d;
-                }
-                j = std::max(end, j + 1);
+    bool more = false;
+    if ((s.tile_flags[tile] & kTileSpecial) == 0) return more;
+    for (std::uint32_t i = r.i0; i <= r.i1; ++i)
+        for (std::uint32_t k = i * cols + r.j0; k <= i * cols + r.j1; ++k) {
+            if (c.in_class[k] == 0 || (c.marks[k] & kInside) != 0) continue;
+            const std::uint32_t first = s.representative(k);
+            const float d = squared(walk.between(first / cols, first % cols));
+            c.weight[k] = d;
+            if (!(d < limit)) continue;
+            for (const std::uint32_t copy : s.members(s.class_id(k))) {
+                const std::uint8_t bits = c.tile_bits[s.tile_of(copy)];
+                more = more || (bits != 0 && (bits & kTilePsi) == 0);
+                c.add_tile(s.tile_of(copy), kTilePsi);
             }
-        if ((s.tile_flags[tile] & kTileSpecial) == 0) continue;
-        for (std::uint32_t i = r.i0; i <= r.i1; ++i)
-            for (std::uint32_t k = i * cols + r.j0; k <= i * cols + r.j1; ++k) {
-                if (c.in_class[k] == 0 || (c.marks[k] & kInside) != 0) continue;
-                const std::uint32_t id = s.class_id(k);
-                const std::uint32_t first = s.representative(k);
-                const float d = squared(walk.between(first / cols, first % cols));
-                c.weight[k] = d;
-                if (d < limit)
-                    for (const std::uint32_t copy : s.members(id)) c.add_tile(s.tile_of(copy), kTilePsi);
-            }
+        }
+    return more;
+}
+
+/// The same of all tiles of the ring, which grows by those of copies.
+void fill_between(const StateImpl& s, ContactImpl& c, const Walk& walk, float limit) noexcept {
+    for (bool more = true; more;) {
+        more = false;
+        for (std::uint32_t e = 0; e < c.tile_count; ++e) {
+            const std::uint32_t tile = c.tiles[e];
+            if ((c.tile_bits[tile] & (kTilePsi | kTileSpread)) != kTilePsi) continue;
+            c.tile_bits[tile] |= kTileSpread;
+            more = fill_tile(s, c, walk, limit, tile) || more;
+        }
     }
 }
 }  // namespace

@@ -170,14 +170,14 @@ void move_frames_apart(StateImpl& s, const TableImpl& t, const Contact& c, Defor
 }
 
 void move_patch(StateImpl& s, const Patch& p, const Contact& c, DeformReport& report) noexcept {
-    for (std::uint32_t k = 0; k < p.rects.count; ++k) fade(s, p.rects.rects[k]);
-    if (p.rects.border_low <= p.rects.border_high) fade(s, p.rects.border_low);
+    for (std::uint32_t k = 0; k < p.moved.count; ++k) fade(s, p.moved.rects[k]);
+    if (p.moved.border_low <= p.moved.border_high) fade(s, p.moved.border_low);
     for (const Planes* shape : {&s.now, &s.base}) {
         if (shape == &s.base && !c.plastic) break;
         s.rows_of->move_patch(
             {p.rows.data(), p.row_count, StateImpl::fixed(*shape), *shape, p.weight.data(), {c.d.x, c.d.y, c.d.z}});
     }
-    s.touch(p.rects, c.plastic);
+    s.touch(p.moved, c.plastic);
     report.samples = p.samples;
     report.crossed_seam = p.crossed_seam;
 }

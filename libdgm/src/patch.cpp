@@ -96,18 +96,39 @@ void touch_copies(StateImpl& s, Patch& p) noexcept {
 void keep_rows(const StateImpl& s, Patch& p, std::uint32_t k, PatchCell& c) noexcept {
     c.row = p.row_count;
     for (std::uint32_t row = 0; row < c.height; ++row) {
-        if ((c.touched >> (8 * row) & 255) == 0) continue;
-        p.rows[p.row_count] = {c.first + row * s.tables.cols, c.width, 0};
+        std::uint32_t told = c.touched >> (8 * row) & 255;
+        if (told == 0) continue;
+        const std::uint32_t first = c.first + row * s.tables.cols;
+        if ((s.patch_scratch.flags[c.cell] & kCellFree) != 0)
+            each_bit(told, [&](std::uint32_t at) { told &= ~(s.usable(first + at) ? 0u : 1u << at); });
+        p.rows[p.row_count] = {first, c.width, static_cast<std::uint8_t>(~told)};
         std::memmove(p.weight.data() + std::size_t{8} * p.row_count, p.weights(k) + 8 * row, 8 * sizeof(float));
         ++p.row_count;
     }
+}
+
+void add_bounds(const StateImpl& s, const PatchCell& c, std::uint64_t bits, RectList& list) noexcept {
+    if (bits == 0) return;
+    const auto lowest = [](std::uint64_t b) { return static_cast<std::uint32_t>(__builtin_ctzll(b)); };
+    const auto highest = [](std::uint64_t b) { return static_cast<std::uint32_t>(63 - __builtin_clzll(b)); };
+    if (c.cell >= s.patch_scratch.grid_cells()) {
+        list.add_border(c.first + lowest(bits));
+        list.add_border(c.first + highest(bits));
+        return;
+    }
+    std::uint64_t columns = bits | bits >> 32;
+    columns |= columns >> 16;
+    columns = (columns | columns >> 8) & kRow0;
+    const std::uint32_t i = c.first / s.tables.cols, j = c.first % s.tables.cols;
+    list.add_near({i + lowest(bits) / 8, i + highest(bits) / 8, j + lowest(columns), j + highest(columns)});
 }
 
 /// Cells that nothing touches leave; then rows, and rectangles around groups of cells side by side.
 void finish(StateImpl& s, Patch& p) noexcept {
     std::uint32_t kept = 0;
     p.samples = p.row_count = 0;
-    p.rects.clear();
+    p.moved.clear();
+    p.touched.clear();
     for (std::uint32_t k = 0; k < p.count; ++k) {
         PatchCell c = p.cells[k];
         s.patch_scratch.slot_of[c.cell] = kNone;
@@ -115,17 +136,12 @@ void finish(StateImpl& s, Patch& p) noexcept {
         keep_rows(s, p, k, c);
         p.cells[kept++] = c;
         p.samples += static_cast<std::uint32_t>(__builtin_popcountll(c.reach));
-        if (c.cell >= s.patch_scratch.grid_cells()) {
-            p.rects.add_border(c.first);
-            p.rects.add_border(c.first + c.width - 1);
-            continue;
-        }
-        // A press writes normals of whole rows of a cell.
-        const std::uint32_t i = c.first / s.tables.cols, j = c.first % s.tables.cols;
-        p.rects.add_near({i, i + c.height - 1, j, j + c.width - 1});
+        add_bounds(s, c, c.reach, p.moved);
+        add_bounds(s, c, c.touched, p.touched);
     }
     p.count = kept;
-    p.rects.join();
+    p.moved.join();
+    p.touched.join();
 }
 
 void weigh_mobility(const StateImpl& s, Patch& p) noexcept {

@@ -46,7 +46,8 @@ struct Patch {
     std::uint32_t count = 0, row_count = 0;
     std::uint32_t samples = 0;  ///< in reach, copies counted
     bool crossed_seam = false;
-    RectList rects;          ///< around what is touched
+    RectList moved;          ///< around what is in reach
+    RectList touched;        ///< and around those whose normals turn
     std::uint64_t used = 0;  ///< StateImpl::patch_clock when it was last asked for
     /// While the patch is made.
     [[nodiscard]] float* weights(std::uint32_t cell) noexcept { return weight.data() + std::size_t{64} * cell; }

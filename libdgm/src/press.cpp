@@ -19,8 +19,7 @@ void copy_row(float* to, const float* from, std::uint32_t width) noexcept {
         for (std::uint32_t k = 0; k < width; ++k) to[k] = from[k];
 }
 
-/// Borders, seams and strips: sums over all triangles, once for all copies. Those that share a row with what is touched
-/// but are not touched themselves, or have no triangles, keep the normals they have.
+/// Borders, seams and strips: sums over all triangles, once for all copies.
 class Irregular {
  public:
     Irregular(StateImpl& s, Patch& p) noexcept : s_(s), p_(p) {}
@@ -35,13 +34,9 @@ class Irregular {
  private:
     void put_cell(const PatchCell& c) noexcept {
         for (std::uint32_t place = 0; place < 8u * c.height; ++place) {
-            if (place % 8 >= c.width || (c.touched >> (place & 56) & 255) == 0) continue;
+            if ((c.touched >> place & 1) == 0 || keeps(c, place)) continue;
             const std::uint32_t sample = sample_in(c, place, s_.tables.cols);
             if (sample < s_.tables.grid && (s_.ring[sample] & kRingIrregular) == 0) continue;
-            if ((c.touched >> place & 1) == 0 || !s_.usable(sample)) {
-                keep(c, place);
-                continue;
-            }
             const std::uint32_t id = s_.class_id(sample);
             if (id != kNone && s_.members(id)[0] != sample) continue;
             const RingForm form = ring_form(s_, StateImpl::fixed(s_.base), s_.press.plane.data() + PatchPress::kPad, sample);
@@ -57,12 +52,8 @@ class Irregular {
         float* to = s_.press.forms.data() + std::size_t{kFormFloats} * row_of(c, place / 8) + place % 8;
         for (int k = 0; k < 6; ++k) to[8 * k] = static_cast<float>(form.sum[k] * double{s_.normal_scale});
     }
-    void keep(const PatchCell& c, std::uint32_t place) noexcept {
-        const std::uint32_t row = row_of(c, place / 8);
-        p_.rows[row].keep |= static_cast<std::uint8_t>(1u << place % 8);
-        // What is worked out for it anyway shall not seem uncertain.
-        float* to = s_.press.forms.data() + std::size_t{kFormFloats} * row + place % 8;
-        for (int k = 0; k < 6; ++k) to[8 * k] = k == 0 ? 1.0f : 0.0f;
+    [[nodiscard]] bool keeps(const PatchCell& c, std::uint32_t place) const noexcept {
+        return (p_.rows[row_of(c, place / 8)].keep >> place % 8 & 1) != 0;
     }
 
     StateImpl& s_;
@@ -74,8 +65,7 @@ void prepare(StateImpl& s, Patch& p) noexcept {
     float* plane = s.press.plane.data() + PatchPress::kPad;
     const std::uint32_t cols = s.tables.cols;
     for (std::uint32_t r = 0; r < p.row_count; ++r) {
-        PatchRow& row = p.rows[r];
-        row.keep = 0;
+        const PatchRow& row = p.rows[r];
         copy_row(plane + row.first, p.weight.data() + std::size_t{8} * r, row.width);
         float* saved = s.press.saved.data() + std::size_t{kSavedFloats} * r;
         copy_row(saved, s.normal.x + row.first, row.width);
@@ -106,7 +96,7 @@ void lift(StateImpl& s, const Patch& p) noexcept {
 void start(StateImpl& s, Patch& p) noexcept {
     prepare(s, p);
     s.elastic.clear();
-    s.elastic.add(p.rects);
+    s.elastic.add(p.moved);
     s.press.active = true;
     s.press.patch = &p;
     s.press.key = p.key;
@@ -131,17 +121,17 @@ bool press_patch(StateImpl& s, const TableImpl& t, const Contact& c, DeformRepor
         start(s, p);
     } else if (!(press.key == p.key)) {
         lift(s, *press.patch);
-        s.now_boxes.dirty.add(press.patch->rects);
-        s.changes.note(press.patch->rects);
+        s.now_boxes.dirty.add(press.patch->moved);
+        s.changes.note(press.patch->touched);
         start(s, p);
     }
     const PatchJob move{p.rows.data(), p.row_count, StateImpl::fixed(s.base), s.now, p.weight.data(), {c.d.x, c.d.y, c.d.z}};
     const bool sure = s.rows_of->press({move, s.normal, press.forms.data(), press.saved.data()});
-    s.now_boxes.dirty.add(p.rects);
-    s.changes.note(p.rects);
+    s.now_boxes.dirty.add(p.moved);
+    s.changes.note(p.touched);
     press.moved = ++s.moved;
     if (!sure) {
-        s.normal_dirty.add(p.rects);
+        s.normal_dirty.add(p.moved);
         update_normals(s);
     }
     report.samples = p.samples;

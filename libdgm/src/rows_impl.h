@@ -569,9 +569,11 @@ void move_patch(const PatchJob& job) noexcept {
     }
 }
 
-/// Normals of samples k on, whose forms are at `form`. @return which are good.
+/// Normals of samples k on, whose forms and saved normals are at `form` and `saved`. Those of `keep` are the saved ones.
+/// @return which are good.
 template <class F, class I>
-static inline __attribute__((always_inline)) I press_block(const PressJob& j, std::size_t k, const float* form) {
+static inline __attribute__((always_inline)) I press_block(const PressJob& j, std::size_t k, const float* form,
+                                                           const float* saved, const I& keep) {
     const F ax = load<F>(form), ay = load<F>(form + 8), az = load<F>(form + 16);
     const F gx = load<F>(form + 24), gy = load<F>(form + 32), gz = load<F>(form + 40);
     const F dx = F{} + j.move.d[0], dy = F{} + j.move.d[1], dz = F{} + j.move.d[2];
@@ -584,41 +586,33 @@ static inline __attribute__((always_inline)) I press_block(const PressJob& j, st
         multiply_add(az, az, multiply_add(ay, ay, ax * ax)) + multiply_add(tz, tz, multiply_add(ty, ty, tx * tx));
     const I good =
         static_cast<I>(square > 1e-24f) & static_cast<I>(square < 1e24f) & static_cast<I>(square > 1e-2f * parts);
-    const F inverse = inverse_root(square);
-    store<F>(j.normal.x + k, good ? x * inverse : F{});
-    store<F>(j.normal.y + k, good ? y * inverse : F{});
-    store<F>(j.normal.z + k, good ? z * inverse : F{});
-    return good;
+    const F inverse = good ? inverse_root(square) : F{};
+    store<F>(j.normal.x + k, keep ? load<F>(saved) : x * inverse);
+    store<F>(j.normal.y + k, keep ? load<F>(saved + 8) : y * inverse);
+    store<F>(j.normal.z + k, keep ? load<F>(saved + 16) : z * inverse);
+    return good | keep;
 }
 
 bool press(const PressJob& job) noexcept {
     const PressJob j = job;
-    Ints good = ~Ints{};
-    int good_one = 1;
-    const float* w = j.move.weight;
-    const float* form = j.forms;
-    const auto put_back = [&](const PatchRow& row, std::uint32_t r) {
-        const float* saved = j.saved + kSavedFloats * static_cast<std::size_t>(r);
-        for (std::uint32_t k = 0; k < row.width; ++k) {
-            if ((row.keep >> k & 1) == 0) continue;
-            j.normal.x[row.first + k] = saved[k];
-            j.normal.y[row.first + k] = saved[8 + k];
-            j.normal.z[row.first + k] = saved[16 + k];
-        }
-    };
-    for (std::uint32_t r = 0; r < j.move.count; ++r, w += 8, form += kFormFloats) {
+    Ints good = ~Ints{}, bits = {};
+    for (int k = 0; k < DGM_LANES; ++k) bits[k] = 1 << k;
+    int good_one = -1;
+    const float *w = j.move.weight, *form = j.forms, *saved = j.saved;
+    for (std::uint32_t r = 0; r < j.move.count; ++r, w += 8, form += kFormFloats, saved += kSavedFloats) {
         const PatchRow row = j.move.rows[r];
         if (row.width == 8)
             for (std::uint32_t k = 0; k < 8; k += DGM_LANES) {
                 patch_block<Floats>(j.move, row.first + k, w + k);
-                good &= press_block<Floats, Ints>(j, row.first + k, form + k);
+                const Ints keep = ((Ints{} + (row.keep >> k)) & bits) != 0;
+                good &= press_block<Floats, Ints>(j, row.first + k, form + k, saved + k, keep);
             }
         else
             for (std::uint32_t k = 0; k < row.width; ++k) {
                 patch_block<float>(j.move, row.first + k, w + k);
-                good_one &= press_block<float, int>(j, row.first + k, form + k);
+                const int keep = -(row.keep >> k & 1);
+                good_one &= press_block<float, int>(j, row.first + k, form + k, saved + k, keep);
             }
-        if (row.keep != 0) put_back(row, r);
     }
     return good_one != 0 && !any(~good);
 }
