@@ -63,8 +63,8 @@ void add_findings(const Run& run, const Subject& subject, std::vector<std::strin
     const auto grid = find(ticks, "setting", "grid, compact end");
     const auto off = [&](std::ptrdiff_t row) {
         return figure(row, "inside_error_max") + " of its depth, at seams and borders by " +
-               figure(row, "border_error_max") + ", at " + figure(row, "p50_us") + " us (p99 " +
-               figure(row, "p99_us") + " us)";
+               figure(row, "border_error_max") + ", at " + figure(row, "p50_us") + " us (p99 " + figure(row, "p99_us") +
+               " us)";
     };
     out.push_back(who + "the default footprint is off the exact geodesic dent by at most " + off(compact) +
                   "; a geodesic one by " + off(geodesic) + "; eq. 7 as printed by " + off(grid));

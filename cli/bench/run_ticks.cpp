@@ -233,8 +233,10 @@ Table tick_table() {
         "of the ticks each, ticks in which the thread lost its processor left out; max is of all. 'Paper' is the "
         "paper's own setting: 81x81, eq. 7, eqs. 8-10 as printed. Errors of weights are shares of the dent's "
         "depth: table, against the kernel by exp; the others, against the kernel over exact geodesic distances around "
-        "twelve contacts, up to b = 21: the largest of contacts farther than b steps from a seam or border of the grid, "
-        "the largest of the rest, and the rms of all. Force jump: largest part of the force's change in a tick, as a share of f_max, "
+        "twelve contacts, up to b = 21: the largest of contacts farther than b steps from a seam or border of the "
+        "grid, "
+        "the largest of the rest, and the rms of all. Force jump: largest part of the force's change in a tick, as a "
+        "share of f_max, "
         "that twice the tool's own step does not explain. Wrong nearest: share of ticks, of those looked at by "
         "search of all samples.";
     t.columns = subject_columns(
@@ -258,7 +260,8 @@ Table tick_table() {
                  exact_column("wrong_nearest", "wrong nearest", "", Sense::kLower),
                  time_column("preempted", "preempted ticks", "")}}));
     t.columns.back().sense = Sense::kNone;
-    t.plots = {{"Largest error of the dent at seams against tick time", "p50_us", "border_error_max", "setting", "asset", false},
+    t.plots = {{"Largest error of the dent at seams against tick time", "p50_us", "border_error_max", "setting",
+                "asset", false},
                {"Force jump against tick time", "p50_us", "force_jump", "setting", "asset", false},
                {"Slow ticks against typical ones", "p50_us", "p999_us", "setting", "asset", false}};
     return t;

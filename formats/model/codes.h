@@ -183,13 +183,12 @@ inline constexpr Code kBadReport{2011,
                                  "the stored report is missing or contradicts the file",
                                  "bake it again",
                                  "whoever sorts assets by the numbers in the report sorts them wrongly"};
-inline constexpr Code kBadMetric{
-    2012,
-    "BAD_METRIC",
-    ExitCode::kInvalid,
-    "the first fundamental form is not that of the geometry",
-    "bake it again",
-    "tools that measure with E, F and G get lengths and angles wrong"};
+inline constexpr Code kBadMetric{2012,
+                                 "BAD_METRIC",
+                                 ExitCode::kInvalid,
+                                 "the first fundamental form is not that of the geometry",
+                                 "bake it again",
+                                 "tools that measure with E, F and G get lengths and angles wrong"};
 inline constexpr Code kFlippedFaces{2013,
                                     "FLIPPED_FACES",
                                     ExitCode::kInvalid,

@@ -16,7 +16,7 @@
 namespace dgm::detail {
 
 inline constexpr std::uint32_t kRunSamples = 8;  ///< side by side
-inline constexpr std::uint32_t kBandRows = 8;     ///< rows that share a block of stamps
+inline constexpr std::uint32_t kBandRows = 8;    ///< rows that share a block of stamps
 
 /// Which cells a grid has, and its border samples: row-major, then the border's.
 struct CellGrid {

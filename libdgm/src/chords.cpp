@@ -138,7 +138,8 @@ bool fill_by_chords(StateImpl& s, const TableImpl& t, const Contact& c, Patch& p
     const Weigher weigher(s, t, c);
     const float reach = static_cast<float>(t.options.reach), per_step = 1 / c.step;
     if (weigher.even()) {
-        ProfileJob job{0, t.entries.data(), static_cast<std::uint32_t>(t.entries.size() - 1), per_step, t.spacing, reach};
+        ProfileJob job{0,        t.entries.data(), static_cast<std::uint32_t>(t.entries.size() - 1),
+                       per_step, t.spacing,        reach};
         for (std::uint32_t k = 0; k < p.count; ++k) {
             job.reach = p.cells[k].reach;
             s.rows_of->profile(job, p.weights(k));
@@ -148,10 +149,10 @@ bool fill_by_chords(StateImpl& s, const TableImpl& t, const Contact& c, Patch& p
     for (std::uint32_t k = 0; k < p.count; ++k) {
         float* values = p.weights(k);
         for (std::uint32_t place = 0; place < kCellSamples; ++place)
-            values[place] = (p.cells[k].reach >> place & 1) == 0
-                                ? 0
-                                : weigher.at(sample_in(p.cells[k], place, s.tables.cols),
-                                             std::sqrt(values[place]) * per_step);
+            values[place] =
+                (p.cells[k].reach >> place & 1) == 0
+                    ? 0
+                    : weigher.at(sample_in(p.cells[k], place, s.tables.cols), std::sqrt(values[place]) * per_step);
     }
     return true;
 }

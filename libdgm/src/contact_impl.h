@@ -109,7 +109,8 @@ class Surroundings {
 };
 /// Lower bound of the distance of all points of a box (local frame).
 [[nodiscard]] double box_distance(const Shape& shape, const Box& box) noexcept;
-/// Marks samples of open borders (kRingRim). @return whether the welded surface has two faces at every edge; OutOfMemory.
+/// Marks samples of open borders (kRingRim). @return whether the welded surface has two faces at every edge;
+/// OutOfMemory.
 [[nodiscard]] Result<bool> find_rim(StateImpl& state) noexcept;
 
 inline constexpr std::uint8_t kInside = 1;  ///< marks: beyond the obstacle
@@ -137,7 +138,7 @@ struct ContactImpl {
     std::uint32_t rows = 0, cols = 0, total = 0;
     bool closed = false;
     const ContactRows* rows_of = nullptr;
-    Array<std::uint8_t> kind;  ///< of each quad, at its first corner
+    Array<std::uint8_t> kind;      ///< of each quad, at its first corner
     Array<std::uint8_t> in_class;  ///< samples that have copies
     Array<std::uint8_t> marks;
     /// Three planes `plane` apart: where samples of touched tiles were; all border samples. Until they are projected,

@@ -59,9 +59,8 @@ bool make(ContactImpl& c, const StateImpl& s) noexcept {
         !c.saved.allocate(a, 3 * std::uint64_t{c.plane}) || !c.weight.allocate(a, padded) ||
         !c.square.allocate(a, t.total, std::numeric_limits<float>::infinity()) || !c.source.allocate(a, t.total) ||
         !c.queue.allocate(a, t.total) || !c.tile_bits.allocate(a, tiles) || !c.rects.allocate(a, tiles) ||
-        !c.tiles.allocate(a, tiles) ||
-        !c.tile_top.allocate(a, tiles) || !c.inner.rects.allocate(a, tiles) || !c.ring.rects.allocate(a, tiles) ||
-        !c.near.rects.allocate(a, tiles) ||
+        !c.tiles.allocate(a, tiles) || !c.tile_top.allocate(a, tiles) || !c.inner.rects.allocate(a, tiles) ||
+        !c.ring.rects.allocate(a, tiles) || !c.near.rects.allocate(a, tiles) ||
         !c.rim.allocate(
             a, std::min<std::uint64_t>(2 * std::uint64_t{t.total}, 16 * (std::uint64_t{t.rows} + t.cols) + 1024)))
         return false;

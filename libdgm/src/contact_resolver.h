@@ -146,14 +146,14 @@ class Resolver {
     ContactReport report_;
     Surroundings around_;
     double tolerance_ = 0, total_ = 0;
-    bool heights_ = false;  ///< c_.square holds heights over the obstacle
+    bool heights_ = false;           ///< c_.square holds heights over the obstacle
     std::uint32_t class_count_ = 0;  ///< of those in c_.source
-    double held_ = 0;     ///< what is held back of a bulge of highest_
-    double highest_ = 0;  ///< bulge up to which samples outside kTileNear keep clear of the obstacle
-    double area_ = 0;     ///< of the contact, by its quads
-    double weights_ = 0;  ///< sum over the ring
-    double removed_ = 0;  ///< six times the volume
-    double sunk_ = 0;     ///< six times what quads that have no corner in the ring gained
+    double held_ = 0;                ///< what is held back of a bulge of highest_
+    double highest_ = 0;             ///< bulge up to which samples outside kTileNear keep clear of the obstacle
+    double area_ = 0;                ///< of the contact, by its quads
+    double weights_ = 0;             ///< sum over the ring
+    double removed_ = 0;             ///< six times the volume
+    double sunk_ = 0;                ///< six times what quads that have no corner in the ring gained
 };
 
 }  // namespace dgm::detail

@@ -75,9 +75,8 @@ DGM_FUSED(Doubles, pd)
 }  // namespace
 
 extern const ContactRows kAvx2ContactRows;
-const ContactRows kAvx2ContactRows{
-    volume, swept, cubic, area, mark, exchange, put_back, smooth,
-    weights, spread, held_back, bulge};
+const ContactRows kAvx2ContactRows{volume,   swept,  cubic,   area,   mark,      exchange,
+                                   put_back, smooth, weights, spread, held_back, bulge};
 
 }  // namespace dgm::detail
 

@@ -137,8 +137,7 @@ void put_back(const MarkJob& job, const float* weight, Planes at) noexcept {
         j.rect, j.cols,
         [&](std::size_t k, std::size_t left) __attribute__((always_inline)) {
             const Triple<Doubles> p = place<Four>(from, k);
-            const Longs in =
-                (o.template distance<Four>(p) < 0.0) & (load_four(weight + k) > 0.0) & first_lanes(left);
+            const Longs in = (o.template distance<Four>(p) < 0.0) & (load_four(weight + k) > 0.0) & first_lanes(left);
             if (lane_bits(in) != 0) put_if<Four>(in, o.template nearest<Four>(p), at, k);
         },
         [&](std::size_t k) __attribute__((always_inline)) {

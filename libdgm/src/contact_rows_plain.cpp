@@ -55,9 +55,8 @@ inline unsigned lane_bits(const Longs& v) {
 #include "contact_rows_impl.h"
 }  // namespace
 
-const ContactRows kPlainContactRows{
-    volume, swept, cubic, area, mark, exchange, put_back, smooth,
-    weights, spread, held_back, bulge};
+const ContactRows kPlainContactRows{volume,   swept,  cubic,   area,   mark,      exchange,
+                                    put_back, smooth, weights, spread, held_back, bulge};
 
 #if DGM_HAS_AVX
 extern const ContactRows kAvx2ContactRows;

@@ -224,8 +224,7 @@ Result<void> check_contact(const StateImpl& s, const TableImpl& t, Footprint foo
         return Error{ErrorCode::BadArgument, kNoOffset, "the table reaches farther than the state was made for"};
     if (step != 0 && !(step >= kMinStep && step <= kMaxStep))
         return Error{ErrorCode::BadArgument, kNoOffset, "the step is neither 0 nor in 1e-15 .. 1e15"};
-    if (footprint > Footprint::Grid)
-        return Error{ErrorCode::Unsupported, kNoOffset, "the footprint is not supported"};
+    if (footprint > Footprint::Grid) return Error{ErrorCode::Unsupported, kNoOffset, "the footprint is not supported"};
     if (mode != DeformMode::Elastic && mode != DeformMode::Plastic)
         return Error{ErrorCode::Unsupported, kNoOffset, "the mode is not supported"};
     return {};
@@ -262,8 +261,7 @@ Result<DeformReport> apply_contact(StateImpl& s, const TableImpl& t, const Conta
         report.samples = static_cast<std::uint32_t>(RectList::area(r));
         return report;
     }
-    if (s.stiffness.empty() && !s.tables.free_domain &&
-        place_frames_apart(s, t, c.sample, t.options.reach)) {
+    if (s.stiffness.empty() && !s.tables.free_domain && place_frames_apart(s, t, c.sample, t.options.reach)) {
         move_frames_apart(s, t, c, report);
         return report;
     }

@@ -13,8 +13,7 @@ constexpr float kInfinity = __builtin_inff();
 
 class Builder {
  public:
-    Builder(StateImpl& s, const TableImpl& t, const Contact& c) noexcept
-        : s_(s), f_(s.footprint), t_(t), contact_(c) {}
+    Builder(StateImpl& s, const TableImpl& t, const Contact& c) noexcept : s_(s), f_(s.footprint), t_(t), contact_(c) {}
 
     Result<void> build() noexcept {
         f_.truncated = false;

@@ -39,8 +39,10 @@ bool means_missing(DWORD error) noexcept {
         case ERROR_BAD_PATHNAME:
         case ERROR_INVALID_DRIVE:
         case ERROR_BAD_NETPATH:
-        case ERROR_BAD_NET_NAME: return true;
-        default: return false;
+        case ERROR_BAD_NET_NAME:
+            return true;
+        default:
+            return false;
     }
 }
 
@@ -58,8 +60,7 @@ Result<MappedFile> MappedFile::open(const char* path, std::uint64_t max_bytes) n
         return Error{ErrorCode::ReadFailed, kNoOffset, "the path is not UTF-8, or too long"};
     const Handle file(open_handle(wide));
     if (!file.is_open()) {
-        if (means_missing(::GetLastError()))
-            return Error{ErrorCode::FileMissing, kNoOffset, "the file does not exist"};
+        if (means_missing(::GetLastError())) return Error{ErrorCode::FileMissing, kNoOffset, "the file does not exist"};
         return Error{ErrorCode::ReadFailed, kNoOffset, "the file cannot be opened for reading"};
     }
     // Consoles, ports and pipes are no disk files; a raw disk is one without information.
@@ -73,11 +74,10 @@ Result<MappedFile> MappedFile::open(const char* path, std::uint64_t max_bytes) n
     MappedFile mapped;
     if (size == 0) return mapped;
     // The size is given, so that a file cut short meanwhile is refused. The view keeps what it needs open.
-    const Handle mapping(::CreateFileMappingW(file.value, nullptr, PAGE_READONLY, info.nFileSizeHigh,
-                                              info.nFileSizeLow, nullptr));
-    const void* memory = !mapping.is_open() ? nullptr
-                                            : ::MapViewOfFile(mapping.value, FILE_MAP_READ, 0, 0,
-                                                              static_cast<SIZE_T>(size));
+    const Handle mapping(
+        ::CreateFileMappingW(file.value, nullptr, PAGE_READONLY, info.nFileSizeHigh, info.nFileSizeLow, nullptr));
+    const void* memory =
+        !mapping.is_open() ? nullptr : ::MapViewOfFile(mapping.value, FILE_MAP_READ, 0, 0, static_cast<SIZE_T>(size));
     if (memory == nullptr) return Error{ErrorCode::ReadFailed, kNoOffset, "the file cannot be mapped"};
     mapped.bytes_ = {static_cast<const std::byte*>(memory), static_cast<std::size_t>(size)};
     return mapped;

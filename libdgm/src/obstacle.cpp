@@ -259,9 +259,7 @@ class SurfaceSearch {
     }
     [[nodiscard]] Double3 at(std::uint32_t k) const noexcept { return widen(s_.point(k)); }
 
-    void triangle(const std::uint32_t* f, std::uint64_t name) noexcept {
-        triangle(at(f[0]), at(f[1]), at(f[2]), name);
-    }
+    void triangle(const std::uint32_t* f, std::uint64_t name) noexcept { triangle(at(f[0]), at(f[1]), at(f[2]), name); }
     [[gnu::noinline]] void triangle(const Double3& pa, const Double3& pb, const Double3& pc,
                                     std::uint64_t name) noexcept {
         const Double3 n = cross(pb - pa, pc - pa);

@@ -77,7 +77,8 @@ void touch_strip(StateImpl& s, Patch& p) noexcept {
 void touch_copies(StateImpl& s, Patch& p) noexcept {
     if (s.class_count == 0) return;
     for (std::uint32_t k = 0; k < p.count; ++k) {
-        if (p.cells[k].cell < s.patch_scratch.grid_cells() && (s.patch_scratch.flags[p.cells[k].cell] & kCellSeams) == 0)
+        if (p.cells[k].cell < s.patch_scratch.grid_cells() &&
+            (s.patch_scratch.flags[p.cells[k].cell] & kCellSeams) == 0)
             continue;
         each_bit(p.cells[k].touched, [&](std::uint32_t place) {
             const std::uint32_t id = s.class_id(sample_in(p.cells[k], place, s.tables.cols));
@@ -162,7 +163,8 @@ bool make_patches(StateImpl& s, bool press) noexcept {
     const Allocator& a = s.allocator;
     if (!g.slot_of.allocate(a, cells, kNone) || !g.flags.allocate(a, cells)) return false;
     for (std::uint32_t k = 0; k < s.patch_count; ++k)
-        if (Patch& p = s.patches[k]; !p.cells.allocate(a, cells) || !p.rows.allocate(a, 8 * cells) || !p.weight.allocate(a, cells * kCellSamples))
+        if (Patch& p = s.patches[k]; !p.cells.allocate(a, cells) || !p.rows.allocate(a, 8 * cells) ||
+                                     !p.weight.allocate(a, cells * kCellSamples))
             return false;
     for (std::uint32_t k = 0; k < s.total(); ++k) {
         std::uint8_t& flags = g.flags[cell_of(s, k)];
@@ -214,8 +216,7 @@ std::uint32_t add_cell(StateImpl& s, Patch& p, std::uint32_t cell) noexcept {
 }
 
 Patch& patch_of(StateImpl& s, const TableImpl& t, const Contact& c) noexcept {
-    const PatchKey key{
-        s.representative(c.sample), c.step, c.footprint == Footprint::Geodesic, {t.hash[0], t.hash[1]}};
+    const PatchKey key{s.representative(c.sample), c.step, c.footprint == Footprint::Geodesic, {t.hash[0], t.hash[1]}};
     Patch* oldest = s.patches;
     ++s.patch_clock;
     for (std::uint32_t k = 0; k < s.patch_count; ++k) {

@@ -55,14 +55,14 @@ struct Patch {
 
 /// Memory for making patches; empty between calls.
 struct PatchScratch {
-    Array<std::uint32_t> slot_of;  ///< cell -> its place in the patch that is being made, or kNone
-    Array<std::uint8_t> flags;     ///< by cell, kCell*
+    Array<std::uint32_t> slot_of;      ///< cell -> its place in the patch that is being made, or kNone
+    Array<std::uint8_t> flags;         ///< by cell, kCell*
     std::uint32_t rows = 0, cols = 0;  ///< of cells
     [[nodiscard]] std::uint32_t grid_cells() const noexcept { return rows * cols; }
 };
-inline constexpr std::uint8_t kCellSeams = 1;  ///< holds samples of seam classes
-inline constexpr std::uint8_t kCellRim = 2;    ///< holds samples of an open border
-inline constexpr std::uint8_t kCellFree = 4;   ///< holds samples off the surface or corners of a strip
+inline constexpr std::uint8_t kCellSeams = 1;      ///< holds samples of seam classes
+inline constexpr std::uint8_t kCellRim = 2;        ///< holds samples of an open border
+inline constexpr std::uint8_t kCellFree = 4;       ///< holds samples off the surface or corners of a strip
 inline constexpr std::uint8_t kCellIrregular = 8;  ///< holds samples whose normals are summed one by one
 
 /// Cells a side of what a press can hold: a window of the largest reach.
@@ -127,7 +127,7 @@ struct PatchPress {
     PatchKey key;
     Vec3 d;
     std::uint64_t moved = 0;  ///< StateImpl::moved at the end of the last tick
-    Array<float> plane;          ///< weights by sample, 0 between calls; read up to kPad beyond its ends
+    Array<float> plane;       ///< weights by sample, 0 between calls; read up to kPad beyond its ends
     static constexpr std::uint32_t kPad = 16;
     Array<float> forms;          ///< as RingJob
     Array<float> saved;          ///< 24 floats a row: normals of the base shape

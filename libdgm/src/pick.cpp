@@ -68,7 +68,7 @@ struct Picker {
             }
         }
         for (std::uint32_t i = 0; i < height; ++i) {
-            std::uint8_t shared[kTileQuads];
+            std::uint8_t shared[kTileQuads] = {};
             for (std::uint32_t j = 0; j < kTileQuads; ++j)
                 shared[j] =
                     static_cast<std::uint8_t>(codes[i][j] & codes[i][j + 1] & codes[i + 1][j] & codes[i + 1][j + 1]);

@@ -39,7 +39,8 @@ class Irregular {
             if (sample < s_.tables.grid && (s_.ring[sample] & kRingIrregular) == 0) continue;
             const std::uint32_t id = s_.class_id(sample);
             if (id != kNone && s_.members(id)[0] != sample) continue;
-            const RingForm form = ring_form(s_, StateImpl::fixed(s_.base), s_.press.plane.data() + PatchPress::kPad, sample);
+            const RingForm form =
+                ring_form(s_, StateImpl::fixed(s_.base), s_.press.plane.data() + PatchPress::kPad, sample);
             if (id == kNone)
                 put_form(sample, form);
             else
@@ -125,7 +126,8 @@ bool press_patch(StateImpl& s, const TableImpl& t, const Contact& c, DeformRepor
         s.changes.note(press.patch->touched);
         start(s, p);
     }
-    const PatchJob move{p.rows.data(), p.row_count, StateImpl::fixed(s.base), s.now, p.weight.data(), {c.d.x, c.d.y, c.d.z}};
+    const PatchJob move{p.rows.data(), p.row_count,     StateImpl::fixed(s.base),
+                        s.now,         p.weight.data(), {c.d.x, c.d.y, c.d.z}};
     const bool sure = s.rows_of->press({move, s.normal, press.forms.data(), press.saved.data()});
     s.now_boxes.dirty.add(p.moved);
     s.changes.note(p.touched);

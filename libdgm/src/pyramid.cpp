@@ -94,8 +94,7 @@ bool index_faces(StateImpl& s, std::uint32_t tiles) noexcept {
     for (std::size_t f = 0; f < count; ++f) {
         const std::uint32_t home = s.tile_of(s.faces[3 * f]);
         s.tile_faces[s.tile_face_start[home + 1]++] = static_cast<std::uint32_t>(f);
-        for (std::size_t c = 1; c < 3; ++c)
-            s.tile_links[s.tile_link_start[s.tile_of(s.faces[3 * f + c]) + 1]++] = home;
+        for (std::size_t c = 1; c < 3; ++c) s.tile_links[s.tile_link_start[s.tile_of(s.faces[3 * f + c]) + 1]++] = home;
     }
     return true;
 }
@@ -152,8 +151,7 @@ Result<void> build_pyramid(StateImpl& s) noexcept {
     if (!s.tile_flags.allocate(s.allocator, tiles) || !s.tile_list.allocate(s.allocator, tiles) ||
         !s.next_tiles.allocate(s.allocator, tiles) || !s.fading.time.allocate(s.allocator, tiles) ||
         !s.fading.left.allocate(s.allocator, tiles) || !s.fading.plain.tiles.allocate(s.allocator, tiles) ||
-        !s.fading.special.tiles.allocate(s.allocator, tiles) || !index_border(s, tiles) ||
-        !index_faces(s, tiles))
+        !s.fading.special.tiles.allocate(s.allocator, tiles) || !index_border(s, tiles) || !index_faces(s, tiles))
         return kNoMemory;
     for (Pyramid* p : {&s.now_boxes, &s.base_boxes}) {
         std::uint32_t r = s.tile_rows, c = s.tile_cols, nodes = 0;

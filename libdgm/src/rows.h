@@ -9,10 +9,10 @@
 #pragma once
 #include <cstdint>
 
-// Loops for AVX2 and AVX-512 come with the library. GCC's own code for Windows keeps such vectors at places of the stack
-// that are not aligned as its instructions ask (GCC bug 54412), and crashes. An assembler that makes every vector move
-// an unaligned one mends that: -Wa,-muse-unaligned-vector-move. Whoever builds with it defines DGM_UNALIGNED_MOVES, as
-// our CMakeLists.txt does; without it, GCC on Windows gets the plain loops.
+// Loops for AVX2 and AVX-512 come with the library. GCC's own code for Windows keeps such vectors at places of the
+// stack that are not aligned as its instructions ask (GCC bug 54412), and crashes. An assembler that makes every vector
+// move an unaligned one mends that: -Wa,-muse-unaligned-vector-move. Whoever builds with it defines
+// DGM_UNALIGNED_MOVES, as our CMakeLists.txt does; without it, GCC on Windows gets the plain loops.
 #if (defined(__x86_64__) || defined(__i386__)) && \
     (!defined(_WIN32) || defined(__clang__) || defined(DGM_UNALIGNED_MOVES))
 #define DGM_HAS_AVX 1
@@ -148,8 +148,8 @@ struct PatchRow {
 struct ChordJob {
     PatchCell cell;
     std::uint32_t cols;
-    ConstPlanes at, normal;  ///< rest shape
-    const float* rough;      ///< as StateImpl::rough
+    ConstPlanes at, normal;    ///< rest shape
+    const float* rough;        ///< as StateImpl::rough
     float centre[3], axis[3];  ///< the contact and its normal
     float reach2;              ///< squared
     bool sharp;                ///< the contact lies on a crease or tip: its normal says nothing of the way's beginning
@@ -160,7 +160,7 @@ struct ChordResult {
     float doubtful;  ///< square of the shortest line in reach that is too slanted; infinite if none is
     bool steep;      ///< a line is so slanted that even who is in reach is uncertain
 };
-inline constexpr float kSteep = 0.6f;   ///< sine: the way along the surface is at most 1.25 lines long
+inline constexpr float kSteep = 0.6f;    ///< sine: the way along the surface is at most 1.25 lines long
 inline constexpr float kTurned = 0.25f;  ///< cosine of the largest angle between the normals at both ends
 
 /// Weights of squared distances: entries k * spacing apart over distance * per_step, linear between them.
@@ -219,7 +219,8 @@ struct RowKernels {
     void (*quad_boxes)(const QuadBoxesJob& job, float* boxes, float* whole) noexcept;
     /// Bit k: box k is no farther than the reach.
     std::uint64_t (*boxes_near)(const BoxesNearJob& job) noexcept;
-    /// Squares of distances, in front of the certificate that patch.h explains, into d2[64]. The same bits in all variants.
+    /// Squares of distances, in front of the certificate that patch.h explains, into d2[64]. The same bits in all
+    /// variants.
     ChordResult (*chords)(const ChordJob& job, float* d2) noexcept;
     /// Squared distances in, weights out, in place; 0 for samples out of reach. The same bits in all variants.
     void (*profile)(const ProfileJob& job, float* values) noexcept;

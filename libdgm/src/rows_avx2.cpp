@@ -77,8 +77,8 @@ static inline __attribute__((always_inline)) float inverse_root(float v) {
 }  // namespace
 
 extern const RowKernels kAvx2Rows;
-const RowKernels kAvx2Rows{"avx2", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near,
-                           chords, profile, rings, move_patch, press};
+const RowKernels kAvx2Rows{"avx2",     move,       relax,  normals, nearest, bounds,     merge,
+                           quad_boxes, boxes_near, chords, profile, rings,   move_patch, press};
 
 }  // namespace dgm::detail
 

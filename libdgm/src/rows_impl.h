@@ -305,11 +305,8 @@ static inline __attribute__((always_inline)) void plane_bounds(const float* p, c
 void bounds(ConstPlanes at, const Rect& rect, std::uint32_t cols, float* low, float* high) noexcept {
     const std::uint32_t count = rect.j1 - rect.j0 + 1;
     if (count > DGM_LANES && count <= 2 * DGM_LANES) {  // a tile and a column: two loads a row, which overlap
-        Floats l[3], h[3];
-        for (int d = 0; d < 3; ++d) {
-            l[d] = Floats{} + low[d];
-            h[d] = Floats{} + high[d];
-        }
+        Floats l[3] = {Floats{} + low[0], Floats{} + low[1], Floats{} + low[2]};
+        Floats h[3] = {Floats{} + high[0], Floats{} + high[1], Floats{} + high[2]};
         for (std::uint32_t i = rect.i0; i <= rect.i1; ++i) {
             const std::size_t k = static_cast<std::size_t>(i) * cols + rect.j0;
             const float* const rows[3] = {at.x + k, at.y + k, at.z + k};
@@ -453,7 +450,8 @@ ChordResult chords(const ChordJob& job, float* d2) noexcept {
             const Floats slant = h12 + load<Floats>(j.rough + k) * c2;
             const Ints in = static_cast<Ints>(length2 < j.reach2) & (lane < static_cast<int>(j.cell.width - first));
             doubtful = (in & static_cast<Ints>(slant > j.slant2 * c2)) != 0 ? lower(doubtful, c2) : doubtful;
-            steep |= in & (static_cast<Ints>(slant > kSteep * kSteep * c2) | static_cast<Ints>(nx * ax + ny * ay + nz * az < kTurned));
+            steep |= in & (static_cast<Ints>(slant > kSteep * kSteep * c2) |
+                           static_cast<Ints>(nx * ax + ny * ay + nz * az < kTurned));
             store<Floats>(d2 + 8 * static_cast<std::size_t>(row) + first, length2);
             reach |= static_cast<std::uint64_t>(sign_bits(in)) << (8 * row + first);
         }
@@ -474,7 +472,8 @@ void profile(const ProfileJob& job, float* values) noexcept {
                 continue;
             }
             const Floats d = root(load<Floats>(at)) * j.per_step, place = d / j.spacing;
-            const Ints in = static_cast<Ints>(d < j.end) & static_cast<Ints>(place < last) & ((bit & (bits >> first)) != 0);
+            const Ints in =
+                static_cast<Ints>(d < j.end) & static_cast<Ints>(place < last) & ((bit & (bits >> first)) != 0);
             const Ints k = in & __builtin_convertvector(in != 0 ? place : Floats{}, Ints);
             const Floats share = place - __builtin_convertvector(k, Floats), low = gather(j.entries, k);
             const Floats weight = low + share * (gather(j.entries + 1, k) - low);
@@ -569,7 +568,8 @@ void move_patch(const PatchJob& job) noexcept {
     }
 }
 
-/// Normals of samples k on, whose forms and saved normals are at `form` and `saved`. Those of `keep` are the saved ones.
+/// Normals of samples k on, whose forms and saved normals are at `form` and `saved`. Those of `keep` are the saved
+/// ones.
 /// @return which are good.
 template <class F, class I>
 static inline __attribute__((always_inline)) I press_block(const PressJob& j, std::size_t k, const float* form,

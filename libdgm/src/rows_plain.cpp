@@ -58,8 +58,8 @@ inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
 #include "rows_impl.h"
 }  // namespace
 
-const RowKernels kPlainRows{"plain", move, relax, normals, nearest, bounds, merge, quad_boxes, boxes_near,
-                            chords, profile, rings, move_patch, press};
+const RowKernels kPlainRows{"plain",    move,       relax,  normals, nearest, bounds,     merge,
+                            quad_boxes, boxes_near, chords, profile, rings,   move_patch, press};
 
 #if DGM_HAS_AVX
 extern const RowKernels kAvx2Rows;

@@ -133,10 +133,12 @@ std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept
     const std::uint64_t walk = t.free_domain ? walk_capacity(t.total, o.max_reach) * (sizeof(WalkNode) + 8) : 0;
     const std::uint64_t tiles = (std::uint64_t{tile_count(t.rows - 1)} * tile_count(t.cols - 1));
     const std::uint64_t shape = 16 * plane_floats(t.total) * sizeof(float);
-    const std::uint64_t cells = ((std::uint64_t{t.rows} + 7) / 8) * ((std::uint64_t{t.cols} + 7) / 8) + (t.total - t.grid) / 8 + 1;
+    const std::uint64_t cells =
+        ((std::uint64_t{t.rows} + 7) / 8) * ((std::uint64_t{t.cols} + 7) / 8) + (t.total - t.grid) / 8 + 1;
     const std::uint64_t side = press_cells(o.max_reach);
-    const std::uint64_t patches = cells * (5 + patches_for(o) * (sizeof(PatchCell) + 8 * sizeof(PatchRow) + kCellSamples * sizeof(float))) +
-                                  (o.max_tools == 0 ? 0 : std::min(cells, side * side) * kCellSamples * 9 * sizeof(float));
+    const std::uint64_t patches =
+        cells * (5 + patches_for(o) * (sizeof(PatchCell) + 8 * sizeof(PatchRow) + kCellSamples * sizeof(float))) +
+        (o.max_tools == 0 ? 0 : std::min(cells, side * side) * kCellSamples * 9 * sizeof(float));
     // Per sample: mask, diagonals, ring, footprint (key, weight, list), geodesic, classes,
     // slots.
     return shape + patches + std::uint64_t{t.total} * (3 + 12 + kGeodesicSample + 8 + 8 + 4) + walk +
@@ -248,7 +250,8 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     if (!closed) return closed.error();
     s.open_surface = !closed.value();
     s.patch_count = patches_for(options);
-    return make_scratch(s, options.max_tools) && make_patches(s, options.max_tools != 0) ? Result<void>{} : Result<void>{kNoMemory};
+    return make_scratch(s, options.max_tools) && make_patches(s, options.max_tools != 0) ? Result<void>{}
+                                                                                         : Result<void>{kNoMemory};
 }
 }  // namespace
 }  // namespace detail

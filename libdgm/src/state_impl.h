@@ -50,7 +50,7 @@ inline constexpr std::uint8_t kTileMoved = 8;    ///< faded or came to rest, and
 inline constexpr std::uint8_t kRingCorners = 15;    ///< bit k: corner k of rows.h is in the ring
 inline constexpr std::uint8_t kRingIrregular = 16;  ///< normal by ring_normal(): border, seam or free border sample
 
-inline constexpr std::uint8_t kRingRim = 128;     ///< on an open border of the welded surface
+inline constexpr std::uint8_t kRingRim = 128;  ///< on an open border of the welded surface
 
 inline constexpr std::uint32_t kMaxLevels = 16;  // 8192 leaf tiles a side halve to 1 in 13 steps
 

@@ -28,7 +28,7 @@ struct TableImpl {
     struct Tolerance {
         float share;
         float slant2 = 0;  ///< squared sine of a chord's angle to the surface
-        float quiet = 0;  ///< from this distance on weights differ by no more than the share anyway, grid steps
+        float quiet = 0;   ///< from this distance on weights differ by no more than the share anyway, grid steps
     };
     Tolerance tolerance[2] = {{0.01f}, {0.08f}};
     std::uint64_t hash[2] = {};  ///< of all that weights depend on

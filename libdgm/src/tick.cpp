@@ -296,7 +296,8 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
     report.contacts = count;
     if (count == 1 && at_once && detail::press_window(s, t, contacts[0])) {
         report.samples = static_cast<std::uint32_t>(detail::RectList::area(s.elastic.rects[0]));
-    } else if (DeformReport pressed; count == 1 && at_once && o.normals && detail::press_patch(s, t, contacts[0], pressed)) {
+    } else if (DeformReport pressed;
+               count == 1 && at_once && o.normals && detail::press_patch(s, t, contacts[0], pressed)) {
         report.samples = pressed.samples;
         report.crossed_seam = pressed.crossed_seam;
     } else {

@@ -70,7 +70,8 @@ void run(std::uint32_t side, bool plain) {
               state.update_normals();
               state.release();
           }));
-    const test::Image ball = test::build({test::grid_chart(side, side, test::ball(side), test::octahedral_seams(side))});
+    const test::Image ball =
+        test::build({test::grid_chart(side, side, test::ball(side), test::octahedral_seams(side))});
     const Asset ball_asset = Asset::open_memory(ball.bytes).value();
     State closed = State::create(ball_asset.chart(0).value(), options).value();
     const ContactSolver solver = ContactSolver::create(closed).value();

@@ -69,8 +69,8 @@ Times measure(Where tool_at, long ticks, Turn turn) {
 double print(const char* what, Times t, double ours = 0) {
     const double median = t.at(0.5);
     const double mean = std::accumulate(t.us.begin(), t.us.end(), 0.0) / static_cast<double>(t.us.size());
-    std::printf("  %-34s median %9.3f  mean %9.3f  p99 %9.3f  p99.9 %9.3f  max %9.1f us", what, median, mean, t.at(0.99),
-                t.at(0.999), t.at(1));
+    std::printf("  %-34s median %9.3f  mean %9.3f  p99 %9.3f  p99.9 %9.3f  max %9.1f us", what, median, mean,
+                t.at(0.99), t.at(0.999), t.at(1));
     if (ours > 0) std::printf("  = %.2f x the tick", median / ours);
     if (t.preempted > 0) std::printf("  (%ld preempted)", t.preempted);
     std::printf("\n");
@@ -86,11 +86,12 @@ Times run_tick(const Scene& scene, long ticks, Diagonals diagonals, bool plain, 
     ToolInput in;
     ToolOutput out;
     long searched = 0;
-    Times t = measure([&](long k) { return tool_at(scene, k); }, ticks, [&](Vec3 p) {
-        in.position = p;
-        if (!tick(state, table, options, {&in, 1}, {&out, 1}) || !out.hit) std::abort();
-        searched += out.lost;
-    });
+    Times t = measure([&](long k) { return tool_at(scene, k); }, ticks,
+                      [&](Vec3 p) {
+                          in.position = p;
+                          if (!tick(state, table, options, {&in, 1}, {&out, 1}) || !out.hit) std::abort();
+                          searched += out.lost;
+                      });
     if (lost != nullptr) *lost = searched;
     return t;
 }
@@ -146,10 +147,11 @@ Times run_map(const MapScene& scene, long ticks, Footprint footprint, bool at_se
     options.footprint = footprint;
     ToolInput in;
     ToolOutput out;
-    return measure([&](long k) { return scene.tool_at(state, k, at_seam); }, ticks, [&](Vec3 p) {
-        in.position = p;
-        if (!tick(state, table, options, {&in, 1}, {&out, 1})) std::abort();
-    });
+    return measure([&](long k) { return scene.tool_at(state, k, at_seam); }, ticks,
+                   [&](Vec3 p) {
+                       in.position = p;
+                       if (!tick(state, table, options, {&in, 1}, {&out, 1})) std::abort();
+                   });
 }
 
 void run(const MapScene& scene, long ticks) {
@@ -168,7 +170,9 @@ void run(const MapScene& scene, long ticks) {
     float force = 0;
     print("kd-tree brush (nanoflann)",
           measure([&](long k) { return scene.tool_at(state, k, false); }, few,
-                  [&](Vec3 p) { force += brush.tick({p.x, p.y, p.z}); }),
+                  [&](Vec3 p) {
+                      force += brush.tick({p.x, p.y, p.z});
+                  }),
           ours);
     std::printf("  %-34s pressed in %ld of %ld ticks%s\n", "", brush.pressed(), few + 200, force == 12345 ? "!" : "");
 }

@@ -77,7 +77,8 @@ class MapScene {
             c = number[first];
         }
         std::vector<std::array<std::uint32_t, 3>> faces;
-        for (std::size_t k = 0; k < corners.size(); k += 3) faces.push_back({corners[k], corners[k + 1], corners[k + 2]});
+        for (std::size_t k = 0; k < corners.size(); k += 3)
+            faces.push_back({corners[k], corners[k + 1], corners[k + 2]});
         return {std::move(points), std::move(faces)};
     }
 

@@ -82,12 +82,13 @@ class Measured {
                 Worst w = worst_[f][border];
                 if (w.errors.empty()) continue;
                 std::sort(w.errors.begin(), w.errors.end());
-                std::printf("{\"footprint\": \"%s\", \"near_border\": %s, \"contacts\": %zu, \"median\": %.5f, "
-                            "\"largest\": %.5f, \"largest_at\": %u, \"farthest\": %.4f, \"half\": %.3f, \"half_at\": %u, "
-                            "\"beyond_two\": %d, \"jump\": %.3f, \"jump_at\": %u, \"truncated\": %d, \"torn\": %d}\n",
-                            kNames[f], border ? "true" : "false", w.errors.size(), w.errors[w.errors.size() / 2],
-                            w.errors.back(), w.error_at, w.farthest, w.half, w.half_at, w.beyond_two, w.jump, w.jump_at,
-                            w.truncated, w.torn);
+                std::printf(
+                    "{\"footprint\": \"%s\", \"near_border\": %s, \"contacts\": %zu, \"median\": %.5f, "
+                    "\"largest\": %.5f, \"largest_at\": %u, \"farthest\": %.4f, \"half\": %.3f, \"half_at\": %u, "
+                    "\"beyond_two\": %d, \"jump\": %.3f, \"jump_at\": %u, \"truncated\": %d, \"torn\": %d}\n",
+                    kNames[f], border ? "true" : "false", w.errors.size(), w.errors[w.errors.size() / 2],
+                    w.errors.back(), w.error_at, w.farthest, w.half, w.half_at, w.beyond_two, w.jump, w.jump_at,
+                    w.truncated, w.torn);
             }
     }
 
@@ -109,10 +110,16 @@ class Measured {
         const double step = state_.mean_step(), radius = step * reach_;
         Mesh mesh;
         std::map<std::uint32_t, Mesh::Vertex_index> index;
+        // Flat grids, where ways pass through many samples, bring CGAL's inexact constructions to free what they need.
+        const auto generic = [&](std::uint32_t sample, std::uint32_t axis) {
+            return 1e-5 * step * (((sample * 3 + axis) * 2654435769u >> 8) / double(1 << 24) - 0.5);
+        };
         const auto vertex = [&](std::uint32_t sample) {
             const auto [entry, fresh] = index.try_emplace(representative(sample));
             const dgm::Vec3 p = rest[sample];
-            if (fresh) entry->second = mesh.add_vertex({p.x, p.y, p.z});
+            if (fresh)
+                entry->second =
+                    mesh.add_vertex({p.x + generic(sample, 0), p.y + generic(sample, 1), p.z + generic(sample, 2)});
             return entry->second;
         };
         for (std::size_t t = 0; t < triangles_.size(); t += 3) {
@@ -212,7 +219,8 @@ int main(int argc, char** argv) {
     const dgm::Asset asset = taken(dgm::Asset::open(argv[1]));
     for (std::uint32_t c = 0; c < asset.chart_count(); ++c) {
         dgm::State state = taken(dgm::State::create(taken(asset.chart(c))));
-        Measured measured(state, static_cast<float>(std::atof(argv[3])), static_cast<std::uint32_t>(std::atoi(argv[4])));
+        Measured measured(state, static_cast<float>(std::atof(argv[3])),
+                          static_cast<std::uint32_t>(std::atoi(argv[4])));
         for (const std::uint32_t contact : contacts_of(state, static_cast<std::uint32_t>(std::atoi(argv[2]))))
             measured.measure(contact);
         measured.print();

@@ -87,8 +87,10 @@ enum class Footprint : std::uint32_t {
     Surface = 0,
     Metric = 1,    ///< @deprecated the same as Surface, whatever StateOptions::metric
     Geodesic = 2,  ///< the same, straight lines within 1 % of the peak
-    /// Eq. 7 as printed: distance in grid steps. Right only where the map is isometric up to scale. At a seam the mate's
-    /// grid is laid beside this one as if steps were equally long on both sides, and samples count that no straight line
+    /// Eq. 7 as printed: distance in grid steps. Right only where the map is isometric up to scale. At a seam the
+    /// mate's
+    /// grid is laid beside this one as if steps were equally long on both sides, and samples count that no straight
+    /// line
     /// through that piece of seam reaches: a touch there can move samples 20 half radii away, and tear at the shape.
     Grid = 3,
 };
@@ -125,9 +127,9 @@ inline constexpr std::uint32_t kMaxFrames = 128;
 ///
 /// A seam is no border: distances go on beyond it, every copy of a class gets one weight and is written with the same
 /// bits. (Footprint::Grid unfolds the mate's grid next to this one, outward here being inward there and one step along
-/// the seam one step on either side; a sample with several places in the window takes the nearest, a class the weight of
-/// its nearest copy. Away from seams that is eq. 7 exactly. At the border of a free domain the unfolding is a walk from
-/// sample to sample in order of distance, each placed where it is first met.)
+/// the seam one step on either side; a sample with several places in the window takes the nearest, a class the weight
+/// of its nearest copy. Away from seams that is eq. 7 exactly. At the border of a free domain the unfolding is a walk
+/// from sample to sample in order of distance, each placed where it is first met.)
 ///
 /// What was worked out for the last two contacts is kept: a touch at one of them again, by a kernel of the same values,
 /// costs the writing alone. Elsewhere a contact costs one look at the samples around it where straight lines tell their
@@ -140,9 +142,9 @@ inline constexpr std::uint32_t kMaxFrames = 128;
 /// deform() a contact; or let tick() do it. Normals follow at State::update_normals().
 ///
 /// @return BadArgument: sample not on the surface, d_c beyond kMaxCoordinate, d_max not finite or <= 0, table.reach()
-///         beyond StateOptions::max_reach, step out of range. LimitExceeded: Footprint::Grid, more samples in reach than
-///         the state's scratch holds (many sheets around one seam node). Unsupported footprint or mode. On every error
-///         nothing has been changed.
+///         beyond StateOptions::max_reach, step out of range. LimitExceeded: Footprint::Grid, more samples in reach
+///         than the state's scratch holds (many sheets around one seam node). Unsupported footprint or mode. On every
+///         error nothing has been changed.
 /// No allocation, no locks. O(b^2).
 [[nodiscard]] DGM_API Result<DeformReport> deform(State& state, const DeformTable& table, const Touch& touch) noexcept;
 

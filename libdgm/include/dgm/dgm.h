@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-#define DGM_ABI_VERSION 2u /* 2: footprint 0 is the surface's distance; eq. 7 as printed is 3 */
+#define DGM_ABI_VERSION 2u                  /* 2: footprint 0 is the surface's distance; eq. 7 as printed is 3 */
 #define DGM_NONE 0xFFFFFFFFu                /* no sample, no class */
 #define DGM_NO_OFFSET 0xFFFFFFFFFFFFFFFFull /* no place in a file */
 #define DGM_NO_ATTRIBUTE ((size_t)-1)       /* vertex attribute not wanted */
@@ -275,8 +275,8 @@ typedef struct dgm_contact_report {
     double removed, volume_error, first_order_error, paper_error;
 } dgm_contact_report;
 
-/* Samples first + r * cols + c, r < rows, c < columns: a rectangle of the grid or, first >= rows * cols of the chart, an
-   interval of border samples (changed.h). In arrays elements stand struct_size bytes apart. */
+/* Samples first + r * cols + c, r < rows, c < columns: a rectangle of the grid or, first >= rows * cols of the chart,
+   an interval of border samples (changed.h). In arrays elements stand struct_size bytes apart. */
 typedef struct dgm_changed_range {
     uint32_t struct_size;
     uint32_t first, columns, rows;
@@ -411,8 +411,7 @@ DGM_API dgm_code dgm_snapshots_read(const dgm_snapshots* snapshots, float* posit
    in ranges as by dgm_state_changed_rows(). After DGM_BUSY call with since 0. */
 DGM_API dgm_code dgm_snapshots_read_changed(const dgm_snapshots* snapshots, float* positions, float* normals,
                                             size_t floats_each, uint64_t since, dgm_changed_range* ranges,
-                                            size_t capacity, size_t* count, dgm_snapshot_info* info,
-                                            dgm_error* error);
+                                            size_t capacity, size_t* count, dgm_snapshot_info* info, dgm_error* error);
 
 /* What assets and states cost. */
 DGM_API dgm_code dgm_asset_get_usage(const dgm_asset* asset, dgm_asset_usage* usage, dgm_error* error);

@@ -58,7 +58,8 @@ class Snapshots {
 
     /// Copies positions and normals (as of the last State::update_normals() or tick()). Wait-free.
     /// @param tag  any number, handed to readers: a time, a tick
-    /// @return the frame's number; BadArgument if the state has another number of rows, columns or border samples. O(samples).
+    /// @return the frame's number; BadArgument if the state has another number of rows, columns or border samples.
+    /// O(samples).
     DGM_API Result<std::uint64_t> publish(const State& state, std::uint64_t tag = 0) noexcept;
     /// Number of the newest frame, 0 before the first.
     [[nodiscard]] DGM_API std::uint64_t frame() const noexcept;

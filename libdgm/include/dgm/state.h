@@ -25,10 +25,11 @@ struct StateOptions {
     std::uint32_t max_reach = 65;  ///< largest kernel reach b and tracking window a + 1 this state will be asked for
     std::uint64_t max_bytes = ~std::uint64_t{0};  ///< refuse to take more memory than this
     Allocator allocator = {};
-    bool metric = false;          ///< @deprecated without effect
-    /// Tools that tick() tells apart; at most 64. 0 for states that are never given to tick(): a seventh of the memory less.
+    bool metric = false;  ///< @deprecated without effect
+    /// Tools that tick() tells apart; at most 64. 0 for states that are never given to tick(): a seventh of the memory
+    /// less.
     std::uint32_t max_tools = 4;
-    bool plain_loops = false;     ///< do without the processor's vector instructions beyond the baseline
+    bool plain_loops = false;  ///< do without the processor's vector instructions beyond the baseline
 };
 
 /// What a state costs.
@@ -41,8 +42,8 @@ struct StateUsage {
 
 /// Shape of one chart that tools can touch. Independent of the Asset once created.
 ///
-/// Memory: about 250 bytes a sample (100 of them for distances on the surface), all taken at creation; no later call allocates. One thread at a time.
-/// Copies of a seam class hold the same bits at all times.
+/// Memory: about 130 bytes a sample, all taken at creation; no later call allocates. One thread at a time. Copies of a
+/// seam class hold the same bits at all times.
 class State {
  public:
     /// Decodes the geometry, and stiffness and mobility if there are such layers, and checks the chart's values

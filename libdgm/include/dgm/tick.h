@@ -87,8 +87,8 @@ struct TickReport {
 /// @return BadArgument: a position, time or limit is not finite or out of range, a tool number is beyond max_tools or
 ///         named twice, outputs too short, or what deform() refuses; NotFound: the chart has no sample. Nothing has
 ///         been changed then, tools included. LimitExceeded as deform(): earlier tools of this call have been applied.
-/// No allocation, no locks, no system calls. O(footprint): elastic displacement beyond the tools' reach fades when it is
-/// read next, in one step instead of many. At a seam or free border all that fades along such lines fades.
+/// No allocation, no locks, no system calls. O(footprint): elastic displacement beyond the tools' reach fades when it
+/// is read next, in one step instead of many. At a seam or free border all that fades along such lines fades.
 [[nodiscard]] DGM_API Result<TickReport> tick(State& state, const DeformTable& table, const TickOptions& options,
                                               std::span<const ToolInput> tools, std::span<ToolOutput> outputs) noexcept;
 

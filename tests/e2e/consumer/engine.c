@@ -117,8 +117,8 @@ int main(int argc, char** argv) {
     check(dgm_nearest_sample(state, tool, &touch.sample, NULL, &error), &error);
     check(dgm_deform(state, table, &touch, NULL, &error), &error);
     sent = upload_changes(state, info.cols, &cursor, &vertices);
-    /* b - 1 = 2 samples to each side and one more for normals, on both sides of the seam, columns by eight: not all */
-    if (sent == 0 || sent > 7 * (8 + 9)) return 6;
+    /* what is nearer than b = 3 mean steps and one more for normals, on both sides of the seam, columns by eight */
+    if (sent == 0 || 3 * sent > count) return 6;
     if (upload_changes(state, info.cols, &cursor, &vertices) != 0) return 8;
     load_vertices(state, &fresh); /* all anew: the buffer must hold the same */
     for (k = 0; k < count * FLOATS; ++k) {

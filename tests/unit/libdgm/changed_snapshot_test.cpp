@@ -7,12 +7,12 @@
 #include <dgm/dgm.h>
 #include <dgm/snapshot.h>
 
-#if !defined(__wasm__)  // no threads there
+#include "changed_life.h"
+#include "platform.h"
+#if DGM_TEST_THREADS
 #include <atomic>
 #include <thread>
 #endif
-
-#include "changed_life.h"
 
 namespace dgm::test {
 namespace {
@@ -98,7 +98,7 @@ TEST(Changed, SnapshotsOfSeveralStates) {
     }
 }
 
-#if !defined(__wasm__)
+#if DGM_TEST_THREADS
 TEST(Changed, OvertakenReadersStillHoldWholeFrames) {
     // Frame f moved the sheet to height f, but only every third frame moves all of it: the others its middle.
     State state = make_state(grid_chart(65, 67, [](double i, double j) { return Point{float(i), float(j), 0}; }));

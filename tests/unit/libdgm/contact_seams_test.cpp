@@ -100,9 +100,7 @@ ChartSpec random_chart(Random& random) {
         default:
             return grid_chart(
                 side, side,
-                [&](double i, double j) {
-                    return rounded(shape(octahedral(i / (side - 1), j / (side - 1))), coarse);
-                },
+                [&](double i, double j) { return rounded(shape(octahedral(i / (side - 1), j / (side - 1))), coarse); },
                 octahedral_seams(side));
     }
 }

@@ -330,9 +330,9 @@ int run() {
     ChartSpec closed = grid_chart(33, 33, ball(33), octahedral_seams(33));
     ChartSpec mixed_closed = closed;
     add_mixed_diagonals(mixed_closed);
-    const Map maps[] = {{"sheet", sheet_chart},          {"tube", tube},
-                        {"painted_tube", painted},       {"free", free_chart(23, 29, bent_sheet)},
-                        {"ball", closed},                {"mixed_ball", mixed_closed}};
+    const Map maps[] = {{"sheet", sheet_chart},    {"tube", tube},
+                        {"painted_tube", painted}, {"free", free_chart(23, 29, bent_sheet)},
+                        {"ball", closed},          {"mixed_ball", mixed_closed}};
     std::printf("loops %s\n", maps[0].state().loops());
     print_math();
     for (const Map& map : maps) {

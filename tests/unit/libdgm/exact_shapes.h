@@ -19,10 +19,14 @@ inline Turn turn(double t) {
     const double quarter = std::floor(4 * t), s = 4 * t - quarter;
     const double c = (1 - s * s) / (1 + s * s), d = 2 * s / (1 + s * s);
     switch (static_cast<int>(quarter) % 4) {
-        case 0: return {c, d};
-        case 1: return {-d, c};
-        case 2: return {-c, -d};
-        default: return {d, -c};
+        case 0:
+            return {c, d};
+        case 1:
+            return {-d, c};
+        case 2:
+            return {-c, -d};
+        default:
+            return {d, -c};
     }
 }
 /// A smooth wave of period 1 and height 1.

@@ -77,19 +77,22 @@ TEST(Geodesic, AroundTheTipOfACone) {
         Cone cone;
         bool saddle;
     };
-    for (const auto& [c, saddle] : {Case{cone(16, 0.9, false), false}, Case{cone(16, 0.3, true), true},
-                                    Case{cone(16, 0.08, true), true}, Case{cone(8, 0.6, true), true}}) {
+    for (const Case& tip : {Case{cone(16, 0.9, false), false}, Case{cone(16, 0.3, true), true},
+                            Case{cone(16, 0.08, true), true}, Case{cone(8, 0.6, true), true}}) {
+        const Cone& c = tip.cone;
         const std::uint32_t n = c.columns + 1;
-        ASSERT_EQ(c.turn * c.columns > 2 * kPi, saddle);
+        ASSERT_EQ(c.turn * c.columns > 2 * kPi, tip.saddle);
         SeamPairs seams;
         for (std::uint32_t i = 1; i < m; ++i) seams.push_back({i * n, i * n + n - 1});
         for (std::uint32_t j = 1; j < n; ++j) seams.push_back({0, j});
         State state = make_state(grid_chart(m, n, c.place, seams));
-        for (const auto& [i, j] : {std::array{3, 2}, {1, 0}, {5, 7}, {0, 0}, {2, 5}, {4, 1}})
+        for (const auto& at : {std::array{3, 2}, {1, 0}, {5, 7}, {0, 0}, {2, 5}, {4, 1}}) {
+            const int i = at[0], j = at[1];
             EXPECT_LT(worst_weight(state, table, static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j),
                                    [&](std::uint32_t k) { return c.distance(i, j, k / n, k % n); }),
                       0.012)
                 << c.turn * c.columns << ": " << i << ' ' << j;
+        }
     }
 }
 
@@ -181,7 +184,8 @@ TEST(Geodesic, SliversOfOneToFifty) {
         const auto u = [](double i) { return 7 * i; };
         const auto v = [&](double i, double j) { return j / 7 + shear * i; };
         State state = make_state(grid_chart(m, n, [&](double i, double j) { return pleated(u(i), v(i, j), 7); }));
-        for (const auto& [i, j] : {std::array{4, 150}, {3, 90}, {5, 210}}) {
+        for (const auto& at : {std::array{4, 150}, {3, 90}, {5, 210}}) {
+            const int i = at[0], j = at[1];
             const auto flat = [&](std::uint32_t k) { return std::hypot(u(k / n) - u(i), v(k / n, k % n) - v(i, j)); };
             EXPECT_LT(
                 worst_weight(state, table, static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j), flat),

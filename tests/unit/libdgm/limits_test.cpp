@@ -9,12 +9,15 @@
 #include <dgm/tick.h>
 #include <dgm/validate.h>
 
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "opened.h"
+#include "platform.h"
+#if DGM_TEST_THREADS
+#include <atomic>
+#include <thread>
+#endif
 
 namespace dgm::test {
 namespace {
@@ -226,6 +229,7 @@ TEST(Limits, WeakHoldDoesNotThrowTheSurfaceAbout) {
     }
 }
 
+#if DGM_TEST_THREADS
 /// Another process writes diagonals of 200 and faces of 2^32 - 1 into the mapped file, again and again.
 TEST(Limits, FileOverwrittenWhileItIsRead) {
     constexpr std::uint32_t kSide = 257;  // a call lasts long enough to be overtaken between its check and its end
@@ -269,6 +273,7 @@ TEST(Limits, FileOverwrittenWhileItIsRead) {
     writer.join();
     EXPECT_GT(written, 0u);
 }
+#endif
 
 }  // namespace
 }  // namespace dgm::test

@@ -66,16 +66,23 @@ Unrolled bent(const char* name, const std::function<std::array<double, 2>(double
 
 std::vector<Unrolled> developable_sheets() {
     return {
-        bent("plane", [](double i) { return std::array{i, 0.0}; }),
+        bent("plane",
+             [](double i) {
+                 return std::array{i, 0.0};
+             }),
         bent("fold by 30 degrees",
              [](double i) {
                  const double t = kPi / 6;
                  return i <= 20 ? std::array{i, 0.0} : std::array{20 + (i - 20) * std::cos(t), (i - 20) * std::sin(t)};
              }),
         bent("fold by 90 degrees",
-             [](double i) { return i <= 20 ? std::array{i, 0.0} : std::array{20.0, i - 20}; }),
+             [](double i) {
+                 return i <= 20 ? std::array{i, 0.0} : std::array{20.0, i - 20};
+             }),
         bent("fold by 180 degrees",
-             [](double i) { return i <= 20 ? std::array{i, 0.0} : std::array{40 - i, 0.001 * (i - 20)}; }),
+             [](double i) {
+                 return i <= 20 ? std::array{i, 0.0} : std::array{40 - i, 0.001 * (i - 20)};
+             }),
         bent("pleats",  // up and down by 45 degrees each row: normals of samples all point up
              [](double i) {
                  const double rest = i - 2 * std::floor(i / 2);
@@ -99,7 +106,8 @@ TEST(Patch, IsRightWhereTheSheetUnrolls) {
         State state = make_state(grid_chart(n, n, sheet.place));
         for (const Footprint footprint : {Footprint::Surface, Footprint::Geodesic})
             for (const auto& [i, j] : {std::array{20, 20}, {17, 20}, {14, 3}, {25, 38}, {8, 20}, {0, 0}, {40, 17}}) {
-                const auto w = weights(state, table, footprint, static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j));
+                const auto w =
+                    weights(state, table, footprint, static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j));
                 double worst = 0;
                 for (std::uint32_t k = 0; k < n * n; ++k) {
                     const double d = sheet.distance(i, j, k / n, k % n);
@@ -111,7 +119,8 @@ TEST(Patch, IsRightWhereTheSheetUnrolls) {
     }
 }
 
-/// A flat ring sector with a gap, bent as far as `turn` of a whole turn: what lies across the gap is far on the surface.
+/// A flat ring sector with a gap, bent as far as `turn` of a whole turn: what lies across the gap is far on the
+/// surface.
 TEST(Patch, GoesAroundOpenBorders) {
     const std::uint32_t m = 121, n = 13;
     const double inner = 20, turn = 0.995;
@@ -186,7 +195,8 @@ TEST(Patch, TicksAreTouchesOneByOne) {
             StateOptions options;
             options.plain_loops = plain;
             const Opened opened(build({chart}));
-            State ticked = State::create(opened.chart(), options).value(), touched = State::create(opened.chart()).value();
+            State ticked = State::create(opened.chart(), options).value(),
+                  touched = State::create(opened.chart()).value();
             const DeformTable tables[2] = {compact(9, 7), compact(5, 4)};
             std::mt19937 random(3);
             TickOptions o;
@@ -195,8 +205,8 @@ TEST(Patch, TicksAreTouchesOneByOne) {
             std::uint32_t contact = 0;
             float worst = 0;
             for (int k = 0; k < 600; ++k) {
-                if (k % 4 == 0)
-                    do contact = random() % ticked.sample_count();
+                if (k % 4 == 0) do
+                        contact = random() % ticked.sample_count();
                     while (!ticked.on_surface(contact));
                 const DeformTable& table = tables[random() % 8 == 0];
                 ToolInput in;

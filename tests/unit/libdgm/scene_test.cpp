@@ -91,7 +91,7 @@ TEST(Scene, ThousandAssetsCostWhatIsTouched) {
     EXPECT_EQ(still.samples, 257u * 257u);
     EXPECT_EQ(still.active_samples, 0u);
     EXPECT_GT(still.bytes, 12 * 4 * 257 * 257u);
-    EXPECT_LT(still.bytes, 260 * 257 * 257u);
+    EXPECT_LT(still.bytes, 135 * 257 * 257u);
     KernelOptions kernel;
     kernel.reach = 11;
     Touch touch;
