@@ -19,8 +19,9 @@
 namespace dgm::detail {
 namespace {
 // Of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can take.
-constexpr double kForeseen = 4e-3, kSolved = 3e-4, kAimed = 1e-8;
+constexpr double kForeseen = 4e-3, kSolved = 3e-4;
 constexpr std::uint32_t kMaxPasses = 10;
+constexpr double kPower = 1.8;  // of beta, to which the volume put back grows, before it is measured
 }  // namespace
 
 void Resolver::weigh() noexcept {
@@ -306,14 +307,91 @@ double Resolver::settle(double beta) noexcept {
     return error;
 }
 
+namespace {
+/// Heights beta of the bulge and the errors of the volume they leave. The volume grows with |beta|: steps stay between
+/// the largest height known to be too low and the lowest known to be too high.
+class HeightSearch {
+ public:
+    /// `first`: beta to first order; `beta`: where the search begins.
+    HeightSearch(const Cubic& volume, double removed, double first, double beta) noexcept
+        : volume_(volume), removed_(removed), first_(first), best_(beta) {}
+
+    /// @return |beta| to try next, after an error at beta was measured; 0 if there is none.
+    double next(double beta, double error) noexcept {
+        if (std::fabs(error) < best_error_) {
+            best_ = beta;
+            best_error_ = std::fabs(error);
+        }
+        (sign() * error * first_ > 0 ? high_ : low_) = std::fabs(beta);
+        const double cost = volume_(beta) - removed_ - error;
+        fit_power(beta, cost);
+        older_ = beta;
+        older_cost_ = cost;
+        double next = std::fabs(solve(volume_, removed_, cost, beta, power_));
+        if (std::isinf(high_)) next = std::min(next, 2 * low_);  // NaN stays
+        if (!(next > low_ && next < high_)) next = std::isinf(high_) ? 2 * low_ : 0.5 * (low_ + high_);
+        return next > 64 * std::fabs(first_) || next == std::fabs(beta) ? 0 : next;
+    }
+    /// What was measured before took other samples to be near.
+    void restart() noexcept {
+        low_ = 0;
+        high_ = best_error_ = std::numeric_limits<double>::infinity();
+    }
+    [[nodiscard]] double best() const noexcept { return best_; }
+    [[nodiscard]] double best_error() const noexcept { return best_error_; }
+
+ private:
+    /// Of the error where |beta| is too high, times that of beta.
+    [[nodiscard]] double sign() const noexcept { return removed_ * first_ > 0 ? 1 : -1; }
+    void fit_power(double beta, double cost) noexcept {
+        if (older_ == 0 || !(cost * older_cost_ > 0) || older_ == beta) return;
+        const double fitted = portable_log(cost / older_cost_) / portable_log(beta / older_);
+        if (fitted > 0 && fitted < 8) power_ = fitted;
+    }
+
+    const Cubic& volume_;
+    const double removed_, first_;
+    double low_ = 0, high_ = std::numeric_limits<double>::infinity();
+    double older_ = 0, older_cost_ = 0, power_ = kPower;
+    double best_, best_error_ = std::numeric_limits<double>::infinity();
+};
+}  // namespace
+
+double Resolver::first_height(const Cubic& volume, double first) const noexcept {
+    double beta = solve(volume, removed_, 0, first, 0);
+    // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
+    if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
+    if (held_ == 0) return beta;
+    const double next = solve(volume, removed_, held_, std::copysign(highest_, first), kPower);
+    return next * first > 0 && std::fabs(next) < highest_ ? next : beta;
+}
+
+double Resolver::measure_near(double beta, const Cubic& rest) noexcept {
+    apply(c_.near, beta);
+    ++report_.passes;
+    return sunk_ + swept(c_.near) + swept_faces() + rest(beta);
+}
+
+bool Resolver::finish_at(double beta) noexcept {
+    const double error = settle(beta);
+    if (std::fabs(error) > kAimed * std::fabs(removed_)) polish(error);
+    return std::fabs(report_.volume_error) <= 0.1 * kKept || report_.passes > kMaxPasses;
+}
+
+void Resolver::take_all_as_near() noexcept {
+    for (std::uint32_t e = 0; e < c_.tile_count; ++e) c_.tile_bits[c_.tiles[e]] |= kTileNear;
+    collect(c_.near, kTileBulging, kTileBulging);
+    c_.ring.count = 0;
+}
+
 void Resolver::bulge() noexcept {
     part_ring();
     list_classes();
-    Cubic near, free;
+    Cubic near, rest;
     cubic(c_.near, near.c);
     cubic_faces(near.c);
-    cubic(c_.ring, free.c);
-    Cubic all{{near.c[0] + free.c[0], near.c[1] + free.c[1], near.c[2] + free.c[2]}};
+    cubic(c_.ring, rest.c);
+    const Cubic all{{near.c[0] + rest.c[0], near.c[1] + rest.c[1], near.c[2] + rest.c[2]}};
     const double first = removed_ / all.c[0];
     if (!std::isfinite(first) || removed_ == 0) return;
     report_.first_order_error = (all(first) - removed_) / removed_;
@@ -322,187 +400,42 @@ void Resolver::bulge() noexcept {
         settle(total_);
         return;
     }
-    double beta = solve(all, removed_, 0, first, 0);
-    // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
-    if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
-    double older = 0, older_cost = 0, power = 1.8, best = beta, best_error = std::numeric_limits<double>::infinity();
-    if (held_ != 0) {
-        const double next = solve(all, removed_, held_, std::copysign(highest_, first), power);
-        if (next * first > 0 && std::fabs(next) < highest_) beta = next;
-    }
-    // The volume grows with |beta|: steps stay between the largest height known to be too low and the lowest known to
-    // be too high.
-    const double sign = removed_ * first > 0 ? 1 : -1;  // of the error where |beta| is too high, times that of beta
-    double low = 0, high = std::numeric_limits<double>::infinity();
+    search_height(all, rest, first);
+}
+
+void Resolver::search_height(const Cubic& all, Cubic rest, double first) noexcept {
+    double beta = first_height(all, first);
+    HeightSearch search(all, removed_, first, beta);
     // What a plane costs is known as well, without a sample moved, but for border faces.
     bool known = foreseen();
     double aim = known ? kSolved : kForeseen;
-    Cubic rest = free;
-    const auto is_done = [&](double at) {
-        const double error = settle(at);
-        known = false;
-        if (std::fabs(error) > kAimed * std::fabs(removed_)) polish(error);
-        return std::fabs(report_.volume_error) <= 0.1 * kKept || report_.passes > kMaxPasses;
-    };
-    while (true) {
-        double error = 0;
-        if (known) {
-            error = all(beta) - removed_ - held_back(beta);
-        } else {
-            apply(c_.near, beta);
-            error = sunk_ + swept(c_.near) + swept_faces() + rest(beta);
-        }
+    const auto measure = [&] {
+        if (!known) return measure_near(beta, rest);
         ++report_.passes;
-        while (true) {
-            if (std::fabs(error) < best_error) {
-                best = beta;
-                best_error = std::fabs(error);
-            }
-            (sign * error * first > 0 ? high : low) = std::fabs(beta);
-            const double cost = all(beta) - removed_ - error;
-            if (older != 0 && cost * older_cost > 0 && older != beta) {
-                const double fitted = portable_log(cost / older_cost) / portable_log(beta / older);
-                if (fitted > 0 && fitted < 8) power = fitted;
-            }
-            double next = std::fabs(solve(all, removed_, cost, beta, power));
-            if (std::isinf(high)) next = std::min(next, 2 * low);  // NaN stays
-            if (!(next > low && next < high)) next = std::isinf(high) ? 2 * low : 0.5 * (low + high);
-            if (next > 64 * std::fabs(first) || next == std::fabs(beta) || report_.passes >= kMaxPasses) {
-                report_.passes = kMaxPasses;
-                is_done(best);
-                return;
-            }
-            older = beta;
-            older_cost = cost;
-            beta = std::copysign(next, first);
-            if (best_error > aim * std::fabs(removed_)) break;
-            // So near that the step leaves next to nothing.
-            if (is_done(beta)) return;
-            // Too few samples to take the rest, or others rest on the obstacle too: nearer first, and all of them.
-            error = settle(beta);
-            aim *= 1e-2;
-            for (std::uint32_t e = 0; e < c_.tile_count; ++e) c_.tile_bits[c_.tiles[e]] |= kTileNear;
-            collect(c_.near, kTileBulging, kTileBulging);
-            c_.ring.count = 0;
-            rest = {};
-            // The others may have taken part in what was measured.
-            low = 0;
-            high = std::numeric_limits<double>::infinity();
-            best_error = high;
+        return all(beta) - removed_ - held_back(beta);
+    };
+    for (double error = measure();;) {
+        const double next = search.next(beta, error);
+        if (next == 0 || report_.passes >= kMaxPasses) {
+            report_.passes = kMaxPasses;
+            finish_at(search.best());
+            return;
         }
-    }
-}
-
-Double3 Resolver::volume_gradient(std::uint32_t k) const noexcept {
-    const std::uint32_t cols = s_.tables.cols;
-    Double3 g;  // a sixth of the ring's area vectors
-    for (const std::uint32_t a : {k, k - 1, k - cols, k - cols - 1}) {
-        const std::uint32_t qi = a / cols, qj = a % cols;
-        for (const auto& f : quad_triangles(qi, qj, cols, s_.tables.diagonal(qi, qj)))
-            if (f[0] == k || f[1] == k || f[2] == k)
-                g = g +
-                    cross(widen(s_.point(f[1])) - widen(s_.point(f[0])), widen(s_.point(f[2])) - widen(s_.point(f[0])));
-    }
-    return (1.0 / 6) * g;
-}
-
-// What the rounding to float has left: single coordinates by a few units in the last place. Of small contacts one such
-// unit along the normal is more than a millionth of what was removed; along the surface it is less, and the difference
-// of two may be as small as one likes.
-double Resolver::nudge(std::span<const std::uint32_t> samples, double left) noexcept {
-    constexpr double kUnits = 16;
-    struct Coordinate {
-        float* at = nullptr;
-        std::uint32_t sample = 0, axis = 0;
-        double gain = 0;  ///< of volume by one unit
-    };
-    const auto coordinate = [&](std::uint32_t sample, std::uint32_t axis, const Double3& g) {
-        float* const at = (axis == 0 ? s_.now.x : axis == 1 ? s_.now.y : s_.now.z) + sample;
-        const float size = std::fabs(*at);
-        const double unit = double{std::nextafter(size, std::numeric_limits<float>::infinity())} - double{size};
-        return Coordinate{at, sample, axis, unit * (axis == 0 ? g.x : axis == 1 ? g.y : g.z)};
-    };
-    const auto move = [&](const Coordinate& c, double units) {
-        const double size = std::fabs(double{*c.at}), old = *c.at;
-        const double unit =
-            double{std::nextafter(static_cast<float>(size), std::numeric_limits<float>::infinity())} - size;
-        *c.at = static_cast<float>(old + units * unit);
-        left += c.gain / unit * (double{*c.at} - old);
-    };
-    const auto needed = [](const Coordinate& c, double rest) {
-        const double units = std::nearbyint(-rest / c.gain);
-        return std::fabs(units) <= kUnits ? units : 0;  // not for NaN
-    };
-    Coordinate finest;
-    for (const std::uint32_t k : samples) {
-        const Double3 g = volume_gradient(k);
-        for (std::uint32_t axis = 0; axis < 3; ++axis) {
-            const Coordinate c = coordinate(k, axis, g);
-            if (c.gain == 0) continue;
-            move(c, needed(c, left));
-            if (finest.at == nullptr || std::fabs(c.gain) < std::fabs(finest.gain)) finest = c;
+        beta = std::copysign(next, first);
+        if (search.best_error() > aim * std::fabs(removed_)) {
+            error = measure();
+            continue;
         }
+        // So near that the step leaves next to nothing.
+        if (finish_at(beta)) return;
+        // Too few samples to take the rest, or others rest on the obstacle too: nearer first, and all of them.
+        known = false;
+        error = settle(beta);
+        aim *= 1e-2;
+        take_all_as_near();
+        rest = {};
+        search.restart();
     }
-    if (std::fabs(6 * left) <= kAimed * std::fabs(removed_) || finest.at == nullptr) return left;
-    Coordinate best;
-    double best_units = 0, least = std::fabs(left);
-    for (const std::uint32_t k : samples) {
-        const Double3 g = volume_gradient(k);
-        for (std::uint32_t axis = 0; axis < 3; ++axis) {
-            const Coordinate c = coordinate(k, axis, g);
-            for (double units = -kUnits; units <= kUnits && c.at != finest.at; ++units) {
-                const double rest = left + units * c.gain, then = rest + needed(finest, rest) * finest.gain;
-                if (!(std::fabs(then) < least)) continue;
-                best = c;
-                best_units = units;
-                least = std::fabs(then);
-            }
-        }
-    }
-    if (best.at == nullptr) return left;
-    move(best, best_units);
-    finest = coordinate(finest.sample, finest.axis, volume_gradient(finest.sample));  // the other may be beside it
-    move(finest, needed(finest, left));
-    return left;
-}
-
-void Resolver::polish(double error) noexcept {
-    if (std::fabs(error) > 1e-3 * std::fabs(removed_)) return;
-    constexpr std::uint32_t kSamples = 32;
-    std::uint32_t chosen[kSamples], count = 0;
-    const std::uint32_t cols = s_.tables.cols;
-    const auto free = [&](std::uint32_t k) { return c_.weight[k] > 0.25f && (s_.ring[k] & kRingIrregular) == 0; };
-    const auto choose = [&](std::uint32_t k) {
-        if (probe(shape_, widen(s_.point(k))).distance > 1e-3 * double{s_.mean_step}) chosen[count++] = k;
-    };
-    for (std::uint32_t e = 0; e < c_.tile_count && count < kSamples; ++e) {
-        if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) == 0) continue;
-        const Rect r = c_.rects[c_.tiles[e]];
-        const std::uint32_t k = (r.i0 + r.i1) / 2 * cols + (r.j0 + r.j1) / 2;
-        if (free(k)) choose(k);
-    }
-    // A ring of few tiles: any.
-    if (count < kSamples / 4) {
-        count = 0;
-        for (std::uint32_t e = 0; e < c_.tile_count; ++e)
-            if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0)
-                each_sample(c_.tiles[e], [&](std::uint32_t k) {
-                    if (count < kSamples && free(k)) choose(k);
-                });
-    }
-    double left = error / 6;
-    for (std::uint32_t e = 0; e < count; ++e) {
-        const std::uint32_t k = chosen[e];
-        const Double3 o = widen(s_.point(k)), g = volume_gradient(k), n = widen(StateImpl::at(s_.normal, k));
-        const double rate = dot(g, n);
-        if (!(rate != 0)) continue;
-        const double step = -left / (count - e) / rate;
-        if (!(std::fabs(step) < 0.01 * double{s_.mean_step})) continue;
-        put(k, o + step * n);
-        left += dot(g, widen(s_.point(k)) - o);
-    }
-    if (std::fabs(6 * left) > kAimed * std::fabs(removed_)) left = nudge({chosen, count}, left);
-    report_.volume_error = 6 * left / removed_;
 }
 
 }  // namespace dgm::detail

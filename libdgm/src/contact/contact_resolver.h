@@ -12,7 +12,8 @@
 
 namespace dgm::detail {
 
-inline constexpr double kKept = 1e-6;  ///< of the removed volume: what volume_kept says
+inline constexpr double kKept = 1e-6;   ///< of the removed volume: what volume_kept says
+inline constexpr double kAimed = 1e-8;  ///< of the removed volume: an error that is left as it is
 
 /// Six times the volume as a function of the height of the bulge.
 struct Cubic {
@@ -123,6 +124,15 @@ class Resolver {
         return shape_.kind == ObstacleKind::Plane && o_.bulge == Bulge::Exact && s_.faces.empty();
     }
     void bulge() noexcept;
+    /// From the height to first order to the one that keeps the volume. `all`: volume without what is held back,
+    /// `rest`: the part of it that need not be measured.
+    void search_height(const Cubic& all, Cubic rest, double first) noexcept;
+    [[nodiscard]] double first_height(const Cubic& volume, double first) const noexcept;
+    /// Bulges the part near the obstacle and measures it. @return the error of six times the volume.
+    [[nodiscard]] double measure_near(double beta, const Cubic& rest) noexcept;
+    void take_all_as_near() noexcept;
+    /// Bulges all and polishes it. @return whether the volume is kept, or there is no time left.
+    bool finish_at(double beta) noexcept;
     /// Bulges all and measures it. @return the error.
     double settle(double beta) noexcept;
 

@@ -82,8 +82,8 @@ class Walk {
 
  private:
     // Most offers come to nothing: what there is to do about the others stays out of the loops.
-    [[gnu::always_inline]] void offer(std::uint32_t k, std::uint32_t r) noexcept { offer(k, r, c_.rim[r]); }
-    [[gnu::always_inline]] void offer(std::uint32_t k, std::uint32_t r, Vec3 rim) noexcept {
+    DGM_INLINE void offer(std::uint32_t k, std::uint32_t r) noexcept { offer(k, r, c_.rim[r]); }
+    DGM_INLINE void offer(std::uint32_t k, std::uint32_t r, Vec3 rim) noexcept {
         const float d = square_between(s_.point(k), rim);
         if (d < limit_ && d < c_.square[k]) accept(k, r, d);
     }

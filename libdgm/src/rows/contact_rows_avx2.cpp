@@ -24,49 +24,48 @@ typedef float Wide __attribute__((vector_size(32)));
 typedef int WideInts __attribute__((vector_size(32)));
 
 constexpr bool kFourDoubles = true;
-static inline __attribute__((always_inline)) Doubles load_four(const float* p) {
+static DGM_INLINE Doubles load_four(const float* p) {
     return static_cast<Doubles>(_mm256_cvtps_pd(_mm_loadu_ps(p)));
 }
-static inline __attribute__((always_inline)) void store_four(float* p, const Doubles& v) {
+static DGM_INLINE void store_four(float* p, const Doubles& v) {
     _mm_storeu_ps(p, _mm256_cvtpd_ps(static_cast<__m256d>(v)));
 }
-static inline __attribute__((always_inline)) Longs four_bytes(const std::uint8_t* p) {
+static DGM_INLINE Longs four_bytes(const std::uint8_t* p) {
     return reinterpret_cast<Longs>(_mm256_cvtepu8_epi64(_mm_loadu_si32(p)));
 }
-static inline __attribute__((always_inline)) WideInts wide_bytes(const std::uint8_t* p) {
+static DGM_INLINE WideInts wide_bytes(const std::uint8_t* p) {
     return reinterpret_cast<WideInts>(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
 }
-static inline __attribute__((always_inline)) bool any_lane(const WideInts& v) {
+static DGM_INLINE bool any_lane(const WideInts& v) {
     return _mm256_movemask_ps(reinterpret_cast<__m256>(v)) != 0;
 }
-static inline __attribute__((always_inline)) void add_to(const Wide& v, Doubles& sums) {
+static DGM_INLINE void add_to(const Wide& v, Doubles& sums) {
     const __m256 w = static_cast<__m256>(v);
     sums += static_cast<Doubles>(_mm256_cvtps_pd(_mm256_castps256_ps128(w))) +
             static_cast<Doubles>(_mm256_cvtps_pd(_mm256_extractf128_ps(w, 1)));
 }
-static inline __attribute__((always_inline)) Wide square_root(const Wide& v) {
+static DGM_INLINE Wide square_root(const Wide& v) {
     return static_cast<Wide>(_mm256_sqrt_ps(static_cast<__m256>(v)));
 }
-static inline __attribute__((always_inline)) Doubles square_root(const Doubles& v) {
+static DGM_INLINE Doubles square_root(const Doubles& v) {
     return static_cast<Doubles>(_mm256_sqrt_pd(static_cast<__m256d>(v)));
 }
-static inline __attribute__((always_inline)) double square_root(double v) {
+static DGM_INLINE double square_root(double v) {
     return _mm_cvtsd_f64(_mm_sqrt_sd(_mm_setzero_pd(), _mm_set_sd(v)));
 }
-static inline __attribute__((always_inline)) unsigned lane_bits(const Longs& v) {
+static DGM_INLINE unsigned lane_bits(const Longs& v) {
     return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(v)));
 }
 // fmadd: a b + c, fmsub: a b - c, fnmadd: c - a b.
-#define DGM_FUSED(type, suffix)                                                                                        \
-    static inline __attribute__((always_inline)) type multiply_add(const type& a, const type& b, const type& c) {      \
-        return static_cast<type>(_mm256_fmadd_##suffix(a, b, c));                                                      \
-    }                                                                                                                  \
-    static inline __attribute__((always_inline)) type multiply_subtract(const type& a, const type& b, const type& c) { \
-        return static_cast<type>(_mm256_fmsub_##suffix(a, b, c));                                                      \
-    }                                                                                                                  \
-    static inline __attribute__((always_inline, unused)) type subtract_product(const type& c, const type& a,           \
-                                                                               const type& b) {                        \
-        return static_cast<type>(_mm256_fnmadd_##suffix(a, b, c));                                                     \
+#define DGM_FUSED(type, suffix)                                                                                    \
+    static DGM_INLINE type multiply_add(const type& a, const type& b, const type& c) {                             \
+        return static_cast<type>(_mm256_fmadd_##suffix(a, b, c));                                                  \
+    }                                                                                                              \
+    static DGM_INLINE type multiply_subtract(const type& a, const type& b, const type& c) {                        \
+        return static_cast<type>(_mm256_fmsub_##suffix(a, b, c));                                                  \
+    }                                                                                                              \
+    static DGM_INLINE __attribute__((unused)) type subtract_product(const type& c, const type& a, const type& b) { \
+        return static_cast<type>(_mm256_fnmadd_##suffix(a, b, c));                                                 \
     }
 DGM_FUSED(Wide, ps)
 DGM_FUSED(Doubles, pd)

@@ -12,14 +12,14 @@
 // corners turned by one: one determinant for two triangles.
 
 template <class T, class From>
-static inline __attribute__((always_inline)) T fetch(const From* p) {
+static DGM_INLINE T fetch(const From* p) {
     struct __attribute__((packed, may_alias)) Raw {
         T value;
     };
     return reinterpret_cast<const Raw*>(p)->value;
 }
 template <class T, class To>
-static inline __attribute__((always_inline)) void put_raw(To* p, const T& v) {
+static DGM_INLINE void put_raw(To* p, const T& v) {
     struct __attribute__((packed, may_alias)) Raw {
         T value;
     };
@@ -30,40 +30,38 @@ static inline __attribute__((always_inline)) void put_raw(To* p, const T& v) {
 struct Four {
     typedef Doubles D;
     static constexpr std::uint32_t kLanes = 4;
-    static inline __attribute__((always_inline)) D load(const float* p) { return load_four(p); }
-    static inline __attribute__((always_inline)) void store(float* p, const D& v) { store_four(p, v); }
-    static inline __attribute__((always_inline)) Longs bytes(const std::uint8_t* p) { return four_bytes(p); }
+    static DGM_INLINE D load(const float* p) { return load_four(p); }
+    static DGM_INLINE void store(float* p, const D& v) { store_four(p, v); }
+    static DGM_INLINE Longs bytes(const std::uint8_t* p) { return four_bytes(p); }
     template <class Mask>
-    static inline __attribute__((always_inline)) D choose(const Mask& c, const D& a, const D& b) {
+    static DGM_INLINE D choose(const Mask& c, const D& a, const D& b) {
         return c ? a : b;
     }
-    static inline __attribute__((always_inline)) double sum(const D& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+    static DGM_INLINE double sum(const D& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
     typedef float Floats __attribute__((vector_size(16)));
     template <class To>
-    static inline __attribute__((always_inline)) void store_bits(To* p, const D& v) {
+    static DGM_INLINE void store_bits(To* p, const D& v) {
         put_raw(p, __builtin_convertvector(v, Floats));
     }
-    static inline __attribute__((always_inline)) D rounded(const D& v) {
-        return __builtin_convertvector(__builtin_convertvector(v, Floats), D);
-    }
-    static inline __attribute__((always_inline)) Longs either_not_zero(const D& a, const D& b, const D& c, const D& d,
-                                                                       const D& e, const D& f, const Longs& g) {
+    static DGM_INLINE D rounded(const D& v) { return __builtin_convertvector(__builtin_convertvector(v, Floats), D); }
+    static DGM_INLINE Longs either_not_zero(const D& a, const D& b, const D& c, const D& d, const D& e, const D& f,
+                                            const Longs& g) {
         return (a != 0.0) | (b != 0.0) | (c != 0.0) | (d != 0.0) | (e != 0.0) | (f != 0.0) | (g != 0);
     }
 };
 struct One {
     typedef double D;
     static constexpr std::uint32_t kLanes = 1;
-    static inline __attribute__((always_inline)) D load(const float* p) { return static_cast<double>(*p); }
-    static inline __attribute__((always_inline)) void store(float* p, D v) { *p = static_cast<float>(v); }
-    static inline __attribute__((always_inline)) long long bytes(const std::uint8_t* p) { return *p; }
-    static inline __attribute__((always_inline)) D choose(bool c, D a, D b) { return c ? a : b; }
+    static DGM_INLINE D load(const float* p) { return static_cast<double>(*p); }
+    static DGM_INLINE void store(float* p, D v) { *p = static_cast<float>(v); }
+    static DGM_INLINE long long bytes(const std::uint8_t* p) { return *p; }
+    static DGM_INLINE D choose(bool c, D a, D b) { return c ? a : b; }
     template <class To>
-    static inline __attribute__((always_inline)) void store_bits(To* p, D v) {
+    static DGM_INLINE void store_bits(To* p, D v) {
         put_raw(p, static_cast<float>(v));
     }
-    static inline __attribute__((always_inline)) D rounded(D v) { return static_cast<double>(static_cast<float>(v)); }
-    static inline __attribute__((always_inline)) bool either_not_zero(D a, D b, D c, D d, D e, D f, long long g) {
+    static DGM_INLINE D rounded(D v) { return static_cast<double>(static_cast<float>(v)); }
+    static DGM_INLINE bool either_not_zero(D a, D b, D c, D d, D e, D f, long long g) {
         return a != 0 || b != 0 || c != 0 || d != 0 || e != 0 || f != 0 || g != 0;
     }
 };
@@ -72,13 +70,13 @@ struct One {
 struct Many {
     typedef Wide D;
     static constexpr std::uint32_t kLanes = sizeof(Wide) / sizeof(float);
-    static inline __attribute__((always_inline)) D load(const float* p) { return fetch<Wide>(p); }
-    static inline __attribute__((always_inline)) WideInts bytes(const std::uint8_t* p) { return wide_bytes(p); }
+    static DGM_INLINE D load(const float* p) { return fetch<Wide>(p); }
+    static DGM_INLINE WideInts bytes(const std::uint8_t* p) { return wide_bytes(p); }
     template <class Mask>
-    static inline __attribute__((always_inline)) D choose(const Mask& c, const D& a, const D& b) {
+    static DGM_INLINE D choose(const Mask& c, const D& a, const D& b) {
         return c ? a : b;
     }
-    static inline __attribute__((always_inline)) double sum(const D& v) {
+    static DGM_INLINE double sum(const D& v) {
         double s = 0;
         for (std::uint32_t k = 0; k < kLanes; ++k) s += static_cast<double>(v[k]);
         return s;
@@ -90,47 +88,46 @@ struct Triple {
     D x, y, z;
 };
 template <class D>
-static inline __attribute__((always_inline)) Triple<D> minus(const Triple<D>& a, const Triple<D>& b) {
+static DGM_INLINE Triple<D> minus(const Triple<D>& a, const Triple<D>& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 template <class D>
-static inline __attribute__((always_inline)) Triple<D> times(const Triple<D>& a, const Triple<D>& b) {
+static DGM_INLINE Triple<D> times(const Triple<D>& a, const Triple<D>& b) {
     return {multiply_subtract(a.y, b.z, a.z * b.y), multiply_subtract(a.z, b.x, a.x * b.z),
             multiply_subtract(a.x, b.y, a.y * b.x)};
 }
 /// c + a x b.
 template <class D>
-static inline __attribute__((always_inline)) Triple<D> times_plus(const Triple<D>& a, const Triple<D>& b,
-                                                                  const Triple<D>& c) {
+static DGM_INLINE Triple<D> times_plus(const Triple<D>& a, const Triple<D>& b, const Triple<D>& c) {
     return {subtract_product(multiply_add(a.y, b.z, c.x), a.z, b.y),
             subtract_product(multiply_add(a.z, b.x, c.y), a.x, b.z),
             subtract_product(multiply_add(a.x, b.y, c.z), a.y, b.x)};
 }
 template <class D>
-static inline __attribute__((always_inline)) Triple<D> plus(const Triple<D>& a, const Triple<D>& b) {
+static DGM_INLINE Triple<D> plus(const Triple<D>& a, const Triple<D>& b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 template <class D>
-static inline __attribute__((always_inline)) D inner(const Triple<D>& a, const Triple<D>& b) {
+static DGM_INLINE D inner(const Triple<D>& a, const Triple<D>& b) {
     return multiply_add(a.z, b.z, multiply_add(a.y, b.y, a.x * b.x));
 }
 /// c + a . b.
 template <class D>
-static inline __attribute__((always_inline)) D inner_plus(const Triple<D>& a, const Triple<D>& b, const D& c) {
+static DGM_INLINE D inner_plus(const Triple<D>& a, const Triple<D>& b, const D& c) {
     return multiply_add(a.z, b.z, multiply_add(a.y, b.y, multiply_add(a.x, b.x, c)));
 }
 /// c - a . b.
 template <class D>
-static inline __attribute__((always_inline)) D inner_minus(const Triple<D>& a, const Triple<D>& b, const D& c) {
+static DGM_INLINE D inner_minus(const Triple<D>& a, const Triple<D>& b, const D& c) {
     return subtract_product(subtract_product(subtract_product(c, a.x, b.x), a.y, b.y), a.z, b.z);
 }
 template <class L>
-static inline __attribute__((always_inline)) Triple<typename L::D> place(const ConstPlanes& p, std::size_t k) {
+static DGM_INLINE Triple<typename L::D> place(const ConstPlanes& p, std::size_t k) {
     return {L::load(p.x + k), L::load(p.y + k), L::load(p.z + k)};
 }
 template <class L, class C>
-static inline __attribute__((always_inline)) Triple<typename L::D> either(const C& c, const Triple<typename L::D>& a,
-                                                                          const Triple<typename L::D>& b) {
+static DGM_INLINE Triple<typename L::D> either(const C& c, const Triple<typename L::D>& a,
+                                               const Triple<typename L::D>& b) {
     return {L::choose(c, a.x, b.x), L::choose(c, a.y, b.y), L::choose(c, a.z, b.z)};
 }
 
@@ -140,15 +137,13 @@ struct Corners {
     Triple<D> p, q, r, s;
 };
 template <class L, class C>
-static inline __attribute__((always_inline)) Corners<typename L::D> turned(const C& second,
-                                                                           const Triple<typename L::D>& a,
-                                                                           const Triple<typename L::D>& b,
-                                                                           const Triple<typename L::D>& c,
-                                                                           const Triple<typename L::D>& d) {
+static DGM_INLINE Corners<typename L::D> turned(const C& second, const Triple<typename L::D>& a,
+                                                const Triple<typename L::D>& b, const Triple<typename L::D>& c,
+                                                const Triple<typename L::D>& d) {
     return {either<L>(second, b, a), either<L>(second, c, b), either<L>(second, d, c), either<L>(second, a, d)};
 }
 template <class L>
-static inline __attribute__((always_inline)) Corners<typename L::D> corners(const QuadJob& j, std::size_t k) {
+static DGM_INLINE Corners<typename L::D> corners(const QuadJob& j, std::size_t k) {
     const Triple<typename L::D> o{typename L::D{} + j.origin[0], typename L::D{} + j.origin[1],
                                   typename L::D{} + j.origin[2]};
     const std::size_t n = j.cols;
@@ -158,7 +153,7 @@ static inline __attribute__((always_inline)) Corners<typename L::D> corners(cons
 
 /// Kinds of the quads from k on, of which `left` are asked for; planes are padded for the lanes beyond.
 template <class L>
-static inline __attribute__((always_inline)) auto kinds_at(const QuadJob& j, std::size_t k, std::uint32_t left) {
+static DGM_INLINE auto kinds_at(const QuadJob& j, std::size_t k, std::uint32_t left) {
     auto kinds = L::bytes(j.kind + k), lanes = kinds;
     for (std::uint32_t a = 0; a < L::kLanes; ++a) lanes[a] = static_cast<int>(a);
     return lanes < static_cast<int>(left) ? kinds : decltype(kinds){} + kQuadNone;
@@ -167,7 +162,7 @@ static inline __attribute__((always_inline)) auto kinds_at(const QuadJob& j, std
 /// Quads of a rectangle by strips of as many columns as there are lanes: quad(k, kinds, a, b, c, d) with what load()
 /// gave for its corners, row k + 1 of one being row k of the next; then end() of the strip.
 template <class L, class Load, class Quad, class End>
-static inline __attribute__((always_inline)) void strips(const QuadJob& j, Load load, Quad quad, End end) {
+static DGM_INLINE void strips(const QuadJob& j, Load load, Quad quad, End end) {
     for (std::uint32_t first = j.rect.j0; first <= j.rect.j1; first += L::kLanes) {
         std::size_t k = static_cast<std::size_t>(j.rect.i0) * j.cols + first;
         auto a = load(k), d = load(k + 1);
@@ -187,13 +182,13 @@ double volume(const QuadJob& job) noexcept {
     const Triple<Doubles> o{Doubles{} + j.origin[0], Doubles{} + j.origin[1], Doubles{} + j.origin[2]};
     Doubles six = {};
     strips<L>(
-        j, [&](std::size_t k) __attribute__((always_inline)) { return minus(place<L>(j.at, k), o); },
+        j, [&](std::size_t k) DGM_INLINED { return minus(place<L>(j.at, k), o); },
         [&](std::size_t, const Longs& kinds, const Triple<Doubles>& a, const Triple<Doubles>& b,
-            const Triple<Doubles>& c, const Triple<Doubles>& d) __attribute__((always_inline)) {
+            const Triple<Doubles>& c, const Triple<Doubles>& d) DGM_INLINED {
             const Corners<Doubles> x = turned<L>(kinds == 1, a, b, c, d);
             six += L::choose(kinds != kQuadNone, inner(x.p, times(minus(x.q, x.s), x.r)), Doubles{});
         },
-        []() __attribute__((always_inline)){});
+        []() DGM_INLINED {});
     return L::sum(six);
 }
 
@@ -207,23 +202,22 @@ struct Mover {
 /// Quads by strips: load(k) gives a corner's place and move, quad(there, p, q, r, s) gets them turned so that all are
 /// split along p-r. Mostly all quads of a block are split alike: then nothing is chosen lane by lane.
 template <class Load, class Quad, class End>
-static inline __attribute__((always_inline)) void moving_strips(const QuadJob& j, Load load, Quad quad, End end) {
+static DGM_INLINE void moving_strips(const QuadJob& j, Load load, Quad quad, End end) {
     typedef Mover<Wide> M;
     strips<Many>(
         j, load,
-        [&](std::size_t, const WideInts& kinds, const M& a, const M& b, const M& c, const M& d)
-            __attribute__((always_inline)) {
-                if (!any_lane(a.moves | b.moves | c.moves | d.moves)) return;
-                const auto second = kinds == 1;
-                if (any_lane(second)) {
-                    const auto at = turned<Many>(second, a.at, b.at, c.at, d.at);
-                    const auto by = turned<Many>(second, a.by, b.by, c.by, d.by);
-                    quad(kinds != kQuadNone, M{at.p, by.p, second}, M{at.q, by.q, second}, M{at.r, by.r, second},
-                         M{at.s, by.s, second});
-                } else {
-                    quad(kinds != kQuadNone, a, b, c, d);
-                }
-            },
+        [&](std::size_t, const WideInts& kinds, const M& a, const M& b, const M& c, const M& d) DGM_INLINED {
+            if (!any_lane(a.moves | b.moves | c.moves | d.moves)) return;
+            const auto second = kinds == 1;
+            if (any_lane(second)) {
+                const auto at = turned<Many>(second, a.at, b.at, c.at, d.at);
+                const auto by = turned<Many>(second, a.by, b.by, c.by, d.by);
+                quad(kinds != kQuadNone, M{at.p, by.p, second}, M{at.q, by.q, second}, M{at.r, by.r, second},
+                     M{at.s, by.s, second});
+            } else {
+                quad(kinds != kQuadNone, a, b, c, d);
+            }
+        },
         end);
 }
 
@@ -233,10 +227,9 @@ static inline __attribute__((always_inline)) void moving_strips(const QuadJob& j
 // quadratic along the way: its value half way and a bend. Only differences of coordinates enter: float is enough,
 // however far the origin is.
 template <bool kTurned>
-static inline __attribute__((always_inline)) Wide swept_block(const QuadJob& j, const ConstPlanes& from, std::size_t k,
-                                                              const WideInts& kinds) {
+static DGM_INLINE Wide swept_block(const QuadJob& j, const ConstPlanes& from, std::size_t k, const WideInts& kinds) {
     typedef Many L;
-    const auto middle = [](const Triple<Wide>& now, const Triple<Wide>& by) __attribute__((always_inline)) {
+    const auto middle = [](const Triple<Wide>& now, const Triple<Wide>& by) DGM_INLINED {
         const Wide half = Wide{} + 0.5f;
         return Triple<Wide>{subtract_product(now.x, half, by.x), subtract_product(now.y, half, by.y),
                             subtract_product(now.z, half, by.z)};
@@ -260,12 +253,10 @@ static inline __attribute__((always_inline)) Wide swept_block(const QuadJob& j, 
 double swept(const QuadJob& job, ConstPlanes from, const std::uint8_t* marks, const float* weight) noexcept {
     const QuadJob j = job;
     Doubles six = {};
-    const auto is_still = [&](std::size_t k) __attribute__((always_inline)) {
-        const auto sunk = [&](std::size_t at) __attribute__((always_inline)) {
-            return fetch<std::uint64_t>(marks + at) | marks[at + 8];
-        };
+    const auto is_still = [&](std::size_t k) DGM_INLINED {
+        const auto sunk = [&](std::size_t at) DGM_INLINED { return fetch<std::uint64_t>(marks + at) | marks[at + 8]; };
         if ((sunk(k) | sunk(k + j.cols)) != 0) return false;
-        const auto bulged = [&](std::size_t at) __attribute__((always_inline)) {
+        const auto bulged = [&](std::size_t at) DGM_INLINED {
             return fetch<WideInts>(weight + at);  // no weight is -0
         };
         return !any_lane((bulged(k) | bulged(k + 1) | bulged(k + j.cols) | bulged(k + j.cols + 1)) != 0);
@@ -298,23 +289,22 @@ void cubic(const QuadJob& job, ConstPlanes normal, const float* weight, double* 
     D sums[3] = {};
     moving_strips(
         j,
-        [&](std::size_t k) __attribute__((always_inline)) {
+        [&](std::size_t k) DGM_INLINED {
             const D w = L::load(weight + k);
             const Triple<D> n = place<L>(normal, k);
             return Mover<D>{place<L>(j.at, k), {w * n.x, w * n.y, w * n.z}, w > 0.0f};
         },
-        [&](const auto& there, const Mover<D>& p, const Mover<D>& q, const Mover<D>& r, const Mover<D>& s)
-            __attribute__((always_inline)) {
-                const Triple<D> t = minus(r.at, p.at), y = minus(s.at, q.at), u = minus(q.at, p.at);
-                const Triple<D> mt = minus(r.by, p.by), my = minus(s.by, q.by);
-                const Triple<D> both = plus(plus(p.by, r.by), s.by), turn = times(mt, my), z = times(t, my);
-                sums[0] += L::choose(there, inner_minus(u, z, inner(both, times(t, y))), D{});
-                const D begun = inner_minus(u, turn, inner(both, times_plus(mt, y, z)));
-                const D slope = inner_minus(minus(q.by, p.by), z, begun);
-                sums[1] += L::choose(there, 0.5f * slope, D{});
-                sums[2] += L::choose(there, inner(p.by, turn), D{});
-            },
-        [&]() __attribute__((always_inline)) {
+        [&](const auto& there, const Mover<D>& p, const Mover<D>& q, const Mover<D>& r, const Mover<D>& s) DGM_INLINED {
+            const Triple<D> t = minus(r.at, p.at), y = minus(s.at, q.at), u = minus(q.at, p.at);
+            const Triple<D> mt = minus(r.by, p.by), my = minus(s.by, q.by);
+            const Triple<D> both = plus(plus(p.by, r.by), s.by), turn = times(mt, my), z = times(t, my);
+            sums[0] += L::choose(there, inner_minus(u, z, inner(both, times(t, y))), D{});
+            const D begun = inner_minus(u, turn, inner(both, times_plus(mt, y, z)));
+            const D slope = inner_minus(minus(q.by, p.by), z, begun);
+            sums[1] += L::choose(there, 0.5f * slope, D{});
+            sums[2] += L::choose(there, inner(p.by, turn), D{});
+        },
+        [&]() DGM_INLINED {
             for (int a = 0; a < 3; ++a) {
                 out[a] += L::sum(sums[a]);
                 sums[a] = D{};
@@ -328,14 +318,14 @@ double area(const QuadJob& job, const std::uint8_t* marks) noexcept {
     double sum = 0;
     Wide area = {};
     strips<L>(
-        j, [&](std::size_t k) __attribute__((always_inline)) { return place<L>(j.at, k); },
+        j, [&](std::size_t k) DGM_INLINED { return place<L>(j.at, k); },
         [&](std::size_t k, const WideInts& kinds, const Triple<Wide>& a, const Triple<Wide>& b, const Triple<Wide>& c,
-            const Triple<Wide>& d) __attribute__((always_inline)) {
+            const Triple<Wide>& d) DGM_INLINED {
             const Triple<Wide> v = times(minus(c, a), minus(d, b));
             const auto counts = (L::bytes(marks + k) & 1) > (kinds >> 1);
             area += L::choose(counts, 0.5f * square_root(inner(v, v)), Wide{});
         },
-        [&]() __attribute__((always_inline)) {
+        [&]() DGM_INLINED {
             sum += L::sum(area);
             area = Wide{};
         });
@@ -346,7 +336,7 @@ double area(const QuadJob& job, const std::uint8_t* marks) noexcept {
 
 /// exp(-x) for 0 <= x <= 64 within 2e-7: a Taylor polynomial of exp(-x / 64), squared six times.
 template <class F>
-static inline __attribute__((always_inline)) F decay(F x) {
+static DGM_INLINE F decay(F x) {
     const F y = x * (1.0f / 64);
     F e = 1.0f - y * (1.0f - y * (0.5f - y * (1.0f / 6 - y * (1.0f / 24 - y * (1.0f / 120 - y * (1.0f / 720))))));
     e = e * e;
@@ -358,7 +348,7 @@ static inline __attribute__((always_inline)) F decay(F x) {
 }
 
 template <class F>
-static inline __attribute__((always_inline)) F weight_of(const WeightJob& j, float scale, std::size_t k) {
+static DGM_INLINE F weight_of(const WeightJob& j, float scale, std::size_t k) {
     const F square = fetch<F>(j.square + k), zero = F{};
     const auto in = square < j.limit;
     const F x = (in ? square : zero) * j.factor;
@@ -432,7 +422,7 @@ void spread(const SpreadJob& job) noexcept {
 
 // In float: it is the result's own precision, and the volume is measured afterwards.
 template <class F>
-static inline __attribute__((always_inline)) void bulge_block(const BulgeJob& j, std::size_t k) {
+static DGM_INLINE void bulge_block(const BulgeJob& j, std::size_t k) {
     const F w = fetch<F>(j.weight + k);
     const auto moving = w > 0.0f;
     if constexpr (sizeof(F) == sizeof(Wide))
@@ -480,7 +470,7 @@ double held_back(const QuadJob& job, const HoldJob& hold_job) noexcept {
     D six = {};
     strips<L>(
         j,
-        [&](std::size_t k) __attribute__((always_inline)) {
+        [&](std::size_t k) DGM_INLINED {
             const D w = L::load(hold.weight + k), step = w * hold.beta;
             const Triple<D> now = place<L>(j.at, k), by = place<L>(hold.normal, k);
             const Triple<D> at{multiply_add(step, by.x, now.x), multiply_add(step, by.y, now.y),
@@ -489,7 +479,7 @@ double held_back(const QuadJob& job, const HoldJob& hold_job) noexcept {
             return Held{at, L::choose((w > 0.0f) & (height < 0.0f), height, D{})};
         },
         [&](std::size_t, const WideInts& kinds, const Held& a, const Held& b, const Held& c, const Held& d)
-            __attribute__((always_inline)) {
+            DGM_INLINED {
                 if (!any_lane(a.back + b.back + c.back + d.back < 0.0f)) return;
                 const auto second = kinds == 1;
                 const Corners<D> x = turned<L>(second, a.at, b.at, c.at, d.at);
@@ -499,7 +489,7 @@ double held_back(const QuadJob& job, const HoldJob& hold_job) noexcept {
                 const D lost = inner(side, minus(x.s, x.p)) * far - inner(side, minus(x.q, x.p)) * near;
                 six += L::choose(kinds != kQuadNone, lost, D{});
             },
-        [&]() __attribute__((always_inline)) {
+        [&]() DGM_INLINED {
             sum += L::sum(six);
             six = D{};
         });

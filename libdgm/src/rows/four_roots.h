@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// libdgm/src/base/four_roots.h
+// libdgm/src/rows/four_roots.h
 // Square roots of four floats in one instruction, where the target has one. Rounded correctly by all of them.
 #pragma once
 #if defined(__SSE__)
@@ -10,12 +10,14 @@
 #include <arm_neon.h>
 #endif
 
+#include "base/inline.h"
+
 namespace dgm::detail {
 
 typedef float FourFloats __attribute__((vector_size(16)));
 
 /// In place: how a target without SSE would hand a vector over is no matter.
-static inline __attribute__((always_inline)) void take_roots(FourFloats& v) {
+static DGM_INLINE void take_roots(FourFloats& v) {
 #if defined(__SSE__)
     v = static_cast<FourFloats>(_mm_sqrt_ps(static_cast<__m128>(v)));
 #elif defined(__wasm_simd128__)

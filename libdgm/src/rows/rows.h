@@ -9,6 +9,8 @@
 #pragma once
 #include <cstdint>
 
+#include "base/inline.h"
+
 // Loops for AVX2 and AVX-512 come with the library. GCC's own code for Windows keeps such vectors at places of the
 // stack that are not aligned as its instructions ask (GCC bug 54412), and crashes. An assembler that makes every vector
 // move an unaligned one mends that: -Wa,-muse-unaligned-vector-move. Whoever builds with it defines

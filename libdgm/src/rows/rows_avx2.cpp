@@ -22,58 +22,60 @@ typedef float Floats __attribute__((vector_size(32)));
 typedef float Floats4 __attribute__((vector_size(16)));
 typedef int Ints __attribute__((vector_size(32)));
 
-static inline __attribute__((always_inline)) Floats root(const Floats& v) {
+static DGM_INLINE Floats root(const Floats& v) {
     return static_cast<Floats>(_mm256_sqrt_ps(static_cast<__m256>(v)));
 }
-static inline __attribute__((always_inline)) Floats gather(const float* from, const Ints& at) {
+static DGM_INLINE Floats gather(const float* from, const Ints& at) {
     return static_cast<Floats>(_mm256_i32gather_ps(from, reinterpret_cast<__m256i>(at), 4));
 }
 inline bool any(Ints v) {
     return _mm256_movemask_ps(reinterpret_cast<__m256>(v)) != 0;
 }
-static inline __attribute__((always_inline)) std::uint32_t sign_bits(const Ints& v) {
+static DGM_INLINE std::uint32_t sign_bits(const Ints& v) {
     return static_cast<std::uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(v)));
 }
-static inline __attribute__((always_inline)) bool any(int v) {
+static DGM_INLINE bool any(int v) {
     return v != 0;
 }
-static inline __attribute__((always_inline)) int widen(const std::uint8_t* p, int) {
+static DGM_INLINE int widen(const std::uint8_t* p, int) {
     return *p;
 }
 template <int kBit>
-static inline __attribute__((always_inline)) float choose_bit(int ring, float a, float b) {
+static DGM_INLINE float choose_bit(int ring, float a, float b) {
     return (ring >> kBit & 1) != 0 ? a : b;
 }
-static inline __attribute__((always_inline)) Ints widen(const std::uint8_t* p, Ints) {
+static DGM_INLINE Ints widen(const std::uint8_t* p, Ints) {
     return reinterpret_cast<Ints>(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
 }
 template <int kBit>
-static inline __attribute__((always_inline)) Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
+static DGM_INLINE Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
     const Ints sign = ring << (31 - kBit);
     return static_cast<Floats>(
         _mm256_blendv_ps(static_cast<__m256>(b), static_cast<__m256>(a), reinterpret_cast<__m256>(sign)));
 }
-#define DGM_FUSED(name, vector, scalar)                                                                           \
-    static inline __attribute__((always_inline)) Floats name(const Floats& a, const Floats& b, const Floats& c) { \
-        return static_cast<Floats>(vector);                                                                       \
-    }                                                                                                             \
-    static inline __attribute__((always_inline)) float name(float a, float b, float c) {                          \
-        return scalar;                                                                                            \
+#define DGM_FUSED(name, vector, scalar)                                                \
+    static DGM_INLINE Floats name(const Floats& a, const Floats& b, const Floats& c) { \
+        return static_cast<Floats>(vector);                                            \
+    }                                                                                  \
+    static DGM_INLINE float name(float a, float b, float c) {                          \
+        return scalar;                                                                 \
     }
 DGM_FUSED(multiply_add, _mm256_fmadd_ps(a, b, c), __builtin_fmaf(a, b, c))
 DGM_FUSED(multiply_subtract, _mm256_fmsub_ps(a, b, c), __builtin_fmaf(a, b, -c))
 DGM_FUSED(subtract_product, _mm256_fnmadd_ps(b, c, a), __builtin_fmaf(-b, c, a))
 #undef DGM_FUSED
 // Estimate and one Newton step, y (3 - v y^2) / 2: relative error below 3e-7, a third of the time of root and division.
-static inline __attribute__((always_inline)) Floats inverse_root(const Floats& v) {
+static DGM_INLINE Floats inverse_root(const Floats& v) {
     const Floats y = static_cast<Floats>(_mm256_rsqrt_ps(static_cast<__m256>(v)));
     return 0.5f * y * subtract_product(Floats{} + 3.0f, v * y, y);
 }
-static inline __attribute__((always_inline)) float inverse_root(float v) {
+static DGM_INLINE float inverse_root(float v) {
     const float y = _mm_cvtss_f32(_mm_rsqrt_ps(_mm_set1_ps(v)));
     return 0.5f * y * subtract_product(3.0f, v * y, y);
 }
 #include "rows/rows_impl.h"
+//
+#include "rows/patch_rows_impl.h"
 }  // namespace
 
 extern const RowKernels kAvx2Rows;

@@ -27,16 +27,14 @@ constexpr std::uint32_t kRows = 8;
 typedef float Sixteen __attribute__((vector_size(64)));
 typedef float Eight __attribute__((vector_size(32)));
 
-#define DGM_INLINE static inline __attribute__((always_inline))
-
 template <class F>
 DGM_INLINE F load(const float* p, unsigned lanes);
 template <>
-inline __attribute__((always_inline)) Sixteen load<Sixteen>(const float* p, unsigned lanes) {
+DGM_INLINE Sixteen load<Sixteen>(const float* p, unsigned lanes) {
     return static_cast<Sixteen>(_mm512_maskz_loadu_ps(static_cast<__mmask16>(lanes), p));
 }
 template <>
-inline __attribute__((always_inline)) Eight load<Eight>(const float* p, unsigned lanes) {
+DGM_INLINE Eight load<Eight>(const float* p, unsigned lanes) {
     return static_cast<Eight>(_mm256_maskz_loadu_ps(static_cast<__mmask8>(lanes), p));
 }
 DGM_INLINE void store(float* p, unsigned lanes, const Sixteen& v) {

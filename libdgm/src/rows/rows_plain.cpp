@@ -16,34 +16,34 @@ typedef float Floats __attribute__((vector_size(16)));
 typedef Floats Floats4;
 typedef int Ints __attribute__((vector_size(16)));
 
-static inline __attribute__((always_inline)) Floats inverse_root(Floats v) {
+static DGM_INLINE Floats inverse_root(Floats v) {
     take_roots(v);
     return 1.0f / v;
 }
-static inline __attribute__((always_inline)) Floats root(Floats v) {
+static DGM_INLINE Floats root(Floats v) {
     take_roots(v);
     return v;
 }
-static inline __attribute__((always_inline)) Floats gather(const float* from, const Ints& at) {
+static DGM_INLINE Floats gather(const float* from, const Ints& at) {
     return Floats{from[at[0]], from[at[1]], from[at[2]], from[at[3]]};
 }
-static inline __attribute__((always_inline)) bool any(Ints v) {
+static DGM_INLINE bool any(Ints v) {
     return (v[0] | v[1] | v[2] | v[3]) != 0;
 }
-static inline __attribute__((always_inline)) std::uint32_t sign_bits(const Ints& v) {
+static DGM_INLINE std::uint32_t sign_bits(const Ints& v) {
     return static_cast<std::uint32_t>((v[0] & 1) | (v[1] & 2) | (v[2] & 4) | (v[3] & 8));
 }
-static inline __attribute__((always_inline)) float inverse_root(float v) {
+static DGM_INLINE float inverse_root(float v) {
     return 1.0f / __builtin_sqrtf(v);
 }
-static inline __attribute__((always_inline)) bool any(int v) {
+static DGM_INLINE bool any(int v) {
     return v != 0;
 }
-static inline __attribute__((always_inline)) int widen(const std::uint8_t* p, int) {
+static DGM_INLINE int widen(const std::uint8_t* p, int) {
     return *p;
 }
 template <int kBit>
-static inline __attribute__((always_inline)) float choose_bit(int ring, float a, float b) {
+static DGM_INLINE float choose_bit(int ring, float a, float b) {
     return (ring >> kBit & 1) != 0 ? a : b;
 }
 inline Ints widen(const std::uint8_t* p, Ints) {
@@ -56,6 +56,8 @@ inline Floats choose_bit(const Ints& ring, const Floats& a, const Floats& b) {
 #include "rows/unfused.h"
 // The bodies, which need all of the above.
 #include "rows/rows_impl.h"
+//
+#include "rows/patch_rows_impl.h"
 }  // namespace
 
 const RowKernels kPlainRows{"plain",    move,       relax,  normals, nearest, bounds,     merge,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// libdgm/src/base/unfused.h
+// libdgm/src/rows/unfused.h
 // What rows_impl.h and contact_rows_impl.h fuse where the processor can, for targets that cannot. Included inside a
 // namespace.
 template <class F>

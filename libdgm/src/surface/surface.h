@@ -11,6 +11,7 @@
 #include <dgm/limits.h>
 #include <dgm/result.h>
 
+#include "base/inline.h"
 #include "base/memory.h"
 #include "file/chart_tables.h"
 #include "rows/rect_list.h"
@@ -99,14 +100,14 @@ struct Surface {
     /// Some window can reach a seam or a free border, so unfolding is needed.
     [[nodiscard]] bool classes_or_border() const noexcept { return class_count != 0 || tables.free_domain; }
     // Always inline: files built for size ask for them in inner loops too.
-    [[nodiscard, gnu::always_inline]] static Vec3 at(const Planes& p, std::uint32_t s) noexcept {
+    [[nodiscard]] DGM_INLINE static Vec3 at(const Planes& p, std::uint32_t s) noexcept {
         return {p.x[s], p.y[s], p.z[s]};
     }
-    [[nodiscard, gnu::always_inline]] static Vec3 at(const ConstPlanes& p, std::uint32_t s) noexcept {
+    [[nodiscard]] DGM_INLINE static Vec3 at(const ConstPlanes& p, std::uint32_t s) noexcept {
         return {p.x[s], p.y[s], p.z[s]};
     }
     [[nodiscard]] static ConstPlanes fixed(const Planes& p) noexcept { return {p.x, p.y, p.z}; }
-    [[nodiscard, gnu::always_inline]] Vec3 point(std::uint32_t s) const noexcept { return at(now, s); }
+    [[nodiscard]] DGM_INLINE Vec3 point(std::uint32_t s) const noexcept { return at(now, s); }
     [[nodiscard]] bool usable(std::uint32_t s) const noexcept { return s < tables.total && tables.on_surface(s); }
     [[nodiscard]] std::uint32_t class_id(std::uint32_t s) const noexcept {
         return class_of.empty() ? kNone : class_of[s];

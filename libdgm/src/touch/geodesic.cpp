@@ -74,7 +74,7 @@ class Fan {
 
  private:
     /// A way of length d to v. @return whether it is the shortest so far.
-    [[gnu::always_inline]] bool offer(std::uint32_t v, float d) noexcept {
+    DGM_INLINE bool offer(std::uint32_t v, float d) noexcept {
         if (!(d < distance_[v]) || !(d <= radius_)) return false;
         if (distance_[v] == __builtin_inff()) touched_[count_++] = v;
         distance_[v] = d;
@@ -100,8 +100,7 @@ class Fan {
     }
 
     /// Lines that cross the edge from a to a + e between right and left go on.
-    [[gnu::always_inline]] void push(const Across& at, int hand, Vec2 a, Vec2 e, float right, float left,
-                                     float offset) noexcept {
+    DGM_INLINE void push(const Across& at, int hand, Vec2 a, Vec2 e, float right, float left, float offset) noexcept {
         const float room = radius_ - offset, room2 = room * room;
         const Vec2 r = a + right * e, l = a + left * e;
         if (!(left > right)) return;
@@ -156,7 +155,7 @@ class Fan {
     }
 
     /// Corner v was reached along `ray`, over a triangle that was entered at the edge from a to a + e as seen from v.
-    [[gnu::always_inline]] void bend_later(std::uint32_t v, Way way, Vec2 a, Vec2 e, Vec2 ray, float d) noexcept {
+    DGM_INLINE void bend_later(std::uint32_t v, Way way, Vec2 a, Vec2 e, Vec2 ray, float d) noexcept {
         if ((corners_[v] & kCornerBends) == 0) return;
         complete_ &= queue_.put_at(d, {a.x, a.y, e.x, e.y, ray.x, ray.y, d, way | kBend, kNone});
     }

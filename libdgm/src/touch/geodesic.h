@@ -12,6 +12,7 @@
 
 #include <dgm/state.h>
 
+#include "base/inline.h"
 #include "base/memory.h"
 
 namespace dgm::detail {

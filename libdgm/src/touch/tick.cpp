@@ -268,6 +268,34 @@ bool press_window(StateImpl& s, const TableImpl& t, const Contact& c) noexcept {
 float share_at(const StateImpl& s, const TableImpl& t, std::uint32_t sample) noexcept {
     return t.profile(0) * (s.mobility.empty() || sample >= s.tables.grid ? 1 : s.mobility[sample]);
 }
+
+/// Several contacts, or a surface on which displacements fade.
+Result<TickReport> press_all(StateImpl& s, const TableImpl& t, const TickOptions& o, std::span<const Contact> contacts,
+                             bool at_once) noexcept {
+    TickReport report;
+    s.fading.in_tick = !at_once;
+    if (at_once)
+        release_elastic(s);
+    else
+        advance_fading(s, double{o.relax_rate} * o.dt);
+    for (Contact c : contacts) {
+        if (!at_once && !c.plastic) {
+            // The contact is to be displaced by d in all, whatever of earlier ticks is still there.
+            fade(s, c.sample);
+            const Vec3 there = s.point(c.sample) - StateImpl::at(s.base, c.sample);
+            c.d = c.d - (1 / share_at(s, t, c.sample)) * there;
+        }
+        auto done = apply_contact(s, t, c);
+        if (!done) {
+            if (!at_once) end_fading_tick(s, o.normals);
+            return done.error();
+        }
+        report.samples += done.value().samples;
+        report.crossed_seam = report.crossed_seam || done.value().crossed_seam;
+        report.truncated = report.truncated || done.value().truncated;
+    }
+    return report;
+}
 }  // namespace
 }  // namespace detail
 
@@ -293,7 +321,6 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
 
     if (s.fading.normals_owed && !o.normals) detail::settle(s);  // they stay as they are now
     TickReport report;
-    report.contacts = count;
     if (count == 1 && at_once && detail::press_window(s, t, contacts[0])) {
         report.samples = static_cast<std::uint32_t>(detail::RectList::area(s.elastic.rects[0]));
     } else if (DeformReport pressed;
@@ -301,29 +328,11 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
         report.samples = pressed.samples;
         report.crossed_seam = pressed.crossed_seam;
     } else {
-        s.fading.in_tick = !at_once;
-        if (at_once)
-            detail::release_elastic(s);
-        else
-            detail::advance_fading(s, double{o.relax_rate} * o.dt);
-        for (std::uint32_t k = 0; k < count; ++k) {
-            detail::Contact c = contacts[k];
-            if (!at_once && !c.plastic) {
-                // The contact is to be displaced by d in all, whatever of earlier ticks is still there.
-                detail::fade(s, c.sample);
-                const Vec3 there = s.point(c.sample) - detail::StateImpl::at(s.base, c.sample);
-                c.d = c.d - (1 / detail::share_at(s, t, c.sample)) * there;
-            }
-            auto done = detail::apply_contact(s, t, c);
-            if (!done) {
-                if (!at_once) detail::end_fading_tick(s, o.normals);
-                return done.error();
-            }
-            report.samples += done.value().samples;
-            report.crossed_seam = report.crossed_seam || done.value().crossed_seam;
-            report.truncated = report.truncated || done.value().truncated;
-        }
+        auto done = detail::press_all(s, t, o, {contacts, count}, at_once);
+        if (!done) return done.error();
+        report = done.value();
     }
+    report.contacts = count;
     if (!at_once) {
         detail::end_fading_tick(s, o.normals);
     } else if (o.normals) {

@@ -17,17 +17,13 @@ struct Across {
     std::uint32_t quad;
     Way way;
     bool loose;  ///< ways on have to be looked up
-    [[nodiscard, gnu::always_inline]] std::uint32_t sample(std::int32_t step) const noexcept {
+    [[nodiscard]] DGM_INLINE std::uint32_t sample(std::int32_t step) const noexcept {
         return corners == nullptr ? quad + static_cast<std::uint32_t>(step) : corners[step];
     }
-    [[nodiscard, gnu::always_inline]] std::uint32_t apex() const noexcept { return sample(steps->apex); }
-    [[nodiscard, gnu::always_inline]] std::uint32_t end(int hand) const noexcept { return sample(steps->end[hand]); }
-    [[nodiscard, gnu::always_inline]] Way out(int hand) const noexcept {
-        return way + static_cast<Way>(steps->out[hand]);
-    }
-    [[nodiscard, gnu::always_inline]] Way own(int hand) const noexcept {
-        return way + static_cast<Way>(steps->own[hand]);
-    }
+    [[nodiscard]] DGM_INLINE std::uint32_t apex() const noexcept { return sample(steps->apex); }
+    [[nodiscard]] DGM_INLINE std::uint32_t end(int hand) const noexcept { return sample(steps->end[hand]); }
+    [[nodiscard]] DGM_INLINE Way out(int hand) const noexcept { return way + static_cast<Way>(steps->out[hand]); }
+    [[nodiscard]] DGM_INLINE Way own(int hand) const noexcept { return way + static_cast<Way>(steps->own[hand]); }
 };
 
 class Unfolding {
@@ -41,10 +37,10 @@ class Unfolding {
           strip_(2 * g_.strip) {}
 
     /// Representative of a sample.
-    [[nodiscard, gnu::always_inline]] std::uint32_t corner(std::uint32_t sample) const noexcept {
+    [[nodiscard]] DGM_INLINE std::uint32_t corner(std::uint32_t sample) const noexcept {
         return (corners_[sample] & kCornerClass) == 0 ? sample : s_.representative(sample);
     }
-    [[nodiscard, gnu::always_inline]] Across across(Way way) const noexcept {
+    [[nodiscard]] DGM_INLINE Across across(Way way) const noexcept {
         const std::uint32_t quad = (way >> 4) - cols_;
         if (way >= strip_) [[unlikely]]
             return {&g_.strip_steps[way >> 1 & 7][way & 1], s_.faces.data() + 3 * std::size_t{(way - strip_) >> 4},
@@ -53,11 +49,11 @@ class Unfolding {
         return {&g_.steps[flags & kCornerDiagonal][way >> 1 & 7][way & 1], nullptr, quad, way,
                 (flags & kCornerLoose) != 0};
     }
-    [[nodiscard, gnu::always_inline]] FlatTriangle flat(const Across& at) const noexcept {
+    [[nodiscard]] DGM_INLINE FlatTriangle flat(const Across& at) const noexcept {
         return triangles_[2 * (at.way >> 4) + static_cast<std::uint32_t>(at.steps->half)];
     }
     /// From the right end of the edge e to the third corner of the triangle beyond.
-    [[nodiscard, gnu::always_inline]] Vec2 to_third(const Across& at, Vec2 e) const noexcept {
+    [[nodiscard]] DGM_INLINE Vec2 to_third(const Across& at, Vec2 e) const noexcept {
         const FlatTriangle z = flat(at);
         const Steps& s = *at.steps;
         const Vec2 edge{s.edge[0] + s.edge[1] * z.x, s.edge[1] * z.y};

@@ -17,25 +17,25 @@ namespace dgm::detail {
 struct Vec2 {
     float x, y;
 };
-[[gnu::always_inline]] inline Vec2 operator+(Vec2 a, Vec2 b) noexcept {
+DGM_INLINE Vec2 operator+(Vec2 a, Vec2 b) noexcept {
     return {a.x + b.x, a.y + b.y};
 }
-[[gnu::always_inline]] inline Vec2 operator-(Vec2 a, Vec2 b) noexcept {
+DGM_INLINE Vec2 operator-(Vec2 a, Vec2 b) noexcept {
     return {a.x - b.x, a.y - b.y};
 }
-[[gnu::always_inline]] inline Vec2 operator-(Vec2 a) noexcept {
+DGM_INLINE Vec2 operator-(Vec2 a) noexcept {
     return {-a.x, -a.y};
 }
-[[gnu::always_inline]] inline Vec2 operator*(float k, Vec2 a) noexcept {
+DGM_INLINE Vec2 operator*(float k, Vec2 a) noexcept {
     return {k * a.x, k * a.y};
 }
-[[gnu::always_inline]] inline float dot(Vec2 a, Vec2 b) noexcept {
+DGM_INLINE float dot(Vec2 a, Vec2 b) noexcept {
     return a.x * b.x + a.y * b.y;
 }
-[[gnu::always_inline]] inline float cross(Vec2 a, Vec2 b) noexcept {
+DGM_INLINE float cross(Vec2 a, Vec2 b) noexcept {
     return a.x * b.y - a.y * b.x;
 }
-[[gnu::always_inline]] inline float length(Vec2 a) noexcept {
+DGM_INLINE float length(Vec2 a) noexcept {
     return std::sqrt(dot(a, a));
 }
 
