@@ -32,6 +32,12 @@ class Part:
 
 
 RUNTIME = ("libdgm/include",)
+
+
+def rooms(*names):
+    return RUNTIME + tuple(f"libdgm/src/{name}" for name in names)
+
+
 DATA = RUNTIME + ("formats/model", "formats/image")
 GEOMETRY = DATA + ("cli/geometry",)
 CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
@@ -40,8 +46,15 @@ BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cl
 
 PARTS = (
     Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
-    Part("libdgm/src", 0, RUNTIME, (SYSTEM, XXHASH, INTRINSICS),
-         "maps files; xxHash is inlined, nothing is linked; vector loops chosen at run time"),
+    Part("libdgm/src/base", 0, RUNTIME, (SYSTEM,), "memory, and functions that round alike everywhere"),
+    Part("libdgm/src/rows", 0, rooms("base"), (INTRINSICS,), "loops over rows of samples, chosen by the processor"),
+    Part("libdgm/src/file", 0, rooms("base"), (SYSTEM, XXHASH),
+         "maps files and judges what they hold; xxHash is inlined, nothing is linked"),
+    Part("libdgm/src/surface", 0, rooms("base", "rows", "file"), (), "the welded surface: seams, normals, boxes, changes"),
+    Part("libdgm/src/touch", 0, rooms("base", "rows", "file", "surface"), (), "footprints, deformation, fading, ticks"),
+    Part("libdgm/src/contact", 0, rooms("base", "rows", "file", "surface", "touch"), (), "obstacles and volume"),
+    Part("libdgm/src/query", 0, rooms("base", "rows", "file", "surface", "touch"), (), "triangles, rays, nearest samples"),
+    Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
     Part("formats/image", 1, ("formats/model",), (PNG, STB), "pixels in and out; no other part decodes pictures"),
     Part("cli/geometry", 2, DATA, (EIGEN, EMBREE, TBB), "pure functions on meshes; builds without CGAL"),
@@ -83,7 +96,8 @@ STANDARD = re.compile(r"[a-z_0-9]+|(assert|ctype|errno|float|inttypes|limits|loc
                       r"stdlib|string|strings|time)\.h")
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')
 # Where <...> and "..." of ours are looked up, after the including file's own folder for the latter.
-SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "samples", "libdgm/include", "tests", "tests/support",
+SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "libdgm/src", "samples", "libdgm/include", "tests",
+                                          "tests/support",
                                           "tests/unit", "tests/unit/formats")}
 
 CODE = {".h", ".hpp", ".c", ".cpp"}
@@ -195,7 +209,7 @@ def check(root):
 
 GOOD = {
     "libdgm/include/dgm/vec.h": "// SPDX-License-Identifier: MIT\n#include <cmath>\n",
-    "libdgm/src/hash.cpp": "// SPDX-License-Identifier: MIT\n#include <dgm/vec.h>\n#include <xxhash.h>\n",
+    "libdgm/src/file/hash.cpp": "// SPDX-License-Identifier: MIT\n#include <dgm/vec.h>\n#include <xxhash.h>\n",
     "formats/model/mesh.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <dgm/vec.h>\n",
     "formats/dgm/writer.cpp": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <hdf5.h>\n"
                               '#include "model/mesh.h"\n',
@@ -205,8 +219,8 @@ GOOD = {
 }
 BAD = {  # file: (text, line of the fault, part of the message)
     "libdgm/include/dgm/big.h": ("// SPDX-License-Identifier: MIT\n#include <fmt/format.h>\n", 2, "include fmt"),
-    "libdgm/src/up.cpp": ('// SPDX-License-Identifier: MIT\n\n#include "model/mesh.h"\n', 3, "formats/model (level 1)"),
-    "libdgm/src/gpl.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "the licence here is MIT"),
+    "libdgm/src/file/up.cpp": ('// SPDX-License-Identifier: MIT\n\n#include "model/mesh.h"\n', 3, "formats/model (level 1)"),
+    "libdgm/src/file/gpl.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "the licence here is MIT"),
     "formats/model/h5.h": ("// SPDX-License-Identifier: GPL-3.0-or-later\n# include <hdf5.h>\n", 2, "include HDF5"),
     "formats/exr/side.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include \"dgm/writer.h\"\n", 2,
                              "may not include formats/dgm"),
