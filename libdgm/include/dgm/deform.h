@@ -2,6 +2,9 @@
 // libdgm/include/dgm/deform.h
 // Deforms a state around a contact, paper eq. 7:
 //     d(P_ij) = d_c * exp(-((i - i_c)^2 + (j - j_c)^2) / sigma),  |i - i_c|, |j - j_c| < b.
+//
+// "The paper" in these headers is Liu, Prakash and Srinivasan, "Interactive deformable geometry maps", The Visual
+// Computer 23 (2007) 119-131.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -10,8 +10,8 @@
  *   chart      one connected surface, stored as a grid of rows x cols samples
  *   sample     a point of the surface. Grid sample (i, j) has the index i * cols + j. The domain of a chart is square
  *              or free; a free one also has border samples, and border sample b has the index rows * cols + b
- *   seam       the line along which a surface was cut open. A sample on it is stored more than once: the copies form a
- *              seam class, whose lowest index is its representative. All copies have the same bits at all times
+ *   seam       the line along which a surface was cut open. A sample on it is stored more than once: its seam copies
+ *              form a weld class, whose lowest index is its representative. All copies have the same bits at all times
  *   state      the deformable copy of a chart. It keeps three shapes: rest (as baked), permanent (rest and plastic
  *              touches) and present (permanent and elastic touches)
  *   mean step  the square root of the mean area of a quad at rest: the typical length of a grid step
@@ -20,7 +20,8 @@
  * ERRORS
  *   A function that can fail returns a dgm_code; DGM_OK is 0. If `error` is not NULL, it also receives the code, a
  *   message and a place in the file. On failure nothing else is written and nothing is changed, unless the function
- *   says so. A function that creates a handle sets it to NULL on failure.
+ *   says so. Initialize handles to NULL: a function that fails to create one sets it to NULL, except if a required
+ *   pointer was NULL.
  *
  * POINTERS
  *   A pointer may be NULL where its function says so, and `error` always may. Any other NULL gives DGM_BAD_ARGUMENT.
@@ -96,7 +97,7 @@ typedef enum dgm_code {
     DGM_BAD_LAYER = 10,        /* a known layer has the wrong type or shape */
     DGM_BAD_VALUE = 11,        /* a layer contains a value outside its range */
     DGM_BAD_SEAM_TABLE = 12,   /* seam pairs are out of range, repeated, or do not name the lowest index first */
-    DGM_SEAM_GAP = 13,         /* copies of one seam class differ */
+    DGM_SEAM_GAP = 13,         /* copies of one weld class differ */
     DGM_NOT_FINITE = 14,       /* a position on the surface is NaN or infinite */
     DGM_MISSING_LAYER = 15,    /* the chart does not have a layer that the call needs */
     DGM_UNKNOWN_LAYER = 16,    /* the file requires a layer that this library does not know */
@@ -369,11 +370,11 @@ DGM_API dgm_code dgm_state_position(const dgm_state* state, uint32_t sample, flo
  * Errors: DGM_BAD_ARGUMENT (no such sample). Cost: O(1), or O(faded samples). */
 DGM_API dgm_code dgm_state_normal(const dgm_state* state, uint32_t sample, float normal[3], dgm_error* error);
 
-/* Returns the seam class of a sample; DGM_NONE if the sample has no copies, does not exist, or `state` is NULL.
+/* Returns the weld class of a sample; DGM_NONE if the sample has no copies, does not exist, or `state` is NULL.
  * O(1). Any thread. */
 DGM_API uint32_t dgm_state_class_of(const dgm_state* state, uint32_t sample);
 
-/* Gives access to the samples of a seam class, in ascending order: the first one is the representative.
+/* Gives access to the samples of a weld class, in ascending order: the first one is the representative.
  *
  * class_id  from dgm_state_class_of()
  * members   receives an array of the state that lives as long as the state; may be NULL
@@ -416,7 +417,7 @@ typedef struct dgm_vertex_target {
     size_t position_offset;   /* to x, y, z: local */
     size_t normal_offset;     /* to x, y, z: unit length */
     size_t uv_offset;         /* to two numbers: along columns, then along rows; the first row is on top */
-    uint32_t strips;          /* dgm_topology of the indices */
+    uint32_t strips;          /* dgm_topology of the indices; any value other than 0 counts as STRIPS */
     uint32_t position_format; /* dgm_vertex_format */
     uint32_t normal_format;   /* dgm_vertex_format */
     uint32_t uv_format;       /* dgm_vertex_format */
@@ -477,7 +478,7 @@ DGM_API dgm_code dgm_state_mesh_counts_at(const dgm_state* state, uint32_t lod_s
                                           dgm_mesh_counts* counts, dgm_error* error);
 
 /* Writes the present shape of a state, as dgm_chart_reconstruct() writes a chart. Normals are those of the present
- * shape, whether or not dgm_state_update_normals() was called; copies of a seam class get the same bits.
+ * shape, whether or not dgm_state_update_normals() was called; copies of a weld class get the same bits.
  *
  * vertices     where they go, and the level of detail; NULL: no vertices, full detail, triangles
  * indices      receives the indices; NULL: none
@@ -538,7 +539,7 @@ typedef struct dgm_kernel_options {
 /* One push or pull at a sample. */
 typedef struct dgm_touch {
     uint32_t struct_size;
-    uint32_t sample;       /* the contact; any copy of a seam class will do */
+    uint32_t sample;       /* the contact; any copy of a weld class will do */
     float displacement[3]; /* d_c, local units: the way of the contact; other samples move by their weight times d_c */
     float d_max;           /* local units, > 0: a longer displacement is shortened to this */
     uint32_t footprint;    /* dgm_footprint */
@@ -578,7 +579,7 @@ DGM_API float dgm_table_weight(const dgm_table* table, float di, float dj);
  * if `table` is NULL. O(1). Any thread. */
 DGM_API float dgm_table_profile(const dgm_table* table, float distance);
 
-/* Applies one touch, eq. 7: every sample in reach moves by its weight times the displacement. Copies of a seam class
+/* Applies one touch, eq. 7: every sample in reach moves by its weight times the displacement. Copies of a weld class
  * move alike. If the chart has the layer `deformation`, the stiffness of a sample (0 .. 1) multiplies its sigma. If it
  * has the layer `contact`, the mobility of a sample (0 .. 1) multiplies its displacement.
  *
@@ -653,7 +654,7 @@ typedef struct dgm_pick_options {
 /* The triangle that a ray meets first. */
 typedef struct dgm_ray_hit {
     uint32_t struct_size;
-    uint32_t sample;      /* the corner with the largest weight, as the representative of its seam class */
+    uint32_t sample;      /* the corner with the largest weight, as the representative of its weld class */
     uint32_t row, column; /* the quad; DGM_NONE for a face of the border strip */
     uint32_t triangle;    /* number in the quad, 0 or 1; else the row of the layer `border_faces` */
     uint32_t corners[3];  /* samples of the triangle */
@@ -843,7 +844,7 @@ typedef struct dgm_contact_report {
     uint32_t status;          /* dgm_contact_status */
     uint32_t volume_kept;     /* 1: |volume_error| <= 1e-6; never for an open surface */
     uint32_t sunk;            /* 1: samples that may not move (mobility) are still in the obstacle */
-    uint32_t samples;         /* samples in contact; a seam class counts once, as in `total` */
+    uint32_t samples;         /* samples in contact; a weld class counts once, as in `total` */
     uint32_t ring;            /* bulged samples; copies count */
     uint32_t passes;          /* bulged volumes that were computed or measured */
     float deepest;            /* largest displacement of a sample, local units */
@@ -878,7 +879,7 @@ DGM_API uint32_t dgm_contact_solver_closed(const dgm_contact_solver* solver);
 DGM_API double dgm_contact_solver_volume(const dgm_contact_solver* solver, const dgm_state* state);
 
 /* Moves the present shape out of an obstacle (paper, section 6): samples in it are projected onto its border, and
- * the surface around them bulges. Copies of a seam class stay equal; the mobility of a sample scales its
+ * the surface around them bulges. Copies of a weld class stay equal; the mobility of a sample scales its
  * displacement. A depth below 2e-7 of the largest coordinate counts as none, so that a shape at rest stays
  * unchanged. Normals need dgm_state_update_normals() afterwards.
  *
