@@ -77,8 +77,8 @@ class Chart {
 /// that they write stay in range. A State, and an index once read, do not change.
 class Asset {
  public:
-    /// Maps a file. `path` is UTF-8. @return FileMissing, ReadFailed, Unsupported (a platform that maps no files), or
-    ///         an error of open_memory().
+    /// Maps a file. On Windows `path` is UTF-8. @return FileMissing, ReadFailed, Unsupported (a platform that maps no
+    ///         files), or an error of open_memory().
     [[nodiscard]] DGM_API static Result<Asset> open(const char* path, const OpenOptions& options = {}) noexcept;
     /// Reads bytes in memory instead. The caller keeps them alive; they are aligned to 16.
     ///

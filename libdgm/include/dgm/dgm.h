@@ -215,7 +215,7 @@ typedef struct dgm_layer_view {
  * dgm_chart_validate(). The file must not become shorter while it is open: reading pages beyond its end is a fault
  * (SIGBUS, an access violation). If it is overwritten in place, calls give old values, new values or an error.
  *
- * path       file name, zero-terminated; UTF-8 on every platform
+ * path       file name, zero-terminated; UTF-8 on Windows, elsewhere the system's own bytes
  * options    NULL: defaults
  * allocator  for the index; NULL: the C library's heap
  * asset      receives the handle
@@ -456,7 +456,7 @@ DGM_API dgm_code dgm_chart_mesh_counts_at(const dgm_asset* asset, uint32_t chart
  * index_count  length of `indices`: at least dgm_mesh_counts.indices for this level and topology
  * counts       receives the numbers written; may be NULL
  * Errors: DGM_BUFFER_TOO_SMALL, DGM_BAD_ARGUMENT (an attribute beyond the stride, steps of U16 positions, no such
- * chart), DGM_MISSING_LAYER (normals), DGM_NOT_FINITE, DGM_BAD_VALUE, DGM_UNSUPPORTED (a format). On failure
+ * chart), DGM_MISSING_LAYER (geometry, normals), DGM_NOT_FINITE, DGM_BAD_VALUE, DGM_UNSUPPORTED (a format). On failure
  * `vertices->data` and `indices` may be partly written. Cost: O(samples). Any thread. */
 DGM_API dgm_code dgm_chart_reconstruct(const dgm_asset* asset, uint32_t chart, const dgm_vertex_target* vertices,
                                        uint32_t* indices, size_t index_count, dgm_mesh_counts* counts,
@@ -575,8 +575,9 @@ DGM_API void dgm_table_destroy(dgm_table* table);
 DGM_API float dgm_table_weight(const dgm_table* table, float di, float dj);
 
 /* Returns the kernel's weight at a distance from the contact, in grid steps: the value that all footprints but GRID
- * use. For an elliptic kernel the distance is along its longer axis. 0 beyond the reach, for negative distances and
- * if `table` is NULL. O(1). Any thread. */
+ * use. For an elliptic kernel the distance is along its longer axis. The kernel ends at the reach; with
+ * DGM_KERNEL_END_PRINTED it continues into the corners of its square window. Returns 0 beyond its end, for a negative
+ * `distance` and if `table` is NULL. O(1). Any thread. */
 DGM_API float dgm_table_profile(const dgm_table* table, float distance);
 
 /* Applies one touch, eq. 7: every sample in reach moves by its weight times the displacement. Copies of a weld class
