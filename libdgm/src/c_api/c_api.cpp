@@ -18,7 +18,44 @@ using dgm::kNoOffset;
 using dgm::Result;
 using namespace dgm::c_api;
 
-static_assert(DGM_BUSY == static_cast<int>(ErrorCode::Busy));
+// dgm.h and the C++ interface number every choice alike.
+static_assert(same(DGM_OK, ErrorCode::Ok));
+static_assert(same(DGM_BAD_ARGUMENT, ErrorCode::BadArgument));
+static_assert(same(DGM_OUT_OF_MEMORY, ErrorCode::OutOfMemory));
+static_assert(same(DGM_FILE_MISSING, ErrorCode::FileMissing));
+static_assert(same(DGM_READ_FAILED, ErrorCode::ReadFailed));
+static_assert(same(DGM_NOT_DGM, ErrorCode::NotDgm));
+static_assert(same(DGM_BAD_VERSION, ErrorCode::BadVersion));
+static_assert(same(DGM_TRUNCATED, ErrorCode::Truncated));
+static_assert(same(DGM_HASH_MISMATCH, ErrorCode::HashMismatch));
+static_assert(same(DGM_BAD_INDEX, ErrorCode::BadIndex));
+static_assert(same(DGM_BAD_LAYER, ErrorCode::BadLayer));
+static_assert(same(DGM_BAD_VALUE, ErrorCode::BadValue));
+static_assert(same(DGM_BAD_SEAM_TABLE, ErrorCode::BadSeamTable));
+static_assert(same(DGM_SEAM_GAP, ErrorCode::SeamGap));
+static_assert(same(DGM_NOT_FINITE, ErrorCode::NotFinite));
+static_assert(same(DGM_MISSING_LAYER, ErrorCode::MissingLayer));
+static_assert(same(DGM_UNKNOWN_LAYER, ErrorCode::UnknownLayer));
+static_assert(same(DGM_LIMIT_EXCEEDED, ErrorCode::LimitExceeded));
+static_assert(same(DGM_BUFFER_TOO_SMALL, ErrorCode::BufferTooSmall));
+static_assert(same(DGM_NOT_FOUND, ErrorCode::NotFound));
+static_assert(same(DGM_UNSUPPORTED, ErrorCode::Unsupported));
+static_assert(same(DGM_BUSY, ErrorCode::Busy));
+static_assert(same(DGM_DOMAIN_SQUARE, dgm::layout::Domain::kSquare));
+static_assert(same(DGM_DOMAIN_FREE, dgm::layout::Domain::kFree));
+static_assert(same(DGM_ELEMENT_TYPE_U8, dgm::layout::ElementType::kU8));
+static_assert(same(DGM_ELEMENT_TYPE_U16, dgm::layout::ElementType::kU16));
+static_assert(same(DGM_ELEMENT_TYPE_U32, dgm::layout::ElementType::kU32));
+static_assert(same(DGM_ELEMENT_TYPE_I16, dgm::layout::ElementType::kI16));
+static_assert(same(DGM_ELEMENT_TYPE_F16, dgm::layout::ElementType::kF16));
+static_assert(same(DGM_ELEMENT_TYPE_F32, dgm::layout::ElementType::kF32));
+static_assert(same(DGM_VERTEX_FORMAT_F32, dgm::VertexFormat::F32));
+static_assert(same(DGM_VERTEX_FORMAT_F16, dgm::VertexFormat::F16));
+static_assert(same(DGM_VERTEX_FORMAT_U16, dgm::VertexFormat::U16));
+static_assert(same(DGM_TOPOLOGY_TRIANGLES, dgm::IndexTopology::Triangles));
+static_assert(same(DGM_TOPOLOGY_STRIPS, dgm::IndexTopology::Strips));
+static_assert(DGM_NONE == dgm::kNone && DGM_NO_OFFSET == kNoOffset);
+static_assert(DGM_RESTART == dgm::kRestart && DGM_NO_ATTRIBUTE == dgm::kNoAttribute);
 
 Result<dgm::OpenOptions> open_options(const dgm_open_options* from, const dgm_allocator* allocator) noexcept {
     dgm_open_options o;

@@ -11,6 +11,19 @@ using namespace dgm::c_api;
 
 constexpr std::size_t kMaxRings = 16;  // of ContactOptions
 
+static_assert(same(DGM_OBSTACLE_KIND_PLANE, dgm::ObstacleKind::Plane));
+static_assert(same(DGM_OBSTACLE_KIND_SPHERE, dgm::ObstacleKind::Sphere));
+static_assert(same(DGM_OBSTACLE_KIND_CAPSULE, dgm::ObstacleKind::Capsule));
+static_assert(same(DGM_OBSTACLE_KIND_BOX, dgm::ObstacleKind::Box));
+static_assert(same(DGM_OBSTACLE_KIND_SURFACE, dgm::ObstacleKind::Surface));
+static_assert(same(DGM_BULGE_EXACT, dgm::Bulge::Exact));
+static_assert(same(DGM_BULGE_PAPER, dgm::Bulge::Paper));
+static_assert(same(DGM_BULGE_NONE, dgm::Bulge::None));
+static_assert(same(DGM_CONTACT_STATUS_CLEAR, dgm::ContactStatus::Clear));
+static_assert(same(DGM_CONTACT_STATUS_CONTACT, dgm::ContactStatus::Contact));
+static_assert(same(DGM_CONTACT_STATUS_RESTORED, dgm::ContactStatus::Restored));
+static_assert(same(DGM_CONTACT_STATUS_OPEN, dgm::ContactStatus::Open));
+
 Result<dgm::Obstacle> obstacle_of(const dgm_obstacle* from) noexcept {
     if (from == nullptr) return kNull;
     dgm_obstacle o;

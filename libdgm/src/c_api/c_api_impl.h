@@ -51,6 +51,12 @@ inline constexpr Error kNull{ErrorCode::BadArgument, kNoOffset, "a pointer is nu
 inline constexpr Error kBadSize{ErrorCode::BadArgument, kNoOffset, "struct_size is not set"};
 inline constexpr std::size_t kMaxStruct = 4096;  // no struct of ours ever grows to this
 
+/// For static_assert: an enumerator of dgm.h has the number of its C++ counterpart.
+template <class E>
+[[nodiscard]] constexpr bool same(int number, E value) noexcept {
+    return number == static_cast<int>(value);
+}
+
 /// Writes what both sides know of an answer; the caller's struct_size stays.
 template <class T>
 void put(T* to, T from) noexcept {

@@ -16,6 +16,23 @@ using dgm::kNoOffset;
 using dgm::Result;
 using namespace dgm::c_api;
 
+static_assert(same(DGM_KERNEL_SHAPE_CIRCULAR, dgm::KernelShape::Circular));
+static_assert(same(DGM_KERNEL_SHAPE_ELLIPTIC, dgm::KernelShape::Elliptic));
+static_assert(same(DGM_KERNEL_SHAPE_USER, dgm::KernelShape::User));
+static_assert(same(DGM_KERNEL_END_PRINTED, dgm::KernelEnd::Printed));
+static_assert(same(DGM_KERNEL_END_COMPACT, dgm::KernelEnd::Compact));
+static_assert(same(DGM_FOOTPRINT_SURFACE, dgm::Footprint::Surface));
+static_assert(same(DGM_FOOTPRINT_METRIC, dgm::Footprint::Metric));
+static_assert(same(DGM_FOOTPRINT_GEODESIC, dgm::Footprint::Geodesic));
+static_assert(same(DGM_FOOTPRINT_GRID, dgm::Footprint::Grid));
+static_assert(same(DGM_DEFORM_MODE_ELASTIC, dgm::DeformMode::Elastic));
+static_assert(same(DGM_DEFORM_MODE_PLASTIC, dgm::DeformMode::Plastic));
+static_assert(same(DGM_TOOL_KIND_TOUCH, dgm::ToolKind::Touch));
+static_assert(same(DGM_TOOL_KIND_POKE, dgm::ToolKind::Poke));
+static_assert(same(DGM_TOOL_KIND_GRASP, dgm::ToolKind::Grasp));
+static_assert(same(DGM_CONTACT_RULE_SMOOTH, dgm::ContactRule::Smooth));
+static_assert(same(DGM_CONTACT_RULE_PRINTED, dgm::ContactRule::Printed));
+
 dgm_code give_nearest(const Result<dgm::Nearest>& found, std::uint32_t* sample, float* distance,
                       dgm_error* error) noexcept {
     if (!found) return finish(found.error(), error);
