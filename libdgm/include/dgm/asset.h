@@ -46,7 +46,7 @@ class Chart {
     [[nodiscard]] DGM_API std::uint32_t sample_count() const noexcept;
     /// min xyz, max xyz in the source frame.
     [[nodiscard]] DGM_API std::span<const double, 6> bbox() const noexcept;
-    /// Source frame = offset + local; local = scale * stored (design section 4).
+    /// Source frame = offset + local; local = scale * stored (docs/design.md section 4).
     [[nodiscard]] DGM_API std::span<const double, 3> offset() const noexcept;
     [[nodiscard]] DGM_API std::span<const double, 3> scale() const noexcept;
     /// Parameterization method, zero-terminated.

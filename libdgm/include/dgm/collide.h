@@ -15,7 +15,7 @@ struct Nearest {
     float distance = 0;            ///< local units
 };
 
-/// Exact nearest sample of the present shape, by the box pyramid of design section 4.
+/// Exact nearest sample of the present shape, by the box pyramid of docs/design.md section 4.
 ///
 /// Boxes of tiles touched since the last query are refitted first, hence the non-const state. The answer is that of an
 /// exhaustive search with squared distances evaluated in float.

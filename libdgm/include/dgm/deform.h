@@ -26,8 +26,8 @@ enum class KernelShape : std::uint32_t {
 /// How the kernel ends at b.
 enum class KernelEnd : std::uint32_t {
     Printed = 0,  ///< eq. 7 as printed: square window, a step of at most exp(-b^2 / sigma) * |d_c| at its rim
-    Compact = 1,  ///< value and slope 0 at distance b (methods section 5), never farther than (1 + R^2) exp(-R^2)
-                  ///< from eq. 7 inside the disk of radius b, R = b / sqrt(sigma); 0 outside it
+    Compact = 1,  ///< value and slope 0 at distance b (docs/methods.md section 5), never farther than
+                  ///< (1 + R^2) exp(-R^2) from eq. 7 inside the disk of radius b, R = b / sqrt(sigma); 0 outside it
 };
 
 struct KernelOptions {
@@ -67,8 +67,8 @@ class DeformTable {
     /// Weight at a distance in grid steps, by linear interpolation in the table that footprints by distance and painted
     /// stiffness read; for an elliptic kernel the distance along its longer axis.
     [[nodiscard]] DGM_API float profile(float distance) const noexcept;
-    /// Largest distance between profile() and the kernel: h^2 / 4 for entries h apart in units of sqrt(sigma) (methods
-    /// section 5), and rounding.
+    /// Largest distance between profile() and the kernel: h^2 / 4 for entries h apart in units of sqrt(sigma)
+    /// (docs/methods.md section 5), and rounding.
     [[nodiscard]] DGM_API float profile_error_bound() const noexcept;
     [[nodiscard]] DGM_API std::uint32_t reach() const noexcept;
 

@@ -8,7 +8,7 @@
 
 namespace dgm {
 
-/// Flat index of sample (i, j): row i in 0..m-1 runs along u, column j in 0..n-1 along v (design section 1).
+/// Flat index of sample (i, j): row i in 0..m-1 runs along u, column j in 0..n-1 along v (docs/design.md section 1).
 [[nodiscard]] constexpr std::size_t sample_index(std::size_t i, std::size_t j, std::size_t n) noexcept {
     return i * n + j;
 }
@@ -21,7 +21,8 @@ inline constexpr std::uint32_t kTileQuads = 8;
 
 /// The two triangles of quad (i, j) of a grid with n columns, as flat sample indices, counter-clockwise in (u, v).
 ///
-/// diagonal 0 runs along (i, j)-(i+1, j+1), diagonal 1 along (i+1, j)-(i, j+1) (layer `diagonals`, design section 4).
+/// diagonal 0 runs along (i, j)-(i+1, j+1), diagonal 1 along (i+1, j)-(i, j+1): layer `diagonals`, docs/design.md
+/// section 4.
 [[nodiscard]] constexpr std::array<std::array<std::uint32_t, 3>, 2> quad_triangles(std::uint32_t i, std::uint32_t j,
                                                                                   std::uint32_t n,
                                                                                   unsigned diagonal) noexcept {

@@ -80,8 +80,8 @@ struct VertexTarget {
                                                      std::span<std::uint32_t> indices,
                                                      const ReconstructOptions& options = {}) noexcept;
 
-/// The same for the present shape of a state. Normals are area-weighted over the welded ring (methods section 5), so
-/// all copies of a seam class get the same bits; a sample without area gets 0.
+/// The same for the present shape of a state. Normals are area-weighted over the welded ring (docs/methods.md
+/// section 5), so all copies of a seam class get the same bits; a sample without area gets 0.
 [[nodiscard]] DGM_API Result<MeshCounts> reconstruct(const State& state, const VertexTarget& vertices,
                                                      std::span<std::uint32_t> indices,
                                                      const ReconstructOptions& options = {}) noexcept;
