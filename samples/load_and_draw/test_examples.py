@@ -19,8 +19,8 @@ class Examples(unittest.TestCase):
         folder = tempfile.TemporaryDirectory(prefix="examples-")
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
-        subprocess.run([BAKE, "-q", SAMPLES / "stomach/stomach.obj", "-o", cls.folder / "stomach.dgm", "--size", str(SIDE),
-                        "--domain", "square"], check=True, timeout=200)
+        subprocess.run([BAKE, "-q", SAMPLES / "stomach/stomach.obj", "-o", cls.folder / "stomach.dgm",
+                        "--size", str(SIDE), "--domain", "square"], check=True, timeout=200)
 
     def run_in(self, folder, program):
         return subprocess.run([program], cwd=folder, timeout=60, capture_output=True, text=True, check=False)
