@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/pipeline/pipeline.h
-// The stages of a bake, in order (design section 2), for one asset, in this process.
+// The stages of a bake, in order (docs/design.md section 2), for one asset, in this process.
 #pragma once
 #include <filesystem>
 

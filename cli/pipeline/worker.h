@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/pipeline/worker.h
-// The disposable process that bakes one asset (design section 2.1). What happens in it stays in it: importers and
-// geometry libraries may crash, hang or eat memory, and it costs one asset.
+// The disposable process that bakes one asset (docs/design.md section 2.1). Importers and geometry libraries may crash,
+// hang or eat memory in it, and that costs one asset.
 #pragma once
 #include <filesystem>
 #include <functional>

@@ -31,7 +31,7 @@ std::string size_text(std::uint64_t rows, std::uint64_t cols) {
     return fmt::format("{}x{}", rows, cols);
 }
 
-/// Bytes of a chart's layers, design section 4.
+/// Bytes of a chart's layers, docs/design.md section 4.
 struct ChartBytes {
     std::uint64_t geometry = 0, texture = 0, tables = 0;
     std::map<std::string, std::uint64_t> others;  ///< by the name that --layers takes

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/reconstruction.cpp
-// Layers to triangles (design section 4): the same rules as the runtime's reconstruction, in double.
+// Layers to triangles (docs/design.md section 4): the same rules as the runtime's reconstruction, in double.
 #include "geometry/metrics/reconstruction.h"
 
 #include <dgm/grid.h>

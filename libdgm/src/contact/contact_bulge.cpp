@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact/contact_bulge.cpp
-// The volume kept as in methods section 6.
+// The volume kept as in docs/methods.md section 6.
 //
 // x' is the shape after projecting Phi, b_i = w_i n_i the bulge of Psi. The volume of x' + beta b is a cubic in beta.
 // Samples that this takes beyond the obstacle are put back on it, and the volume that costs grows about as a power of

@@ -5,7 +5,7 @@
 // The rim is where edges between a sample beyond the obstacle and one before it cross the obstacle's border: it moves
 // steadily while samples go in and out. From there each node hands the rim point it is nearest to to its neighbours,
 // across seams too; a distance is the chord to that rim point, right to fourth order while the ring is small against
-// the radius of curvature (methods section 5), and never reaches a sheet that is near in space alone.
+// the radius of curvature (docs/methods.md section 5), and never reaches a sheet that is near in space alone.
 //
 // Nodes are all samples, or every fourth one of wide rings on a square domain: there the distance, negative beyond the
 // rim, is bilinear between nodes, wrong by about a sixteenth of a grid step where the rim bends with a radius of 32.

@@ -38,7 +38,7 @@ struct AssetImpl {
 /// Reads and checks header and records of `asset.bytes` into `asset` (every check that needs no layer bytes).
 [[nodiscard]] Result<void> read_index(AssetImpl& asset, const OpenOptions& options) noexcept;
 
-/// Type and shape of a layer against the table of design section 4. Sets `known`.
+/// Type and shape of a layer against the table of docs/design.md section 4. Sets `known`.
 /// @return BadLayer at the record, UnknownLayer if it is required and not in the table.
 [[nodiscard]] Result<void> check_layer(const layout::ChartRecord& chart, LayerInfo& layer) noexcept;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/file/layer_rules.cpp
-// Types and shapes of the layers of design section 4, as a table.
+// Types and shapes of the layers of docs/design.md section 4, as a table.
 #include <cstring>
 
 #include <dgm/grid.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/surface/normals.cpp
-// Area vectors over the welded ring (methods section 5).
+// Area vectors over the welded ring (docs/methods.md section 5).
 //
 // Inside the grid the ring is a closed polygon and rows.h does many at a time in float. At borders and seams, and where
 // float would not do, ring_normal() sums triangles in double, copies in ascending order: every copy of a class gets the

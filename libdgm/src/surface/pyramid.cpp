@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/surface/pyramid.cpp
-// Boxes over 8 x 8 quads, then over 2 x 2 boxes up to one root (design section 4, layer `collision`), kept up to date
-// for the tiles that were touched.
+// Boxes over 8 x 8 quads, then over 2 x 2 boxes up to one root (docs/design.md section 4, layer `collision`), kept up
+// to date for the tiles that were touched.
 #include <algorithm>
 #include <limits>
 

@@ -25,7 +25,7 @@ double phi(double t) noexcept {
     return t * t / 2 * sum;
 }
 
-/// Eq. 7 without d_c, or its compact form f_c (methods section 5), which is phi(R^2 - r^2) / phi(R^2).
+/// Eq. 7 without d_c, or its compact form f_c (docs/methods.md section 5), which is phi(R^2 - r^2) / phi(R^2).
 double gaussian(double r2, double sigma, double reach, KernelEnd end) noexcept {
     const double q = r2 / sigma;
     if (end == KernelEnd::Printed) return portable_exp(-q);
