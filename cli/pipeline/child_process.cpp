@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "model/codes.h"
-#include "pipeline/worker_protocol.h"
+#include "pipeline/worker_io.h"
 
 namespace dgm::bake {
 namespace {

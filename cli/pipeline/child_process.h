@@ -35,7 +35,7 @@ struct ChildEnd {
     int signal = 0;  ///< 0 if it exited by itself
 };
 
-/// Runs /proc/self/exe with `--worker`; see worker_protocol.h for the descriptors it finds. Killed and reaped with its
+/// Runs /proc/self/exe with `--worker`; see worker_io.h for the descriptors it finds. Killed and reaped with its
 /// owner. Not thread-safe; create it on the thread that lives as long as the batch (the child is told of its death).
 class ChildProcess {
  public:

@@ -20,7 +20,6 @@
 #include "model/codes.h"
 #include "pipeline/child_process.h"
 #include "pipeline/worker_io.h"
-#include "pipeline/worker_protocol.h"
 
 namespace dgm::bake {
 namespace {

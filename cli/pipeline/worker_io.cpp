@@ -15,8 +15,6 @@
 #include <limits>
 #include <new>
 
-#include "pipeline/worker_protocol.h"
-
 namespace dgm::bake {
 namespace {
 

@@ -8,6 +8,13 @@
 
 namespace dgm::bake {
 
+/// Descriptors that a worker finds open: the job, and where its messages go. Its stdout is its stderr, so that a
+/// library that prints cannot write into the messages.
+inline constexpr int kJobDescriptor = 0, kMessageDescriptor = 3;
+
+/// The message that an allocation failed. It is sent at once, without allocating, because a crash may follow.
+inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\"}\n";
+
 /// True if the arguments are those ChildProcess starts a worker with.
 [[nodiscard]] bool is_worker(int argc, const char* const* argv);
 

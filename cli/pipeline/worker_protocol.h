@@ -17,10 +17,6 @@
 
 namespace dgm::bake {
 
-/// Names of the descriptors a worker finds open: the job, and where its messages go. Its stdout is its stderr, so that
-/// a chatty library cannot talk into the messages.
-inline constexpr int kJobDescriptor = 0, kMessageDescriptor = 3;
-
 /// Longest message line the parent takes; a report with 10 000 charts has about 10 MiB.
 inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 20;
 
@@ -46,13 +42,10 @@ struct ResultMessage {
 struct ErrorMessage {
     model::Error error;
 };
-/// An allocation failed. Sent at once, without allocating, since what follows may be a crash.
+/// An allocation failed (kOutOfMemoryLine, worker_io.h).
 struct OutOfMemoryMessage {};
 
 using WorkerMessage = std::variant<ProgressMessage, NoticeMessage, ResultMessage, ErrorMessage, OutOfMemoryMessage>;
-
-/// The line for OutOfMemoryMessage, ready to write from an allocation failure handler.
-inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\"}\n";
 
 /// Paths travel with every byte outside printable ASCII as %XX: file names need not be UTF-8, JSON must be.
 /// decode_path throws model::Error kInternal for a % without two digits.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "model/codes.h"
+#include "pipeline/worker_io.h"
 
 namespace dgm::bake {
 namespace {
