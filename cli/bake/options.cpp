@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "bake/raw_options.h"
+#include "baking/option_names.h"
+#include "baking/option_text.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/option_text.h"
 #include "tool/help.h"
 
 namespace dgm::bake {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "baking/option_names.h"
+#include "baking/pipeline.h"
 #include "bench/columns.h"
 #include "bench/file_times.h"
 #include "bench/machine_facts.h"
@@ -15,8 +17,6 @@
 #include "bench/result_figures.h"
 #include "bench/temporary_folder.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/pipeline.h"
 
 namespace dgm::bench {
 namespace {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 
+#include "baking/option_names.h"
 #include "bench/columns.h"
 #include "bench/hard_meshes.h"
 #include "bench/machine_facts.h"
@@ -17,7 +18,6 @@
 #include "bench/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
 
 namespace dgm::bench {
 namespace {

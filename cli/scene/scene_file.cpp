@@ -12,9 +12,9 @@
 #include <set>
 #include <sstream>
 
+#include "baking/option_names.h"
+#include "baking/option_text.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/option_text.h"
 #include "tool/help.h"
 
 namespace dgm::scene {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pipeline/bake_options.h"
-#include "pipeline/option_names.h"
+#include "baking/bake_options.h"
+#include "baking/option_names.h"
 
 namespace dgm::scene {
 
