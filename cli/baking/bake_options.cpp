@@ -27,8 +27,8 @@ std::string canonical_settings(const BakeOptions& options) {
                             options.max_error->percent ? "%" : "", name_of(kErrorKindNames, options.max_error->kind));
     if (options.budget_bytes) size += fmt::format(";budget={}", *options.budget_bytes);
     std::string text = fmt::format(
-        "size={};method={};domain={};fit={};precision={};layers={};texture={};texture_size={}", size, options.method,
-        name_of(kDomainNames, options.domain), name_of(kFitNames, options.fit),
+        "size={};method={};domain={};fit={};precision={};layers={};texture={};texture_size={}", size,
+        name_of(options.method), name_of(kDomainNames, options.domain), name_of(kFitNames, options.fit),
         name_of(kPrecisionNames, options.precision), options.layers.empty() ? "all" : layers,
         options.texture.empty() ? "none" : formats::to_hex(formats::hash_file(options.texture)),
         options.texture_size ? fmt::format("{}x{}", options.texture_size->rows, options.texture_size->cols) : "grid");

@@ -18,6 +18,8 @@ struct GridSize {
     friend bool operator==(const GridSize&, const GridSize&) = default;
 };
 
+/// How a component is laid out; methods.h has the table.
+enum class Method { kAuto, kStretch, kSphere, kMvc, kAuthalic, kConformal, kTutte, kLscm, kArap, kSlim, kUv };
 enum class Fit { kSample, kL2, kBest };
 enum class Precision { kF32, kU16, kAuto };
 enum class DomainChoice { kAuto, kSquare, kFree };
@@ -45,7 +47,7 @@ struct BakeOptions {
     /// auto maps onto the square (stretch) first and tries a free chart where that may be better (component_bake.cpp).
     /// On organs (dgm-bench bake) it has the least rms: arap, slim and lscm have two to four times as much for half to
     /// all of the time, the others twenty times and more; and where one method cannot map a mesh, auto has another.
-    std::string method = "auto";  ///< auto stretch mvc authalic conformal tutte lscm arap slim uv
+    Method method = Method::kAuto;
     DomainChoice domain = DomainChoice::kAuto;
     /// Measured (docs/speed-against-error.md): at 257x257 9 to 16 dB less error than kSample for twice the time. kBest
     /// has 1 to 5 dB less again for twice that, but at times a larger error at the worst spot: not for everybody.

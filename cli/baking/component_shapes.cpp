@@ -9,12 +9,9 @@
 
 #include "baking/cpu_clock.h"
 #include "baking/size_search.h"
-#include "model/codes.h"
 
 namespace dgm::bake {
 namespace {
-
-namespace codes = model::codes;
 
 constexpr std::uint64_t kCheap = 65 * 65, kErrorSamples = 20'000;
 constexpr std::uint64_t kLeast = 33 * 33;  // below, 17 samples a side leave no shape to choose
@@ -65,19 +62,17 @@ ComponentShapes choose_component_shapes(std::span<const TriMesh> components, std
             constexpr double kNoMap = std::numeric_limits<double>::infinity();
             AspectTrial trial{size, kNoMap, 0};
             const CpuClock clock;
-            std::string outcome;
-            try {
-                const ComponentResult result = bake_component(components[c], size, size, trial_options, cuts[c], inner);
-                for (const CandidateReport& candidate : result.candidates)
-                    if (candidate.outcome.starts_with("chosen")) trial_options.method = candidate.method;
-                trial.rms = quick_error(components[c], result.chart, kErrorSamples).rms;
-                if (result.chart.domain == layout::Domain::kFree) trial.chart_aspect = free_chart_aspect(result.chart);
-                outcome = result.chart.method;
-            } catch (const model::Error& e) {
-                if (e.code().number != codes::kGridTooSmall.number && e.code().number != codes::kMapInvalid.number)
-                    throw;
-                outcome = e.what();
+            const Attempt<ComponentResult> result =
+                bake_component({components[c], size, size}, trial_options, cuts[c], inner);
+            if (result) {
+                trial_options.method = result->method;
+                trial.rms = quick_error(components[c], result->chart, kErrorSamples).rms;
+                if (result->chart.domain == layout::Domain::kFree)
+                    trial.chart_aspect = free_chart_aspect(result->chart);
+            } else if (result.failure() == Failure::kOther) {
+                throw result.error();
             }
+            const std::string outcome = result ? result->chart.method : result.error().what();
             if (k == 0)
                 out.trials.push_back({size.rows, size.cols, trial.rms, std::nan(""), 0, outcome, clock.seconds()});
             return trial;

@@ -17,7 +17,8 @@ struct ComponentShapes {
 
 /// choose_aspect for the largest component, and for others that get enough samples for a shape to matter; small ones
 /// are square. `samples` is the largest component's; the trials take at most 65 x 65.
-/// @throws model::Error what bake_component throws, but a grid without a valid map, which only loses
+/// A grid without a valid map only loses.
+/// @throws model::Error of a component that cannot be baked for another reason; kInterrupted
 [[nodiscard]] ComponentShapes choose_component_shapes(std::span<const model::TriMesh> components,
                                                       std::span<const double> areas, std::uint64_t samples,
                                                       const BakeOptions& options, std::span<CutMemory> cuts,

@@ -55,8 +55,8 @@ CutMemory::Candidates CutMemory::similar(std::uint32_t m, std::uint32_t n, bool 
     return out;
 }
 
-CutSearchResult CutMemory::best_of(const Candidates& candidates, const TriMesh& component,
-                                   const CutSearchOptions& options, const model::Progress& progress) {
+Attempt<CutSearchResult> CutMemory::best_of(const Candidates& candidates, const TriMesh& component,
+                                            const CutSearchOptions& options, const model::Progress& progress) {
     const double shrink = std::min(1.0, (kLongest - 1.0) / (std::max(options.m, options.n) - 1.0));
     const auto shrunk = [&](std::uint32_t full) {
         return std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((full - 1) * shrink)));
@@ -76,20 +76,23 @@ CutSearchResult CutMemory::best_of(const Candidates& candidates, const TriMesh& 
             for (const std::uint32_t r : candidate_rotations(f.cut->disk, grid.m, grid.n, kRotations))
                 if (std::find(rotations.begin(), rotations.end(), r) == rotations.end()) rotations.push_back(r);
         for (const std::uint32_t rotation : rotations) {
-            try {
+            const Attempt<double> rms = attempt([&] {
                 const SampledChart chart =
                     make_square_chart(f.cut->disk, grid.m, grid.n, rotation, *stretch, {}, f.cut->shares);
                 if (!holds_topology(welded_topology(chart), source))
                     throw model::Error(codes::kGridTooSmall, "the grid does not hold the topology of the cut");
-                const double rms = quick_error(component, chart, options.samples).rms;
-                if (rms < best_rms) best = &f, best_rms = rms, best_rotation = rotation;
-            } catch (const model::Error& e) {
-                if (e.code().number == codes::kInterrupted.number) throw;
-                if (!failure) failure = e;
+                return quick_error(component, chart, options.samples).rms;
+            });
+            if (!rms) {
+                if (!failure) failure = rms.error();
+            } else if (*rms < best_rms) {
+                best = &f;
+                best_rms = *rms;
+                best_rotation = rotation;
             }
         }
     }
-    if (best == nullptr) throw *failure;
+    if (best == nullptr) return *failure;
     CutSearchResult out = *best->cut;
     out.rms = best_rms;
     out.rotation = grid.m == wanted.m && grid.n == wanted.n ? best_rotation
@@ -107,18 +110,15 @@ CutSearchResult CutMemory::fresh(const TriMesh& component, const CutSearchOption
     return *cut;
 }
 
-CutSearchResult CutMemory::search(const TriMesh& component, const CutSearchOptions& options,
+CutSearchResult CutMemory::search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
                                   const model::Progress& progress) {
     if (use == CutUse::kSearch) return fresh(component, options, progress);
     // Those chosen before, then those found; where none of them fits this grid, it needs a cut of its own.
     if (use == CutUse::kReuse)
         for (const bool chosen : {true, false}) {
             const Candidates known = similar(options.m, options.n, chosen);
-            try {
-                if (!known.empty()) return best_of(known, component, options, progress);
-            } catch (const model::Error& e) {
-                if (e.code().number == codes::kInterrupted.number) throw;
-            }
+            if (known.empty()) continue;
+            if (Attempt<CutSearchResult> best = best_of(known, component, options, progress)) return std::move(*best);
         }
     CutSearchResult own = fresh(component, options, progress);
     Candidates known = similar(options.m, options.n, true);
@@ -127,7 +127,9 @@ CutSearchResult CutMemory::search(const TriMesh& component, const CutSearchOptio
     if (use != CutUse::kBest || known.empty()) return own;
     known.push_back(
         {options.m, options.n, own.rotation, false, std::make_shared<const CutSearchResult>(std::move(own))});
-    return best_of(known, component, options, progress);
+    Attempt<CutSearchResult> best = best_of(known, component, options, progress);
+    if (!best) throw best.error();
+    return std::move(*best);
 }
 
 }  // namespace dgm::bake

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "baking/attempt.h"
 #include "geometry/chart/cut_search.h"
 
 namespace dgm::bake {
@@ -21,12 +22,10 @@ enum class CutUse {
 /// one grid stays chosen for similar ones of its aspect.
 class CutMemory {
  public:
-    CutUse use = CutUse::kSearch;
-
     /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers what it finds.
     /// Cuts are compared by measured error on a grid of at most 257 a side.
     /// @throws what search_cut throws
-    [[nodiscard]] CutSearchResult search(const TriMesh& component, const CutSearchOptions& options,
+    [[nodiscard]] CutSearchResult search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
                                          const model::Progress& progress);
 
  private:
@@ -38,9 +37,9 @@ class CutMemory {
     };
     using Candidates = std::vector<Found>;
     [[nodiscard]] Candidates similar(std::uint32_t m, std::uint32_t n, bool chosen) const;
-    /// The best of `candidates` on the grid. @throws the first one's error if none has a valid map there
-    [[nodiscard]] CutSearchResult best_of(const Candidates& candidates, const TriMesh& component,
-                                          const CutSearchOptions& options, const model::Progress& progress);
+    /// The best of `candidates` on the grid; the first one's error if none has a valid map there.
+    [[nodiscard]] Attempt<CutSearchResult> best_of(const Candidates& candidates, const TriMesh& component,
+                                                   const CutSearchOptions& options, const model::Progress& progress);
     [[nodiscard]] CutSearchResult fresh(const TriMesh& component, const CutSearchOptions& options,
                                         const model::Progress& progress);
 

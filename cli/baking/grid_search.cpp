@@ -40,20 +40,19 @@ class Record {
     template <class Value>
     double measure(std::size_t step, Value value, double limit, const char* good, const char* bad) {
         const GridSize size = ladder_[step];
-        try {
-            GridTrial trial = tries_.measure(size);
-            const double measured = value(trial);
-            trial.outcome = measured <= limit ? good : bad;
-            search.trials.push_back(std::move(trial));
-            if (measured <= limit) tries_.keep(size);
-            return measured;
-        } catch (const Error& e) {
-            if (e.code().number != codes::kGridTooSmall.number && e.code().number != codes::kMapInvalid.number) throw;
+        Attempt<GridTrial> trial = tries_.measure(size);
+        if (!trial) {
+            if (trial.failure() == Failure::kOther) throw trial.error();
             constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-            search.trials.push_back({size.rows, size.cols, kNone, kNone, 0, e.what(), 0});
-            last_error_ = e;
+            search.trials.push_back({size.rows, size.cols, kNone, kNone, 0, trial.error().what(), 0});
+            last_error_ = trial.error();
             return kInfinity;
         }
+        const double measured = value(*trial);
+        trial->outcome = measured <= limit ? good : bad;
+        search.trials.push_back(std::move(*trial));
+        if (measured <= limit) tries_.keep(size);
+        return measured;
     }
 
     /// Takes over what was found, and what was measured beside it.

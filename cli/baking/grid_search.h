@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "baking/attempt.h"
 #include "baking/bake_options.h"
 #include "baking/bake_report.h"
 
@@ -14,8 +15,8 @@ namespace dgm::bake {
 /// How the search has grids baked. Both are called in turn, on the caller's thread.
 struct GridTries {
     /// Bakes one grid and measures what the search is about: rms and hausdorff in source units, or bytes.
-    /// Errors kGridTooSmall and kMapInvalid are taken as the grid's fault; others end the search.
-    std::function<GridTrial(GridSize)> measure;
+    /// The failures kGridTooSmall and kMapInvalid count against the grid; others end the search.
+    std::function<Attempt<GridTrial>(GridSize)> measure;
     /// The grid measured last is the best answer so far.
     std::function<void(GridSize)> keep;
 };
@@ -26,12 +27,12 @@ struct GridTries {
 
 /// --max-error: the smallest grid of `ladder` that holds `goal`. `diagonal` in source units; `first_side`: samples
 /// along the side of the square grid to begin with. rows and cols of the result are those of the grid kept last.
-/// @throws model::Error kErrorNotReached with how far it got; what `measure` threw if no grid has a valid map
+/// @throws model::Error kErrorNotReached with how far it got; the error of `measure` if no grid has a valid map
 [[nodiscard]] GridSearch search_by_error(const ErrorGoal& goal, double diagonal, const std::vector<GridSize>& ladder,
                                          double first_side, const GridTries& tries);
 
 /// --budget: the largest grid of `ladder` whose file has at most `budget` bytes.
-/// @throws model::Error kBudgetTooSmall; what `measure` threw if no grid has a valid map
+/// @throws model::Error kBudgetTooSmall; the error of `measure` if no grid has a valid map
 [[nodiscard]] GridSearch search_by_budget(std::uint64_t budget, const std::vector<GridSize>& ladder,
                                           const GridTries& tries);
 

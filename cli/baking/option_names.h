@@ -3,10 +3,12 @@
 // The words for the values of BakeOptions: one table for the command line, the worker protocol, reports and hashes.
 #pragma once
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 
 #include "baking/bake_options.h"
+#include "baking/methods.h"
 
 namespace dgm::bake {
 
@@ -29,8 +31,6 @@ inline constexpr std::array kErrorKindNames{NamedValue<ErrorKind>{"rms", ErrorKi
 inline constexpr std::array kExrLayoutNames{NamedValue<ExrLayout>{"auto", ExrLayout::kAuto},
                                             NamedValue<ExrLayout>{"multipart", ExrLayout::kMultipart}};
 
-inline constexpr std::array<std::string_view, 11> kMethodNames{
-    "auto", "stretch", "sphere", "mvc", "authalic", "conformal", "tutte", "lscm", "arap", "slim", "uv"};
 /// What --layers may name, in file order. `collision` brings `cover`; the tables beside the layers (seams, diagonals,
 /// mask, border_*) belong to the geometry and are always there.
 inline constexpr std::array<std::string_view, 7> kLayerNames{"geometry",  "normal",      "texture", "bump",
@@ -41,17 +41,18 @@ inline constexpr std::array<std::string_view, 5> kAblateNames{"cut-search", "new
                                                               "hidden-cuts"};
 
 /// The word for `value`; empty for a value outside the table.
-template <class E, std::size_t N>
-[[nodiscard]] constexpr std::string_view name_of(const std::array<NamedValue<E>, N>& table, E value) {
-    for (const auto& row : table)
+template <class Row, std::size_t N>
+[[nodiscard]] constexpr std::string_view name_of(const std::array<Row, N>& table, decltype(Row::value) value) {
+    for (const Row& row : table)
         if (row.value == value) return row.name;
     return {};
 }
 
 /// The value for a word, nullopt if the table does not have it.
-template <class E, std::size_t N>
-[[nodiscard]] constexpr std::optional<E> value_of(const std::array<NamedValue<E>, N>& table, std::string_view name) {
-    for (const auto& row : table)
+template <class Row, std::size_t N>
+[[nodiscard]] constexpr std::optional<decltype(Row::value)> value_of(const std::array<Row, N>& table,
+                                                                     std::string_view name) {
+    for (const Row& row : table)
         if (row.name == name) return row.value;
     return std::nullopt;
 }

@@ -11,6 +11,7 @@
 #include "baking/component_bake.h"
 #include "baking/component_loop.h"
 #include "baking/component_shapes.h"
+#include "baking/component_sizes.h"
 #include "baking/cpu_clock.h"
 #include "baking/grid_search.h"
 #include "baking/measure_chart.h"
@@ -143,15 +144,13 @@ class AssetBake {
         const auto trial = [&](GridSize size, const auto& body) {
             const CpuClock clock;
             trial_ = std::to_string(size.rows) + "x" + std::to_string(size.cols) + ": ";
-            GridTrial out{size.rows, size.cols, std::nan(""), std::nan(""), 0, "", 0};
-            try {
-                body(out);
-            } catch (const Error&) {
-                trial_.clear();
-                throw;
-            }
+            const Attempt<GridTrial> out = attempt([&] {
+                GridTrial measured{size.rows, size.cols, std::nan(""), std::nan(""), 0, "", 0};
+                body(measured);
+                measured.cpu_seconds = clock.seconds();
+                return measured;
+            });
             trial_.clear();
-            out.cpu_seconds = clock.seconds();
             return out;
         };
         const std::vector<GridSize> ladder = grid_ladder(most, options_.max_error.has_value());
@@ -255,9 +254,7 @@ class AssetBake {
         return asked >= (goal.kind == ErrorKind::kRms ? 3 : 6) * rounding;
     }
 
-    void use_cuts(CutUse use) {
-        for (CutMemory& memory : cuts_) memory.use = use;
-    }
+    void use_cuts(CutUse use) { use_ = use; }
 
     void map_and_fit(GridSize largest, bool fit) {
         stage("map", [&] { map_components(largest); });
@@ -355,16 +352,16 @@ class AssetBake {
                                               std::to_string(kMaxSamples) +
                                               "; join or drop components, or ask for a smaller --size");
         for (std::size_t c = 0; c < sizes.size(); ++c) {
-            try {
-                mapped_.push_back(bake_component(repaired_.components[c], sizes[c], full_size(c, largest), options_,
-                                                 cuts_[c], part("map", c, sizes.size())));
-            } catch (Error& e) {
-                if (sizes.size() == 1) throw;
-                throw Error(
-                    e.code(),
-                    "component " + std::to_string(c + 1) + " of " + std::to_string(sizes.size()) + ": " + e.what(),
-                    e.place());
-            }
+            Attempt<ComponentResult> mapped =
+                bake_component({repaired_.components[c], sizes[c], full_size(c, largest), use_}, options_, cuts_[c],
+                               part("map", c, sizes.size()));
+            if (!mapped && sizes.size() == 1) throw mapped.error();
+            if (!mapped)
+                throw Error(mapped.error().code(),
+                            "component " + std::to_string(c + 1) + " of " + std::to_string(sizes.size()) + ": " +
+                                mapped.error().what(),
+                            mapped.error().place());
+            mapped_.push_back(std::move(*mapped));
         }
     }
 
@@ -448,7 +445,8 @@ class AssetBake {
         for_each_component(count, part("measure", 0, parts), [&](std::size_t c, const model::Progress& progress) {
             measured[c] = measure_chart(repaired_.components[c], mapped_[c].chart, result_.maps.charts[c], frame,
                                         {error_samples, share_of(c)}, progress);
-            measured[c].report.candidates = mapped_[c].candidates;
+            for (const Candidate& candidate : mapped_[c].candidates)
+                measured[c].report.candidates.push_back(report_of(candidate));
         });
         SurfaceError whole = measured.front().report.error;
         if (count > 1) {
@@ -502,6 +500,7 @@ class AssetBake {
     bool u16_ = false;           ///< positions are stored as u16
     ComponentShapes shapes_;     ///< aspect 0: that of the largest
     std::vector<CutMemory> cuts_;
+    CutUse use_ = CutUse::kSearch;
     std::string trial_;  ///< "129x129: " while grids are tried
     std::vector<ComponentResult> mapped_;
     double worst_quantisation_ = 0;

@@ -20,7 +20,7 @@ json size_json(const GridSize& size) {
 json settings_json(const BakeOptions& options) {
     json out{{"size",
               options.auto_samples ? json("auto:" + std::to_string(*options.auto_samples)) : size_json(options.size)},
-             {"method", options.method},
+             {"method", name_of(options.method)},
              {"domain", name_of(kDomainNames, options.domain)},
              {"fit", name_of(kFitNames, options.fit)},
              {"precision", name_of(kPrecisionNames, options.precision)},

@@ -70,7 +70,7 @@ std::string repeat_command(const PlannedAsset& asset) {
     if (options.bump_size) out += " --bump-size " + size_text(*options.bump_size);
     if (options.exr_layout != defaults.exr_layout)
         out += fmt::format(" --exr-layout {}", name_of(kExrLayoutNames, options.exr_layout));
-    if (options.method != defaults.method) out += " --method " + shell_word(options.method);
+    if (options.method != defaults.method) out += " --method " + shell_word(name_of(options.method));
     if (options.domain != defaults.domain) out += fmt::format(" --domain {}", name_of(kDomainNames, options.domain));
     if (options.fit != defaults.fit) out += fmt::format(" --fit {}", name_of(kFitNames, options.fit));
     if (!options.ablate.empty()) out += " --ablate " + joined(options.ablate);

@@ -71,7 +71,7 @@ json to_object(const GridSize& size) {
 
 json to_object(const BakeOptions& options) {
     json out{{"size", to_object(options.size)},
-             {"method", options.method},
+             {"method", name_of(options.method)},
              {"domain", name_of(kDomainNames, options.domain)},
              {"fit", name_of(kFitNames, options.fit)},
              {"precision", name_of(kPrecisionNames, options.precision)},
@@ -106,7 +106,7 @@ std::vector<std::string> texts_at(const json& object, const char* key) {
 BakeOptions options_from(const json& object) {
     BakeOptions out;
     out.size = size_at(object, "size");
-    out.method = text_at(object, "method");
+    out.method = choice_at(kMethods, object, "method");
     out.domain = choice_at(kDomainNames, object, "domain");
     out.fit = choice_at(kFitNames, object, "fit");
     out.precision = choice_at(kPrecisionNames, object, "precision");

@@ -16,7 +16,7 @@ TEST(CanonicalSettings, NamesEveryFieldThatChangesTheLayers) {
               "size=257x257;method=auto;domain=auto;fit=l2;precision=f32;layers=all;texture=none;texture_size=grid");
     BakeOptions options;
     options.size = {33, 65};
-    options.method = "lscm";
+    options.method = Method::kLscm;
     options.domain = DomainChoice::kFree;
     options.fit = Fit::kL2;
     options.precision = Precision::kU16;

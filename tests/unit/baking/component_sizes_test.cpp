@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "baking/component_bake.h"
+#include "baking/component_sizes.h"
 
 namespace dgm::bake {
 namespace {

@@ -66,8 +66,8 @@ TEST(SearchByError, SaysHowFarItGot) {
 
 TEST(SearchByError, ASmallGridsFailureIsATrialAndOthersAreNot) {
     const auto no_map_below = [](std::uint32_t side, const model::Code& code) {
-        return GridTries{[side, &code](GridSize size) {
-                             if (size.rows < side) throw model::Error(code, "no room for the cut");
+        return GridTries{[side, &code](GridSize size) -> Attempt<GridTrial> {
+                             if (size.rows < side) return model::Error(code, "no room for the cut");
                              return square_law(size);
                          },
                          [](GridSize) {}};

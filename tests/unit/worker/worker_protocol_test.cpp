@@ -26,7 +26,7 @@ TEST(WorkerProtocol, JobComesBack) {
     job.memory_bytes = std::uint64_t{8} << 30;
     job.threads = 3;
     job.options.size = {33, 65};
-    job.options.method = "arap";
+    job.options.method = Method::kArap;
     job.options.domain = DomainChoice::kFree;
     job.options.fit = Fit::kL2;
     job.options.precision = Precision::kU16;
@@ -48,7 +48,7 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_EQ(back.memory_bytes, job.memory_bytes);
     EXPECT_EQ(back.threads, 3U);
     EXPECT_EQ(back.options.size, job.options.size);
-    EXPECT_EQ(back.options.method, "arap");
+    EXPECT_EQ(back.options.method, Method::kArap);
     EXPECT_EQ(back.options.domain, DomainChoice::kFree);
     EXPECT_EQ(back.options.fit, Fit::kL2);
     EXPECT_EQ(back.options.precision, Precision::kU16);
