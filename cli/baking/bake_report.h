@@ -3,12 +3,14 @@
 // What a bake tells about itself. The part without times and paths is stored in the file under /report.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "baking/bake_options.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/metrics/surface_error.h"
 
@@ -54,10 +56,18 @@ struct GridTrial {
     double cpu_seconds = 0;            ///< not stored in the file
 };
 
+/// A trial of a grid before anything is measured.
+[[nodiscard]] inline GridTrial not_measured(GridSize size) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {size.rows, size.cols, kNone, kNone, 0, "", 0};
+}
+
+enum class SearchGoal { kMaxError, kBudget, kSamples };
+
 /// How the grid was found that was asked for by error, by file size, or by number of samples.
 struct GridSearch {
-    std::string goal;                     ///< "max-error", "budget" or "samples"
-    std::string kind;                     ///< max-error: "rms" or "hausdorff"
+    SearchGoal goal = SearchGoal::kSamples;
+    std::optional<ErrorKind> kind;        ///< max-error: of the error
     double asked = 0, asked_percent = 0;  ///< max-error: source units, and % of the diagonal
     double reached = 0, reached_percent = 0;
     double margin = 0;                 ///< max-error: kept in hand, since another sample of points differs by so much

@@ -43,8 +43,8 @@ class Record {
         Attempt<GridTrial> trial = tries_.measure(size);
         if (!trial) {
             if (trial.failure() == Failure::kOther) throw trial.error();
-            constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-            search.trials.push_back({size.rows, size.cols, kNone, kNone, 0, trial.error().what(), 0});
+            search.trials.push_back(not_measured(size));
+            search.trials.back().outcome = trial.error().what();
             last_error_ = trial.error();
             return kInfinity;
         }
@@ -95,8 +95,8 @@ GridSearch search_by_error(const ErrorGoal& goal, double diagonal, const std::ve
         ladder, limit, first_of_side(ladder, first_side),
         [&](std::size_t step) { return record.measure(step, value, limit, "holds", "does not hold"); });
     GridSearch& out = record.search;
-    out.goal = "max-error";
-    out.kind = name_of(kErrorKindNames, goal.kind);
+    out.goal = SearchGoal::kMaxError;
+    out.kind = goal.kind;
     out.asked = asked, out.asked_percent = 100 * asked / diagonal;
     out.margin = error_margin(goal.kind);
     if (found.found) {
@@ -108,8 +108,8 @@ GridSearch search_by_error(const ErrorGoal& goal, double diagonal, const std::ve
     for (const GridTrial& trial : out.trials)
         if (std::isfinite(value(trial)) && (best == nullptr || value(trial) < value(*best))) best = &trial;
     std::string story = fmt::format("{} {:.3g} ({:.3g} % of the diagonal) was asked for; {} reaches {:.3g} ({:.3g} %)",
-                                    out.kind, asked, out.asked_percent, size_text({best->rows, best->cols}),
-                                    value(*best), 100 * value(*best) / diagonal);
+                                    name_of(kErrorKindNames, goal.kind), asked, out.asked_percent,
+                                    size_text({best->rows, best->cols}), value(*best), 100 * value(*best) / diagonal);
     if (found.given_up)
         story += fmt::format("\nthe error falls too slowly for any grid up to {}", size_text(ladder.back()));
     else if (value(*best) <= asked)
@@ -131,7 +131,7 @@ GridSearch search_by_budget(std::uint64_t budget, const std::vector<GridSize>& l
                                   "fits", "too large");
                           });
     GridSearch& out = record.search;
-    out.goal = "budget";
+    out.goal = SearchGoal::kBudget;
     out.asked_bytes = budget;
     if (found.found) {
         record.answer(found, *found.found + 1);

@@ -20,14 +20,14 @@ constexpr std::array<std::string_view, 4> kOrdinaryRepairs{"open vertices welded
 
 }  // namespace
 
-std::vector<std::string> notices(const BakeReport& report, const RepairedMesh& mesh) {
+std::vector<std::string> notices(const Repaired& source) {
     std::vector<std::string> out;
-    for (const std::string& warning : report.warnings) out.push_back("warning: " + warning);
-    for (const auto& [kind, count] : report.repairs)
+    for (const std::string& warning : source.facts.warnings) out.push_back("warning: " + warning);
+    for (const auto& [kind, count] : source.facts.repairs)
         if (std::find(kOrdinaryRepairs.begin(), kOrdinaryRepairs.end(), kind) == kOrdinaryRepairs.end())
             out.push_back(fmt::format("note: repaired: {} {}", count, kind));
     std::uint64_t loops = 0, open = 0, genus = 0;
-    for (const model::TriMesh& component : mesh.components) {
+    for (const model::TriMesh& component : source.components) {
         const Topology topology = measure_topology(component.positions.size(), component.faces);
         loops += topology.boundary_loops;
         open += topology.boundary_loops > 0 ? 1 : 0;
@@ -36,8 +36,8 @@ std::vector<std::string> notices(const BakeReport& report, const RepairedMesh& m
     if (loops > 0)
         out.push_back(fmt::format(
             "note: open border ({} loop{}{}): fine for cloth, odd for an organ", loops, loops == 1 ? "" : "s",
-            mesh.components.size() > 1 ? fmt::format(" on {} of {} components", open, mesh.components.size())
-                                       : std::string()));
+            source.components.size() > 1 ? fmt::format(" on {} of {} components", open, source.components.size())
+                                         : std::string()));
     if (genus > 0)
         out.push_back(fmt::format("note: {} handle{} like that of a cup: the cut has to open {}", genus,
                                   genus == 1 ? "" : "s", genus == 1 ? "it" : "each"));

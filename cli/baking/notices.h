@@ -5,13 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "baking/bake_report.h"
-#include "geometry/repair/repair.h"
+#include "baking/stages.h"
 
 namespace dgm::bake {
 
 /// The warnings so far, the repairs that hint at a fault of the model (not those that every export needs), and whether
 /// the surface has open borders. One fact a line, "warning: ..." or "note: ...".
-[[nodiscard]] std::vector<std::string> notices(const BakeReport& report, const RepairedMesh& mesh);
+[[nodiscard]] std::vector<std::string> notices(const Repaired& source);
 
 }  // namespace dgm::bake

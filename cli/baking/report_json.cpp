@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/report_json.cpp
 // BakeReport <-> JSON. Each struct lists its fields once, in `fields`; a writer and a reader walk the same list.
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
 #include "baking/bake_report.h"
+#include "baking/option_names.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
 namespace {
 
 using nlohmann::json;
+
+constexpr std::array kSearchGoalNames{NamedValue<SearchGoal>{"max-error", SearchGoal::kMaxError},
+                                      NamedValue<SearchGoal>{"budget", SearchGoal::kBudget},
+                                      NamedValue<SearchGoal>{"samples", SearchGoal::kSamples}};
 
 [[noreturn]] void malformed(const std::string& what) {
     throw model::Error(model::codes::kInternal, "malformed bake report: " + what);
@@ -73,7 +79,8 @@ void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, GridTria
 
 template <class A, class T>
 void fields(A& a, T& s) requires std::is_same_v<std::remove_const_t<T>, GridSearch> {
-    a("goal", s.goal), a("kind", s.kind), a("asked", s.asked), a("asked_percent", s.asked_percent);
+    a.word("goal", kSearchGoalNames, s.goal), a.word("kind", kErrorKindNames, s.kind), a("asked", s.asked),
+        a("asked_percent", s.asked_percent);
     a("reached", s.reached), a("reached_percent", s.reached_percent), a("margin", s.margin);
     a("asked_bytes", s.asked_bytes), a("asked_samples", s.asked_samples), a("rows", s.rows), a("cols", s.cols);
     a("shapes", s.shapes), a("trials", s.trials), a("next", s.next);
@@ -130,6 +137,15 @@ struct Writer {
     void operator()(const char* key, const T& v) {
         object[key] = value(v);
     }
+    template <class Table, class E>
+    void word(const char* key, const Table& table, const E& v) {
+        object[key] = name_of(table, v);
+    }
+    /// No value is an empty word.
+    template <class Table, class E>
+    void word(const char* key, const Table& table, const std::optional<E>& v) {
+        object[key] = v ? name_of(table, *v) : std::string_view();
+    }
     template <class T>
     void operator()(const char* key, const std::optional<T>& v) {
         if (v) object[key] = value(*v);
@@ -180,6 +196,15 @@ struct Reader {
     template <class T>
     void of_run(const char* key, T& v) {
         (*this)(key, v);
+    }
+    template <class Table, class E>
+    void word(const char* key, const Table& table, E& v) {
+        std::string name;
+        (*this)(key, name);
+        if (name.empty()) return;
+        const auto known = value_of(table, name);
+        if (!known) malformed(key);
+        v = *known;
     }
     template <class T>
     void operator()(const char* key, T& v) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "baking/option_names.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -116,19 +117,20 @@ std::string search_story(const GridSearch& s, double diagonal) {
     const std::string answer = fmt::format("{}x{}", s.rows, s.cols);
     constexpr int kDigits = 4;  // neighbours of the ladder differ in the second or third
     std::string out;
-    if (s.goal == "max-error") {
-        out = fmt::format("asked for {} {}: {} reaches {}", printable(s.kind), error_text(s.asked, diagonal, kDigits),
-                          answer, error_text(s.reached, diagonal, kDigits));
+    if (s.goal == SearchGoal::kMaxError) {
+        const ErrorKind kind = s.kind.value_or(ErrorKind::kRms);
+        out = fmt::format("asked for {} {}: {} reaches {}", name_of(kErrorKindNames, kind),
+                          error_text(s.asked, diagonal, kDigits), answer, error_text(s.reached, diagonal, kDigits));
         if (s.next)
             out += fmt::format(
                 "; the next smaller grid, {}, would have given {}", size_text(*s.next),
                 s.next->bytes == 0 && !std::isfinite(s.next->rms)
                     ? "no map"
-                    : error_text(s.kind == "hausdorff" ? s.next->hausdorff : s.next->rms, diagonal, kDigits));
+                    : error_text(kind == ErrorKind::kHausdorff ? s.next->hausdorff : s.next->rms, diagonal, kDigits));
         else
             out += "; there is no smaller grid";
         if (s.asked_bytes > 0) out += fmt::format("; the file may have {}", bytes_text(s.asked_bytes));
-    } else if (s.goal == "budget") {
+    } else if (s.goal == SearchGoal::kBudget) {
         out = fmt::format("asked for at most {}: {}, rms {}", bytes_text(s.asked_bytes), answer,
                           error_text(s.reached, diagonal, kDigits));
         if (s.next)

@@ -26,8 +26,8 @@ TEST(SearchByError, KeepsTheAnswerAndTellsOfTheNextSmallerGrid) {
     // 0.02 % of 50 is 0.01: 100 a side, and 1 % in hand: 100.5.
     const GridSearch search =
         search_by_error({0.02, true, ErrorKind::kRms}, kDiagonal, grid_ladder({513, 513}, true), 65, tries);
-    EXPECT_EQ(search.goal, "max-error");
-    EXPECT_EQ(search.kind, "rms");
+    EXPECT_EQ(search.goal, SearchGoal::kMaxError);
+    EXPECT_EQ(search.kind, ErrorKind::kRms);
     EXPECT_DOUBLE_EQ(search.asked, 0.01);
     EXPECT_DOUBLE_EQ(search.asked_percent, 0.02);
     EXPECT_EQ(search.rows, 101U);
@@ -46,7 +46,7 @@ TEST(SearchByError, UnitsAndTheLargestDistance) {
     // 200/s^2 <= 0.02/1.05: s >= 102.5
     const GridSearch search =
         search_by_error({0.02, false, ErrorKind::kHausdorff}, kDiagonal, grid_ladder({513, 513}, true), 65, tries);
-    EXPECT_EQ(search.kind, "hausdorff");
+    EXPECT_EQ(search.kind, ErrorKind::kHausdorff);
     EXPECT_DOUBLE_EQ(search.asked, 0.02);
     EXPECT_EQ(search.rows, 103U);
 }
@@ -99,7 +99,7 @@ TEST(SearchByBudget, TakesTheLargestThatFits) {
                           [](GridSize) {}};
     const std::vector<GridSize> ladder = grid_ladder({513, 513}, false);
     const GridSearch search = search_by_budget(262144, ladder, tries);  // (262144 - 8192) / 20 = 12697.6, 112.7 a side
-    EXPECT_EQ(search.goal, "budget");
+    EXPECT_EQ(search.goal, SearchGoal::kBudget);
     EXPECT_EQ(search.rows, 111U);
     ASSERT_TRUE(search.next);
     EXPECT_EQ(search.next->rows, 113U);

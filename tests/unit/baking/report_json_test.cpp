@@ -34,8 +34,8 @@ BakeReport example() {
     chart.candidates = {{"tutte", 61.25, "higher error", 0.125}, {"stretch", 80.5, "chosen", 0.5}};
     report.charts.push_back(chart);
     GridSearch search;
-    search.goal = "max-error";
-    search.kind = "rms";
+    search.goal = SearchGoal::kMaxError;
+    search.kind = ErrorKind::kRms;
     search.asked = 0.2;
     search.trials = {{129, 129, 0.3, std::nan(""), 0, "does not hold", 1.5}};
     search.next = search.trials[0];
