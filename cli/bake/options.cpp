@@ -16,6 +16,7 @@
 #include "baking/option_names.h"
 #include "baking/option_text.h"
 #include "model/codes.h"
+#include "model/layer_names.h"
 #include "tool/help.h"
 
 namespace dgm::bake {
@@ -103,7 +104,7 @@ void set_layers(const std::string& text, BakeOptions& bake) {
         if (std::find(kLayerNames.begin(), kLayerNames.end(), name) == kLayerNames.end())
             unknown_word("--layers", "layer", name, kLayerNames);
     for (const std::string_view name : kLayerNames)  // in file order, once each
-        if (name == "geometry" || std::find(asked.begin(), asked.end(), name) != asked.end())
+        if (name == model::layers::kGeometry || std::find(asked.begin(), asked.end(), name) != asked.end())
             bake.layers.emplace_back(name);
 }
 

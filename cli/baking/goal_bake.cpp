@@ -12,6 +12,7 @@
 #include "baking/size_search.h"
 #include "dgm/dgm_writer.h"
 #include "model/codes.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -93,7 +94,7 @@ bool stores_u16(const BakeOptions& options, double diagonal) {
 }
 
 BakeResult bake_to_error(PreparedAsset& asset, GridSize most) {
-    static const std::array<std::string, 1> kGeometryOnly{"geometry"};
+    static const std::array<std::string, 1> kGeometryOnly{model::layers::kGeometry};
     const std::vector<GridTrial> shapes = shapes_of(asset);
     std::optional<Fitted> last, kept;
     GridTries tries;

@@ -6,16 +6,18 @@
 
 #include "baking/up_to_date.h"
 #include "dgm/hash.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
 
 /// The geometry is always made, to measure it; it is stored only if it was asked for.
 void drop_unasked(std::vector<model::Chart>& charts, std::span<const std::string> names) {
-    if (wants(names, "geometry")) return;
+    if (wants(names, model::layers::kGeometry)) return;
     for (model::Chart& chart : charts)
-        std::erase_if(chart.layers,
-                      [](const model::Layer& l) { return l.name == "geometry" || l.name == "border_geometry"; });
+        std::erase_if(chart.layers, [](const model::Layer& l) {
+            return l.name == model::layers::kGeometry || l.name == model::layers::kBorderGeometry;
+        });
 }
 
 Mapped map_grid(PreparedAsset& asset, GridSize largest, CutUse use) {

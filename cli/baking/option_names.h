@@ -9,6 +9,7 @@
 
 #include "baking/bake_options.h"
 #include "baking/methods.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 
@@ -33,8 +34,9 @@ inline constexpr std::array kExrLayoutNames{NamedValue<ExrLayout>{"auto", ExrLay
 
 /// What --layers may name, in file order. `collision` brings `cover`; the tables beside the layers (seams, diagonals,
 /// mask, border_*) belong to the geometry and are always there.
-inline constexpr std::array<std::string_view, 7> kLayerNames{"geometry",  "normal",      "texture", "bump",
-                                                             "collision", "deformation", "contact"};
+inline constexpr std::array<std::string_view, 7> kLayerNames{
+    model::layers::kGeometry,  model::layers::kNormal,      model::layers::kTexture, model::layers::kBump,
+    model::layers::kCollision, model::layers::kDeformation, model::layers::kContact};
 
 /// What --ablate may leave out, for experiments.
 inline constexpr std::array<std::string_view, 5> kAblateNames{"cut-search", "newton", "diagonals", "curvature",

@@ -9,6 +9,7 @@
 #include "baking/stage_log.h"
 #include "baking/stages.h"
 #include "geometry/fit/closest_samples.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -49,7 +50,7 @@ Layered store_layers(const Repaired& source, const Fitted& fitted, std::span<con
         const SampledChart& chart = fitted.charts[c].chart;
         const StoredFrame stored = choose_frame(source.frame, chart, u16);
         SampleGrid fine;  // read by bump and texture alone
-        if (wants(names, "bump") || wants(names, "texture"))
+        if (wants(names, model::layers::kBump) || wants(names, model::layers::kTexture))
             fine = moved ? closest_samples(chart, 2 * chart.m - 1, 2 * chart.n - 1)
                          : rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
         LayerInput in{chart, source.frame, stored, source.images, fine, std::nullopt, moved, std::nullopt};
