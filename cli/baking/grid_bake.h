@@ -11,7 +11,7 @@
 
 #include "baking/bake_options.h"
 #include "baking/bake_result.h"
-#include "baking/cut_memory.h"
+#include "baking/component/cut_memory.h"
 #include "baking/stage_log.h"
 #include "baking/stages.h"
 

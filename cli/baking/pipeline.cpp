@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "baking/bake_mesh.h"
-#include "baking/component_shapes.h"
-#include "baking/goal_bake.h"
+#include "baking/component/component_shapes.h"
 #include "baking/grid_bake.h"
 #include "baking/notices.h"
-#include "baking/size_search.h"
+#include "baking/search/goal_bake.h"
+#include "baking/search/size_search.h"
 #include "baking/stage_log.h"
 #include "baking/stages.h"
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "baking/component_bake.h"
-#include "baking/component_loop.h"
-#include "baking/component_sizes.h"
-#include "baking/size_search.h"
+#include "baking/component/component_bake.h"
+#include "baking/component/component_loop.h"
+#include "baking/component/component_sizes.h"
+#include "baking/search/size_search.h"
 #include "baking/stage_log.h"
 #include "baking/stages.h"
 #include "geometry/fit/fit.h"

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "baking/component_loop.h"
+#include "baking/component/component_loop.h"
 #include "baking/measure_chart.h"
 #include "baking/stage_log.h"
 #include "baking/stages.h"

@@ -20,8 +20,8 @@
 
 #include "baking/bake_options.h"
 #include "baking/bake_report.h"
-#include "baking/candidates.h"
-#include "baking/cut_memory.h"
+#include "baking/component/candidates.h"
+#include "baking/component/cut_memory.h"
 #include "geometry/layers/layers.h"
 #include "geometry/repair/repair.h"
 #include "model/map_set.h"

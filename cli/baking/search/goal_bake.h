@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/goal_bake.h
+// cli/baking/search/goal_bake.h
 // Bakes the grid that an error or a file size asks for: a search (grid_search.h) over the functions of grid_bake.h.
 #pragma once
 #include "baking/bake_options.h"

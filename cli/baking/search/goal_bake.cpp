@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/goal_bake.cpp
-#include "baking/goal_bake.h"
+// cli/baking/search/goal_bake.cpp
+#include "baking/search/goal_bake.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "baking/grid_search.h"
-#include "baking/size_search.h"
+#include "baking/search/grid_search.h"
+#include "baking/search/size_search.h"
 #include "dgm/dgm_writer.h"
 #include "model/codes.h"
 #include "model/layer_names.h"

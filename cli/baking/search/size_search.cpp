@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/size_search.cpp
-#include "baking/size_search.h"
+// cli/baking/search/size_search.cpp
+#include "baking/search/size_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_sizes.h
+// cli/baking/component/component_sizes.h
 // Shares the samples of an asset among its components.
 #pragma once
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_sizes.cpp
-#include "baking/component_sizes.h"
+// cli/baking/component/component_sizes.cpp
+#include "baking/component/component_sizes.h"
 
 #include <algorithm>
 #include <cmath>

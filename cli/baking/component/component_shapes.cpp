@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_shapes.cpp
-#include "baking/component_shapes.h"
+// cli/baking/component/component_shapes.cpp
+#include "baking/component/component_shapes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "baking/cpu_clock.h"
-#include "baking/size_search.h"
+#include "baking/search/size_search.h"
 
 namespace dgm::bake {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/candidates.cpp
-#include "baking/candidates.h"
+// cli/baking/component/candidates.cpp
+#include "baking/component/candidates.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/cut_memory.cpp
-#include "baking/cut_memory.h"
+// cli/baking/component/cut_memory.cpp
+#include "baking/component/cut_memory.h"
 
 #include <algorithm>
 #include <cmath>

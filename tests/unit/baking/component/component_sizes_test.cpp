@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tests/unit/baking/component_sizes_test.cpp
+// tests/unit/baking/component/component_sizes_test.cpp
 // How samples are shared out among components.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "baking/component_sizes.h"
+#include "baking/component/component_sizes.h"
 
 namespace dgm::bake {
 namespace {

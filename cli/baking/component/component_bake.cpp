@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_bake.cpp
-#include "baking/component_bake.h"
+// cli/baking/component/component_bake.cpp
+#include "baking/component/component_bake.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/cut_memory.h
+// cli/baking/component/cut_memory.h
 // The cuts found for one component while several grids are tried.
 #pragma once
 #include <cstdint>

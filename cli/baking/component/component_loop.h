@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_loop.h
+// cli/baking/component/component_loop.h
 // The same work on every component of a mesh, several at a time.
 #pragma once
 #include <cstddef>

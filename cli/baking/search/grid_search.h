@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/grid_search.h
+// cli/baking/search/grid_search.h
 // Asking by error and by file size: size_search.h with the words, the margins and the report around it.
 #pragma once
 #include <cstdint>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baking/grid_search.h"
+#include "baking/search/grid_search.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "baking/size_search.h"
+#include "baking/search/size_search.h"
 #include "batch/report_text.h"
 #include "model/codes.h"
 

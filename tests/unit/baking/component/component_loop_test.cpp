@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tests/unit/baking/component_loop_test.cpp
-#include "baking/component_loop.h"
+// tests/unit/baking/component/component_loop_test.cpp
+#include "baking/component/component_loop.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/size_search.h
+// cli/baking/search/size_search.h
 // Which grid answers "at most this error", "at most these bytes", "at most so many samples". Nothing here bakes: the
 // callers hand in what measures one grid.
 #pragma once

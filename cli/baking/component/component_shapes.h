@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_shapes.h
+// cli/baking/component/component_shapes.h
 // Which m : n the components of an asset ask for, by cheap bakes (--size auto:N).
 #pragma once
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "baking/component_bake.h"
+#include "baking/component/component_bake.h"
 
 namespace dgm::bake {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/grid_search.cpp
-#include "baking/grid_search.h"
+// cli/baking/search/grid_search.cpp
+#include "baking/search/grid_search.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "baking/option_names.h"
-#include "baking/size_search.h"
+#include "baking/search/size_search.h"
 #include "model/codes.h"
 
 namespace dgm::bake {

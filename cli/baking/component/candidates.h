@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/candidates.h
+// cli/baking/component/candidates.h
 // Compares the charts that several methods make of one component, by measured error.
 #pragma once
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baking/size_search.h"
+#include "baking/search/size_search.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_bake.h
+// cli/baking/component/component_bake.h
 // Makes one component a sampled chart: decides which candidates are tried, and keeps the best.
 #pragma once
 #include "baking/attempt.h"
 #include "baking/bake_options.h"
-#include "baking/candidates.h"
-#include "baking/cut_memory.h"
+#include "baking/component/candidates.h"
+#include "baking/component/cut_memory.h"
 #include "model/progress.h"
 
 namespace dgm::bake {

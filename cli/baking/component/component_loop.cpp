@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/baking/component_loop.cpp
-#include "baking/component_loop.h"
+// cli/baking/component/component_loop.cpp
+#include "baking/component/component_loop.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
