@@ -44,7 +44,7 @@ struct BakeOptions {
     std::optional<std::uint64_t> auto_samples;  ///< instead of `size`: the best m x n with at most so many samples
     std::optional<ErrorGoal> max_error;         ///< the smallest grid that holds it
     std::optional<std::uint64_t> budget_bytes;  ///< the largest grid whose .dgm is not larger; with max_error: a limit
-    /// auto maps onto the square (stretch) first and tries a free chart where that may be better
+    /// auto maps onto the square (stretch) first, and tries a free chart where that may be better
     /// (component/component_bake.cpp). On organs (dgm-bench bake) it has the least rms: arap, slim and lscm have two to
     /// four times as much for half to all of the time, the others twenty times and more; and where one method cannot
     /// map a mesh, auto has another.
