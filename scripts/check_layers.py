@@ -41,8 +41,8 @@ def rooms(*names):
 DATA = RUNTIME + ("formats/model", "formats/image")
 GEOMETRY = DATA + ("cli/geometry",)
 CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
-BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cli/pipeline", "cli/report", "cli/scene",
-                                          "cli/tool")
+BAKING = ("cli/process", "cli/baking", "cli/worker", "cli/batch")
+BELOW_PROGRAMS = GEOMETRY + CONTAINERS + BAKING + ("cli/geometry/cgal", "cli/render", "cli/report", "cli/scene", "cli/tool")
 
 PARTS = (
     Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
@@ -64,23 +64,29 @@ PARTS = (
     Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
     Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_easy_font"),
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
-    Part("cli/pipeline", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB, SYSTEM),
-         "the stages in order; introduces the parameterizers to the geometry"),
-    Part("cli/report", 4, GEOMETRY + CONTAINERS + ("cli/render", "cli/pipeline"), (FMT, JSON, TBB, SYSTEM),
-         "the pages of --report: pictures and words about what the pipeline made"),
-    Part("cli/scene", 5, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
-    Part("cli/bench", 5, BELOW_PROGRAMS + ("samples/generate",), (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/validate", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/info", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
-    Part("cli/export", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/process", 4, ("formats/model", "formats/mesh"), (FMT, SYSTEM),
+         "a disposable copy of the program, whatever its work; a mesh imported in one"),
+    Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB),
+         "the stages in order, in this process; introduces the parameterizers to the geometry"),
+    Part("cli/worker", 5, CONTAINERS + ("formats/model", "cli/process", "cli/baking"), (FMT, JSON, TBB, SYSTEM),
+         "the process that bakes one asset, and its files"),
+    Part("cli/batch", 6, CONTAINERS + ("formats/model", "cli/process", "cli/baking", "cli/worker"), (FMT, JSON, SYSTEM),
+         "many assets: the plan, the workers, the report"),
+    Part("cli/report", 7, GEOMETRY + CONTAINERS + BAKING + ("cli/render",), (FMT, JSON, TBB, SYSTEM),
+         "the pages of --report: pictures and words about what was baked"),
+    Part("cli/scene", 7, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
+    Part("cli/bench", 8, BELOW_PROGRAMS + ("samples/generate",), (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/bake", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/validate", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/info", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
+    Part("cli/export", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("samples/generate", 4, ("formats/model",), (PNG,), "makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
     Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),
     Part("samples", 6, DATA + ("cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
-    Part("tests", 6, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
+    Part("tests", 9, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
                              JSON, CLI11, GTEST, BENCHMARK, NANOFLANN), "tests may look at everything"),
-    Part("tests/e2e/consumer", 6, RUNTIME, (), "a user's project: knows the installed runtime only"),
+    Part("tests/e2e/consumer", 9, RUNTIME, (), "a user's project: knows the installed runtime only"),
 )
 
 LIBRARIES = (  # patterns of headers, first match wins
@@ -213,7 +219,7 @@ GOOD = {
     "formats/model/mesh.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <dgm/vec.h>\n",
     "formats/dgm/writer.cpp": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <hdf5.h>\n"
                               '#include "model/mesh.h"\n',
-    "cli/pipeline/pipeline.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
+    "cli/baking/pipeline.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
     "scripts/demo": "#!/bin/sh\n# SPDX-License-Identifier: GPL-3.0-or-later\n",
     "build/x.cpp": "not ours\n",
 }
@@ -228,7 +234,7 @@ BAD = {  # file: (text, line of the fault, part of the message)
     "cli/geometry/cut/cut.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include <CGAL/Surface_mesh.h>\n", 2,
                                  "include CGAL"),
     "cli/geometry/metrics/up.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n"
-                                    '#include "pipeline/pipeline.h"\n', 2, "may not include cli/pipeline"),
+                                    '#include "baking/pipeline.h"\n', 2, "may not include cli/baking"),
     "cli/bake/odd.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include <openssl/md5.h>\n", 2, "no library"),
     "cli/bake/lost.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include \"lost.h\"\n", 2, "no file of ours"),
     "cli/new/new.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "no part"),

@@ -2,7 +2,7 @@
 // cli/bake/bake_program.h
 // dgm-bake as a function, so that a test can run the real program around a bake that crashes.
 #pragma once
-#include "pipeline/worker.h"
+#include "worker/worker.h"
 
 namespace dgm::bake {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "pipeline/option_names.h"
+#include "baking/option_names.h"
 
 namespace dgm::bake {
 namespace {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "baking/option_names.h"
+#include "baking/pipeline.h"
 #include "bench/columns.h"
 #include "bench/file_times.h"
 #include "bench/machine_facts.h"
@@ -15,8 +17,6 @@
 #include "bench/result_figures.h"
 #include "bench/temporary_folder.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/pipeline.h"
 
 namespace dgm::bench {
 namespace {
@@ -37,9 +37,7 @@ auto value_for(const Table& table, const std::string& word, const char* what) {
 bake::BakeOptions options_of(const BakePoint& point) {
     bake::BakeOptions out;
     out.size = {point.side, point.side};
-    out.method = point.method;
-    if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), point.method) == bake::kMethodNames.end())
-        throw model::Error(model::codes::kUsage, "no such method: " + point.method);
+    out.method = value_for(bake::kMethods, point.method, "method");
     out.fit = value_for(bake::kFitNames, point.fit, "fit");
     out.precision = value_for(bake::kPrecisionNames, point.precision, "precision");
     if (point.layers == "all") return out;

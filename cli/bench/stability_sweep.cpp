@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 
+#include "baking/option_names.h"
 #include "bench/columns.h"
 #include "bench/hard_meshes.h"
 #include "bench/machine_facts.h"
@@ -17,7 +18,6 @@
 #include "bench/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
 
 namespace dgm::bench {
 namespace {
@@ -94,8 +94,7 @@ std::vector<std::string> family_names() {
 Run sweep_stability(const StabilityOptions& options, bool quiet) {
     const std::vector<Family> asked = chosen(options.families);
     for (const std::string& method : options.methods)
-        if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), method) == bake::kMethodNames.end())
-            throw model::Error(model::codes::kUsage, "no such method: " + method);
+        if (!bake::method_of(method)) throw model::Error(model::codes::kUsage, "no such method: " + method);
     Run run;
     run.command = "stability";
     run.machine = machine_facts();
@@ -119,12 +118,12 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
             for (const fs::path& mesh : meshes) {
                 tasks.push_back({mesh, {}});
                 tasks.back().options.size = {options.side, options.side};
-                tasks.back().options.method = method;
+                tasks.back().options.method = *bake::method_of(method);
             }
         bar.begin(family.name, static_cast<double>(options.methods.size()));
         const std::vector<std::vector<AssetResult>> results = bake_all(
             tasks, once, folder.path(), [&](double s) { bar.update(s); },
-            [&](std::size_t k) { bar.at(fmt::format("{} {}", family.name, tasks[k].options.method)); });
+            [&](std::size_t k) { bar.at(fmt::format("{} {}", family.name, bake::name_of(tasks[k].options.method))); });
         for (std::size_t m = 0; m < options.methods.size(); ++m)
             for (std::size_t k = 0; k < meshes.size(); ++k) {
                 const AssetResult& result = results[m * meshes.size() + k].front();

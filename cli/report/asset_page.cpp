@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "baking/bake_report.h"
+#include "batch/report_text.h"
 #include "dgm/dgm_reader.h"
 #include "exr/exr_reader.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
 #include "model/element.h"
-#include "pipeline/bake_report.h"
-#include "pipeline/report_text.h"
 #include "render/canvas.h"
 #include "render/layer_picture.h"
 #include "render/pictures.h"

@@ -10,8 +10,8 @@
 
 #include <dgm/layout.h>
 
-#include "pipeline/bake_options.h"
-#include "pipeline/batch_plan.h"
+#include "baking/bake_options.h"
+#include "batch/batch_plan.h"
 #include "scene/scene_file.h"
 
 namespace dgm::scene {

@@ -13,6 +13,7 @@
 #include "dgm/hash.h"
 #include "dgm/index.h"
 #include "dgm/raw_file.h"
+#include "model/layer_names.h"
 
 namespace dgm::formats {
 namespace {
@@ -414,7 +415,7 @@ class Walk {
                         std::to_string(record.offset),
                     place, static_cast<double>(record.offset), static_cast<double>(offset));
         }
-        const bool is_geometry = name == "geometry";
+        const bool is_geometry = name == model::layers::kGeometry;
         if (is_geometry) {
             compare(set, "offset", std::vector<double>(std::begin(chart.offset), std::end(chart.offset)), place);
             compare(set, "scale", std::vector<double>(std::begin(chart.scale), std::end(chart.scale)), place);

@@ -15,6 +15,7 @@
 
 #include "model/codes.h"
 #include "model/element.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -53,7 +54,7 @@ void check_layer(const Layer& layer, std::initializer_list<ElementType> types,
 void append_positions(const Layer& layer, const Chart& chart, std::vector<Vec3d>& out) {
     const std::size_t count = layer.shape[0] * (layer.shape.size() == 3 ? layer.shape[1] : 1);
     const bool quantised = layer.type == ElementType::kU16;
-    const bool scaled = quantised || chart.find("geometry")->type == ElementType::kF32;
+    const bool scaled = quantised || chart.find(model::layers::kGeometry)->type == ElementType::kF32;
     for (std::size_t s = 0; s < count; ++s) {
         Vec3d p;
         for (int k = 0; k < 3; ++k) {
@@ -78,7 +79,8 @@ std::vector<std::uint32_t> weld_table(const Layer* seams, std::size_t vertices) 
     for (std::size_t v = 0; v < vertices; ++v) weld[v] = static_cast<std::uint32_t>(v);
     if (seams == nullptr) return weld;
     const auto fail = [](std::size_t pair, const std::string& what) {
-        throw model::Error(model::codes::kBadSeamTable, "pair " + std::to_string(pair) + ": " + what, "seams");
+        throw model::Error(model::codes::kBadSeamTable, "pair " + std::to_string(pair) + ": " + what,
+                           model::layers::kSeams);
     };
     for (std::size_t k = 0; k < seams->shape[0]; ++k) {
         const auto representative = element<std::uint32_t>(*seams, 2 * k),
@@ -102,30 +104,33 @@ std::vector<std::uint32_t> weld_table(const Layer* seams, std::size_t vertices) 
 }  // namespace
 
 Reconstruction reconstruct(const Chart& chart, Corners fill) {
-    const Layer* geometry = chart.find("geometry");
-    if (geometry == nullptr) throw model::Error(model::codes::kMissingLayer, "the chart has no geometry", "geometry");
+    const Layer* geometry = chart.find(model::layers::kGeometry);
+    if (geometry == nullptr)
+        throw model::Error(model::codes::kMissingLayer, "the chart has no geometry", model::layers::kGeometry);
     const std::uint64_t m = chart.rows, n = chart.cols;
     if (m < 2 || n < 2)
-        bad_shape("geometry", "a grid of " + std::to_string(m) + " x " + std::to_string(n) + " samples has no quads");
+        bad_shape(model::layers::kGeometry,
+                  "a grid of " + std::to_string(m) + " x " + std::to_string(n) + " samples has no quads");
     check_layer(*geometry, {ElementType::kF32, ElementType::kU16}, {m, n, 3});
 
-    const Layer* border = chart.find("border_geometry");
+    const Layer* border = chart.find(model::layers::kBorderGeometry);
     if (border != nullptr) check_layer(*border, {ElementType::kF32, ElementType::kU16}, {kAnyCount, 3});
     const std::uint64_t grid = m * n, extra = border == nullptr ? 0 : border->shape[0];
-    if (grid + extra > std::numeric_limits<std::uint32_t>::max()) bad_shape("geometry", "there are too many samples");
+    if (grid + extra > std::numeric_limits<std::uint32_t>::max())
+        bad_shape(model::layers::kGeometry, "there are too many samples");
     const auto optional_layer = [&](const char* name, std::initializer_list<ElementType> types,
                                     std::initializer_list<std::uint64_t> shape) {
         const Layer* layer = chart.find(name);
         if (layer != nullptr) check_layer(*layer, types, shape);
         return layer;
     };
-    const Layer* diagonals = optional_layer("diagonals", {ElementType::kU8}, {m - 1, n - 1});
-    const Layer* mask = optional_layer("mask", {ElementType::kU8}, {m, n});
-    const Layer* border_faces = optional_layer("border_faces", {ElementType::kU32}, {kAnyCount, 3});
-    const Layer* border_uv = optional_layer("border_uv", {ElementType::kF32}, {extra, 2});
-    const Layer* normal = optional_layer("normal", {ElementType::kI16}, {m, n, 2});
-    const Layer* border_normal = optional_layer("border_normal", {ElementType::kI16}, {extra, 2});
-    const Layer* seams = optional_layer("seams", {ElementType::kU32}, {kAnyCount, 2});
+    const Layer* diagonals = optional_layer(model::layers::kDiagonals, {ElementType::kU8}, {m - 1, n - 1});
+    const Layer* mask = optional_layer(model::layers::kMask, {ElementType::kU8}, {m, n});
+    const Layer* border_faces = optional_layer(model::layers::kBorderFaces, {ElementType::kU32}, {kAnyCount, 3});
+    const Layer* border_uv = optional_layer(model::layers::kBorderUv, {ElementType::kF32}, {extra, 2});
+    const Layer* normal = optional_layer(model::layers::kNormal, {ElementType::kI16}, {m, n, 2});
+    const Layer* border_normal = optional_layer(model::layers::kBorderNormal, {ElementType::kI16}, {extra, 2});
+    const Layer* seams = optional_layer(model::layers::kSeams, {ElementType::kU32}, {kAnyCount, 2});
 
     Reconstruction out;
     model::TriMesh& mesh = out.mesh;
@@ -153,7 +158,7 @@ Reconstruction reconstruct(const Chart& chart, Corners fill) {
                     throw model::Error(model::codes::kBadValue,
                                        "face " + std::to_string(t) + " names sample " + std::to_string(f[k]) + " of " +
                                            std::to_string(grid + extra),
-                                       "border_faces");
+                                       model::layers::kBorderFaces);
             }
             mesh.faces.push_back(f);
         }
