@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "geometry/chart/cut_search.h"
+#include "geometry/cut_search/cut_search.h"
 
 namespace dgm::bake {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/cut_carry.h
+// cli/geometry/cut_search/cut_carry.h
 // A cut taken through the collapses of a simplification, one at a time.
 #pragma once
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/trial_map.h
+// cli/geometry/cut_search/trial_map.h
 // What a cut would be worth, at a small part of the cost of baking it.
 #pragma once
 #include <cstdint>

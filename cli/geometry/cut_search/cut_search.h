@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/cut_search.h
+// cli/geometry/cut_search/cut_search.h
 // Which cut and which rotation of the border serve a component best, by measured error.
 #pragma once
 #include "geometry/chart/sampled_chart.h"

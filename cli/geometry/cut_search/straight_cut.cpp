@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/straight_cut.cpp
-#include "geometry/chart/straight_cut.h"
+// cli/geometry/cut_search/straight_cut.cpp
+#include "geometry/cut_search/straight_cut.h"
 
 #include <algorithm>
 #include <array>

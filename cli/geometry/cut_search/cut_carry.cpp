@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/cut_carry.cpp
-#include "geometry/chart/cut_carry.h"
+// cli/geometry/cut_search/cut_carry.cpp
+#include "geometry/cut_search/cut_carry.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/cut_search.cpp
-#include "geometry/chart/cut_search.h"
+// cli/geometry/cut_search/cut_search.cpp
+#include "geometry/cut_search/cut_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,12 @@
 #include <numeric>
 #include <optional>
 
-#include "geometry/chart/cut_transfer.h"
-#include "geometry/chart/hidden_cut.h"
 #include "geometry/chart/square_chart.h"
-#include "geometry/chart/star_cut.h"
-#include "geometry/chart/straight_cut.h"
-#include "geometry/chart/trial_map.h"
+#include "geometry/cut_search/cut_transfer.h"
+#include "geometry/cut_search/hidden_cut.h"
+#include "geometry/cut_search/star_cut.h"
+#include "geometry/cut_search/straight_cut.h"
+#include "geometry/cut_search/trial_map.h"
 #include "geometry/simplify/simplify.h"
 #include "model/codes.h"
 

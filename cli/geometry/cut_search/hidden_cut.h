@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/hidden_cut.h
+// cli/geometry/cut_search/hidden_cut.h
 // Cuts that open a surface as a given one does, along ways that are seen less.
 #pragma once
 #include <cstdint>

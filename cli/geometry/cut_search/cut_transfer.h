@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/cut_transfer.h
+// cli/geometry/cut_search/cut_transfer.h
 // A cut found on a simplified mesh, carried to the mesh it was simplified from.
 #pragma once
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/hidden_cut.cpp
-#include "geometry/chart/hidden_cut.h"
+// cli/geometry/cut_search/hidden_cut.cpp
+#include "geometry/cut_search/hidden_cut.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/star_cut.cpp
-#include "geometry/chart/star_cut.h"
+// cli/geometry/cut_search/star_cut.cpp
+#include "geometry/cut_search/star_cut.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/star_cut.h
+// cli/geometry/cut_search/star_cut.h
 // Cuts along which a sphere unfolds as an octahedron.
 #pragma once
 #include <cstddef>

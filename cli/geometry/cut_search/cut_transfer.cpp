@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/cut_transfer.cpp
-#include "geometry/chart/cut_transfer.h"
+// cli/geometry/cut_search/cut_transfer.cpp
+#include "geometry/cut_search/cut_transfer.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "geometry/chart/cut_carry.h"
+#include "geometry/cut_search/cut_carry.h"
 #include "geometry/parameterize/square_border.h"
 
 namespace dgm::bake {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/straight_cut.h
+// cli/geometry/cut_search/straight_cut.h
 // A cut that runs across faces, not only along edges.
 #pragma once
 #include "geometry/cut/cut_graph.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/chart/trial_map.cpp
-#include "geometry/chart/trial_map.h"
+// cli/geometry/cut_search/trial_map.cpp
+#include "geometry/cut_search/trial_map.h"
 
 #include <algorithm>
 #include <cmath>
