@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/cgal/cgal_reference.h
+// tests/reference/cgal_reference.h
 // CGAL's free-border parameterizers exactly as CGAL ships them: what ours are tested and timed against.
 #pragma once
 #include <optional>

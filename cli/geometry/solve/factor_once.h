@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/cgal/factor_once.h
+// cli/geometry/solve/factor_once.h
 // A sparse direct solver that remembers its last matrix and factorizes it once.
 #pragma once
 #include <Eigen/SparseCore>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/bench/bench_solvers.cpp
+// tests/bench/solvers_bench.cpp
 // dgm-bench-solvers [--tips N] MESH...: our free-border solvers beside CGAL's, on the same disks, one after the other.
 //
 // The largest component of each mesh is cut to a disk, and N times more to the vertex farthest from the cut (default
@@ -18,7 +18,6 @@
 #include <string>
 #include <vector>
 
-#include "geometry/cgal/cgal_reference.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/free_maps.h"
@@ -26,6 +25,7 @@
 #include "geometry/parameterize/slim.h"
 #include "geometry/repair/repair.h"
 #include "mesh/mesh_reader.h"
+#include "reference/cgal_reference.h"
 
 namespace dgm::bake {
 namespace {

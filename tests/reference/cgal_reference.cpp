@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/cgal/cgal_reference.cpp
-#include "geometry/cgal/cgal_reference.h"
+// tests/reference/cgal_reference.cpp
+#include "reference/cgal_reference.h"
 
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>

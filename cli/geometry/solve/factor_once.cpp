@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/cgal/factor_once.cpp
-#include "geometry/cgal/factor_once.h"
+// cli/geometry/solve/factor_once.cpp
+#include "geometry/solve/factor_once.h"
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
