@@ -14,13 +14,13 @@
 #include "geometry/cut_search/star_cut.h"
 #include "geometry/cut_search/straight_cut.h"
 #include "geometry/cut_search/trial_map.h"
+#include "geometry/mesh/infinity.h"
 #include "geometry/simplify/simplify.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kExact = 1e-10;  // normalised units
 constexpr double kReach = 1;      // of straight paths from those along edges, in mean edges of the mesh searched
 constexpr double kGain = 0.99;    // a trial must lower the error by 1 % to count
@@ -191,10 +191,9 @@ class Search {
         } else {
             std::vector<double> surface(n, 0.0), map(n, 0.0);
             for (const Face& f : trial.split.mesh.faces) {
-                const double area =
-                    0.5 * length(cross(trial.split.mesh.positions[f[1]] - trial.split.mesh.positions[f[0]],
-                                       trial.split.mesh.positions[f[2]] - trial.split.mesh.positions[f[0]]));
-                const double mapped = 0.5 * cross(trial.uv[f[1]] - trial.uv[f[0]], trial.uv[f[2]] - trial.uv[f[0]]);
+                const auto& q = trial.split.mesh.positions;
+                const double area = face_area({q[f[0]], q[f[1]], q[f[2]]});
+                const double mapped = signed_area(trial.uv[f[0]], trial.uv[f[1]], trial.uv[f[2]]);
                 for (std::uint32_t v : f) {
                     const std::uint32_t point = trial.split.weld[v];
                     if (point < n) surface[point] += area, map[point] += mapped;

@@ -6,18 +6,17 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <queue>
 #include <unordered_map>
 #include <vector>
 
 #include "geometry/cut_search/cut_carry.h"
+#include "geometry/mesh/infinity.h"
 #include "geometry/parameterize/square_border.h"
 
 namespace dgm::bake {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDetour = 4;     // a fine path may be so many times as long as its coarse edge
 constexpr int kReorderings = 20;  // of the edges, before a cut is given up
 

@@ -13,8 +13,7 @@ namespace {
 
 /// Unit normal of the face that a half-edge runs along; zero if it has no area.
 Vec3d face_normal(const TriMesh& mesh, std::uint32_t half_edge) {
-    const auto q = mesh.corners(half_edge / 3);
-    return normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+    return unit_normal(mesh.corners(half_edge / 3));
 }
 
 /// The cut along another way, and what that costs: infinity if there is none.

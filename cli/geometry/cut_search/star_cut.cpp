@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <queue>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/parameterize/spherical_map.h"
 
 namespace dgm::bake {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kStray = 8;      // what an edge a radian off its great arc costs, in lengths
 constexpr double kBehind = -0.2;  // cosine: farther from the end of its arm than a right angle and some
 

@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <queue>
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/mesh/infinity.h"
+
 namespace dgm::bake {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kPlaces = 3;  // on an edge, where a path may cross it
 constexpr double kNearest = 0.1;      // to an end of its edge, in edges: nearer crossings leave slivers
 constexpr int kSweeps = 60;

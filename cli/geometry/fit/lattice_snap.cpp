@@ -49,8 +49,7 @@ void snap_to_lattice(const Lattice& lattice, const NormalEquations& equations, s
             const auto least = [&] {
                 double out = 1;
                 for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
-                    const auto q = grid.corners(rings.faces[k]);
-                    const Vec3d n = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+                    const Vec3d n = unit_normal(grid.corners(rings.faces[k]));
                     out = std::min(out, dot(n, source.normals[matches.middles[rings.faces[k]].hit.face]));
                 }
                 return out;

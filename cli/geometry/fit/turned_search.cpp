@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/fit/turned_watch.h"
+#include "geometry/mesh/infinity.h"
 
 namespace dgm::bake {
 namespace {
@@ -105,7 +106,7 @@ class TurnedSearch {
             const auto here = covered_.find(f);
             if (here == covered_.end()) continue;
             for (const Vec3d& p : here->second) {
-                double least = INFINITY;
+                double least = kInfinity;
                 for (const std::uint32_t g : faces)
                     least = std::min(least, closest_on_triangle(p, grid_.corners(g), ignored));
                 farthest = std::max(farthest, least);

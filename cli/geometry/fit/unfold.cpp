@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/fit/turned_watch.h"
+#include "geometry/mesh/infinity.h"
 
 namespace dgm::bake {
 namespace {
@@ -148,13 +149,13 @@ class Unfolding {
     double relax(std::uint32_t c) {
         Match& match = matches_.classes[c];
         const Vec3d old = grid_.positions[c], up = upward_[match.hit.face];
-        double reach = INFINITY;
+        double reach = kInfinity;
         for (const std::uint32_t f : ring(c)) {
             const Shape& r = shapes_[number_[f]];
             reach = std::min({reach, r.aa, r.bb});
         }
         reach = std::sqrt(reach);
-        const Vec3d x = normalized(cross(up, std::abs(up.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), y = cross(up, x);
+        const Vec3d x = any_perpendicular(up), y = cross(up, x);
         const double h = kProbe * reach, start = energy(c);
         const auto at = [&](double a, double b) {
             grid_.positions[c] = old + (x * a + y * b) * h;
@@ -190,7 +191,7 @@ class Unfolding {
         if (std::any_of(shapes_.begin(), shapes_.end(), [](const Shape& s) { return !(s.determinant() > 0); })) return;
         for (int sweep = 0; sweep < kSweeps && effort_ > 0; ++sweep) {
             note_upward();
-            double least = INFINITY, farthest = 0;
+            double least = kInfinity, farthest = 0;
             for (std::uint32_t k = 0; k < faces_.size(); ++k) least = std::min(least, stretch(k));
             if (sweep > 0 && least > kUpright && count_turned(faces_) == 0) break;
             epsilon_ = std::hypot(kLeastEpsilon, kEpsilonShare * std::min(0.0, least));
@@ -247,7 +248,7 @@ class Unfolding {
         start.take(patch_, matches_);
         std::size_t fewest = count_turned(all);
         const double squares = error_over(all).squares;
-        double least = INFINITY, price = 0;
+        double least = kInfinity, price = 0;
         for (const int rings : kRings) {
             gather(face, rings);
             slide();

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "geometry/mesh/infinity.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -72,7 +74,7 @@ class Untangler {
             if (here == covered_.end()) continue;
             effort_ += here->second.size();
             for (const Vec3d& p : here->second) {
-                double least = INFINITY;
+                double least = kInfinity;
                 for (const std::uint32_t g : ring(c))
                     least = std::min(least, closest_on_triangle(p, grid_.corners(g), ignored));
                 farthest = std::max(farthest, least);
@@ -97,7 +99,7 @@ class Untangler {
         // A ring's corners are its middle and each rim vertex twice: half the way to the rim's mean and more.
         const Vec3d inward = (mean / (3.0 * static_cast<double>(ring(c).size())) - old) * 1.5;
         up = normalized(up, Vec3d{0, 0, 1});
-        const Vec3d x = normalized(cross(up, std::abs(up.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), y = cross(up, x);
+        const Vec3d x = any_perpendicular(up), y = cross(up, x);
 
         Vec3d best = old;
         double least = penalty(c, reach) - kLeastGain;
