@@ -12,14 +12,14 @@
 #include "geometry/fit/border_rails.h"
 #include "geometry/fit/diagonals.h"
 #include "geometry/fit/fit_rows.h"
+#include "geometry/fit/inverted_faces.h"
 #include "geometry/fit/lattice_snap.h"
 #include "geometry/fit/matches.h"
 #include "geometry/fit/normal_equations.h"
+#include "geometry/fit/patch_repair.h"
+#include "geometry/fit/search_repair.h"
 #include "geometry/fit/sliding.h"
-#include "geometry/fit/turned_search.h"
-#include "geometry/fit/turned_watch.h"
-#include "geometry/fit/unfold.h"
-#include "geometry/fit/untangle.h"
+#include "geometry/fit/vertex_repair.h"
 #include "geometry/metrics/turned_faces.h"
 
 namespace dgm::bake {
@@ -31,7 +31,7 @@ constexpr int kCgIterations = 20;
 constexpr double kStartUpright = 0.2, kEndUpright = 0.02;  // faces below are mended at the start and at the end
 constexpr int kDiagonalRounds = 9;
 constexpr double kSureGain = 0.6;                           // in rms; ordinary charts reach 0.2
-constexpr double kMendingPrice = 1.5, kMendingLargest = 3;  // in rms and in the largest error, of fewer turned faces
+constexpr double kMendingPrice = 1.5, kMendingLargest = 3;  // in rms and in the largest error, of fewer inverted faces
 constexpr double kRefitLargest = 1.02;     // largest error after refitting over before, where it is held ...
 constexpr double kRefitLargestFree = 1.3;  // ... and where it is not
 constexpr double kRefitGain = 2e-3;        // in rms, of two rounds, to go on
@@ -66,7 +66,7 @@ class Fitter {
           rails_(chart, source_, grid_),
           upward_(normals_at_scale(source_, surface_area(source_) / static_cast<double>(chart.grid_count()))),
           sliding_(grid_, matches_, rails_, upward_, fixed_),
-          turned_(source_, grid_.surface, matches_.source_index()),
+          inverted_(source_, grid_.surface, matches_.source_index()),
           rows_(source_, grid_, matches_, rails_, options.points_per_sample) {}
 
     FitReport run() {
@@ -79,8 +79,8 @@ class Fitter {
         else
             fit(report);
         tell(options_.rounds + options_.worst_rounds);
-        mend_turned();
-        mend_nearly_turned();
+        mend_inverted();
+        mend_nearly_inverted();
         if (options_.on_lattice) put_on_lattice();
         finish();
         report.rms = kept_.rms, report.hausdorff = kept_.largest;
@@ -90,10 +90,10 @@ class Fitter {
             const TriMesh& mesh = chart_.disk.mesh;
             const SurfaceError before = quick_error(mesh, start, kFewSamples),
                                after = quick_error(mesh, chart_, kFewSamples);
-            // What was mended may cost something where as much was turned that the start's figures mean little.
+            // What was mended may cost something where as much was inverted that the start's figures mean little.
             const double price = after.hausdorff <= kMendingLargest * before.hausdorff ? kMendingPrice : 1;
             if (before.rms < after.rms &&
-                (before.rms * price < after.rms || turned_in(start) <= turned_.faces().size())) {
+                (before.rms * price < after.rms || inverted_in(start) <= inverted_.faces().size())) {
                 chart_ = start;
                 report.rms = report.start_rms, report.hausdorff = report.start_hausdorff, report.rounds = 0;
             }
@@ -105,7 +105,7 @@ class Fitter {
     void fit(FitReport& report) {
         if (options_.split_quads) split_quads();
         if (sliding_.occupy_corners()) matches_.update(false);
-        if (untangle(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
+        if (repair_by_vertex(source_, grid_, matches_, fixed_, kStartUpright)) matches_.update(false);
         keep();
         bool kept = true;
         for (int round = 0; round < options_.rounds; ++round) {
@@ -117,7 +117,7 @@ class Fitter {
             if (kept) keep(), ++report.rounds;
         }
         if (!kept || options_.worst_rounds > 0) restore(), matches_.update(false);
-        if (options_.worst_rounds > 0) mend_turned(), settle(report);
+        if (options_.worst_rounds > 0) mend_inverted(), settle(report);
     }
 
     /// The rounds for the largest error, and the diagonals that go with them.
@@ -135,8 +135,8 @@ class Fitter {
         matches_.update(false);
     }
 
-    [[nodiscard]] std::size_t turned_in(const SampledChart& chart) {
-        return find_turned_faces(turned_.source_index(), chart.surface(), kTurnedTie).size();
+    [[nodiscard]] std::size_t inverted_in(const SampledChart& chart) {
+        return find_turned_faces(inverted_.source_index(), chart.surface(), kTurnedTie).size();
     }
 
     static std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
@@ -170,7 +170,7 @@ class Fitter {
         matches_.update(true);
     }
 
-    [[nodiscard]] std::vector<std::uint32_t> turned_now() { return turned_.faces({}, nearly_); }
+    [[nodiscard]] std::vector<std::uint32_t> inverted_now() { return inverted_.faces({}, nearly_); }
 
     void relink() {
         grid_.link(chart_);
@@ -179,7 +179,7 @@ class Fitter {
 
     void look_up_farthest() {
         matches_.update(true);
-        matches_.settle_farthest(turned_.source_index());
+        matches_.settle_farthest(inverted_.source_index());
     }
 
     /// Rounds that pull hardest where the error is near the largest, at a bounded price in the mean. None that turns a
@@ -188,21 +188,21 @@ class Fitter {
         look_up_farthest();
         const double allowed = kept_.rms * std::pow(10, options_.worst_price_db / 20);
         kept_.largest = largest();
-        const std::vector<std::uint32_t> left = turned_.doubtful_faces(matches_, kEndUpright);
+        const std::vector<std::uint32_t> left = inverted_.doubtful_faces(matches_, kEndUpright);
         for (int round = 0; round < options_.worst_rounds; ++round) {
             tell(options_.rounds + round);
             const std::vector<Vec3d> before = grid_.surface.positions;
             step(true);
             matches_.update(true);
             const bool sound =
-                take_back(before, [&] { return without(turned_.doubtful_faces(matches_, kEndUpright), left); });
-            matches_.settle_farthest(turned_.source_index());
+                take_back(before, [&] { return without(inverted_.doubtful_faces(matches_, kEndUpright), left); });
+            matches_.settle_farthest(inverted_.source_index());
             const bool closer = largest() < kept_.largest && matches_.rms <= allowed;
             if (sound && (closer || (largest() <= kept_.largest && matches_.rms < kept_.rms))) keep(), ++report.rounds;
         }
     }
 
-    /// Corners of faces that a round has turned go back to where they were before it.
+    /// Corners of faces that a round has inverted go back to where they were before it.
     /// @param fresh_now  those faces, as the grid lies now
     /// @param went_back  per class: set where one did, if it is not empty
     /// @return  true if no such face is left
@@ -228,16 +228,16 @@ class Fitter {
         }
     }
 
-    /// Faces that are turned, by the measure (metrics/turned_faces.h), are mended where others do not turn for them.
-    void mend_turned() {
-        const std::vector<std::uint32_t> turned = turned_now();
-        if (turned.empty() || (unmended_ && without(turned, *unmended_).empty())) return;
+    /// Faces that are inverted, by the measure (metrics/turned_faces.h), are mended where others do not turn for them.
+    void mend_inverted() {
+        const std::vector<std::uint32_t> inverted = inverted_now();
+        if (inverted.empty() || (unmended_ && without(inverted, *unmended_).empty())) return;
         const Kept before = kept_;
         for (const bool all_ways : {true, false}) {
-            if (!mend(all_ways) || turned_now().size() < turned.size() || kept_.rms <= before.rms) break;
+            if (!mend(all_ways) || inverted_now().size() < inverted.size() || kept_.rms <= before.rms) break;
             go_back_to(before);
         }
-        unmended_ = turned_now();
+        unmended_ = inverted_now();
     }
 
     /// Walks end in local minima; the last faces to mend are those that the measure finds. What had to move is fitted
@@ -247,12 +247,12 @@ class Fitter {
     bool mend(bool all_ways) {
         constexpr int kSearches = 3;
         const std::vector<Vec3d> before = grid_.surface.positions;
-        bool moved = all_ways && untangle_turned(), unfolded = false;
+        bool moved = all_ways && repair_vertices(), unfolded = false;
         if (moved) matches_.update(false);
         for (int round = 0; round < kSearches; ++round) {
-            if (unfold_patches()) moved = unfolded = true;
-            const std::vector<std::uint32_t> left = turned_now();
-            if (left.empty() || !search_turned(left)) break;
+            if (repair_patches()) moved = unfolded = true;
+            const std::vector<std::uint32_t> left = inverted_now();
+            if (left.empty() || !repair_by_search_of(left)) break;
             moved = true;
         }
         if (!moved) return false;
@@ -262,40 +262,40 @@ class Fitter {
         return true;
     }
 
-    bool untangle_turned() {
+    bool repair_vertices() {
         constexpr int kPasses = 10;
-        const ClosestPointIndex& index = turned_.source_index();
-        bool moved = untangle(source_, grid_, matches_, fixed_, kEndUpright);
+        const ClosestPointIndex& index = inverted_.source_index();
+        bool moved = repair_by_vertex(source_, grid_, matches_, fixed_, kEndUpright);
         for (int pass = 0; pass < kPasses; ++pass) {
-            const std::vector<std::uint32_t> turned = turned_now();
-            for (const std::uint32_t f : turned)
+            const std::vector<std::uint32_t> inverted = inverted_now();
+            for (const std::uint32_t f : inverted)
                 if (const ClosestPoint hit = index.query(matches_.middles[f].position); hit.face != kNone)
                     matches_.middles[f].hit.face = hit.face;
-            if (turned.empty()) break;
-            if (!flip_quads(turned, false) && !untangle(source_, grid_, matches_, fixed_, turned)) break;
+            if (inverted.empty()) break;
+            if (!flip_quads(inverted, false) && !repair_by_vertex(source_, grid_, matches_, fixed_, inverted)) break;
             moved = true;
         }
         return moved;
     }
 
     /// What rounding may turn, last and by itself: mending costs some accuracy, and it may turn nothing.
-    void mend_nearly_turned() {
+    void mend_nearly_inverted() {
         const Kept before = kept_;
-        const std::size_t turned = turned_.faces().size();
+        const std::size_t inverted = inverted_.faces().size();
         nearly_ = true;
-        mend_turned();
-        if (kept_.rms <= kRoundingPrice * before.rms || turned_.faces().size() < turned) return;
+        mend_inverted();
+        if (kept_.rms <= kRoundingPrice * before.rms || inverted_.faces().size() < inverted) return;
         go_back_to(before);
     }
 
     /// Undone where it turns no face back, or makes the others pay too much for it.
     /// @return  true if fewer are left
-    bool search_turned(const std::vector<std::uint32_t>& left) {
+    bool repair_by_search_of(const std::vector<std::uint32_t>& left) {
         const std::vector<Vec3d> positions = grid_.surface.positions;
         const std::vector<std::uint8_t> diagonals = chart_.diagonals;
-        if (!turn_back(source_, turned_.source_index(), grid_, matches_, fixed_, left)) return false;
-        if (!flip_quads(turned_now(), true)) matches_.update(false);
-        if (turned_now().size() < left.size() && matches_.rms <= kMendingPrice * kept_.rms) return true;
+        if (!repair_by_search(source_, inverted_.source_index(), grid_, matches_, fixed_, left)) return false;
+        if (!flip_quads(inverted_now(), true)) matches_.update(false);
+        if (inverted_now().size() < left.size() && matches_.rms <= kMendingPrice * kept_.rms) return true;
         grid_.surface.positions = positions, chart_.diagonals = diagonals;
         relink();
         matches_.update(false);
@@ -303,10 +303,10 @@ class Fitter {
     }
 
     /// @return  true if a sample moved
-    bool unfold_patches() {
-        const std::vector<std::uint32_t> left = turned_now();
+    bool repair_patches() {
+        const std::vector<std::uint32_t> left = inverted_now();
         if (left.empty() ||
-            !unfold(source_, turned_.source_index(), upward_, grid_, matches_, fixed_, left, unfolding_effort_))
+            !repair_by_patch(source_, inverted_.source_index(), upward_, grid_, matches_, fixed_, left, patch_effort_))
             return false;
         matches_.update(false);
         return true;
@@ -330,7 +330,7 @@ class Fitter {
         std::vector<Freedom> freedom(near.size(), Freedom::kHeld);
         for (std::size_t c = 0; c < near.size(); ++c)
             if (near[c] && !fixed_[c]) freedom[c] = Freedom::kFree;
-        const std::vector<std::uint32_t> left = turned_.faces(near_face, nearly_);
+        const std::vector<std::uint32_t> left = inverted_.faces(near_face, nearly_);
         std::vector<char> held(near.size(), 0);
         const double limit = (options_.worst_rounds > 0 ? kRefitLargest : kRefitLargestFree) * kept_.largest;
         double gained = 1, gained_before = 1;
@@ -342,7 +342,9 @@ class Fitter {
             matches_.update(true, near_face);
             const bool sound = take_back(
                 kept_.positions,
-                [&] { return without(joined(turned_.faces(near_face, nearly_), matches_.faces_beyond(limit)), left); },
+                [&] {
+                    return without(joined(inverted_.faces(near_face, nearly_), matches_.faces_beyond(limit)), left);
+                },
                 held);
             gained = sound ? std::max(0.0, 1 - matches_.rms / kept_.rms) : 0;
             if (gained > 0) {
@@ -363,7 +365,7 @@ class Fitter {
         if (!(lattice.step > 0)) return;
         NormalEquations equations(grid_);
         rows_.assemble(equations, false);
-        snap_to_lattice(lattice, equations, rails_.freedom(), chart_.grid_count(), source_, grid_, matches_, turned_);
+        snap_to_lattice(lattice, equations, rails_.freedom(), chart_.grid_count(), source_, grid_, matches_, inverted_);
         kept_.rms = matches_.rms, kept_.largest = largest();
         chart_.lattice = lattice;
     }
@@ -399,7 +401,7 @@ class Fitter {
     }
 
     bool flip_quads(std::span<const std::uint32_t> faces, bool measured) {
-        if (!flip_diagonals(chart_, grid_, faces, measured ? &turned_.source_index() : nullptr)) return false;
+        if (!flip_diagonals(chart_, grid_, faces, measured ? &inverted_.source_index() : nullptr)) return false;
         relink();
         matches_.update(false);
         return true;
@@ -415,10 +417,10 @@ class Fitter {
     BorderRails rails_;
     std::vector<Vec3d> upward_;  // per face of the source: its normal at the scale of the grid
     Sliding sliding_;
-    TurnedWatch turned_;
+    InvertedFaces inverted_;
     FitRows rows_;
-    std::optional<std::vector<std::uint32_t>> unmended_;  // turned faces that mending has left
-    std::size_t unfolding_effort_ = 500'000;              // samples that may be moved yet: some seconds at most
+    std::optional<std::vector<std::uint32_t>> unmended_;  // inverted faces that mending has left
+    std::size_t patch_effort_ = 500'000;                  // samples that may be moved yet: some seconds at most
     bool nearly_ = false;                                 // mends faces that rounding may turn, too
     Kept kept_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tests/unit/geometry/unfold_test.cpp
-#include "geometry/fit/unfold.h"
+// tests/unit/geometry/patch_repair_test.cpp
+#include "geometry/fit/patch_repair.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/fit/fit.h"
-#include "geometry/fit/turned_search.h"
+#include "geometry/fit/search_repair.h"
 #include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/repair/repair.h"
@@ -70,10 +70,10 @@ Result unfolded(const SampledChart& chart, bool held) {
     const std::vector<char> fixed = held ? std::vector<char>(grid.sample_of.size(), 1) : grid.on_border;
     const std::vector<std::uint32_t> faces = turned(grid.surface);
     out.start = faces.size();
-    turn_back(source, index, other, other_matches, fixed, faces);
+    repair_by_search(source, index, other, other_matches, fixed, faces);
     out.searched = turned(other.surface).size();
     std::size_t effort = 100'000;
-    out.moved = unfold(source, index, source.normals, grid, matches, fixed, faces, effort);
+    out.moved = repair_by_patch(source, index, source.normals, grid, matches, fixed, faces, effort);
     out.left = turned(grid.surface).size();
     grid.write_positions(out.chart);
     for (std::size_t c = 0; c < grid.sample_of.size(); ++c)

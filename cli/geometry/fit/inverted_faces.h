@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/fit/turned_watch.h
-// The faces of a grid that are turned against the source, again and again while the grid moves.
+// cli/geometry/fit/inverted_faces.h
+// Finds the faces of a grid that are inverted against the source, again and again while the grid moves.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,17 +18,17 @@ namespace dgm::bake {
 inline constexpr double kSafeTie = 0.5 * kTurnedTie, kSafeCosine = 0.01;
 
 /// Remembers what it has measured: only faces that lie elsewhere than when they were last looked at are measured again.
-class TurnedWatch {
+class InvertedFaces {
  public:
     /// All must outlive the object; `grid` may move and be linked anew in between.
     /// @param source_index  of the source, if there is one already
-    TurnedWatch(const LinkedSurface& source, const LinkedSurface& grid, const ClosestPointIndex* source_index)
+    InvertedFaces(const LinkedSurface& source, const LinkedSurface& grid, const ClosestPointIndex* source_index)
         : source_(source), grid_(grid), source_index_(source_index) {}
 
     /// Of the source; built when it is first asked for, if there was none.
     [[nodiscard]] const ClosestPointIndex& source_index();
 
-    /// Turned by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.
+    /// Inverted by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.
     /// @param nearly  those too that may be when they are rounded
     [[nodiscard]] std::vector<std::uint32_t> faces(std::span<const char> among = {}, bool nearly = false);
 
@@ -39,7 +39,7 @@ class TurnedWatch {
  private:
     struct Judged {
         std::array<Vec3d, 3> corners;
-        bool nearly, turned;
+        bool nearly, inverted;
     };
 
     const LinkedSurface& source_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/fit/unfold.cpp
-#include "geometry/fit/unfold.h"
+// cli/geometry/fit/patch_repair.cpp
+#include "geometry/fit/patch_repair.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/fit/turned_watch.h"
+#include "geometry/fit/inverted_faces.h"
 #include "geometry/mesh/infinity.h"
 
 namespace dgm::bake {
@@ -36,10 +36,10 @@ Shape shape_of(const std::array<Vec3d, 3>& q) {
     return {dot(a, a), dot(a, b), dot(b, b)};
 }
 
-class Unfolding {
+class PatchRepair {
  public:
-    Unfolding(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
-              WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::size_t& effort)
+    PatchRepair(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
+                WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::size_t& effort)
         : source_(source),
           index_(index),
           upward_(upward),
@@ -62,10 +62,10 @@ class Unfolding {
         for (std::uint32_t k = 0; k < point_.size(); ++k) point_[next[matches.points[k].hit.face]++] = k;
     }
 
-    bool run(std::span<const std::uint32_t> turned) {
+    bool run(std::span<const std::uint32_t> inverted) {
         bool moved = false;
-        for (const std::uint32_t f : turned)
-            if (effort_ > 0 && is_turned(f)) moved = lay_flat(f) || moved;
+        for (const std::uint32_t f : inverted)
+            if (effort_ > 0 && is_inverted(f)) moved = lay_flat(f) || moved;
         return moved;
     }
 
@@ -74,7 +74,7 @@ class Unfolding {
         return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
     }
 
-    [[nodiscard]] std::size_t count_turned(std::span<const std::uint32_t> faces) const {
+    [[nodiscard]] std::size_t count_inverted(std::span<const std::uint32_t> faces) const {
         TriMesh own;
         for (const std::uint32_t f : faces) {
             const auto first = static_cast<std::uint32_t>(own.positions.size());
@@ -83,7 +83,7 @@ class Unfolding {
         }
         return find_turned_faces(index_, own, kSafeTie, kSafeCosine).size();
     }
-    [[nodiscard]] bool is_turned(std::uint32_t f) const { return count_turned(std::array{f}) != 0; }
+    [[nodiscard]] bool is_inverted(std::uint32_t f) const { return count_inverted(std::array{f}) != 0; }
 
     /// The free classes around a face, and the faces around those.
     void gather(std::uint32_t face, int rings) {
@@ -127,7 +127,7 @@ class Unfolding {
         }
     }
 
-    /// Area over that of its shape, negative where it is turned.
+    /// Area over that of its shape, negative where it is inverted.
     [[nodiscard]] double stretch(std::uint32_t k) const {
         const auto q = grid_.corners(faces_[k]);
         return dot(up_[k], cross(q[1] - q[0], q[2] - q[0])) / std::sqrt(shapes_[k].determinant());
@@ -185,7 +185,7 @@ class Unfolding {
         return 0;
     }
 
-    /// Slides the patch until no face of it is turned.
+    /// Slides the patch until no face of it is inverted.
     void slide() {
         note_shapes();
         if (std::any_of(shapes_.begin(), shapes_.end(), [](const Shape& s) { return !(s.determinant() > 0); })) return;
@@ -193,7 +193,7 @@ class Unfolding {
             note_upward();
             double least = kInfinity, farthest = 0;
             for (std::uint32_t k = 0; k < faces_.size(); ++k) least = std::min(least, stretch(k));
-            if (sweep > 0 && least > kUpright && count_turned(faces_) == 0) break;
+            if (sweep > 0 && least > kUpright && count_inverted(faces_) == 0) break;
             epsilon_ = std::hypot(kLeastEpsilon, kEpsilonShare * std::min(0.0, least));
             for (const std::uint32_t c : patch_) farthest = std::max(farthest, relax(c));
             effort_ -= std::min(effort_, patch_.size());
@@ -246,13 +246,13 @@ class Unfolding {
         Patch start, best;
         for (const std::uint32_t c : patch_) matches_.classes[c].position = grid_.positions[c];
         start.take(patch_, matches_);
-        std::size_t fewest = count_turned(all);
+        std::size_t fewest = count_inverted(all);
         const double squares = error_over(all).squares;
         double least = kInfinity, price = 0;
         for (const int rings : kRings) {
             gather(face, rings);
             slide();
-            const std::size_t left = count_turned(all);
+            const std::size_t left = count_inverted(all);
             bool better = left < fewest || (left == fewest && !best.classes.empty());
             if (better) {
                 const Error error = error_over(all);
@@ -296,11 +296,11 @@ class Unfolding {
 
 }  // namespace
 
-bool unfold(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
-            WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::span<const std::uint32_t> turned,
-            std::size_t& effort) {
-    if (turned.size() > kMostFaces) return false;
-    return Unfolding(source, index, upward, grid, matches, fixed, effort).run(turned);
+bool repair_by_patch(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
+                     WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+                     std::span<const std::uint32_t> inverted, std::size_t& effort) {
+    if (inverted.size() > kMostFaces) return false;
+    return PatchRepair(source, index, upward, grid, matches, fixed, effort).run(inverted);
 }
 
 }  // namespace dgm::bake

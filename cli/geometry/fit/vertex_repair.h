@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/fit/untangle.h
-// Turning back the faces of a grid that look against the source.
+// cli/geometry/fit/vertex_repair.h
+// Repairs inverted faces one sample at a time, judged by normals.
 #pragma once
 #include <span>
 
@@ -13,11 +13,11 @@ namespace dgm::bake {
 /// around them look better and cover the source's vertices as well. Classes marked `fixed` stay. Repeats while it
 /// helps, some rounds at most; `matches` is kept up to date.
 /// @return  true if a sample moved
-bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
-              double upright);
+bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+                      double upright);
 
 /// The same, once, for the faces given.
-bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
-              std::span<const std::uint32_t> faces);
+bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+                      std::span<const std::uint32_t> faces);
 
 }  // namespace dgm::bake

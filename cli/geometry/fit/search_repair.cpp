@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/fit/turned_search.cpp
-#include "geometry/fit/turned_search.h"
+// cli/geometry/fit/search_repair.cpp
+#include "geometry/fit/search_repair.h"
 
 #include <algorithm>
 #include <array>
@@ -11,27 +11,27 @@
 #include <unordered_map>
 #include <vector>
 
-#include "geometry/fit/turned_watch.h"
+#include "geometry/fit/inverted_faces.h"
 #include "geometry/mesh/infinity.h"
 
 namespace dgm::bake {
 namespace {
 
 constexpr int kPasses = 10, kPlainPasses = 3;
-constexpr int kTries = 120, kHeatedTries = 3000;  // places a turned face, in one pass
+constexpr int kTries = 120, kHeatedTries = 3000;  // places a inverted face, in one pass
 constexpr double kHeat = 0.4;                     // price that a try may cost when an annealing begins
 constexpr std::size_t kMostTries = 40'000;        // in one call: some tenths of a second
 constexpr std::size_t kMostFaces = 1000;  // of more the source has no sides to tell (slivers, folds onto itself)
-constexpr double kTurned = 2;             // price of a turned face, more the further it is turned
+constexpr double kInverted = 2;           // price of a inverted face, more the further it is inverted
 constexpr double kWanted = 0.15;          // cosine from which a face counts as upright
 constexpr double kOff = 0.5;              // price of a face whose middle is a spacing away from the source
 constexpr double kCover = 3;              // price of a source vertex a spacing away from the faces that covered it
 constexpr double kThinnest = 0.01, kThin = 0.2;  // twice the area over the longest edge squared, and its price
 constexpr double kLeastGain = 1e-4;
 
-class TurnedSearch {
+class SearchRepair {
  public:
-    TurnedSearch(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
+    SearchRepair(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
                  std::span<const char> fixed)
         : source_(source),
           index_(index),
@@ -45,8 +45,8 @@ class TurnedSearch {
             covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
     }
 
-    bool run(std::span<const std::uint32_t> turned) {
-        std::vector<std::uint32_t> left(turned.begin(), turned.end());
+    bool run(std::span<const std::uint32_t> inverted) {
+        std::vector<std::uint32_t> left(inverted.begin(), inverted.end());
         bool moved = false;
         for (int pass = 0; pass < kPasses && !left.empty() && tries_ < kMostTries; ++pass) {
             reached_.clear();
@@ -54,7 +54,7 @@ class TurnedSearch {
             left.insert(left.end(), reached_.begin(), reached_.end());
             std::sort(left.begin(), left.end());
             left.erase(std::unique(left.begin(), left.end()), left.end());
-            std::erase_if(left, [&](std::uint32_t f) { return !judge(f).turned; });
+            std::erase_if(left, [&](std::uint32_t f) { return !judge(f).inverted; });
         }
         return moved;
     }
@@ -62,7 +62,7 @@ class TurnedSearch {
  private:
     struct Price {
         double value;
-        bool turned;
+        bool inverted;
     };
 
     [[nodiscard]] std::span<const std::uint32_t> ring(std::uint32_t c) const {
@@ -79,23 +79,23 @@ class TurnedSearch {
         const auto q = grid_.corners(f);
         const Vec3d area = cross(q[1] - q[0], q[2] - q[0]), centre = (q[0] + q[1] + q[2]) / 3;
         const Vec3d normal = normalized(area, Vec3d{});
-        if (normal == Vec3d{}) return {2 * kTurned, true};
+        if (normal == Vec3d{}) return {2 * kInverted, true};
         const ClosestPoint any = index_.query(centre, matches_.middles[f].hit.face);
-        if (any.face == kNone) return {2 * kTurned, true};
+        if (any.face == kNone) return {2 * kInverted, true};
         const double cosine = dot(index_.unit_normal(any.face), normal);
-        bool turned = false;
+        bool inverted = false;
         if (!(cosine > kSafeCosine)) {
             const double limit = any.distance + kSafeTie;
             const ClosestPoint facing = index_.query_facing(centre, normal, kSafeCosine, any.face, limit);
-            turned = facing.face == kNone || facing.distance > limit;
+            inverted = facing.face == kNone || facing.distance > limit;
         }
         double longest = 0;
         for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, length(q[(k + 1) % 3] - q[k]));
         const double thin = length(area) / (longest * longest);
-        return {(turned ? kTurned - cosine : std::max(0.0, kWanted - std::max(cosine, 0.0))) +
+        return {(inverted ? kInverted - cosine : std::max(0.0, kWanted - std::max(cosine, 0.0))) +
                     kThin * std::max(0.0, 1 - thin / kThinnest) +
                     kOff * std::min(4.0, any.distance * any.distance / squared_spacing_),
-                turned};
+                inverted};
     }
 
     /// Squared distance of the source vertex farthest from faces that cover it, among those over `faces`.
@@ -183,7 +183,7 @@ class TurnedSearch {
             }
             for (const std::uint32_t f : affected_) {
                 grid_.update_normal(f), matches_.update_middle(f);
-                if (judge(f).turned) reached_.push_back(f);
+                if (judge(f).inverted) reached_.push_back(f);
             }
             return true;
         }
@@ -209,22 +209,22 @@ class TurnedSearch {
 
     bool mend(std::uint32_t face) {
         bool moved = false;
-        for (int k = 0; k < kTries && tries_ < kMostTries && judge(face).turned; ++k)
+        for (int k = 0; k < kTries && tries_ < kMostTries && judge(face).inverted; ++k)
             moved = attempt_about(face, k, -kLeastGain) || moved;
         return moved;
     }
 
     /// Steps that cost something, ever less of it; all are taken back unless they paid in the end.
     bool anneal(std::uint32_t face) {
-        if (!judge(face).turned) return false;
+        if (!judge(face).inverted) return false;
         log_.clear();
         change_ = 0;
         for (int k = 0; k < kHeatedTries && tries_ < kMostTries; ++k) {
             const double heat = kHeat * std::pow(1 - static_cast<double>(k) / kHeatedTries, 2);
             attempt_about(face, k, -kLeastGain - heat * std::log(std::max(uniform(), 1e-9)));
-            if (change_ < -0.5 * kTurned && !judge(face).turned) break;
+            if (change_ < -0.5 * kInverted && !judge(face).inverted) break;
         }
-        if (change_ < -0.5 * kTurned) return true;  // a face less
+        if (change_ < -0.5 * kInverted) return true;  // a face less
         for (std::size_t k = log_.size(); k-- > 0;) {
             const std::uint32_t c = log_[k].c;
             grid_.positions[c] = matches_.classes[c].position = log_[k].before.position;
@@ -259,10 +259,10 @@ class TurnedSearch {
 
 }  // namespace
 
-bool turn_back(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
-               std::span<const char> fixed, std::span<const std::uint32_t> turned) {
-    if (turned.size() > kMostFaces) return false;
-    return TurnedSearch(source, index, grid, matches, fixed).run(turned);
+bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
+                      std::span<const char> fixed, std::span<const std::uint32_t> inverted) {
+    if (inverted.size() > kMostFaces) return false;
+    return SearchRepair(source, index, grid, matches, fixed).run(inverted);
 }
 
 }  // namespace dgm::bake

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/geometry/fit/untangle.cpp
-#include "geometry/fit/untangle.h"
+// cli/geometry/fit/vertex_repair.cpp
+#include "geometry/fit/vertex_repair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,18 +14,18 @@ namespace {
 
 constexpr int kPasses = 20;
 constexpr int kDirections = 12;
-constexpr double kTurned = 0.3;  // price of a turned face without area
-constexpr double kWanted = 0.3;  // cosine from which a face counts as upright
-constexpr double kCover = 3;     // price of a source vertex one spacing away from the ring that covered it
-constexpr double kOff = 0.1;     // price of a face whose middle is a ring's reach away from the source
+constexpr double kInverted = 0.3;  // price of a inverted face without area
+constexpr double kWanted = 0.3;    // cosine from which a face counts as upright
+constexpr double kCover = 3;       // price of a source vertex one spacing away from the ring that covered it
+constexpr double kOff = 0.1;       // price of a face whose middle is a ring's reach away from the source
 constexpr double kLeastGain = 1e-3;
-// Faces looked at, in one call. A few hundred turned faces take a tenth of it; where thousands are, the source has no
+// Faces looked at, in one call. A few hundred inverted faces take a tenth of it; where thousands are, the source has no
 // sides to tell (slivers, folds onto itself), and the rest of them would be tried in vain.
 constexpr std::size_t kMostEffort = 4'000'000;
 
-class Untangler {
+class VertexRepair {
  public:
-    Untangler(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed)
+    VertexRepair(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed)
         : source_(source), grid_(grid.surface), matches_(matches), fixed_(fixed), rings_(grid.rings()) {
         settled_.assign(grid_.positions.size(), 0);
         squared_spacing_ = surface_area(source) / static_cast<double>(grid_.positions.size());
@@ -68,7 +68,7 @@ class Untangler {
             const SurfaceHit hit = walk_to_closest(source_, (q[0] + q[1] + q[2]) / 3, matches_.middles[f].hit.face);
             // Also by area: a face that lies flat on its back turns no less while it shrinks.
             sum += std::max(0.0, kWanted - dot(normal, source_.normals[hit.face])) *
-                   (kTurned + length(area) / (reach * reach));
+                   (kInverted + length(area) / (reach * reach));
             sum += kOff * std::min(1.0, hit.squared / (reach * reach));
             const auto here = covered_.find(f);
             if (here == covered_.end()) continue;
@@ -136,16 +136,16 @@ class Untangler {
 
 }  // namespace
 
-bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
-              double upright) {
-    return Untangler(source, grid, matches, fixed).run(upright);
+bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+                      double upright) {
+    return VertexRepair(source, grid, matches, fixed).run(upright);
 }
 
-bool untangle(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
-              std::span<const std::uint32_t> faces) {
-    Untangler untangler(source, grid, matches, fixed);
+bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
+                      std::span<const std::uint32_t> faces) {
+    VertexRepair repair(source, grid, matches, fixed);
     bool moved = false;
-    for (const std::uint32_t f : faces) moved = untangler.mend(f) || moved;
+    for (const std::uint32_t f : faces) moved = repair.mend(f) || moved;
     return moved;
 }
 
