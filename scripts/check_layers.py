@@ -25,7 +25,7 @@ INTRINSICS, BENCHMARK, NANOFLANN = "processor intrinsics", "Google Benchmark", "
 @dataclasses.dataclass(frozen=True)
 class Part:
     folder: str          # the longest folder that matches a file is its part
-    level: int
+    level: float
     uses: tuple          # folders of parts below
     libraries: tuple     # beside the C and C++ standard libraries
     why: str
@@ -39,7 +39,11 @@ def rooms(*names):
 
 
 DATA = RUNTIME + ("formats/model", "formats/image")
-GEOMETRY = DATA + ("cli/geometry",)
+KERNEL = DATA + ("cli/geometry/mesh",)
+MESHES = KERNEL + ("cli/geometry/spatial", "cli/geometry/cut", "cli/geometry/simplify", "cli/geometry/metrics")
+MAPS = MESHES + ("cli/geometry/solve", "cli/geometry/parameterize")
+CHARTS = MAPS + ("cli/geometry/resample", "cli/geometry/chart")
+GEOMETRY = CHARTS + ("cli/geometry/repair", "cli/geometry/cut_search", "cli/geometry/fit", "cli/geometry/layers")
 CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
 BAKING = ("cli/process", "cli/baking", "cli/worker", "cli/batch")
 BELOW_PROGRAMS = GEOMETRY + CONTAINERS + BAKING + ("cli/geometry/cgal", "cli/render", "cli/report", "cli/scene", "cli/tool")
@@ -57,7 +61,21 @@ PARTS = (
     Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
     Part("formats/image", 1, ("formats/model",), (PNG, STB), "pixels in and out; no other part decodes pictures"),
-    Part("cli/geometry", 2, DATA, (EIGEN, EMBREE, TBB), "pure functions on meshes; builds without CGAL"),
+    # The rooms of the geometry: pure functions on meshes. All build without CGAL, and most without Eigen.
+    Part("cli/geometry/mesh", 2, DATA, (), "the kernel: half-edges, predicates, areas, closest points"),
+    Part("cli/geometry/solve", 2, (), (EIGEN,), "sparse systems; knows no mesh"),
+    Part("cli/geometry/spatial", 2.1, KERNEL, (EMBREE, TBB), "a mesh in a search tree"),
+    Part("cli/geometry/cut", 2.1, KERNEL, (), "cuts of a mesh, and the disk they open"),
+    Part("cli/geometry/simplify", 2.1, KERNEL, (), "fewer faces"),
+    Part("cli/geometry/repair", 2.1, KERNEL, (), "manifold components of a mesh as it was read"),
+    Part("cli/geometry/metrics", 2.2, KERNEL + ("cli/geometry/spatial",), (TBB,),
+         "distances, distortion and topology, measured"),
+    Part("cli/geometry/parameterize", 2.3, MESHES + ("cli/geometry/solve",), (EIGEN,), "maps of a disk to the plane"),
+    Part("cli/geometry/resample", 2.4, MAPS, (), "samples of a map"),
+    Part("cli/geometry/chart", 2.5, MAPS + ("cli/geometry/resample",), (), "a component on its grid"),
+    Part("cli/geometry/cut_search", 2.6, CHARTS, (), "the choice of a cut, by the charts it gives"),
+    Part("cli/geometry/fit", 2.6, CHARTS, (TBB,), "a chart's samples moved closer to the source"),
+    Part("cli/geometry/layers", 2.7, GEOMETRY, (TBB,), "a chart's layers"),
     Part("cli/geometry/cgal", 3, GEOMETRY, (CGAL, EIGEN), "the only folder to see CGAL: its licence and compile time"),
     Part("formats/dgm", 3, DATA, (HDF5, XXHASH, SYSTEM), "the only folder to see HDF5"),
     Part("formats/exr", 3, DATA, (OPENEXR, XXHASH, SYSTEM), "the only folder to see OpenEXR and Imath"),
@@ -220,6 +238,7 @@ GOOD = {
     "formats/dgm/writer.cpp": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <hdf5.h>\n"
                               '#include "model/mesh.h"\n',
     "cli/baking/pipeline.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
+    "cli/geometry/chart/chart.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
     "scripts/demo": "#!/bin/sh\n# SPDX-License-Identifier: GPL-3.0-or-later\n",
     "build/x.cpp": "not ours\n",
 }
@@ -235,6 +254,9 @@ BAD = {  # file: (text, line of the fault, part of the message)
                                  "include CGAL"),
     "cli/geometry/metrics/up.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n"
                                     '#include "baking/pipeline.h"\n', 2, "may not include cli/baking"),
+    "cli/geometry/parameterize/up.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n"
+                                         '#include "geometry/chart/chart.h"\n', 2,
+                                         "may not include cli/geometry/chart"),
     "cli/bake/odd.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include <openssl/md5.h>\n", 2, "no library"),
     "cli/bake/lost.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include \"lost.h\"\n", 2, "no file of ours"),
     "cli/new/new.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "no part"),

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "geometry/chart/hidden_cut.h"
+#include "geometry/cut_search/hidden_cut.h"
 #include "geometry/metrics/bump_normals.h"
 #include "geometry/metrics/reconstruction.h"
 #include "geometry/metrics/turned_faces.h"

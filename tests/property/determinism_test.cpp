@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "geometry/cgal/border_simple.h"
-#include "geometry/parameterize/free_methods.h"
 #include "geometry/cgal/constrained_triangulation.h"
-#include "geometry/chart/cut_search.h"
 #include "geometry/chart/free_chart.h"
 #include "geometry/chart/square_chart.h"
+#include "geometry/cut_search/cut_search.h"
 #include "geometry/layers/layers.h"
+#include "geometry/parameterize/free_methods.h"
 #include "geometry/repair/repair.h"
 #include "support/meshes.h"
 

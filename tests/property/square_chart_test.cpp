@@ -8,8 +8,8 @@
 #include <atomic>
 #include <string>
 
-#include "geometry/chart/cut_search.h"
 #include "geometry/cut/cut_graph.h"
+#include "geometry/cut_search/cut_search.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/repair/repair.h"
 #include "model/codes.h"

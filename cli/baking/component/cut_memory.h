@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "baking/attempt.h"
-#include "geometry/chart/cut_search.h"
+#include "geometry/cut_search/cut_search.h"
 
 namespace dgm::bake {
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string_view>
 
-#include "geometry/cgal/factor_once.h"
 #include "geometry/parameterize/parameterizer.h"
+#include "geometry/solve/factor_once.h"
 
 namespace dgm::bake {
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/multilevel_map.h"
 
@@ -179,7 +180,7 @@ class Augmented {
         /// Of the points within reach, or of some farther off; infinity if there are none.
         [[nodiscard]] double nearest_squared(Vec2d at) const {
             const std::size_t row = index(at.y - lo_.y, rows_), column = index(at.x - lo_.x, columns_);
-            double squared = INFINITY;
+            double squared = kInfinity;
             for (std::size_t r = row - (row > 0); r <= std::min(row + 1, rows_ - 1); ++r) {
                 const std::size_t base = r * columns_;
                 const std::size_t end = first_[base + std::min(column + 1, columns_ - 1) + 1];

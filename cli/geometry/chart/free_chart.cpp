@@ -12,6 +12,7 @@
 #include "geometry/chart/lattice_strip.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
+#include "geometry/mesh/infinity.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/simplify/simplify.h"
@@ -52,9 +53,9 @@ void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border
     for (std::uint32_t v : border) points.push_back(uv[v]);
     const std::vector<Vec2d> hull = convex_hull(points);
     Vec2d axis{1, 0};
-    double least = INFINITY;
+    double least = kInfinity;
     const auto extent = [&](Vec2d d) {
-        double lo = INFINITY, hi = -INFINITY;
+        double lo = kInfinity, hi = -kInfinity;
         for (const Vec2d& p : hull) lo = std::min(lo, dot(p, d)), hi = std::max(hi, dot(p, d));
         return std::pair(lo, hi);
     };
@@ -204,13 +205,6 @@ constexpr double kFarTip =
     0.65;  // of the root of the area: no point of a flat disk is farther than 0.56 from its border
 constexpr double kNearTip = 0.4;  // of the first tip's distance to the cut: nearer ones are left for the next round
 
-double surface_area(const TriMesh& mesh) {
-    double sum = 0;
-    for (const Face& f : mesh.faces)
-        sum += face_area({mesh.positions[f[0]], mesh.positions[f[1]], mesh.positions[f[2]]});
-    return sum;
-}
-
 /// Joins the vertices farthest from the cut to it: tips of limbs before anything else. False if there are none.
 bool lengthen(CutGraph& cut, std::vector<std::uint32_t>& joined) {
     double first = 0;
@@ -230,7 +224,7 @@ struct Layout {
     Disk disk;
     std::vector<Vec2d> uv = {};
     double cut_length = 0;
-    double stretch = INFINITY;  // L2, of a map without flips
+    double stretch = kInfinity;  // L2, of a map without flips
     bool overlaps = false;
     std::size_t joined = 0;  // vertices joined to the first cut
 };
@@ -304,7 +298,7 @@ bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::vector<std:
     for (const Face& f : layout.disk.mesh.faces) {
         const auto& q = layout.disk.mesh.positions;
         const double area = face_area({q[f[0]], q[f[1]], q[f[2]]});
-        const double mapped = 0.5 * cross(layout.uv[f[1]] - layout.uv[f[0]], layout.uv[f[2]] - layout.uv[f[0]]);
+        const double mapped = signed_area(layout.uv[f[0]], layout.uv[f[1]], layout.uv[f[2]]);
         for (const std::uint32_t v : f)
             if (const std::uint32_t point = layout.disk.weld[v]; point < points)
                 surface[point] += area, map[point] += mapped;
@@ -362,7 +356,7 @@ struct CutTrials {
     bool judge() {
         // Arms that lie over each other are moved apart; cutting more would give more arms.
         if (last->overlaps && last->stretch < kGoodStretch) return false;
-        const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : INFINITY);
+        const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : kInfinity);
         if (best && !gains && ++idle > 1) return false;
         if (gains) best = last, idle = 0;
         return !best || best->stretch >= kGoodStretch;
@@ -409,7 +403,7 @@ bool run_on_copy(CutTrials& trials, int most) {
         follow(*scout.best);
         if (trials.last->joined < trials.joined.size()) trials.lay_out();
         const Layout& found = *trials.last;
-        if (!found.overlaps && found.stretch < (trials.best ? kBetter * trials.best->stretch : INFINITY))
+        if (!found.overlaps && found.stretch < (trials.best ? kBetter * trials.best->stretch : kInfinity))
             trials.best = found;
         if (found.overlaps || !scout.may_gain()) return true;
     }

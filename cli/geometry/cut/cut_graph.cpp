@@ -4,15 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <queue>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/mesh/union_find.h"
 
 namespace dgm::bake {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 VertexGraph build_graph(const TriMesh& mesh, std::span<const std::uint32_t> opposite) {
     VertexGraph g;

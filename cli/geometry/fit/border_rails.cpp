@@ -17,10 +17,6 @@ constexpr double kPointStep = 0.25;   // of a mean chord: longest way between tw
 constexpr double kOnBorder = 1e-9;    // squared barycentric distance; the normalised frame is 1 across
 constexpr std::size_t kMostPoints = 4'000'000;
 
-Vec3d any_normal(const Vec3d& along) {
-    return normalized(cross(along, std::abs(along.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
-}
-
 }  // namespace
 
 BorderRails::BorderRails(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid)
@@ -329,10 +325,10 @@ void BorderRails::add_rows(NormalEquations& equations, double weight,
         b[h % 3] = 1 - g.x, b[(h % 3 + 1) % 3] = g.x;
         // Both directions across the chord: where there is no gap, none shall come.
         const Vec3d along = normalized(g.chord, Vec3d{}),
-                    n = normalized(g.gap - along * dot(along, g.gap), any_normal(along));
+                    n = normalized(g.gap - along * dot(along, g.gap), any_perpendicular(along));
         const double w = share[stop.loop] * urgency(dot(g.gap, g.gap));
         equations.add(h / 3, b, g.gap, n, w);
-        equations.add(h / 3, b, g.gap, normalized(cross(along, n), any_normal(along)), w);
+        equations.add(h / 3, b, g.gap, normalized(cross(along, n), any_perpendicular(along)), w);
     });
 }
 

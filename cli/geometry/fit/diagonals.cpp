@@ -9,7 +9,7 @@
 #include <array>
 #include <utility>
 
-#include "geometry/fit/turned_watch.h"
+#include "geometry/fit/inverted_faces.h"
 
 namespace dgm::bake {
 namespace {
@@ -24,7 +24,7 @@ std::vector<std::uint32_t> quads_of_faces(const WeldedGrid& grid) {
     return out;
 }
 
-/// True if fewer of a quad's triangles are turned by this diagonal than by the other.
+/// True if fewer of a quad's triangles are inverted by this diagonal than by the other.
 bool turns_less(const SampledChart& chart, const ClosestPointIndex& source, std::uint32_t i, std::uint32_t j,
                 unsigned diagonal) {
     TriMesh both;

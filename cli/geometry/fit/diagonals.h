@@ -20,8 +20,8 @@ namespace dgm::bake {
 [[nodiscard]] std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, const Matches& matches,
                                               const LinkedSurface& source);
 
-/// Splits the quads of turned faces the other way, where that does not fold (with an index of the source: where fewer
-/// triangles are turned) and its edge is no edge yet. The caller links the grid anew.
+/// Splits the quads of inverted faces the other way, where that does not fold (with an index of the source: where fewer
+/// triangles are inverted) and its edge is no edge yet. The caller links the grid anew.
 /// @return  true if one is split the other way
 [[nodiscard]] bool flip_diagonals(SampledChart& chart, const WeldedGrid& grid, std::span<const std::uint32_t> faces,
                                   const ClosestPointIndex* source);

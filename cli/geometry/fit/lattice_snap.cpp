@@ -17,7 +17,7 @@ constexpr double kKept = 0.5;      // and to its own normal before
 
 void snap_to_lattice(const Lattice& lattice, const NormalEquations& equations, std::span<const Freedom> freedom,
                      std::size_t grid_count, const LinkedSurface& source, WeldedGrid& welded, Matches& matches,
-                     TurnedWatch& turned) {
+                     InvertedFaces& inverted) {
     LinkedSurface& grid = welded.surface;
     const std::vector<Vec3d> start = grid.positions, normals = grid.normals;
     std::vector<char> on_lattice(start.size()), tight(start.size(), 0);
@@ -43,14 +43,13 @@ void snap_to_lattice(const Lattice& lattice, const NormalEquations& equations, s
     grid.update_normals();
     matches.update(true);
     // Faces as high as a step or two: the corner that stands them up best moves, by two steps at most.
-    for (const std::uint32_t f : turned.faces())
+    for (const std::uint32_t f : inverted.faces())
         for (const std::uint32_t c : grid.faces[f]) {
             if (!on_lattice[c] || welded.on_border[c]) continue;
             const auto least = [&] {
                 double out = 1;
                 for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {
-                    const auto q = grid.corners(rings.faces[k]);
-                    const Vec3d n = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+                    const Vec3d n = unit_normal(grid.corners(rings.faces[k]));
                     out = std::min(out, dot(n, source.normals[matches.middles[rings.faces[k]].hit.face]));
                 }
                 return out;

@@ -13,14 +13,6 @@ constexpr int kMaxSteps = 200;         // of a walk
 constexpr int kMaxTurns = 32;          // faces tried around a vertex, each way round
 constexpr double kNearer = 1 - 1e-12;  // nearer beyond rounding, or a walk could circle
 
-double closest_on_segment(const Vec3d& p, const Vec3d& a, const Vec3d& e, double& t) {
-    const Vec3d v = p - a;
-    const double l = dot(e, e);
-    t = l > 0 ? std::clamp(dot(v, e) / l, 0.0, 1.0) : 0.0;
-    const Vec3d r = v - e * t;
-    return dot(r, r);
-}
-
 /// True only if the triangle, which lies within its longer edge l of its first corner, is farther than the root of
 /// `squared`: by (a + b)^2 <= 2 (a^2 + b^2), and a margin for rounding.
 bool surely_farther(const Vec3d& p, const std::array<Vec3d, 3>& q, double squared) {
@@ -30,49 +22,13 @@ bool surely_farther(const Vec3d& p, const std::array<Vec3d, 3>& q, double square
 
 }  // namespace
 
-double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& q, std::array<double, 3>& b) {
-    const Vec3d e0 = q[1] - q[0], e1 = q[2] - q[0], d = p - q[0];
-    const double g00 = dot(e0, e0), g01 = dot(e0, e1), g11 = dot(e1, e1), r0 = dot(e0, d), r1 = dot(e1, d);
-    const double det = g00 * g11 - g01 * g01, s = g11 * r0 - g01 * r1, t = g00 * r1 - g01 * r0;
-    if (det > 0 && s >= 0 && t >= 0 && s + t <= det) {
-        const double u = s / det, v = t / det;
-        b = {1 - u - v, u, v};
-        const Vec3d r = d - e0 * u - e1 * v;
-        return dot(r, r);
-    }
-    // Outside: on an edge that has p on its outer side (any of the three without area).
-    double best = INFINITY, x = 0;
-    const auto offer = [&](double squared, const std::array<double, 3>& at) {
-        if (squared < best) best = squared, b = at;
-    };
-    if (!(t > 0) || !(det > 0)) {
-        const double squared = closest_on_segment(p, q[0], e0, x);
-        offer(squared, {1 - x, x, 0});
-    }
-    if (!(s > 0) || !(det > 0)) {
-        const double squared = closest_on_segment(p, q[0], e1, x);
-        offer(squared, {1 - x, 0, x});
-    }
-    if (!(s + t < det) || !(det > 0)) {
-        const double squared = closest_on_segment(p, q[1], q[2] - q[1], x);
-        offer(squared, {0, 1 - x, x});
-    }
-    return best;
-}
-
 void LinkedSurface::update_normal(std::size_t face) {
-    const auto q = corners(face);
-    normals[face] = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+    normals[face] = unit_normal(corners(face));
 }
 
 void LinkedSurface::update_normals() {
     normals.resize(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) update_normal(f);
-}
-
-double longest_edge_squared(const std::array<Vec3d, 3>& q) {
-    const Vec3d a = q[1] - q[0], b = q[2] - q[1], c = q[0] - q[2];
-    return std::max({dot(a, a), dot(b, b), dot(c, c)});
 }
 
 SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start) {

@@ -36,13 +36,6 @@ struct SurfaceHit {
     return q[0] * hit.b[0] + q[1] * hit.b[1] + q[2] * hit.b[2];
 }
 
-/// Squared distance from p to a triangle and the barycentric coordinates of the closest point; faces without area count
-/// as their edges.
-double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& corners, std::array<double, 3>& b);
-
-/// Of a triangle's edges.
-[[nodiscard]] double longest_edge_squared(const std::array<Vec3d, 3>& corners);
-
 /// Goes from face to face, each step nearer to `p`, until no neighbour of the closest point is nearer: a local minimum
 /// of the distance, on the sheet that `start` lies on. Bounded work. Thread-safe.
 [[nodiscard]] SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start);

@@ -47,8 +47,7 @@ void Matches::spread(const SampledChart& chart, std::size_t count) {
         points.push_back({position, {face, 0, {}}, weight});
     };
     points.reserve(count + source_.positions.size());
-    for (const SurfaceSample& at : spread_by_area(mesh, count))
-        add(position_at(mesh, at), grid_.face_at(chart, at), 1);
+    for (const SurfaceSample& at : spread_by_area(mesh, count)) add(position_at(mesh, at), grid_.face_at(chart, at), 1);
     area_points = points.size();
     std::vector<char> seen(source_.positions.size(), 0);
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -121,7 +120,7 @@ void Matches::update_middle(std::size_t face) {
     const auto q = grid_.surface.corners(face);
     Match& m = middles[face];
     m.position = (q[0] + q[1] + q[2]) / 3;
-    m.hit = on_source(m.position, normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{}), m.hit.face);
+    m.hit = on_source(m.position, unit_normal(q), m.hit.face);
 }
 
 void Matches::update_edges(std::span<const char> near) {

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "geometry/mesh/infinity.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -36,7 +38,7 @@ Sliding::Step Sliding::clamped(std::span<const Vec3d> step, std::vector<double> 
         const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
         for (const std::uint32_t c : grid.faces[f]) normal[c] += n;
     }
-    std::vector<double> edge(count, INFINITY);
+    std::vector<double> edge(count, kInfinity);
     for (const auto& [a, b] : grid_.edges) {
         if (!moves[a] && !moves[b]) continue;
         const double l = length(grid.positions[b] - grid.positions[a]);

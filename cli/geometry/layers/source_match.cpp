@@ -56,8 +56,7 @@ Vec3d local_position(const LayerInput& in, const SurfaceSample& at) {
 }
 
 Vec3d normal_of_face(const TriMesh& mesh, std::uint32_t face) {
-    const auto q = mesh.corners(face);
-    return normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+    return unit_normal(mesh.corners(face));
 }
 
 Vec3d source_normal(const TriMesh& mesh, const SurfaceSample& at) {

@@ -7,20 +7,25 @@
 #include <span>
 #include <vector>
 
+#include "geometry/mesh/triangle.h"
 #include "model/tri_mesh.h"
 
 namespace dgm::bake {
 
 using model::Face;
 using model::TriMesh;
-using model::Vec2d;
-using model::Vec3d;
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-[[nodiscard]] constexpr std::uint32_t next_half_edge(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
-[[nodiscard]] constexpr std::uint32_t previous_half_edge(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
-[[nodiscard]] inline std::uint32_t origin(std::span<const Face> faces, std::uint32_t h) { return faces[h / 3][h % 3]; }
+[[nodiscard]] constexpr std::uint32_t next_half_edge(std::uint32_t h) {
+    return h % 3 == 2 ? h - 2 : h + 1;
+}
+[[nodiscard]] constexpr std::uint32_t previous_half_edge(std::uint32_t h) {
+    return h % 3 == 0 ? h + 2 : h - 1;
+}
+[[nodiscard]] inline std::uint32_t origin(std::span<const Face> faces, std::uint32_t h) {
+    return faces[h / 3][h % 3];
+}
 [[nodiscard]] inline std::uint32_t target(std::span<const Face> faces, std::uint32_t h) {
     return faces[h / 3][(h + 1) % 3];
 }
@@ -34,17 +39,5 @@ inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max()
 
 /// One border half-edge per boundary loop, lowest half-edge of each.
 [[nodiscard]] std::vector<std::uint32_t> boundary_loops(std::span<const std::uint32_t> opposite);
-
-[[nodiscard]] inline double face_area(const std::array<Vec3d, 3>& q) {
-    return 0.5 * length(cross(q[1] - q[0], q[2] - q[0]));
-}
-
-/// Of all faces of a TriMesh, or of anything else with `faces` and `corners(face)`; summed in their order.
-template <class Surface>
-[[nodiscard]] double surface_area(const Surface& surface) {
-    double sum = 0;
-    for (std::size_t f = 0; f < surface.faces.size(); ++f) sum += face_area(surface.corners(f));
-    return sum;
-}
 
 }  // namespace dgm::bake

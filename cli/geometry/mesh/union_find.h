@@ -10,7 +10,7 @@
 namespace dgm::bake {
 
 class UnionFind {
-  public:
+ public:
     explicit UnionFind(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
     [[nodiscard]] std::uint32_t find(std::uint32_t x) {
         while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
@@ -25,7 +25,7 @@ class UnionFind {
         return true;
     }
 
-  private:
+ private:
     std::vector<std::uint32_t> parent_;
 };
 

@@ -8,18 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/parameterize/rest_shapes.h"
 #include "geometry/parameterize/slim.h"
 #include "model/codes.h"
 #include "model/error.h"
 
 namespace dgm::bake {
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// s^-p; the powers in use are spared the logarithm.
 inline double inverse_power(double s, double p) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "geometry/mesh/triangle.h"
 #include "geometry/parameterize/check_disk.h"
 #include "geometry/parameterize/flip_repair.h"
 #include "geometry/parameterize/free_maps.h"
@@ -28,9 +29,8 @@ bool normalise(const DiskView& disk, std::vector<Vec2d>& uv, bool rescale) {
     double surface = 0, map = 0;
     Vec2d centre;
     for (const Face& f : disk.faces) {
-        const double a = 0.5 * cross(uv[f[1]] - uv[f[0]], uv[f[2]] - uv[f[0]]);
-        surface += 0.5 * length(cross(disk.positions[f[1]] - disk.positions[f[0]],
-                                      disk.positions[f[2]] - disk.positions[f[0]]));
+        const double a = signed_area(uv[f[0]], uv[f[1]], uv[f[2]]);
+        surface += face_area({disk.positions[f[0]], disk.positions[f[1]], disk.positions[f[2]]});
         map += a;
         centre = centre + (uv[f[0]] + uv[f[1]] + uv[f[2]]) * (a / 3);
     }

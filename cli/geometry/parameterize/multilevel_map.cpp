@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/mesh/vertex_corners.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/damped_reweight.h"
@@ -17,8 +17,6 @@
 
 namespace dgm::bake {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One face about a vertex: the map of its far side, and its shape on the surface.
 struct Wedge {

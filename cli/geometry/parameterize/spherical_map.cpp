@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/mesh/vertex_corners.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/simplify/simplify.h"
@@ -16,8 +17,6 @@
 
 namespace dgm::bake {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double squared(const Vec3d& v) {
     return dot(v, v);

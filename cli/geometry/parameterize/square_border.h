@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "geometry/cut/disk.h"
+#include "geometry/mesh/surface_sample.h"
 
 namespace dgm::bake {
-
-/// A point of the surface: a face of the disk and barycentric coordinates in it.
-struct SurfaceSample {
-    std::uint32_t face = kNone;
-    double b[3] = {0, 0, 0};
-};
 
 /// One of the 2(m-1) + 2(n-1) samples of the square's border, counter-clockwise in (u, v) from (0, 0).
 struct BorderSample {

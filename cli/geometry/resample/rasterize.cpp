@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/metrics/map_metrics.h"
 
 namespace dgm::bake {
@@ -14,7 +15,7 @@ namespace {
 /// Whole numbers in `range` that row x may have inside the triangle, and at most one or two more: the box of a needle
 /// that lies across the grid is nearly empty.
 std::pair<double, double> narrowed(const Vec2d (&p)[3], double x, std::pair<double, double> range) {
-    double lo = INFINITY, hi = -INFINITY;
+    double lo = kInfinity, hi = -kInfinity;
     for (int k = 0; k < 3; ++k) {
         const Vec2d &a = p[k], &b = p[(k + 1) % 3];
         if (std::min(a.x, b.x) > x || std::max(a.x, b.x) < x) continue;

@@ -17,18 +17,13 @@ struct SampleGrid {
     std::uint64_t missing = 0;  ///< samples no triangle covers (square domain: must be 0)
 };
 
-/// Covers every sample (i/(m-1), j/(n-1)) by the lowest-numbered triangle whose closed map triangle holds it, decided by
-/// the exact orientation predicate in grid coordinates: no holes between neighbours, no double hits.
-[[nodiscard]] SampleGrid rasterize(std::span<const Face> faces, std::span<const Vec2d> uv, std::uint32_t m, std::uint32_t n);
+/// Covers every sample (i/(m-1), j/(n-1)) by the lowest-numbered triangle whose closed map triangle holds it, decided
+/// by the exact orientation predicate in grid coordinates: no holes between neighbours, no double hits.
+[[nodiscard]] SampleGrid rasterize(std::span<const Face> faces, std::span<const Vec2d> uv, std::uint32_t m,
+                                   std::uint32_t n);
 
-/// `count` points spread evenly by area, in the order of the faces: the k-th at share (k + 1/2) / count of the area, inside
-/// its face by the R2 sequence, so the same mesh gives the same points. None if the mesh has no area.
+/// `count` points spread evenly by area, in the order of the faces: the k-th at share (k + 1/2) / count of the area,
+/// inside its face by the R2 sequence, so the same mesh gives the same points. None if the mesh has no area.
 [[nodiscard]] std::vector<SurfaceSample> spread_by_area(const TriMesh& mesh, std::size_t count);
-
-/// Position of a sample on the surface.
-[[nodiscard]] inline Vec3d position_at(const TriMesh& mesh, const SurfaceSample& s) {
-    const Face& f = mesh.faces[s.face];
-    return mesh.positions[f[0]] * s.b[0] + mesh.positions[f[1]] * s.b[1] + mesh.positions[f[2]] * s.b[2];
-}
 
 }  // namespace dgm::bake

@@ -10,15 +10,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "geometry/mesh/infinity.h"
 #include "geometry/simplify/quadric.h"
 #include "geometry/simplify/vertex_heap.h"
 
 namespace dgm::bake {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kThinnest = 0.02;  // doubled area over longest squared edge of a face that a collapse may make
 
 class Simplifier {

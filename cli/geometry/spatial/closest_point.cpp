@@ -14,6 +14,7 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/mesh/infinity.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -22,7 +23,6 @@ using model::Face;
 using model::Vec3d;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // So few triangles are looked at one by one: a hierarchy of them costs more, to build and to ask.
 constexpr std::size_t kFewTriangles = 48;

@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/mesh/infinity.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -21,7 +22,6 @@ using model::Face;
 using model::TriMesh;
 using model::Vec3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Rays start so far above the surface, of its diagonal: more than what single precision rounds off.
 constexpr double kLift = 1e-4;
 

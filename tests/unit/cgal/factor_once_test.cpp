@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/cgal/factor_once_test.cpp
-#include "geometry/cgal/factor_once.h"
+#include "geometry/solve/factor_once.h"
 
 #include <gtest/gtest.h>
 

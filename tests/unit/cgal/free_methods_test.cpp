@@ -12,11 +12,11 @@
 #include <string>
 
 #include "disks.h"
-#include "geometry/cgal/cgal_reference.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/flip_repair.h"
 #include "geometry/parameterize/free_maps.h"
 #include "geometry/parameterize/slim.h"
+#include "reference/cgal_reference.h"
 
 namespace dgm::bake {
 namespace {

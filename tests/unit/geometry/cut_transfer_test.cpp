@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/cut_transfer_test.cpp
 // Cuts found on a simplified mesh still open the fine one into a disk, and are hardly longer there.
-#include "geometry/chart/cut_transfer.h"
+#include "geometry/cut_search/cut_transfer.h"
 
 #include <gtest/gtest.h>
 
-#include "geometry/chart/cut_carry.h"
-#include "geometry/chart/cut_search.h"
+#include "geometry/cut_search/cut_carry.h"
+#include "geometry/cut_search/cut_search.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/simplify/simplify.h"
 #include "support/disk_checks.h"

@@ -15,8 +15,8 @@
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/fit/normal_equations.h"
+#include "geometry/fit/search_repair.h"
 #include "geometry/fit/sliding.h"
-#include "geometry/fit/turned_search.h"
 #include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/repair/repair.h"
@@ -365,7 +365,7 @@ TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
         const std::vector<char> none(grid.sample_of.size(), 0);
         const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
         const bool moved =
-            turn_back(source, index, grid, matches, held.empty() ? std::span<const char>(none) : held, turned);
+            repair_by_search(source, index, grid, matches, held.empty() ? std::span<const char>(none) : held, turned);
         EXPECT_EQ(moved, held.empty());
         SampledChart out = c.chart;
         grid.write_positions(out);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/hidden_cut_test.cpp
 // Seams on bodies of which it is plain where they are hidden.
-#include "geometry/chart/hidden_cut.h"
+#include "geometry/cut_search/hidden_cut.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/chart/cut_search.h"
+#include "geometry/cut_search/cut_search.h"
 #include "support/disk_checks.h"
 #include "support/meshes.h"
 

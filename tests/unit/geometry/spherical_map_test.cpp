@@ -9,9 +9,9 @@
 #include <numbers>
 #include <set>
 
-#include "geometry/chart/cut_search.h"
 #include "geometry/chart/square_chart.h"
-#include "geometry/chart/star_cut.h"
+#include "geometry/cut_search/cut_search.h"
+#include "geometry/cut_search/star_cut.h"
 #include "model/codes.h"
 #include "support/chart_checks.h"
 #include "support/meshes.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/straight_cut_test.cpp
 // Cuts that run across faces open the same surface, and are as short as a straight line where that is known.
-#include "geometry/chart/straight_cut.h"
+#include "geometry/cut_search/straight_cut.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/fit_state.cpp
+#include "geometry/fit/fit_state.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "geometry/fit/diagonals.h"
+#include "geometry/fit/normal_equations.h"
+
+namespace dgm::bake {
+namespace {
+
+std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
+    const double samples = static_cast<double>(chart.grid_count()), wanted = options.points_per_sample * samples;
+    return static_cast<std::size_t>(std::max(wanted, std::min(200'000.0, 3 * wanted)));
+}
+
+}  // namespace
+
+FitState::FitState(SampledChart& fitted, const FitOptions& options)
+    : chart(fitted),
+      source(link_source(fitted.disk)),
+      grid(fitted),
+      matches(fitted, source, grid, point_count(fitted, options)),
+      fixed(grid.on_border),
+      rails(fitted, source, grid),
+      upward(normals_at_scale(source, surface_area(source) / static_cast<double>(fitted.grid_count()))),
+      sliding(grid, matches, rails, upward, fixed),
+      inverted(source, grid.surface, matches.source_index()),
+      rows(source, grid, matches, rails, options.points_per_sample) {}
+
+double FitState::largest() const {
+    return std::max(matches.largest, rails.largest_gap());
+}
+
+void FitState::keep() {
+    kept = {matches.rms, largest(), grid.surface.positions, chart.diagonals, rails.places()};
+}
+
+void FitState::restore() {
+    grid.surface.positions = kept.positions;
+    chart.diagonals = kept.diagonals;
+    relink();
+    rails.set_places(kept.places);
+}
+
+void FitState::go_back_to(const Kept& before) {
+    kept = before;
+    restore();
+    matches.update(true);
+}
+
+void FitState::relink() {
+    grid.link(chart);
+    rows.forget_edges();
+}
+
+void FitState::look_up_farthest() {
+    matches.update(true);
+    matches.settle_farthest(inverted.source_index());
+}
+
+void FitState::step(bool worst_only) {
+    NormalEquations equations(grid);
+    rows.assemble(equations, worst_only);
+    const std::vector<Vec3d> step = equations.solve(rails.freedom(), rails.directions(), kDamping, kCgIterations);
+    std::vector<double> ways(rails.empty() ? 0 : step.size());
+    for (std::size_t c = 0; c < ways.size(); ++c) ways[c] = dot(step[c], rails.directions()[c]);
+    sliding.take(step, std::move(ways));
+}
+
+void FitState::split_quads() {
+    const std::vector<char> changed = fit_diagonals(chart, grid, matches, source);
+    relink();
+    matches.update(false, changed);
+}
+
+bool FitState::flip_quads(std::span<const std::uint32_t> faces, bool measured) {
+    if (!flip_diagonals(chart, grid, faces, measured ? &inverted.source_index() : nullptr)) return false;
+    relink();
+    matches.update(false);
+    return true;
+}
+
+void FitState::move_back(std::span<const std::uint32_t> faces, const std::vector<Vec3d>& before,
+                         std::span<char> went_back) {
+    LinkedSurface& surface = grid.surface;
+    std::vector<char> back(surface.positions.size(), 0), near(surface.faces.size(), 0);
+    for (const std::uint32_t f : faces)
+        for (const std::uint32_t c : surface.faces[f]) back[c] = !fixed[c];
+    for (std::size_t c = 0; c < back.size(); ++c)
+        if (back[c]) surface.positions[c] = before[c];
+    for (std::size_t c = 0; c < went_back.size(); ++c) went_back[c] |= back[c];
+    for (std::size_t f = 0; f < near.size(); ++f)
+        for (const std::uint32_t c : surface.faces[f]) near[f] |= back[c];
+    for (std::uint32_t f = 0; f < near.size(); ++f)
+        if (near[f]) surface.update_normal(f);
+    matches.update(true, near);
+}
+
+std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& known) {
+    std::vector<std::uint32_t> out;
+    std::set_difference(all.begin(), all.end(), known.begin(), known.end(), std::back_inserter(out));
+    return out;
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/inverted_faces.h
+// Finds the faces of a grid that are inverted against the source, again and again while the grid moves.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/fit/matches.h"
+#include "geometry/metrics/turned_faces.h"
+
+namespace dgm::bake {
+
+/// What the measure is asked with while the grid moves: its positions are rounded yet, and a face that passes by a hair
+/// may not pass then.
+inline constexpr double kSafeTie = 0.5 * kTurnedTie, kSafeCosine = 0.01;
+
+/// Remembers what it has measured: only faces that lie elsewhere than when they were last looked at are measured again.
+class InvertedFaces {
+ public:
+    /// All must outlive the object; `grid` may move and be linked anew in between.
+    /// @param source_index  of the source, if there is one already
+    InvertedFaces(const LinkedSurface& source, const LinkedSurface& grid, const ClosestPointIndex* source_index)
+        : source_(source), grid_(grid), source_index_(source_index) {}
+
+    /// Of the source; built when it is first asked for, if there was none.
+    [[nodiscard]] const ClosestPointIndex& source_index();
+
+    /// Inverted by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.
+    /// @param nearly  those too that may be when they are rounded
+    [[nodiscard]] std::vector<std::uint32_t> faces(std::span<const char> among = {}, bool nearly = false);
+
+    /// The same of those whose cosine to the source below their middles is not above `upright`: cheap, and all there
+    /// are but where a middle's match is on another sheet.
+    [[nodiscard]] std::vector<std::uint32_t> doubtful_faces(const Matches& matches, double upright);
+
+ private:
+    struct Judged {
+        std::array<Vec3d, 3> corners;
+        bool nearly, inverted;
+    };
+
+    const LinkedSurface& source_;
+    const LinkedSurface& grid_;
+    const ClosestPointIndex* source_index_;
+    std::optional<ClosestPointIndex> own_index_;
+    std::vector<Judged> judged_;  // per face of the grid, when it was last looked at
+};
+
+}  // namespace dgm::bake

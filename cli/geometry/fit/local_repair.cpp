@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/local_repair.cpp
+#include "geometry/fit/local_repair.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "geometry/fit/normal_equations.h"
+#include "geometry/fit/patch_repair.h"
+#include "geometry/fit/search_repair.h"
+#include "geometry/fit/vertex_repair.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr double kSearchPrice = 1.5;       // in rms, of fewer inverted faces
+constexpr double kRoundingPrice = 1.03;    // in rms, of faces that rounding may invert
+constexpr double kRefitLargest = 1.02;     // largest error after refitting over before, where it is held ...
+constexpr double kRefitLargestFree = 1.3;  // ... and where it is not
+constexpr double kRefitGain = 2e-3;        // in rms, of two rounds, to go on
+
+/// Members of either of two ascending lists.
+std::vector<std::uint32_t> joined(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+    std::vector<std::uint32_t> out;
+    std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
+    return out;
+}
+
+/// A part of the grid that is fitted again while the rest is held.
+struct Neighbourhood {
+    std::vector<char> classes, faces;
+};
+
+/// The classes that are not where they were, and a few rings around them.
+Neighbourhood around_moved(const WeldedGrid& grid, const std::vector<Vec3d>& before) {
+    constexpr int kRings = 4;
+    const LinkedSurface& surface = grid.surface;
+    std::vector<char> near(before.size(), 0), near_face(surface.faces.size(), 0);
+    for (std::size_t c = 0; c < near.size(); ++c) near[c] = surface.positions[c] != before[c];
+    for (int ring = 0; ring < kRings; ++ring) {
+        std::vector<char> next = near;
+        for (const auto& [a, b] : grid.edges) {
+            next[a] |= near[b];
+            next[b] |= near[a];
+        }
+        near.swap(next);
+    }
+    for (std::size_t f = 0; f < near_face.size(); ++f)
+        for (const std::uint32_t c : surface.faces[f]) near_face[f] |= near[c];
+    return {std::move(near), std::move(near_face)};
+}
+
+}  // namespace
+
+void LocalRepair::repair() {
+    const std::vector<std::uint32_t> inverted = inverted_now();
+    if (inverted.empty() || (unrepaired_ && without(inverted, *unrepaired_).empty())) return;
+    const FitState::Kept before = fit_.kept;
+    for (const bool all_means : {true, false}) {
+        if (!try_means(all_means) || inverted_now().size() < inverted.size() || fit_.kept.rms <= before.rms) break;
+        fit_.go_back_to(before);
+    }
+    unrepaired_ = inverted_now();
+}
+
+void LocalRepair::repair_nearly() {
+    const FitState::Kept before = fit_.kept;
+    const std::size_t inverted = fit_.inverted.faces().size();
+    nearly_ = true;
+    repair();
+    if (fit_.kept.rms <= kRoundingPrice * before.rms || fit_.inverted.faces().size() < inverted) return;
+    fit_.go_back_to(before);
+}
+
+/// Walks end in local minima; the last faces to repair are those that the measure finds. The samples that had to move
+/// are fitted again, as long as nothing inverts.
+/// @param all_means  also those that do not count the faces they invert
+/// @return  true if something moved
+bool LocalRepair::try_means(bool all_means) {
+    constexpr int kSearches = 3;
+    const std::vector<Vec3d> before = fit_.grid.surface.positions;
+    bool moved = all_means && move_vertices(), patches_moved = false;
+    if (moved) fit_.matches.update(false);
+    for (int round = 0; round < kSearches; ++round) {
+        if (move_patches()) moved = patches_moved = true;
+        const std::vector<std::uint32_t> left = inverted_now();
+        if (left.empty() || !search_places(left)) break;
+        moved = true;
+    }
+    if (!moved) return false;
+    fit_.matches.update(true);
+    fit_.keep();
+    refit_around(before, patches_moved);
+    return true;
+}
+
+/// @return  true if a sample moved
+bool LocalRepair::move_vertices() {
+    constexpr int kPasses = 10;
+    const ClosestPointIndex& index = fit_.inverted.source_index();
+    bool moved = repair_by_vertex(fit_.source, fit_.grid, fit_.matches, fit_.fixed, kEndUpright);
+    for (int pass = 0; pass < kPasses; ++pass) {
+        const std::vector<std::uint32_t> inverted = inverted_now();
+        for (const std::uint32_t f : inverted) {
+            Match& middle = fit_.matches.middles[f];
+            if (const ClosestPoint hit = index.query(middle.position); hit.face != kNone) middle.hit.face = hit.face;
+        }
+        if (inverted.empty()) break;
+        if (!fit_.flip_quads(inverted, false) &&
+            !repair_by_vertex(fit_.source, fit_.grid, fit_.matches, fit_.fixed, inverted))
+            break;
+        moved = true;
+    }
+    return moved;
+}
+
+/// @return  true if a sample moved
+bool LocalRepair::move_patches() {
+    const std::vector<std::uint32_t> left = inverted_now();
+    if (left.empty() || !repair_by_patch(fit_.source, fit_.inverted.source_index(), fit_.upward, fit_.grid,
+                                         fit_.matches, fit_.fixed, left, patch_effort_))
+        return false;
+    fit_.matches.update(false);
+    return true;
+}
+
+/// Undone where it repairs no face, or makes the others pay too much for it.
+/// @return  true if fewer are left
+bool LocalRepair::search_places(const std::vector<std::uint32_t>& left) {
+    const std::vector<Vec3d> positions = fit_.grid.surface.positions;
+    const std::vector<std::uint8_t> diagonals = fit_.chart.diagonals;
+    if (!repair_by_search(fit_.source, fit_.inverted.source_index(), fit_.grid, fit_.matches, fit_.fixed, left))
+        return false;
+    if (!fit_.flip_quads(inverted_now(), true)) fit_.matches.update(false);
+    if (inverted_now().size() < left.size() && fit_.matches.rms <= kSearchPrice * fit_.kept.rms) return true;
+    fit_.grid.surface.positions = positions;
+    fit_.chart.diagonals = diagonals;
+    fit_.relink();
+    fit_.matches.update(false);
+    return false;
+}
+
+/// Fits the neighbourhood of the classes that moved, while all others are held. Faces that invert again in a round have
+/// theirs held in the next.
+void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_moved) {
+    const int rounds = patches_moved ? 8 : holds_largest_ ? 6 : 2;
+    const Neighbourhood near = around_moved(fit_.grid, before);
+    std::vector<Freedom> freedom(before.size(), Freedom::kHeld);
+    for (std::size_t c = 0; c < freedom.size(); ++c)
+        if (near.classes[c] && !fit_.fixed[c]) freedom[c] = Freedom::kFree;
+    const std::vector<std::uint32_t> left = fit_.inverted.faces(near.faces, nearly_);
+    std::vector<char> held(before.size(), 0);
+    const double limit = (holds_largest_ ? kRefitLargest : kRefitLargestFree) * fit_.kept.largest;
+    const auto fresh = [&] {
+        return without(joined(fit_.inverted.faces(near.faces, nearly_), fit_.matches.faces_beyond(limit)), left);
+    };
+    double gained = 1, gained_before = 1;
+    for (int round = 0; round < rounds && gained + gained_before > kRefitGain; ++round) {
+        gained_before = gained;
+        NormalEquations equations(fit_.grid);
+        fit_.rows.assemble(equations, round % 2 == 1, near.faces);
+        fit_.sliding.take(equations.solve(freedom, {}, kDamping, kCgIterations), {});
+        fit_.matches.update(true, near.faces);
+        const bool sound = fit_.take_back(fit_.kept.positions, fresh, held);
+        gained = sound ? std::max(0.0, 1 - fit_.matches.rms / fit_.kept.rms) : 0;
+        if (gained > 0) {
+            fit_.keep();
+        } else {
+            fit_.grid.surface.positions = fit_.kept.positions;
+            fit_.grid.surface.update_normals();
+            fit_.matches.update(true, near.faces);
+        }
+        for (std::size_t c = 0; c < held.size(); ++c)
+            if (held[c]) freedom[c] = Freedom::kHeld;
+    }
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/local_repair.h
+// Repairs the inverted faces of a fitted grid, then fits again around the samples that had to move.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/fit/fit_state.h"
+
+namespace dgm::bake {
+
+/// Sampling and fitting leave a few faces that look against the source. The cheapest means come first: samples one by
+/// one (vertex_repair.h), then patches (patch_repair.h) and a search (search_repair.h), as the measure of inverted
+/// faces (metrics/turned_faces.h) finds them. Remembers the faces that no means could repair, and the effort spent.
+class LocalRepair {
+ public:
+    /// @param fit  must outlive the object
+    /// @param holds_largest  the largest error may hardly grow
+    LocalRepair(FitState& fit, bool holds_largest) : fit_(fit), holds_largest_(holds_largest) {}
+
+    /// Repairs inverted faces where others do not invert for them; fit.kept and fit.matches follow.
+    void repair();
+    /// The same with faces that rounding may invert. Call it last: it costs some accuracy, and rounding may invert
+    /// none.
+    void repair_nearly();
+
+ private:
+    [[nodiscard]] std::vector<std::uint32_t> inverted_now() { return fit_.inverted.faces({}, nearly_); }
+    bool try_means(bool all_means);
+    bool move_vertices();
+    bool move_patches();
+    bool search_places(const std::vector<std::uint32_t>& left);
+    void refit_around(const std::vector<Vec3d>& before, bool patches_moved);
+
+    FitState& fit_;
+    bool holds_largest_;
+    std::optional<std::vector<std::uint32_t>> unrepaired_;  // inverted faces that the last repair has left
+    std::size_t patch_effort_ = 500'000;                    // samples that may be moved yet: some seconds at most
+    bool nearly_ = false;                                   // repairs faces that rounding may invert, too
+};
+
+}  // namespace dgm::bake

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/search_repair.cpp
+#include "geometry/fit/search_repair.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/fit/inverted_faces.h"
+#include "geometry/mesh/infinity.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr int kPasses = 10, kPlainPasses = 3;
+constexpr int kTries = 120, kHeatedTries = 3000;  // places a inverted face, in one pass
+constexpr double kHeat = 0.4;                     // price that a try may cost when an annealing begins
+constexpr std::size_t kMostTries = 40'000;        // in one call: some tenths of a second
+constexpr std::size_t kMostFaces = 1000;  // of more the source has no sides to tell (slivers, folds onto itself)
+constexpr double kInverted = 2;           // price of a inverted face, more the further it is inverted
+constexpr double kWanted = 0.15;          // cosine from which a face counts as upright
+constexpr double kOff = 0.5;              // price of a face whose middle is a spacing away from the source
+constexpr double kCover = 3;              // price of a source vertex a spacing away from the faces that covered it
+constexpr double kThinnest = 0.01, kThin = 0.2;  // twice the area over the longest edge squared, and its price
+constexpr double kLeastGain = 1e-4;
+
+class SearchRepair {
+ public:
+    SearchRepair(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
+                 std::span<const char> fixed)
+        : source_(source),
+          index_(index),
+          grid_(grid.surface),
+          matches_(matches),
+          fixed_(fixed),
+          rings_(grid.rings()),
+          squared_spacing_(surface_area(source) / static_cast<double>(grid.surface.positions.size())),
+          price_(grid_.faces.size(), {std::numeric_limits<double>::quiet_NaN(), false}) {
+        for (std::size_t k = matches.area_points; k < matches.points.size(); ++k)
+            covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
+    }
+
+    bool run(std::span<const std::uint32_t> inverted) {
+        std::vector<std::uint32_t> left(inverted.begin(), inverted.end());
+        bool moved = false;
+        for (int pass = 0; pass < kPasses && !left.empty() && tries_ < kMostTries; ++pass) {
+            reached_.clear();
+            for (const std::uint32_t f : left) moved = (pass < kPlainPasses ? mend(f) : anneal(f)) || moved;
+            left.insert(left.end(), reached_.begin(), reached_.end());
+            std::sort(left.begin(), left.end());
+            left.erase(std::unique(left.begin(), left.end()), left.end());
+            std::erase_if(left, [&](std::uint32_t f) { return !judge(f).inverted; });
+        }
+        return moved;
+    }
+
+ private:
+    struct Price {
+        double value;
+        bool inverted;
+    };
+
+    [[nodiscard]] std::span<const std::uint32_t> ring(std::uint32_t c) const {
+        return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
+    }
+
+    /// Of a face as it lies, from memory where it lies as before.
+    const Price& judge(std::uint32_t f) {
+        if (std::isnan(price_[f].value)) price_[f] = measure(f);
+        return price_[f];
+    }
+
+    [[nodiscard]] Price measure(std::uint32_t f) const {
+        const auto q = grid_.corners(f);
+        const Vec3d area = cross(q[1] - q[0], q[2] - q[0]), centre = (q[0] + q[1] + q[2]) / 3;
+        const Vec3d normal = normalized(area, Vec3d{});
+        if (normal == Vec3d{}) return {2 * kInverted, true};
+        const ClosestPoint any = index_.query(centre, matches_.middles[f].hit.face);
+        if (any.face == kNone) return {2 * kInverted, true};
+        const double cosine = dot(index_.unit_normal(any.face), normal);
+        bool inverted = false;
+        if (!(cosine > kSafeCosine)) {
+            const double limit = any.distance + kSafeTie;
+            const ClosestPoint facing = index_.query_facing(centre, normal, kSafeCosine, any.face, limit);
+            inverted = facing.face == kNone || facing.distance > limit;
+        }
+        double longest = 0;
+        for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, length(q[(k + 1) % 3] - q[k]));
+        const double thin = length(area) / (longest * longest);
+        return {(inverted ? kInverted - cosine : std::max(0.0, kWanted - std::max(cosine, 0.0))) +
+                    kThin * std::max(0.0, 1 - thin / kThinnest) +
+                    kOff * std::min(4.0, any.distance * any.distance / squared_spacing_),
+                inverted};
+    }
+
+    /// Squared distance of the source vertex farthest from faces that cover it, among those over `faces`.
+    [[nodiscard]] double uncovered(std::span<const std::uint32_t> faces) const {
+        double farthest = 0;
+        std::array<double, 3> ignored;
+        for (const std::uint32_t f : faces) {
+            const auto here = covered_.find(f);
+            if (here == covered_.end()) continue;
+            for (const Vec3d& p : here->second) {
+                double least = kInfinity;
+                for (const std::uint32_t g : faces)
+                    least = std::min(least, closest_on_triangle(p, grid_.corners(g), ignored));
+                farthest = std::max(farthest, least);
+            }
+        }
+        return farthest;
+    }
+
+    [[nodiscard]] double total(std::span<const std::uint32_t> faces) {
+        double sum = kCover * uncovered(faces) / squared_spacing_;
+        for (const std::uint32_t f : faces) sum += judge(f).value;
+        return sum;
+    }
+
+    [[nodiscard]] double uniform() { return static_cast<double>(random_()) / 4294967296.0; }
+    [[nodiscard]] std::uint32_t below(std::size_t count) {
+        return static_cast<std::uint32_t>(uniform() * static_cast<double>(count));
+    }
+
+    struct Place {
+        Vec3d position;
+        SurfaceHit hit;
+    };
+
+    /// Some place about class c, as far as the rim of its ring and a little beyond, on the source or on the grid.
+    [[nodiscard]] Place place_about(std::uint32_t c) {
+        constexpr double kBeyond = 1.3;
+        const auto q = grid_.corners(ring(c)[below(ring(c).size())]);
+        double a = uniform(), b = uniform();
+        if (a + b > 1) a = 1 - a, b = 1 - b;
+        const Vec3d on_ring = q[0] * (1 - a - b) + q[1] * a + q[2] * b, at = grid_.positions[c];
+        const Vec3d to = at + (on_ring - at) * (kBeyond * uniform());
+        // The nearest of all may be another sheet, and a walk may end on this one's wrong side: by turns. Where the
+        // source itself folds within a spacing, neither serves.
+        const std::uint32_t kind = below(5);
+        if (kind >= 3)
+            if (const ClosestPoint hit = index_.query(to, matches_.classes[c].hit.face); hit.face != kNone) {
+                const auto& w = hit.barycentric;
+                return {hit.point, {hit.face, 0, {w[0], w[1], w[2]}}};
+            }
+        const SurfaceHit hit = walk_to_closest(source_, to, matches_.classes[c].hit.face);
+        return {kind == 0 ? to : point_at(source_, hit), hit};
+    }
+
+    /// One try: class c goes elsewhere, and `with`, if any, by the same way, if that costs no more than `allowed`.
+    bool attempt(std::uint32_t c, std::uint32_t with, double allowed) {
+        ++tries_;
+        const std::array<std::uint32_t, 2> moving{c, with};
+        const std::size_t count = with == kNone ? 1 : 2;
+        std::array<Place, 2> old, fresh;
+        fresh[0] = place_about(c);
+        affected_.clear();
+        for (std::size_t k = 0; k < count; ++k) {
+            old[k] = {grid_.positions[moving[k]], matches_.classes[moving[k]].hit};
+            affected_.insert(affected_.end(), ring(moving[k]).begin(), ring(moving[k]).end());
+        }
+        if (count == 2) {
+            const Vec3d to = old[1].position + fresh[0].position - old[0].position;
+            fresh[1].hit = walk_to_closest(source_, to, old[1].hit.face);
+            fresh[1].position = point_at(source_, fresh[1].hit);
+            std::sort(affected_.begin(), affected_.end());
+            affected_.erase(std::unique(affected_.begin(), affected_.end()), affected_.end());
+        }
+        const double before = total(affected_);
+        known_.clear();
+        for (const std::uint32_t f : affected_) known_.push_back(price_[f]), forget(f);
+        for (std::size_t k = 0; k < count; ++k) grid_.positions[moving[k]] = fresh[k].position;
+        if (const double change = total(affected_) - before; change < allowed) {
+            change_ += change;
+            for (std::size_t k = 0; k < count; ++k) {
+                log_.push_back({moving[k], old[k]});
+                matches_.classes[moving[k]].position = fresh[k].position,
+                matches_.classes[moving[k]].hit = fresh[k].hit;
+            }
+            for (const std::uint32_t f : affected_) {
+                grid_.update_normal(f), matches_.update_middle(f);
+                if (judge(f).inverted) reached_.push_back(f);
+            }
+            return true;
+        }
+        for (std::size_t k = 0; k < count; ++k) grid_.positions[moving[k]] = old[k].position;
+        for (std::size_t k = 0; k < affected_.size(); ++k) price_[affected_[k]] = known_[k];
+        return false;
+    }
+
+    void forget(std::uint32_t f) { price_[f].value = std::numeric_limits<double>::quiet_NaN(); }
+
+    bool attempt_about(std::uint32_t face, int k, double allowed) {
+        const Face& own = grid_.faces[face];
+        std::uint32_t c = own[below(3)], with = kNone;
+        if (k % 3 == 1) {  // makes room beside it
+            const Face& near = grid_.faces[ring(c)[below(ring(c).size())]];
+            c = near[below(3)];
+        } else if (k % 3 == 2) {
+            with = own[below(3)];
+            if (with == c || fixed_[with]) with = kNone;
+        }
+        return !fixed_[c] && attempt(c, with, allowed);
+    }
+
+    bool mend(std::uint32_t face) {
+        bool moved = false;
+        for (int k = 0; k < kTries && tries_ < kMostTries && judge(face).inverted; ++k)
+            moved = attempt_about(face, k, -kLeastGain) || moved;
+        return moved;
+    }
+
+    /// Steps that cost something, ever less of it; all are taken back unless they paid in the end.
+    bool anneal(std::uint32_t face) {
+        if (!judge(face).inverted) return false;
+        log_.clear();
+        change_ = 0;
+        for (int k = 0; k < kHeatedTries && tries_ < kMostTries; ++k) {
+            const double heat = kHeat * std::pow(1 - static_cast<double>(k) / kHeatedTries, 2);
+            attempt_about(face, k, -kLeastGain - heat * std::log(std::max(uniform(), 1e-9)));
+            if (change_ < -0.5 * kInverted && !judge(face).inverted) break;
+        }
+        if (change_ < -0.5 * kInverted) return true;  // a face less
+        for (std::size_t k = log_.size(); k-- > 0;) {
+            const std::uint32_t c = log_[k].c;
+            grid_.positions[c] = matches_.classes[c].position = log_[k].before.position;
+            matches_.classes[c].hit = log_[k].before.hit;
+            for (const std::uint32_t f : ring(c)) forget(f);
+        }
+        for (const Step& step : log_)
+            for (const std::uint32_t f : ring(step.c)) grid_.update_normal(f), matches_.update_middle(f);
+        return false;
+    }
+
+    const LinkedSurface& source_;
+    const ClosestPointIndex& index_;
+    LinkedSurface& grid_;
+    Matches& matches_;
+    std::span<const char> fixed_;
+    WeldedGrid::Rings rings_;
+    double squared_spacing_;
+    std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
+    std::vector<Price> price_;                                       // per face; NaN: not known
+    std::mt19937 random_{1};                                         // the same places each time
+    std::vector<std::uint32_t> affected_, reached_;
+    std::vector<Price> known_;
+    struct Step {
+        std::uint32_t c;
+        Place before;
+    };
+    std::vector<Step> log_;
+    double change_ = 0;  // of the price, by the steps of the log
+    std::size_t tries_ = 0;
+};
+
+}  // namespace
+
+bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
+                      std::span<const char> fixed, std::span<const std::uint32_t> inverted) {
+    if (inverted.size() > kMostFaces) return false;
+    return SearchRepair(source, index, grid, matches, fixed).run(inverted);
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/search_repair.h
+// Repairs inverted faces by trying one or two samples at many places, judged by the measure itself.
+#pragma once
+#include <span>
+
+#include "geometry/fit/matches.h"
+
+namespace dgm::bake {
+
+/// Where `repair_by_vertex` stands still, because no single sample's step helps or because a walk along the source ends
+/// on the wrong sheet: samples of each inverted face and of the faces around it, alone and by twos, are tried at many
+/// places around them on the source, and stay where less is wrong by the measure (metrics/turned_faces.h), no source
+/// vertex is uncovered and no face leaves the source. Classes marked `fixed` stay. `matches` is kept up to date.
+/// Bounded work; deterministic.
+/// @param index  of the source
+/// @return  true if a sample moved
+bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
+                      std::span<const char> fixed, std::span<const std::uint32_t> inverted);
+
+}  // namespace dgm::bake
