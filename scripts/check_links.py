@@ -5,8 +5,9 @@
     scripts/check_links.py [ROOT]      check the tree; prints FILE:LINE: MESSAGE for each fault; exit code 3 if any
     scripts/check_links.py --self-test check a made-up tree that must fail, and one that must pass
 
-Two kinds are checked: relative links and pictures in Markdown files, with their anchors, and citations of a numbered
-section (`docs/design.md section 4`) in any source. Links to other hosts are not followed. Code blocks are left out.
+Three kinds are checked: relative links and pictures in Markdown files, with their anchors; files and folders that
+Markdown names in back quotes (`cli/bake`, `libdgm/src/rows/*.h`); and citations of a numbered section
+(`docs/design.md section 4`) in any source. Links to other hosts are not followed. Code blocks are left out.
 """
 import re
 import sys
@@ -21,6 +22,7 @@ HEADING = re.compile(r"^#{1,6}\s+(.*?)\s*#*\s*$")
 NUMBER = re.compile(r"^#{1,6}\s+(\d+(?:\.\d+)*)\.?\s")
 OUTSIDE = re.compile(r"[a-z][a-z0-9+.-]*:|//", re.IGNORECASE)
 CITATION = re.compile(r"((?:docs|formats)/[\w-]+\.md),? +section +(\d+(?:\.\d+)*)")
+NAMED = re.compile(r"`((?:cli|docs|formats|libdgm|samples|scripts|tests)/[\w./*-]+)`")
 SOURCES = {".h", ".hpp", ".c", ".cpp", ".py", ".sh", ".cmake", ".md", ".toml", ".txt"}
 
 
@@ -103,6 +105,10 @@ def link_faults(root, relative, text):
         for target in targets:
             if fault := link_fault(root, relative, target):
                 yield number, fault
+        if relative.name != "CHANGELOG.md":  # which names files of its time
+            for path in NAMED.findall(line):
+                if not any(root.glob(path.rstrip("/"))):
+                    yield number, f"`{path}` does not exist"
 
 
 def citation_faults(root, text):
@@ -141,6 +147,8 @@ GOOD = {
                  "[folder](docs) `[no](link.md)` [with `code`](docs/b.md#the-code-of-it)\n\n# A\n\n"
                  "```\n[no](link.md)\n```\n",
     "docs/b.md": "# B\n\n## 2. To C\n\n### 2.1 Deeper\n\n[up](../README.md)\n\n## The `code` of [it](b.md)\n",
+    "docs/c.md": "`docs/*.md`, `docs/b.md`, `build/x`\n",
+    "CHANGELOG.md": "`docs/gone`\n",
     "p.png": "x",
     "src/a.h": "// docs/b.md section 2, and docs/b.md\n// section 2.1.\n/// (docs/b.md section 2.1)\n",
     "build/c.md": "[not ours](nowhere.md)\n",
@@ -153,6 +161,8 @@ BAD = {  # file: (text, line of the fault, part of the message)
     "five.md": ("[out](../../outside.md)\n", 1, "out of the repository"),
     "six.md": ("text [a][b]\n\n[b]: gone.md\n", 3, "does not exist"),
     "seven.md": ("<img src=\"gone.svg\" alt=\"\">\n", 1, "does not exist"),
+    "eight.md": ("x\n`docs/gone.md`\n", 2, "does not exist"),
+    "nine.md": ("`docs/*.cpp`\n", 1, "does not exist"),
     "src/b.h": ("// x\n// docs/b.md section 7\n", 2, "no section 7"),
     "src/c.cpp": ("/// (docs/b.md\n/// section 2.9)\n", 1, "no section 2.9"),
     "src/d.py": ("# docs/gone.md section 1\n", 1, "docs/gone.md does not exist"),
