@@ -100,7 +100,7 @@ std::vector<BakeTask> tasks_of(const StabilityOptions& options, const std::vecto
         for (const fs::path& mesh : meshes) {
             tasks.push_back({mesh, {}});
             tasks.back().options.size = {options.side, options.side};
-            tasks.back().options.method = method;
+            tasks.back().options.method = *bake::method_of(method);
         }
     return tasks;
 }
