@@ -45,7 +45,7 @@ struct BakeOptions {
     /// auto maps onto the square (stretch) first and tries a free chart where that may be better (component_bake.cpp).
     /// On organs (dgm-bench bake) it has the least rms: arap, slim and lscm have two to four times as much for half to all
     /// of the time, the others twenty times and more; and where one method cannot map a mesh, auto has another.
-    std::string method = "auto";  ///< auto stretch mvc authalic conformal tutte lscm arap slim uv
+    std::string method = "auto";  ///< auto stretch sphere mvc authalic conformal tutte lscm arap slim uv
     DomainChoice domain = DomainChoice::kAuto;
     /// Measured (docs/speed-against-error.md): at 257x257 9 to 16 dB less error than kSample for twice the time. kBest
     /// has 1 to 5 dB less again for twice that, but at times a larger error at the worst spot: not for everybody.
