@@ -19,6 +19,7 @@ CASES = {
     "sphere": ["stomach/stomach.obj", "liver/liver.obj"],
     "mvc": ["stomach/stomach.obj", "cushion/cover.obj"],
     "authalic": ["stomach/stomach.obj", "cushion/cover.obj"],
+    "conformal": ["stomach/stomach.obj", "cushion/cover.obj"],
     "tutte": ["stomach/stomach.obj", "cushion/cover.obj"],
     "lscm": ["stomach/stomach.obj", "cushion/cover.obj"],
     "arap": ["stomach/stomach.obj", "cushion/cover.obj"],
