@@ -32,6 +32,12 @@ class Part:
 
 
 RUNTIME = ("libdgm/include",)
+
+
+def rooms(*names):
+    return RUNTIME + tuple(f"libdgm/src/{name}" for name in names)
+
+
 DATA = RUNTIME + ("formats/model", "formats/image")
 KERNEL = DATA + ("cli/geometry/mesh",)
 MESHES = KERNEL + ("cli/geometry/spatial", "cli/geometry/cut", "cli/geometry/simplify", "cli/geometry/metrics")
@@ -39,13 +45,20 @@ MAPS = MESHES + ("cli/geometry/solve", "cli/geometry/parameterize")
 CHARTS = MAPS + ("cli/geometry/resample", "cli/geometry/chart")
 GEOMETRY = CHARTS + ("cli/geometry/repair", "cli/geometry/cut_search", "cli/geometry/fit", "cli/geometry/layers")
 CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
-BELOW_PROGRAMS = GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/render", "cli/pipeline", "cli/report", "cli/scene",
-                                          "cli/tool")
+BAKING = ("cli/process", "cli/baking", "cli/worker", "cli/batch")
+BELOW_PROGRAMS = GEOMETRY + CONTAINERS + BAKING + ("cli/geometry/cgal", "cli/render", "cli/report", "cli/scene", "cli/tool")
 
 PARTS = (
     Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
-    Part("libdgm/src", 0, RUNTIME, (SYSTEM, XXHASH, INTRINSICS),
-         "maps files; xxHash is inlined, nothing is linked; vector loops chosen at run time"),
+    Part("libdgm/src/base", 0, RUNTIME, (SYSTEM,), "memory, and functions that round alike everywhere"),
+    Part("libdgm/src/rows", 0, rooms("base"), (INTRINSICS,), "loops over rows of samples, chosen by the processor"),
+    Part("libdgm/src/file", 0, rooms("base"), (SYSTEM, XXHASH),
+         "maps files and judges what they hold; xxHash is inlined, nothing is linked"),
+    Part("libdgm/src/surface", 0, rooms("base", "rows", "file"), (), "the welded surface: seams, normals, boxes, changes"),
+    Part("libdgm/src/touch", 0, rooms("base", "rows", "file", "surface"), (), "footprints, deformation, fading, ticks"),
+    Part("libdgm/src/contact", 0, rooms("base", "rows", "file", "surface", "touch"), (), "obstacles and volume"),
+    Part("libdgm/src/query", 0, rooms("base", "rows", "file", "surface", "touch"), (), "triangles, rays, nearest samples"),
+    Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
     Part("formats/image", 1, ("formats/model",), (PNG, STB), "pixels in and out; no other part decodes pictures"),
     # The rooms of the geometry: pure functions on meshes. All build without CGAL, and most without Eigen.
@@ -69,23 +82,29 @@ PARTS = (
     Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
     Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_easy_font"),
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
-    Part("cli/pipeline", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB, SYSTEM),
-         "the stages in order; introduces the parameterizers to the geometry"),
-    Part("cli/report", 4, GEOMETRY + CONTAINERS + ("cli/render", "cli/pipeline"), (FMT, JSON, TBB, SYSTEM),
-         "the pages of --report: pictures and words about what the pipeline made"),
-    Part("cli/scene", 5, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
-    Part("cli/bench", 5, BELOW_PROGRAMS + ("samples/generate",), (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/bake", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/validate", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/info", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
-    Part("cli/export", 5, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/process", 4, ("formats/model", "formats/mesh"), (FMT, SYSTEM),
+         "a disposable copy of the program, whatever its work; a mesh imported in one"),
+    Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB),
+         "the stages in order, in this process; introduces the parameterizers to the geometry"),
+    Part("cli/worker", 5, CONTAINERS + ("formats/model", "cli/process", "cli/baking"), (FMT, JSON, TBB, SYSTEM),
+         "the process that bakes one asset, and its files"),
+    Part("cli/batch", 6, CONTAINERS + ("formats/model", "cli/process", "cli/baking", "cli/worker"), (FMT, JSON, SYSTEM),
+         "many assets: the plan, the workers, the report"),
+    Part("cli/report", 7, GEOMETRY + CONTAINERS + BAKING + ("cli/render",), (FMT, JSON, TBB, SYSTEM),
+         "the pages of --report: pictures and words about what was baked"),
+    Part("cli/scene", 7, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
+    Part("cli/bench", 8, BELOW_PROGRAMS + ("samples/generate",), (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/bake", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/validate", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/info", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
+    Part("cli/export", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("samples/generate", 4, ("formats/model",), (PNG,), "makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
     Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),
     Part("samples", 6, DATA + ("cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
-    Part("tests", 6, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
+    Part("tests", 9, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
                              JSON, CLI11, GTEST, BENCHMARK, NANOFLANN), "tests may look at everything"),
-    Part("tests/e2e/consumer", 6, RUNTIME, (), "a user's project: knows the installed runtime only"),
+    Part("tests/e2e/consumer", 9, RUNTIME, (), "a user's project: knows the installed runtime only"),
 )
 
 LIBRARIES = (  # patterns of headers, first match wins
@@ -101,7 +120,8 @@ STANDARD = re.compile(r"[a-z_0-9]+|(assert|ctype|errno|float|inttypes|limits|loc
                       r"stdlib|string|strings|time)\.h")
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')
 # Where <...> and "..." of ours are looked up, after the including file's own folder for the latter.
-SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "samples", "libdgm/include", "tests", "tests/support",
+SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "libdgm/src", "samples", "libdgm/include", "tests",
+                                          "tests/support",
                                           "tests/unit", "tests/unit/formats")}
 
 CODE = {".h", ".hpp", ".c", ".cpp"}
@@ -213,19 +233,19 @@ def check(root):
 
 GOOD = {
     "libdgm/include/dgm/vec.h": "// SPDX-License-Identifier: MIT\n#include <cmath>\n",
-    "libdgm/src/hash.cpp": "// SPDX-License-Identifier: MIT\n#include <dgm/vec.h>\n#include <xxhash.h>\n",
+    "libdgm/src/file/hash.cpp": "// SPDX-License-Identifier: MIT\n#include <dgm/vec.h>\n#include <xxhash.h>\n",
     "formats/model/mesh.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <dgm/vec.h>\n",
     "formats/dgm/writer.cpp": "// SPDX-License-Identifier: GPL-3.0-or-later\n#include <hdf5.h>\n"
                               '#include "model/mesh.h"\n',
-    "cli/pipeline/pipeline.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
+    "cli/baking/pipeline.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
     "cli/geometry/chart/chart.h": "// SPDX-License-Identifier: GPL-3.0-or-later\n",
     "scripts/demo": "#!/bin/sh\n# SPDX-License-Identifier: GPL-3.0-or-later\n",
     "build/x.cpp": "not ours\n",
 }
 BAD = {  # file: (text, line of the fault, part of the message)
     "libdgm/include/dgm/big.h": ("// SPDX-License-Identifier: MIT\n#include <fmt/format.h>\n", 2, "include fmt"),
-    "libdgm/src/up.cpp": ('// SPDX-License-Identifier: MIT\n\n#include "model/mesh.h"\n', 3, "formats/model (level 1)"),
-    "libdgm/src/gpl.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "the licence here is MIT"),
+    "libdgm/src/file/up.cpp": ('// SPDX-License-Identifier: MIT\n\n#include "model/mesh.h"\n', 3, "formats/model (level 1)"),
+    "libdgm/src/file/gpl.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n", 1, "the licence here is MIT"),
     "formats/model/h5.h": ("// SPDX-License-Identifier: GPL-3.0-or-later\n# include <hdf5.h>\n", 2, "include HDF5"),
     "formats/exr/side.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include \"dgm/writer.h\"\n", 2,
                              "may not include formats/dgm"),
@@ -233,7 +253,7 @@ BAD = {  # file: (text, line of the fault, part of the message)
     "cli/geometry/cut/cut.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n#include <CGAL/Surface_mesh.h>\n", 2,
                                  "include CGAL"),
     "cli/geometry/metrics/up.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n"
-                                    '#include "pipeline/pipeline.h"\n', 2, "may not include cli/pipeline"),
+                                    '#include "baking/pipeline.h"\n', 2, "may not include cli/baking"),
     "cli/geometry/parameterize/up.cpp": ("// SPDX-License-Identifier: GPL-3.0-or-later\n"
                                          '#include "geometry/chart/chart.h"\n', 2,
                                          "may not include cli/geometry/chart"),

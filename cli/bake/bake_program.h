@@ -2,12 +2,12 @@
 // cli/bake/bake_program.h
 // dgm-bake as a function, so that a test can run the real program around a bake that crashes.
 #pragma once
-#include "pipeline/worker.h"
+#include "worker/worker.h"
 
 namespace dgm::bake {
 
 /// Runs the command line, or one worker if that is what the arguments ask for. Prints results on stdout, everything
-/// else on stderr; never throws. @return the process's exit code (design section 8)
+/// else on stderr; never throws. @return the process's exit code (docs/design.md section 8)
 [[nodiscard]] int bake_program(int argc, char** argv, const BakeFunction& bake) noexcept;
 
 }  // namespace dgm::bake

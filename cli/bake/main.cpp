@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/bake_program.h"
-#include "pipeline/pipeline.h"
+#include "baking/pipeline.h"
 
 int main(int argc, char** argv) {
     return dgm::bake::bake_program(argc, argv, dgm::bake::bake_asset);

@@ -13,9 +13,10 @@
 #include <thread>
 
 #include "bake/raw_options.h"
+#include "baking/option_names.h"
+#include "baking/option_text.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/option_text.h"
+#include "model/layer_names.h"
 #include "tool/help.h"
 
 namespace dgm::bake {
@@ -103,7 +104,7 @@ void set_layers(const std::string& text, BakeOptions& bake) {
         if (std::find(kLayerNames.begin(), kLayerNames.end(), name) == kLayerNames.end())
             unknown_word("--layers", "layer", name, kLayerNames);
     for (const std::string_view name : kLayerNames)  // in file order, once each
-        if (name == "geometry" || std::find(asked.begin(), asked.end(), name) != asked.end())
+        if (name == model::layers::kGeometry || std::find(asked.begin(), asked.end(), name) != asked.end())
             bake.layers.emplace_back(name);
 }
 
@@ -216,15 +217,14 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     out.plan.output_is_folder = !raw.output.empty() && raw.output.back() == '/';
     set_formats(raw, out);
     set_grid(raw, out.bake);
-    if (std::find(kMethodNames.begin(), kMethodNames.end(), raw.method) == kMethodNames.end())
-        unknown_word("--method", "method", raw.method, kMethodNames);
-    out.bake.method = raw.method;
+    const std::optional<Method> method = method_of(raw.method);
+    if (!method) unknown_word("--method", "method", raw.method, kMethodNames);
+    out.bake.method = *method;
     out.bake.domain = choice("--domain", kDomainNames, raw.domain);
-    const bool lays_free = raw.method == "lscm" || raw.method == "arap" || raw.method == "slim" || raw.method == "uv";
-    if (raw.method != "auto" && out.bake.domain != DomainChoice::kAuto &&
-        lays_free != (out.bake.domain == DomainChoice::kFree))
+    const DomainChoice only = row_of(*method).domain;
+    if (only != DomainChoice::kAuto && out.bake.domain != DomainChoice::kAuto && only != out.bake.domain)
         wrong(fmt::format("--method {} lays charts out in the {} domain only; leave out --domain {}", raw.method,
-                          lays_free ? "free" : "square", raw.domain));
+                          name_of(kDomainNames, only), raw.domain));
     out.bake.fit = choice("--fit", kFitNames, raw.fit);
     out.bake.precision = choice("--precision", kPrecisionNames, raw.precision);
     out.bake.exr_layout = choice("--exr-layout", kExrLayoutNames, raw.exr_layout);

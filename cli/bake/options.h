@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "pipeline/batch_plan.h"
-#include "pipeline/batch_runner.h"
+#include "batch/batch_plan.h"
+#include "batch/batch_runner.h"
 
 namespace dgm::bake {
 

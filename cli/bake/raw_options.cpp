@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "pipeline/option_names.h"
+#include "baking/option_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -36,6 +36,111 @@ std::string words(const auto& names, const char* separator = "|") {
     return out;
 }
 
+/// Adds options to one group of the help.
+class Group {
+ public:
+    Group(CLI::App& app, const char* name) : app_(app), name_(name) {}
+
+    void text(const char* option, const std::string& type, std::string& target, const std::string& help) const {
+        app_.add_option(option, target, help)->group(name_)->type_name(type);
+    }
+    template <class Number>
+    void number(const char* option, const std::string& type, Number& target, const std::string& help) const {
+        app_.add_option(option, target, help)->group(name_)->type_name(type);
+    }
+    void flag(const char* option, bool& target, const std::string& help) const {
+        app_.add_flag(option, target, help)->group(name_);
+    }
+    [[nodiscard]] const char* name() const { return name_; }
+
+ private:
+    CLI::App& app_;
+    const char* name_;
+};
+
+void describe_files(CLI::App& app, Raw& raw) {
+    const Group group(app, "Where things go");
+    group.text("-o,--output", "FILE|DIR", raw.output,
+               "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]");
+    group.text("--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
+    group.text(
+        "--report", "FILE", raw.report,
+        "write what happened to each mesh, with all errors measured, to this file; FILE.html: a page to look at, with "
+        "one for each mesh in the folder assets beside it");
+    group.text("--report-format", "json|html", raw.report_format, "of that file [html if it ends in .html, else json]");
+    group.text("-M,--depfile", "FILE", raw.depfile,
+               "(also -MF FILE) write which files each output was made from, for Make and Ninja");
+}
+
+void describe_grid(CLI::App& app, Raw& raw) {
+    const Group group(app, "How fine");
+    group.text("--size", "MxN", raw.size,
+               "samples of the largest chart, MxN or N; auto:N: the best m x n with at most N samples [257x257]");
+    group.text(
+        "--max-error", "X", raw.max_error,
+        "the smallest grid whose measured error is at most X% of the diagonal, or X in the mesh's units; --size is "
+        "the largest grid tried then [auto:4198401]");
+    group.text("--max-error-kind", words(kErrorKindNames), raw.max_error_kind, "the error meant [rms]");
+    group.text(
+        "--budget", "SIZE", raw.budget,
+        "the grid with the least error whose .dgm is not larger than SIZE, such as 256KiB; --size is the largest "
+        "grid tried then [auto:4198401]");
+    group.text("--precision", words(kPrecisionNames), raw.precision, "of positions; u16 takes half the space [f32]");
+}
+
+void describe_layers(CLI::App& app, Raw& raw) {
+    const Group group(app, "Layers and textures");
+    group.text("--layers", "L,...", raw.layers,
+               "comma-separated: " + words(kLayerNames, ", ") + " [all that have data]; geometry is always there");
+    group.text("--texture", "FILE", raw.texture, "image that replaces the materials' textures");
+    group.text("--texture-size", "MxN", raw.texture_size,
+               "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
+    group.text("--bump-size", "MxN", raw.bump_size, "heights of the bump layer, MxN or N [two a grid step]");
+    group.text("--exr-layout", words(kExrLayoutNames), raw.exr_layout,
+               "auto: one part where sizes agree; multipart: one part a layer [auto]");
+}
+
+void describe_map(CLI::App& app, Raw& raw) {
+    const Group group(app, "How the surface is laid out");
+    group.text("--method", words(kMethodNames), raw.method, "auto tries those that fit and keeps the best [auto]");
+    group.text("--domain", words(kDomainNames), raw.domain,
+               "square: every sample on the surface; free: any shape, with a mask [auto]");
+    group.text(
+        "--fit", words(kFitNames), raw.fit,
+        "sample: samples lie on the surface; l2: they slide to where the error is least; best: more rounds of that, "
+        "then for the largest error [l2]");
+    Group(app, "Experiments")
+        .text("--ablate", "PART,...", raw.ablate,
+              "leave parts out, to see what they are worth: " + words(kAblateNames, ", ") + "; the result is worse");
+}
+
+void describe_run(CLI::App& app, Raw& raw) {
+    const Group group(app, "How it runs");
+    group.number("-j,--jobs", "N", raw.jobs, "meshes baked at a time, as far as memory reaches [one a core]");
+    group.flag("--force", raw.force, "bake what is up to date, too");
+    group.number("--time-limit", "S", raw.time_limit, "seconds one mesh may take [600]");
+    group.text("--memory-limit", "SIZE", raw.memory_limit,
+               "memory one mesh may take, such as 4GiB; 0: no limit [8GiB]");
+    group.flag("--keep-going", raw.keep_going, "bake the others after a failure [the default]");
+    group.flag("--stop-on-error", raw.stop_on_error, "start no other mesh after a failure");
+    group.flag("--dry-run", raw.dry_run, "print which mesh would become which file, and bake nothing");
+    group.text("--shard", "I/N", raw.shard,
+               "bake only part I of N, for N machines; a mesh stays in its part when others are added");
+    group.flag(
+        "--merge-reports", raw.merge_reports,
+        "put the reports named as INPUT together into -o FILE, JSON, or .html with a page for each mesh; bake nothing");
+}
+
+void describe_messages(CLI::App& app, Raw& raw) {
+    const Group group(app, "What it tells");
+    group.text("--progress", "auto|bar|plain|none", raw.progress, "auto: a bar on a terminal, else plain lines [auto]");
+    group.flag("-v,--verbose", raw.verbose, "repairs, warnings, charts and times, too");
+    group.flag("-q,--quiet", raw.quiet, "failures only");
+    app.set_help_flag("-h,--help", "show this and stop")->group(group.name());
+    app.set_version_flag("-V,--version", "dgm-bake " DGM_VERSION "\n", "show the version and stop")
+        ->group(group.name());
+}
+
 }  // namespace
 
 tool::Manual manual() {
@@ -56,84 +161,16 @@ void describe(CLI::App& app, Raw& raw) {
     app.name("dgm-bake");
     app.description("Bakes meshes into deformable geometry maps.");
     app.option_defaults()->always_capture_default(false);
-    const auto text = [&](const char* group, const char* option, const std::string& type, std::string& target,
-                          const std::string& help) {
-        app.add_option(option, target, help)->group(group)->type_name(type);
-    };
-    const auto flag = [&](const char* group, const char* option, bool& target, const std::string& help) {
-        app.add_flag(option, target, help)->group(group);
-    };
     app.add_option("INPUT", raw.inputs,
                    "mesh files of any format the importer reads; folders, searched recursively for OBJ and 3DS; "
                    "patterns in quotes, such as 'models/**/*.obj'")
         ->type_name("");
-
-    const char* files = "Where things go";
-    text(files, "-o,--output", "FILE|DIR", raw.output,
-         "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]");
-    text(files, "--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
-    text(files, "--report", "FILE", raw.report,
-         "write what happened to each mesh, with all errors measured, to this file; FILE.html: a page to look at, with "
-         "one for each mesh in the folder assets beside it");
-    text(files, "--report-format", "json|html", raw.report_format,
-         "of that file [html if it ends in .html, else json]");
-    text(files, "-M,--depfile", "FILE", raw.depfile,
-         "(also -MF FILE) write which files each output was made from, for Make and Ninja");
-
-    const char* grid = "How fine";
-    text(grid, "--size", "MxN", raw.size,
-         "samples of the largest chart, MxN or N; auto:N: the best m x n with at most N samples [257x257]");
-    text(grid, "--max-error", "X", raw.max_error,
-         "the smallest grid whose measured error is at most X% of the diagonal, or X in the mesh's units; --size is "
-         "the largest grid tried then [auto:4198401]");
-    text(grid, "--max-error-kind", words(kErrorKindNames), raw.max_error_kind, "the error meant [rms]");
-    text(grid, "--budget", "SIZE", raw.budget,
-         "the grid with the least error whose .dgm is not larger than SIZE, such as 256KiB; --size is the largest "
-         "grid tried then [auto:4198401]");
-    text(grid, "--precision", words(kPrecisionNames), raw.precision, "of positions; u16 takes half the space [f32]");
-
-    const char* layers = "Layers and textures";
-    text(layers, "--layers", "L,...", raw.layers,
-         "comma-separated: " + words(kLayerNames, ", ") + " [all that have data]; geometry is always there");
-    text(layers, "--texture", "FILE", raw.texture, "image that replaces the materials' textures");
-    text(layers, "--texture-size", "MxN", raw.texture_size,
-         "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
-    text(layers, "--bump-size", "MxN", raw.bump_size, "heights of the bump layer, MxN or N [two a grid step]");
-    text(layers, "--exr-layout", words(kExrLayoutNames), raw.exr_layout,
-         "auto: one part where sizes agree; multipart: one part a layer [auto]");
-
-    const char* map = "How the surface is laid out";
-    text(map, "--method", words(kMethodNames), raw.method, "auto tries those that fit and keeps the best [auto]");
-    text(map, "--domain", words(kDomainNames), raw.domain,
-         "square: every sample on the surface; free: any shape, with a mask [auto]");
-    text(map, "--fit", words(kFitNames), raw.fit,
-         "sample: samples lie on the surface; l2: they slide to where the error is least; best: more rounds of that, "
-         "then for the largest error [l2]");
-    text("Experiments", "--ablate", "PART,...", raw.ablate,
-         "leave parts out, to see what they are worth: " + words(kAblateNames, ", ") + "; the result is worse");
-
-    const char* run = "How it runs";
-    app.add_option("-j,--jobs", raw.jobs, "meshes baked at a time, as far as memory reaches [one a core]")
-        ->group(run)
-        ->type_name("N");
-    flag(run, "--force", raw.force, "bake what is up to date, too");
-    app.add_option("--time-limit", raw.time_limit, "seconds one mesh may take [600]")->group(run)->type_name("S");
-    text(run, "--memory-limit", "SIZE", raw.memory_limit, "memory one mesh may take, such as 4GiB; 0: no limit [8GiB]");
-    flag(run, "--keep-going", raw.keep_going, "bake the others after a failure [the default]");
-    flag(run, "--stop-on-error", raw.stop_on_error, "start no other mesh after a failure");
-    flag(run, "--dry-run", raw.dry_run, "print which mesh would become which file, and bake nothing");
-    text(run, "--shard", "I/N", raw.shard,
-         "bake only part I of N, for N machines; a mesh stays in its part when others are added");
-    flag(
-        run, "--merge-reports", raw.merge_reports,
-        "put the reports named as INPUT together into -o FILE, JSON, or .html with a page for each mesh; bake nothing");
-
-    const char* tell = "What it tells";
-    text(tell, "--progress", "auto|bar|plain|none", raw.progress, "auto: a bar on a terminal, else plain lines [auto]");
-    flag(tell, "-v,--verbose", raw.verbose, "repairs, warnings, charts and times, too");
-    flag(tell, "-q,--quiet", raw.quiet, "failures only");
-    app.set_help_flag("-h,--help", "show this and stop")->group(tell);
-    app.set_version_flag("-V,--version", "dgm-bake " DGM_VERSION "\n", "show the version and stop")->group(tell);
+    describe_files(app, raw);
+    describe_grid(app, raw);
+    describe_layers(app, raw);
+    describe_map(app, raw);
+    describe_run(app, raw);
+    describe_messages(app, raw);
     app.formatter(tool::help_formatter());
     app.footer(tool::help_footer(manual()));
 }

@@ -15,8 +15,8 @@ struct Raw {
     std::vector<std::string> inputs;
     std::string output, size, max_error, max_error_kind, budget,
         method = "auto", domain = "auto", fit = "l2", precision = "f32", layers, texture, texture_size, bump_size,
-        ablate, format, exr_layout = "auto", report, report_format, memory_limit = "8GiB", progress = "auto",
-        shard, depfile;
+        ablate, format, exr_layout = "auto", report, report_format, memory_limit = "8GiB", progress = "auto", shard,
+        depfile;
     int jobs = 0;
     double time_limit = 600;
     bool merge_reports = false, force = false, keep_going = false, stop_on_error = false, dry_run = false,

@@ -3,6 +3,7 @@
 // Which bakes a sweep makes.
 #include <algorithm>
 
+#include "baking/methods.h"
 #include "bench/bake_sweep.h"
 
 namespace dgm::bench {
@@ -39,7 +40,7 @@ void vary(std::vector<BakePoint>& points, const Values& values, Member member,
 
 BakePoint default_point() {
     const bake::BakeOptions defaults;
-    return {defaults.method, defaults.size.rows, "f32", "l2", "all"};
+    return {std::string(bake::name_of(defaults.method)), defaults.size.rows, "f32", "l2", "all"};
 }
 
 BakePoint paper_point() {

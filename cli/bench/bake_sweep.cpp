@@ -8,6 +8,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "baking/option_names.h"
+#include "baking/pipeline.h"
 #include "bench/columns.h"
 #include "bench/file_times.h"
 #include "bench/machine_facts.h"
@@ -15,8 +17,6 @@
 #include "bench/result_figures.h"
 #include "bench/temporary_folder.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/pipeline.h"
 
 namespace dgm::bench {
 namespace {
@@ -37,9 +37,7 @@ auto value_for(const Table& table, const std::string& word, const char* what) {
 bake::BakeOptions options_of(const BakePoint& point) {
     bake::BakeOptions out;
     out.size = {point.side, point.side};
-    out.method = point.method;
-    if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), point.method) == bake::kMethodNames.end())
-        throw model::Error(model::codes::kUsage, "no such method: " + point.method);
+    out.method = value_for(bake::kMethods, point.method, "method");
     out.fit = value_for(bake::kFitNames, point.fit, "fit");
     out.precision = value_for(bake::kPrecisionNames, point.precision, "precision");
     if (point.layers == "all") return out;
@@ -165,62 +163,92 @@ std::vector<std::string> names_of(const std::vector<fs::path>& assets) {
     return out;
 }
 
+/// Bakes the cheapest point once: brings the mesh and the program into memory.
+void warm_up(const fs::path& asset, BakeRepeats repeats, const fs::path& folder) {
+    repeats.repetitions = 1;
+    BakePoint cheap = paper_point();
+    cheap.side = 17;
+    (void)bake_repeatedly({asset}, options_of(cheap), repeats, folder, [](double) {});
+}
+
+/// One asset of the sweep, with the folder and the bar that all share.
+struct AssetSweep {
+    const fs::path& asset;
+    const std::string& name;
+    const BakeRepeats& repeats;
+    const fs::path& folder;
+    ProgressBar& bar;
+
+    [[nodiscard]] unsigned repetitions(const BakePoint& point) const {
+        return repetitions_of(point, repeats.repetitions);
+    }
+
+    /// Bakes all points of a group in one go.
+    [[nodiscard]] std::vector<std::vector<AssetResult>> bake_group(const std::vector<BakePoint>& group) const {
+        std::vector<BakeTask> tasks;
+        double group_work = 0;
+        for (const BakePoint& point : group) {
+            tasks.push_back({asset, options_of(point), repetitions(point), work_of(point, 1)});
+            group_work += work_of(point, repetitions(point));
+        }
+        bar.begin(name, group_work);
+        return bake_all(
+            tasks, repeats, folder, [&](double s) { bar.update(s); },
+            [&](std::size_t k) {
+                bar.at(fmt::format("{} {} {}x{}", name, series_of(group[k]), group[k].side, group[k].side));
+            });
+    }
+};
+
+/// The row of one point; times loading of its file, and removes it.
+Row measured_row(const Table& table, const std::string& name, const BakePoint& point,
+                 const std::vector<AssetResult>& results) {
+    const AssetResult& result = results.front();
+    BakeRow row(table, point);
+    row.set("asset", name);
+    row.set("outcome", result.error ? error_name(*result.error) : methods_of(result));
+    if (result.outcome == bake::Outcome::kBaked) {
+        const fs::path& file = result.files.front().path;
+        row.set_measured(results, measure_file(file));
+        std::error_code ignored;
+        fs::remove(file, ignored);
+    }
+    return row.row();
+}
+
+void sweep_asset(const AssetSweep& sweep, const std::vector<BakePoint>& points, Table& table) {
+    for (std::size_t first = 0; first < points.size();) {
+        const std::size_t end = end_of_group(points, first);
+        const std::vector<BakePoint> group(points.begin() + static_cast<std::ptrdiff_t>(first),
+                                           points.begin() + static_cast<std::ptrdiff_t>(end));
+        first = end;
+        const auto results = sweep.bake_group(group);
+        // Loading is timed when no bake runs beside it.
+        for (std::size_t k = 0; k < group.size(); ++k)
+            table.rows.push_back(measured_row(table, sweep.name, group[k], results[k]));
+    }
+}
+
 }  // namespace
 
 Run sweep_bakes(const BakeSweepOptions& options, bool quiet) {
     const std::vector<BakePoint> points = plan_points(options);
-    for (const BakePoint& point : points) (void)options_of(point);  // a wrong word is told before an hour of bakes
+    for (const BakePoint& point : points) (void)options_of(point);  // a wrong word is reported before an hour of bakes
     Run run;
     run.command = "bake";
     run.machine = machine_facts();
     run.tables.push_back(empty_table());
     Table& table = run.tables.front();
 
-    const auto repetitions = [&](const BakePoint& point) { return repetitions_of(point, options.repeats.repetitions); };
     double work = 0;
-    for (const BakePoint& point : points) work += work_of(point, repetitions(point));
+    for (const BakePoint& point : points) work += work_of(point, repetitions_of(point, options.repeats.repetitions));
     ProgressBar bar(quiet, work * static_cast<double>(options.assets.size()));
     const std::vector<std::string> names = names_of(options.assets);
     const TemporaryFolder folder;
     for (std::size_t a = 0; a < options.assets.size(); ++a) {
-        // Brings the mesh and the program into memory.
-        BakeRepeats warm_up = options.repeats;
-        warm_up.repetitions = 1;
-        BakePoint cheap = paper_point();
-        cheap.side = 17;
         bar.begin(names[a] + " warm-up", 0);
-        (void)bake_repeatedly({options.assets[a]}, options_of(cheap), warm_up, folder.path(), [](double) {});
-        for (std::size_t first = 0; first < points.size();) {
-            const std::size_t end = end_of_group(points, first);
-            const std::vector<BakePoint> group(points.begin() + static_cast<std::ptrdiff_t>(first),
-                                               points.begin() + static_cast<std::ptrdiff_t>(end));
-            first = end;
-            std::vector<BakeTask> tasks;
-            double group_work = 0;
-            for (const BakePoint& point : group) {
-                tasks.push_back({options.assets[a], options_of(point), repetitions(point), work_of(point, 1)});
-                group_work += work_of(point, repetitions(point));
-            }
-            bar.begin(names[a], group_work);
-            const std::vector<std::vector<AssetResult>> results = bake_all(
-                tasks, options.repeats, folder.path(), [&](double s) { bar.update(s); },
-                [&](std::size_t k) {
-                    bar.at(fmt::format("{} {} {}x{}", names[a], series_of(group[k]), group[k].side, group[k].side));
-                });
-            // Loading is timed when no bake runs beside it.
-            for (std::size_t k = 0; k < group.size(); ++k) {
-                const AssetResult& result = results[k].front();
-                BakeRow row(table, group[k]);
-                row.set("asset", names[a]);
-                row.set("outcome", result.error ? error_name(*result.error) : methods_of(result));
-                if (result.outcome == bake::Outcome::kBaked) {
-                    row.set_measured(results[k], measure_file(result.files.front().path));
-                    std::error_code ignored;
-                    fs::remove(result.files.front().path, ignored);
-                }
-                table.rows.push_back(row.row());
-            }
-        }
+        warm_up(options.assets[a], options.repeats, folder.path());
+        sweep_asset({options.assets[a], names[a], options.repeats, folder.path(), bar}, points, table);
         for (const std::string& line : recommend(table, names[a])) run.findings.push_back(line);
     }
     run.settings = {{"repetitions", std::to_string(options.repeats.repetitions)},

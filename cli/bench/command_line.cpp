@@ -22,8 +22,8 @@
 #include "bench/stability_sweep.h"
 #include "bench/temporary_folder.h"
 #include "dgm/atomic_file.h"
-#include "pipeline/output_files.h"
 #include "tool/tool.h"
+#include "worker/output_files.h"
 
 namespace dgm::bench {
 namespace {

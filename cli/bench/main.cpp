@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/main.cpp
 // dgm-bench: speed against error, on the user's own assets.
+#include "baking/pipeline.h"
 #include "bench/command_line.h"
-#include "pipeline/pipeline.h"
-#include "pipeline/worker.h"
+#include "worker/worker.h"
 
 int main(int argc, char** argv) {
     if (dgm::bake::is_worker(argc, argv)) return dgm::bake::run_worker(dgm::bake::bake_asset);

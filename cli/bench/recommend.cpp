@@ -11,7 +11,7 @@
 #include <optional>
 #include <tuple>
 
-#include "pipeline/report_text.h"
+#include "batch/report_text.h"
 
 namespace dgm::bench {
 namespace {

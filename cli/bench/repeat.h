@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
+#include "batch/batch_runner.h"
 #include "bench/statistics.h"
-#include "pipeline/batch_runner.h"
 
 namespace dgm::bench {
 

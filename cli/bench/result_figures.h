@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <string>
 
+#include "batch/batch_runner.h"
 #include "bench/columns.h"
 #include "bench/repeat.h"
-#include "pipeline/batch_runner.h"
 
 namespace dgm::bench {
 

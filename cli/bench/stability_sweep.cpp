@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 
+#include "baking/option_names.h"
 #include "bench/columns.h"
 #include "bench/hard_meshes.h"
 #include "bench/machine_facts.h"
@@ -17,7 +18,6 @@
 #include "bench/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
 
 namespace dgm::bench {
 namespace {
@@ -83,6 +83,47 @@ Table empty_table() {
     return t;
 }
 
+/// The family's meshes as files of `folder`, one for each level.
+std::vector<fs::path> write_meshes(const Family& family, const fs::path& folder) {
+    std::vector<fs::path> meshes;
+    for (std::size_t k = 0; k < family.levels.size(); ++k) {
+        meshes.push_back(folder / fmt::format("{}.obj", k));
+        formats::write_obj(meshes.back(), family.make(family.levels[k]));
+    }
+    return meshes;
+}
+
+/// All meshes for each method in turn.
+std::vector<BakeTask> tasks_of(const StabilityOptions& options, const std::vector<fs::path>& meshes) {
+    std::vector<BakeTask> tasks;
+    for (const std::string& method : options.methods)
+        for (const fs::path& mesh : meshes) {
+            tasks.push_back({mesh, {}});
+            tasks.back().options.size = {options.side, options.side};
+            tasks.back().options.method = method;
+        }
+    return tasks;
+}
+
+Row result_row(const Table& table, const Family& family, double level, const std::string& method,
+               const AssetResult& result) {
+    RowBuilder row(table);
+    row.set("family", std::string(family.name));
+    row.set("hardness", exactly(level));
+    row.set("level", fmt::format("{:g}", level));
+    row.set("method", method);
+    row.set("outcome", result.error ? error_name(*result.error) : "ok");
+    if (result.outcome == bake::Outcome::kBaked) {
+        const bake::SurfaceError& error = result.report.error;
+        row.set("maps", methods_of(result));
+        row.set("rms_percent", exactly(100 * error.rms / error.diagonal));
+        row.set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
+        row.set("stretch_l2", exactly(worst_stretch(result)));
+        set_bake(row, {result});
+    }
+    return row.row();
+}
+
 }  // namespace
 
 std::vector<std::string> family_names() {
@@ -94,8 +135,7 @@ std::vector<std::string> family_names() {
 Run sweep_stability(const StabilityOptions& options, bool quiet) {
     const std::vector<Family> asked = chosen(options.families);
     for (const std::string& method : options.methods)
-        if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), method) == bake::kMethodNames.end())
-            throw model::Error(model::codes::kUsage, "no such method: " + method);
+        if (!bake::method_of(method)) throw model::Error(model::codes::kUsage, "no such method: " + method);
     Run run;
     run.command = "stability";
     run.machine = machine_facts();
@@ -108,42 +148,17 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
     once.time_limit_seconds = options.time_limit_seconds;
     ProgressBar bar(quiet, static_cast<double>(asked.size() * options.methods.size()));
     for (const Family& family : asked) {
-        std::vector<fs::path> meshes;
-        for (std::size_t k = 0; k < family.levels.size(); ++k) {
-            meshes.push_back(folder.path() / fmt::format("{}.obj", k));
-            formats::write_obj(meshes.back(), family.make(family.levels[k]));
-        }
-        // All methods' at once: what runs out of time keeps one core busy, and the others need not wait for it.
-        std::vector<BakeTask> tasks;
-        for (const std::string& method : options.methods)
-            for (const fs::path& mesh : meshes) {
-                tasks.push_back({mesh, {}});
-                tasks.back().options.size = {options.side, options.side};
-                tasks.back().options.method = method;
-            }
+        const std::vector<fs::path> meshes = write_meshes(family, folder.path());
+        // All methods' at once: a bake that runs out of time keeps one core busy, and the others need not wait for it.
+        const std::vector<BakeTask> tasks = tasks_of(options, meshes);
         bar.begin(family.name, static_cast<double>(options.methods.size()));
         const std::vector<std::vector<AssetResult>> results = bake_all(
             tasks, once, folder.path(), [&](double s) { bar.update(s); },
-            [&](std::size_t k) { bar.at(fmt::format("{} {}", family.name, tasks[k].options.method)); });
+            [&](std::size_t k) { bar.at(fmt::format("{} {}", family.name, bake::name_of(tasks[k].options.method))); });
         for (std::size_t m = 0; m < options.methods.size(); ++m)
-            for (std::size_t k = 0; k < meshes.size(); ++k) {
-                const AssetResult& result = results[m * meshes.size() + k].front();
-                RowBuilder row(table);
-                row.set("family", std::string(family.name));
-                row.set("hardness", exactly(family.levels[k]));
-                row.set("level", fmt::format("{:g}", family.levels[k]));
-                row.set("method", options.methods[m]);
-                row.set("outcome", result.error ? error_name(*result.error) : "ok");
-                if (result.outcome == bake::Outcome::kBaked) {
-                    const bake::SurfaceError& error = result.report.error;
-                    row.set("maps", methods_of(result));
-                    row.set("rms_percent", exactly(100 * error.rms / error.diagonal));
-                    row.set("hausdorff_percent", exactly(100 * error.hausdorff / error.diagonal));
-                    row.set("stretch_l2", exactly(worst_stretch(result)));
-                    set_bake(row, {result});
-                }
-                table.rows.push_back(row.row());
-            }
+            for (std::size_t k = 0; k < meshes.size(); ++k)
+                table.rows.push_back(result_row(table, family, family.levels[k], options.methods[m],
+                                                results[m * meshes.size() + k].front()));
     }
     run.findings = failure_lines(table);
     for (const Family& family : asked)

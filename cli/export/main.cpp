@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "export/export_files.h"
-#include "pipeline/mesh_import.h"
+#include "process/mesh_import.h"
 #include "tool/tool.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/render/layer_picture.h
-// One picture for each layer of a chart: row i down, column j to the right (design section 1).
+// One picture for each layer of a chart: row i down, column j to the right (docs/design.md section 1).
 #pragma once
 #include <string>
 #include <string_view>

@@ -10,9 +10,9 @@
 #include <tuple>
 #include <utility>
 
+#include "baking/bake_report.h"
+#include "batch/report_text.h"
 #include "model/codes.h"
-#include "pipeline/bake_report.h"
-#include "pipeline/report_text.h"
 #include "report/html.h"
 #include "report/page_parts.h"
 #include "report/verdict.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/codes.h"
-#include "pipeline/worker_protocol.h"
+#include "worker/worker_protocol.h"
 
 namespace dgm::report {
 using nlohmann::json;

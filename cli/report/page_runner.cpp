@@ -9,9 +9,9 @@
 
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
-#include "pipeline/running_worker.h"
-#include "pipeline/signal_scope.h"
-#include "pipeline/worker_protocol.h"
+#include "process/signal_scope.h"
+#include "worker/running_worker.h"
+#include "worker/worker_protocol.h"
 
 namespace dgm::report {
 namespace {

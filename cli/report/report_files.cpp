@@ -10,13 +10,13 @@
 #include <span>
 #include <thread>
 
+#include "baking/up_to_date.h"
+#include "batch/batch_runner.h"
 #include "dgm/hash.h"
 #include "model/codes.h"
-#include "pipeline/batch_runner.h"
-#include "pipeline/output_files.h"
-#include "pipeline/up_to_date.h"
 #include "report/html.h"
 #include "report/page_runner.h"
+#include "worker/output_files.h"
 
 namespace dgm::report {
 namespace {

@@ -27,8 +27,8 @@ struct SurfaceValues {
                                            const bake::ClosestPointIndex& source);
 
 /// Per vertex of the source, how far the reconstruction is away: the largest in size among the vertex and a lattice
-/// of points on its faces (about 200 000 in all, at most 136 a face), with the sign as above (negative: the reconstruction is inside). What the map leaves out shows here
-/// alone.
+/// of points on its faces (about 200 000 in all, at most 136 a face), with the sign as above (negative: the
+/// reconstruction is inside). Faces that the map leaves out show here alone.
 [[nodiscard]] std::vector<double> source_distances(const model::TriMesh& source, const model::TriMesh& map);
 
 }  // namespace dgm::report

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/bake_report.h"
+#include "baking/bake_report.h"
 
 namespace dgm::report {
 

@@ -12,9 +12,9 @@
 #include <set>
 #include <sstream>
 
+#include "baking/option_names.h"
+#include "baking/option_text.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/option_text.h"
 #include "tool/help.h"
 
 namespace dgm::scene {
@@ -209,9 +209,9 @@ void read_wishes(Table& table, SceneAsset& asset, const fs::path& folder) {
                 say.parsed([&] { return bake::parse_size("largest", text, bake::kMinSide, bake::kMaxSide); });
         });
     table.get<std::string>("method", "a word in quotes", [&](const std::string& text, const Say& say) {
-        if (std::find(bake::kMethodNames.begin(), bake::kMethodNames.end(), text) == bake::kMethodNames.end())
-            say(tool::unknown_word("method", text, {bake::kMethodNames.begin(), bake::kMethodNames.end()}));
-        asset.method = text;
+        const std::optional<bake::Method> method = bake::method_of(text);
+        if (!method) say(tool::unknown_word("method", text, {bake::kMethodNames.begin(), bake::kMethodNames.end()}));
+        asset.method = *method;
     });
     table.word("domain", bake::kDomainNames, [&](bake::DomainChoice d) { asset.domain = d; });
     table.word("fit", bake::kFitNames, [&](bake::Fit f) { asset.fit = f; });

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pipeline/bake_options.h"
-#include "pipeline/option_names.h"
+#include "baking/bake_options.h"
+#include "baking/option_names.h"
 
 namespace dgm::scene {
 
@@ -62,7 +62,7 @@ struct SceneAsset {
     std::filesystem::path fabric;                 ///< picture instead of the source's textures
     std::optional<std::uint64_t> budget;          ///< bytes of its file
     bake::GridSize largest{1025, 1025};           ///< the largest grid tried
-    std::string method = "auto";
+    bake::Method method = bake::Method::kAuto;
     bake::DomainChoice domain = bake::DomainChoice::kAuto;
     bake::Fit fit = bake::Fit::kBest;
     std::optional<bake::Precision> precision;  ///< nullopt: the smaller one that holds the tolerance

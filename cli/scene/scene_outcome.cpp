@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "baking/option_names.h"
+#include "batch/report_text.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/report_text.h"
 
 namespace dgm::scene {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "batch/batch_plan.h"
+#include "batch/batch_runner.h"
 #include "model/error.h"
-#include "pipeline/batch_plan.h"
-#include "pipeline/batch_runner.h"
 #include "scene/scene_file.h"
 #include "scene/scene_plan.h"
 #include "scene/tick_time.h"

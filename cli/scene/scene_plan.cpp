@@ -11,9 +11,10 @@
 #include <numbers>
 #include <set>
 
+#include "baking/option_names.h"
+#include "batch/report_text.h"
 #include "model/codes.h"
-#include "pipeline/option_names.h"
-#include "pipeline/report_text.h"
+#include "model/layer_names.h"
 
 namespace dgm::scene {
 namespace {
@@ -31,7 +32,7 @@ std::string size_text(std::uint64_t rows, std::uint64_t cols) {
     return fmt::format("{}x{}", rows, cols);
 }
 
-/// Bytes of a chart's layers, design section 4.
+/// Bytes of a chart's layers, docs/design.md section 4.
 struct ChartBytes {
     std::uint64_t geometry = 0, texture = 0, tables = 0;
     std::map<std::string, std::uint64_t> others;  ///< by the name that --layers takes
@@ -53,11 +54,11 @@ ChartBytes one_size_bytes(std::uint64_t rows, std::uint64_t cols, std::uint64_t 
     out.geometry = samples * position_bytes;
     out.texture = fine * 4;
     out.tables = (rows - 1) * (cols - 1);  // diagonals; seams and masks are the same few samples in all bakes
-    out.others = {{"normal", samples * 4},
-                  {"bump", fine * 2},
-                  {"collision", pyramid_bytes(rows, cols) + samples * 4},
-                  {"deformation", samples * 16},
-                  {"contact", samples * 8}};
+    out.others = {{model::layers::kNormal, samples * 4},
+                  {model::layers::kBump, fine * 2},
+                  {model::layers::kCollision, pyramid_bytes(rows, cols) + samples * 4},
+                  {model::layers::kDeformation, samples * 16},
+                  {model::layers::kContact, samples * 8}};
     return out;
 }
 
@@ -86,10 +87,11 @@ std::vector<std::string> needed_layers(const SceneAsset& asset) {
     std::vector<std::string> out;
     for (const std::string_view name : bake::kLayerNames) {
         const bool named = std::find(asset.layers.begin(), asset.layers.end(), name) != asset.layers.end();
-        const bool wished = name == "geometry" || (name == "normal" && asset.lit) ||
-                            (name == "texture" && asset.textured) || (name == "bump" && asset.detail) ||
-                            ((name == "collision" || name == "deformation") && asset.touched) ||
-                            (name == "contact" && (asset.touched || asset.contact));
+        const bool wished =
+            name == model::layers::kGeometry || (name == model::layers::kNormal && asset.lit) ||
+            (name == model::layers::kTexture && asset.textured) || (name == model::layers::kBump && asset.detail) ||
+            ((name == model::layers::kCollision || name == model::layers::kDeformation) && asset.touched) ||
+            (name == model::layers::kContact && (asset.touched || asset.contact));
         if (asset.layers.empty() ? wished : named) out.emplace_back(name);
     }
     return out;
@@ -196,15 +198,15 @@ Savings savings(const std::vector<BakedChart>& charts) {
     for (const BakedChart& chart : charts) {
         out.one_size += sum(one_size_bytes(scaled(chart.rows), scaled(chart.cols), kF32));
         at_grid += sum(one_size_bytes(chart.rows, chart.cols, kF32));
-        const BakedLayer* geometry = chart.find("geometry");
+        const BakedLayer* geometry = chart.find(model::layers::kGeometry);
         const bool half = geometry != nullptr && geometry->type == layout::ElementType::kU16;
         u16 = u16 || half;
         ChartBytes bytes = one_size_bytes(chart.rows, chart.cols, half ? kU16 : kF32);
         at_precision += sum(bytes);
         for (auto& [name, size] : bytes.others)
             if (chart.find(name) == nullptr) dropped.insert(name), size = 0;
-        const BakedLayer* picture = chart.find("texture");
-        if (picture == nullptr) dropped.insert("texture"), bytes.texture = 0;
+        const BakedLayer* picture = chart.find(model::layers::kTexture);
+        if (picture == nullptr) dropped.insert(model::layers::kTexture), bytes.texture = 0;
         at_layers += sum(bytes);
         if (chart.rows == largest || chart.cols == largest) {
             grid = size_text(chart.rows, chart.cols);

@@ -10,8 +10,8 @@
 
 #include <dgm/layout.h>
 
-#include "pipeline/bake_options.h"
-#include "pipeline/batch_plan.h"
+#include "baking/bake_options.h"
+#include "batch/batch_plan.h"
 #include "scene/scene_file.h"
 
 namespace dgm::scene {
@@ -19,8 +19,8 @@ namespace dgm::scene {
 /// The tolerance as the bake is asked for it: pixels become source units, value * 2 d tan(fov / 2) / rows.
 [[nodiscard]] bake::ErrorGoal error_goal(const SceneAsset& asset);
 
-/// Layers of design section 4 that the asset's wishes need, in file order. Geometry always; normal if lit; texture if
-/// textured; bump if detail; collision and deformation if touched; contact if touched or in contact.
+/// Layers (docs/design.md section 4) that the asset's wishes need, in file order. Geometry always; normal if lit;
+/// texture if textured; bump if detail; collision and deformation if touched; contact if touched or in contact.
 [[nodiscard]] std::vector<std::string> needed_layers(const SceneAsset& asset);
 
 /// The options of the bake: the smallest grid that holds the tolerance, or the largest in the budget if there is only
@@ -63,8 +63,8 @@ struct BakedChart {
     [[nodiscard]] const BakedLayer* find(std::string_view name) const;
 };
 
-/// The baseline is computed, not baked: design section 4 says what each layer takes, smaller charts get fewer samples
-/// as they did, textures two pixels a grid step where the asset has a texture, bump (2m-1) x (2n-1).
+/// The baseline is computed, not baked: docs/design.md section 4 has the size of each layer, smaller charts get fewer
+/// samples as they did, textures two pixels a grid step where the asset has a texture, bump (2m-1) x (2n-1).
 [[nodiscard]] Savings savings(const std::vector<BakedChart>& charts);
 
 }  // namespace dgm::scene

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/tool/tool.h
-// What main() of every small program does alike: help, version, errors as one story, exit codes of design section 8.
+// Shared by main() of every small program: help, version, errors as one story, exit codes (docs/design.md section 8).
 #pragma once
 #include <CLI/CLI.hpp>
 #include <cstdio>

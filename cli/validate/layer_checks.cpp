@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/layer_checks.cpp
-// The table of design section 4 as data, then the range of each value.
+// The table of docs/design.md section 4 as data, then the range of each value.
 //
 // Normals need no check of length: every pair of octahedral codes decodes to a unit vector. But of the codes that mean
 // the same vector the format has chosen one (SPEC.md 3.4).

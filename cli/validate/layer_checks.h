@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/layer_checks.h
-// Each layer by itself: there, of the right type and shape, finite, in range (design section 4).
+// Each layer by itself: there, of the right type and shape, finite, in range (docs/design.md section 4).
 #pragma once
 #include "model/map_set.h"
 #include "validate/finding_list.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "model/codes.h"
-#include "pipeline/mesh_import.h"
+#include "process/mesh_import.h"
 #include "tool/tool.h"
 #include "validate/code_pages.h"
 #include "validate/file_list.h"

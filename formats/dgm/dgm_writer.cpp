@@ -17,6 +17,7 @@
 #include "dgm/h5_file.h"
 #include "dgm/hash.h"
 #include "dgm/index.h"
+#include "model/layer_names.h"
 
 namespace dgm::formats {
 namespace {
@@ -52,7 +53,7 @@ Index plan_index(const MapSet& maps) {
         record.domain = static_cast<std::uint32_t>(chart.domain);
         record.first_layer = static_cast<std::uint32_t>(index.layers.size());
         record.layer_count = static_cast<std::uint32_t>(chart.layers.size());
-        if (const Layer* border = chart.find("border_uv"); border != nullptr && !border->shape.empty())
+        if (const Layer* border = chart.find(model::layers::kBorderUv); border != nullptr && !border->shape.empty())
             record.border_samples = static_cast<std::uint32_t>(border->shape[0]);
         std::copy(chart.bbox.begin(), chart.bbox.end(), record.bbox);
         std::copy(chart.offset.begin(), chart.offset.end(), record.offset);
@@ -72,7 +73,8 @@ Index plan_index(const MapSet& maps) {
             if (const std::string complaint = shape_complaint(record, layer.name, layer.type, layer.shape);
                 !complaint.empty())
                 refuse(complaint, place);
-            if (layer.name == "geometry" && (layer.attributes.contains("offset") || layer.attributes.contains("scale")))
+            if (layer.name == model::layers::kGeometry &&
+                (layer.attributes.contains("offset") || layer.attributes.contains("scale")))
                 refuse("offset and scale belong to the chart", place);
             entry.chart = static_cast<std::uint32_t>(k);
             entry.type = static_cast<std::uint32_t>(layer.type);
@@ -146,7 +148,7 @@ class H5Writer {
             const H5Handle set =
                 dataset(target, layer.name, h5_element_type(layer.type, check_), layer.shape, layer.bytes);
             records[k].offset = offset_of(set, layer.bytes.size());
-            if (layer.name == "geometry") {
+            if (layer.name == model::layers::kGeometry) {
                 attribute(set, "offset", std::vector<double>(chart.offset.begin(), chart.offset.end()));
                 attribute(set, "scale", std::vector<double>(chart.scale.begin(), chart.scale.end()));
             }

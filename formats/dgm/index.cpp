@@ -10,6 +10,7 @@
 
 #include "model/codes.h"
 #include "model/element.h"
+#include "model/layer_names.h"
 
 namespace dgm::formats {
 namespace {
@@ -30,21 +31,21 @@ struct KnownLayer {
 const std::vector<KnownLayer>& known_layers() {
     using enum ElementType;
     static const std::vector<KnownLayer> table{
-        {"geometry", {kF32, kU16}, {kRows, kCols, 3}},
-        {"normal", {kI16}, {kRows, kCols, 2}},
-        {"texture", {kU8}, {kAny, kAny, 4}},
-        {"bump", {kF16}, {kAny, kAny}},
-        {"collision", {kF32}, {kAny, 6}},
-        {"cover", {kF32}, {kRows, kCols}},
-        {"deformation", {kF32}, {kRows, kCols, 4}},
-        {"contact", {kF32}, {kRows, kCols, 2}},
-        {"seams", {kU32}, {kAny, 2}},
-        {"diagonals", {kU8}, {kRowQuads, kColQuads}},
-        {"mask", {kU8}, {kRows, kCols}},
-        {"border_uv", {kF32}, {kBorder, 2}},
-        {"border_geometry", {kF32, kU16}, {kBorder, 3}},
-        {"border_normal", {kI16}, {kBorder, 2}},
-        {"border_faces", {kU32}, {kAny, 3}},
+        {model::layers::kGeometry, {kF32, kU16}, {kRows, kCols, 3}},
+        {model::layers::kNormal, {kI16}, {kRows, kCols, 2}},
+        {model::layers::kTexture, {kU8}, {kAny, kAny, 4}},
+        {model::layers::kBump, {kF16}, {kAny, kAny}},
+        {model::layers::kCollision, {kF32}, {kAny, 6}},
+        {model::layers::kCover, {kF32}, {kRows, kCols}},
+        {model::layers::kDeformation, {kF32}, {kRows, kCols, 4}},
+        {model::layers::kContact, {kF32}, {kRows, kCols, 2}},
+        {model::layers::kSeams, {kU32}, {kAny, 2}},
+        {model::layers::kDiagonals, {kU8}, {kRowQuads, kColQuads}},
+        {model::layers::kMask, {kU8}, {kRows, kCols}},
+        {model::layers::kBorderUv, {kF32}, {kBorder, 2}},
+        {model::layers::kBorderGeometry, {kF32, kU16}, {kBorder, 3}},
+        {model::layers::kBorderNormal, {kI16}, {kBorder, 2}},
+        {model::layers::kBorderFaces, {kU32}, {kAny, 3}},
     };
     return table;
 }
@@ -145,7 +146,7 @@ std::string shape_complaint(const layout::ChartRecord& chart, std::string_view n
     if (known == nullptr) return {};
     if (std::find(known->types.begin(), known->types.end(), type) == known->types.end())
         return "element type " + std::to_string(static_cast<std::uint32_t>(type)) + " is not one of this layer's";
-    const bool border_only = name.starts_with("border_") || name == "mask";
+    const bool border_only = name.starts_with("border_") || name == model::layers::kMask;
     if (border_only && chart.domain != static_cast<std::uint32_t>(layout::Domain::kFree))
         return "only a chart of a free domain has this layer";
     std::vector<std::uint64_t> expected;

@@ -44,8 +44,8 @@ void set_field_text(std::span<char> field, std::string_view text, const std::str
 /// Product of shape and element size; nothing if it overflows, a rank is wrong or the type unknown.
 [[nodiscard]] std::optional<std::uint64_t> layer_bytes(layout::ElementType type, std::span<const std::uint64_t> shape);
 
-/// What is wrong with a layer of that name, type and shape in this chart (design section 4); empty if nothing. A name
-/// that is not in the format may have any type and shape.
+/// Says why a layer of that name, type and shape does not suit this chart (docs/design.md section 4); empty if it does.
+/// A name that is not in the format may have any type and shape.
 [[nodiscard]] std::string shape_complaint(const layout::ChartRecord& chart, std::string_view name,
                                           layout::ElementType type, std::span<const std::uint64_t> shape);
 [[nodiscard]] bool is_known_layer(std::string_view name);

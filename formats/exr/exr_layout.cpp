@@ -2,6 +2,7 @@
 // formats/exr/exr_layout.cpp
 // [sRGB] IEC 61966-2-1:1999, the transfer function between 8-bit codes and linear light.
 #include "exr/exr_layout.h"
+#include "model/layer_names.h"
 
 #include <ImathConfig.h>
 #include <half.h>
@@ -25,16 +26,16 @@ struct NamedLayer {
 
 const NamedLayer* find_named(std::string_view name) {
     static const std::vector<NamedLayer> table{
-        {"geometry", {"X", "Y", "Z"}, false},
-        {"normal", {"oct_u", "oct_v"}, false},
-        {"deformation", {"E", "F", "G", "stiffness"}, false},
-        {"contact", {"area", "mobility"}, false},
-        {"collision", {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"}, true},
-        {"seams", {"representative", "copy"}, true},
-        {"border_uv", {"u", "v"}, true},
-        {"border_geometry", {"X", "Y", "Z"}, true},
-        {"border_normal", {"oct_u", "oct_v"}, true},
-        {"border_faces", {"a", "b", "c"}, true},
+        {model::layers::kGeometry, {"X", "Y", "Z"}, false},
+        {model::layers::kNormal, {"oct_u", "oct_v"}, false},
+        {model::layers::kDeformation, {"E", "F", "G", "stiffness"}, false},
+        {model::layers::kContact, {"area", "mobility"}, false},
+        {model::layers::kCollision, {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"}, true},
+        {model::layers::kSeams, {"representative", "copy"}, true},
+        {model::layers::kBorderUv, {"u", "v"}, true},
+        {model::layers::kBorderGeometry, {"X", "Y", "Z"}, true},
+        {model::layers::kBorderNormal, {"oct_u", "oct_v"}, true},
+        {model::layers::kBorderFaces, {"a", "b", "c"}, true},
     };
     for (const NamedLayer& layer : table)
         if (layer.name == name) return &layer;
@@ -48,7 +49,7 @@ Imf::PixelType exact_type(ElementType type) {
 
 void name_channels(LayerImage& image, std::string_view name, ElementType type, const NamedLayer* named) {
     const std::string prefix = std::string(name) + ".";
-    if (name == "texture" && type == ElementType::kU8 && image.components == 4) {
+    if (name == model::layers::kTexture && type == ElementType::kU8 && image.components == 4) {
         for (std::uint32_t c = 0; c < 4; ++c)
             image.channels.push_back({std::string(1, "RGBA"[c]), Imf::HALF, c < 3 ? Coding::kSrgb : Coding::kUnit, c});
         return;
@@ -59,7 +60,7 @@ void name_channels(LayerImage& image, std::string_view name, ElementType type, c
                                       exact_type(type), Coding::kExact, c});
         return;
     }
-    const bool coded = name == "geometry" && type == ElementType::kU16;
+    const bool coded = name == model::layers::kGeometry && type == ElementType::kU16;
     const bool octahedral = named->components[0] == "oct_u" && type == ElementType::kI16;
     for (std::uint32_t axis = 0; (coded || octahedral) && axis < 3; ++axis)
         image.channels.push_back({prefix + "XYZ"[axis], Imf::FLOAT, coded ? Coding::kPosition : Coding::kNormal, axis});
@@ -145,7 +146,7 @@ LayerImage image_of_layer(std::string_view name, ElementType type, std::span<con
         image.row =
             std::max<std::uint64_t>(1, std::min<std::uint64_t>(image.pixels, image.pixels > 1'000'000 ? 8192 : 1024));
     const std::uint64_t height = (image.pixels + image.row - 1) / image.row;
-    const std::uint64_t margin = in_grid && name == "diagonals" && shape.size() == 2 ? 1 : 0;
+    const std::uint64_t margin = in_grid && name == model::layers::kDiagonals && shape.size() == 2 ? 1 : 0;
     image.width = static_cast<std::uint32_t>(image.row + margin);
     image.height = static_cast<std::uint32_t>(std::min(height, kMaxExrHeight) + margin);
     if (height > kMaxExrHeight) image.pixels = 0;  // 2^37 samples: no memory holds such a layer

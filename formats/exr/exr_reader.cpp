@@ -2,8 +2,6 @@
 // formats/exr/exr_reader.cpp
 #include "exr/exr_reader.h"
 
-#include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputPart.h>
 #include <ImfIntAttribute.h>
@@ -20,6 +18,7 @@
 #include "exr/exr_hash.h"
 #include "exr/exr_headers.h"
 #include "exr/exr_layout.h"
+#include "exr/exr_part.h"
 #include "model/codes.h"
 
 namespace dgm::formats {
@@ -31,7 +30,6 @@ using model::Chart;
 using model::Layer;
 using model::MapSet;
 
-constexpr int kBlockRows = 256;
 /// zlib packs at most 1032 to 1: a file that promises more is lying, and is refused before memory is spent on it.
 constexpr std::uint64_t kMaxZipRatio = 1032;
 
@@ -91,10 +89,6 @@ class Reader {
  private:
     [[noreturn]] void refuse(const std::string& message) const {
         throw model::Error(codes::kExrUnreadable, message, path_.string());
-    }
-
-    [[noreturn]] void miss(const std::string& message) const {
-        throw model::Error(codes::kMissingChannel, message, path_.string());
     }
 
     /// Files that other programs saved again may have lost the hashes; where they are, they hold.
@@ -223,74 +217,10 @@ class Reader {
     void read_part(const std::string& name, const std::vector<Layer*>& layers, bool in_grid) {
         // A file of one part carries no part name when other programs have saved it again.
         const auto found = parts_by_name_.find(name);
-        if (found == parts_by_name_.end() && file_.parts() != 1) miss("no part " + name);
+        if (found == parts_by_name_.end() && file_.parts() != 1)
+            throw model::Error(codes::kMissingChannel, "no part " + name, path_.string());
         const int number = found == parts_by_name_.end() ? 0 : found->second;
-        const Imf::Header& header = file_.header(number);
-        const Imath::Box2i window = header.dataWindow();
-        const int width = window.max.x + 1, height = window.max.y + 1;
-
-        struct Target {
-            Layer* layer;
-            LayerImage image;
-            const Channel* channel;
-            std::vector<char> buffer;
-        };
-        std::vector<LayerImage> images;
-        images.reserve(layers.size());
-        for (const Layer* layer : layers)
-            images.push_back(image_of_layer(layer->name, layer->type, layer->shape, in_grid));
-        std::vector<Target> targets;
-        for (std::size_t k = 0; k < layers.size(); ++k) {
-            if (static_cast<int>(images[k].width) != width || static_cast<int>(images[k].height) != height)
-                miss("part " + name + " and layer " + layers[k]->name + " differ in size");
-            for (const Channel& channel : images[k].channels) {
-                if (!channel.is_read()) continue;
-                const Imf::Channel* stored = header.channels().findChannel(channel.name);
-                // Light may have been saved again as float; everything else must be what was written.
-                const bool is_light = channel.coding == Coding::kSrgb || channel.coding == Coding::kUnit;
-                if (stored == nullptr || stored->xSampling != 1 || stored->ySampling != 1 ||
-                    (stored->type != channel.type && !(is_light && stored->type == Imf::FLOAT)))
-                    miss("channel " + channel.name + " is missing or of another type");
-                targets.push_back({layers[k], images[k], &channel, {}});
-            }
-        }
-        Imf::InputPart input(file_, number);
-        for (int top = 0; top < height; top += kBlockRows) {
-            const int rows = std::min(kBlockRows, height - top);
-            Imf::FrameBuffer frame;
-            for (Target& target : targets) {
-                const std::size_t size = target.channel->type == Imf::HALF ? 2 : 4;
-                target.buffer.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows) * size);
-                frame.insert(target.channel->name,
-                             Imf::Slice::Make(target.channel->type, target.buffer.data(), Imath::V2i(0, top),
-                                              std::int64_t{width}, std::int64_t{rows}, std::size_t{0},
-                                              size * static_cast<std::size_t>(width)));
-            }
-            input.setFrameBuffer(frame);
-            input.readPixels(top, top + rows - 1);
-            for (const Target& target : targets)
-                take_rows(*target.layer, target.image, *target.channel, target.buffer, top, rows);
-        }
-    }
-
-    void take_rows(Layer& layer, const LayerImage& image, const Channel& channel, const std::vector<char>& buffer,
-                   int top, int rows) const {
-        const std::size_t size = channel.type == Imf::HALF ? 2 : 4;
-        const std::uint32_t element = layout::element_size(layer.type);
-        const std::uint32_t largest = element == 4 ? 0xFFFFFFFFu : (1u << (8 * element)) - 1;
-        const char* in = buffer.data();
-        for (int y = top; y < top + rows; ++y)
-            for (std::uint32_t x = 0; x < image.width; ++x, in += size) {
-                const std::uint64_t pixel = static_cast<std::uint64_t>(y) * image.row + x;
-                if (x >= image.row || pixel >= image.pixels) continue;
-                std::uint32_t bits = 0;
-                std::memcpy(&bits, in, size);
-                if (channel.coding == Coding::kSrgb) bits = srgb_of_half(static_cast<std::uint16_t>(bits));
-                if (channel.coding == Coding::kUnit) bits = unit_of_half(static_cast<std::uint16_t>(bits));
-                if (bits > largest) refuse("channel " + channel.name + " holds a number beyond its type");
-                std::memcpy(layer.bytes.data() + (pixel * image.components + channel.component) * element, &bits,
-                            element);
-            }
+        read_exr_part(file_, {number, name, in_grid}, layers, path_);
     }
 
     const fs::path& path_;
@@ -300,10 +230,6 @@ class Reader {
     std::map<std::string, int, std::less<>> parts_by_name_;
     MapSet maps_;
 };
-
-}  // namespace
-
-namespace {
 
 template <class Read>
 auto reading(const fs::path& path, const ExrReadLimits& limits, Read read) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/exr/exr_writer.h
-// MapSet to OpenEXR, lossless (formats/SPEC.md, section EXR).
+// MapSet to OpenEXR, lossless (formats/SPEC.md section 5).
 #pragma once
 #include <filesystem>
 

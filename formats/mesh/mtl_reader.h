@@ -31,8 +31,8 @@ using MtlLibrary = std::map<std::string, MtlMaterial, std::less<>>;
 void read_mtl(const std::filesystem::path& path, FileFinder& finder, MtlLibrary& library,
               std::vector<std::string>& warnings, std::vector<std::filesystem::path>& dependencies);
 
-/// Reads what the `mtllib` statements of an OBJ name, each once: the rest of the line as one name with spaces, or several
-/// names. Libraries that are found go to `dependencies`, those that are missing to `warnings`.
+/// Reads what the `mtllib` statements of an OBJ name, each once: the rest of the line as one name with spaces, or
+/// several names. Libraries that are found go to `dependencies`, those that are missing to `warnings`.
 /// @throws as read_mtl
 void read_mtl_libraries(std::span<const std::string> statements, FileFinder& finder, MtlLibrary& library,
                         std::vector<std::string>& warnings, std::vector<std::filesystem::path>& dependencies);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/model/error.h
-// The one exception type of the offline side, and the exit codes of design section 8.
+// The one exception type of the offline side, and the exit codes of docs/design.md section 8.
 //
 // Codes are numbered by subject and never reused: 1xxx container and index, 2xxx layers and their values, 3xxx source
 // mesh and bake, 4xxx reconstruction against source, 5xxx files and system, 6xxx usage, 9xxx internal.

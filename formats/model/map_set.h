@@ -22,7 +22,7 @@ using layout::ElementType;
 using AttributeValue = std::variant<std::string, std::vector<double>, std::vector<std::uint32_t>>;
 
 struct Layer {
-    std::string name;  ///< design section 4: geometry, normal, texture, bump, collision, cover, deformation, ...
+    std::string name;  ///< docs/design.md section 4: geometry, normal, texture, bump, collision, cover, ...
     ElementType type = ElementType::kF32;
     std::vector<std::uint64_t> shape;                  ///< row-major, 1 to 4 entries
     std::vector<std::byte> bytes;                      ///< little-endian, product of shape * element size
@@ -57,7 +57,7 @@ struct MapSet {
     std::string source_name;                      ///< file name without folder
     std::array<std::uint8_t, 16> source_hash{};   ///< XXH3-128, canonical byte order
     std::array<std::uint8_t, 16> settings_hash{};
-    std::string report_json;                      ///< measured errors, design section 7
+    std::string report_json;  ///< measured errors, docs/design.md section 7
     std::vector<Chart> charts;
     friend bool operator==(const MapSet&, const MapSet&) = default;
 };

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "bake/bake_program.h"
+#include "baking/pipeline.h"
 #include "model/codes.h"
-#include "pipeline/pipeline.h"
 
 namespace {
 

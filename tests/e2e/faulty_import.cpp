@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "model/codes.h"
-#include "pipeline/mesh_import.h"
+#include "process/mesh_import.h"
 
 namespace {
 

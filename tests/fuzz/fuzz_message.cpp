@@ -4,8 +4,8 @@
 // understood can be said again and is understood alike; paths that make no sense throw model::Error, nothing else does.
 #include <string_view>
 
-#include "pipeline/worker_protocol.h"
 #include "target.h"
+#include "worker/worker_protocol.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace dgm;

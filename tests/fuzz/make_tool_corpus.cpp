@@ -10,7 +10,7 @@
 #include "exr/exr_writer.h"
 #include "metrics/validation_maps.h"
 #include "model/codes.h"
-#include "pipeline/worker_protocol.h"
+#include "worker/worker_protocol.h"
 
 namespace {
 namespace fs = std::filesystem;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/chart/free_chart.h
-// A disk anywhere inside the square (design section 3): mask, border samples and the strip that joins them.
+// A disk anywhere inside the square (docs/design.md section 3): mask, border samples and the strip that joins them.
 #pragma once
 #include <functional>
 #include <span>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/chart/square_chart.h
-// A disk on the whole square (design section 2, square domain).
+// A disk on the whole square (docs/design.md section 2.4).
 #pragma once
 #include <memory>
 

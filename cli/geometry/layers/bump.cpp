@@ -10,6 +10,7 @@
 #include "geometry/layers/layers.h"
 #include "geometry/metrics/grid_point.h"
 #include "model/half.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 
@@ -66,7 +67,7 @@ model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, c
         }
         largest = std::max(largest, std::abs(height[t]));
     }
-    model::Layer layer = empty_layer("bump", model::ElementType::kF16, {rows, cols});
+    model::Layer layer = empty_layer(model::layers::kBump, model::ElementType::kF16, {rows, cols});
     // In source units where half precision holds them; else in units of `scale`, so that a mesh of 1e-9 keeps its
     // relief.
     const double diagonal = in.frame.diagonal;

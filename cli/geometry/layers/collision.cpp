@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "geometry/layers/layers.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -25,7 +26,9 @@ float round_down(double x) {
     const auto f = static_cast<float>(x);
     return f > x ? std::nextafterf(f, -INFINITY) : f;
 }
-float round_up(double x) { return -round_down(-x); }
+float round_up(double x) {
+    return -round_down(-x);
+}
 
 /// Leaf tile of a strip face: that of its lowest grid sample, else of its first border sample's (u, v).
 std::size_t strip_tile(const SampledChart& chart, const Face& face, std::uint32_t tile_rows, std::uint32_t tile_cols) {
@@ -71,7 +74,7 @@ model::Layer make_collision(const SampledChart& chart, std::span<const Vec3d> lo
         first = next, rows = up_rows, cols = up_cols;
         levels.push_back(rows), levels.push_back(cols);
     }
-    model::Layer layer = empty_layer("collision", model::ElementType::kF32, {boxes.size(), 6});
+    model::Layer layer = empty_layer(model::layers::kCollision, model::ElementType::kF32, {boxes.size(), 6});
     layer.attributes["levels"] = levels;
     const auto out = values<float>(layer);
     constexpr float kMax = std::numeric_limits<float>::max();
@@ -103,7 +106,7 @@ model::Layer make_cover(const SampledChart& chart, std::span<const Vec3d> local)
     for (const Face& face : chart.strip)
         for (std::uint32_t s : face)
             for (std::uint32_t to : face) reach(s, to);
-    model::Layer layer = empty_layer("cover", model::ElementType::kF32, {chart.m, chart.n});
+    model::Layer layer = empty_layer(model::layers::kCover, model::ElementType::kF32, {chart.m, chart.n});
     const auto out = values<float>(layer);
     for (std::size_t s = 0; s < chart.grid_count(); ++s) out[s] = round_up(radius[chart.representative[s]]);
     return layer;

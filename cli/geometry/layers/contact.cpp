@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/layers/layers.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 
@@ -26,7 +27,7 @@ model::Layer make_contact(const SampledChart& chart, std::span<const Vec3d> loca
                 for (std::uint32_t to : f)
                     if (owner[s] == kNone && owner[to] != kNone) owner[s] = owner[to], changed = true;
     }
-    model::Layer layer = empty_layer("contact", model::ElementType::kF32, {chart.m, chart.n, 2});
+    model::Layer layer = empty_layer(model::layers::kContact, model::ElementType::kF32, {chart.m, chart.n, 2});
     const auto out = values<float>(layer);
     for (std::size_t s = grid; s < local.size(); ++s) {
         std::size_t to = owner[s];

@@ -4,13 +4,14 @@
 #include <algorithm>
 
 #include "geometry/layers/layers.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
 
 /// Tangents X_i, X_j at grid samples: central differences, over a seam with the sample behind the mate as ghost.
 class Tangents {
-  public:
+ public:
     Tangents(const SampledChart& chart, std::span<const Vec3d> local) : chart_(chart), local_(local) {
         copies_.resize(chart.grid_count(), {kNone, 0});
         std::vector<std::uint32_t> first(chart.grid_count(), kNone);
@@ -26,7 +27,7 @@ class Tangents {
     [[nodiscard]] Vec3d along_i(std::uint32_t i, std::uint32_t j) const { return along(i, j, i, chart_.m, true); }
     [[nodiscard]] Vec3d along_j(std::uint32_t i, std::uint32_t j) const { return along(i, j, j, chart_.n, false); }
 
-  private:
+ private:
     struct Copies {
         std::uint32_t other;
         std::uint32_t count;
@@ -65,7 +66,7 @@ class Tangents {
 }  // namespace
 
 model::Layer make_deformation(const SampledChart& chart, std::span<const Vec3d> local) {
-    model::Layer layer = empty_layer("deformation", model::ElementType::kF32, {chart.m, chart.n, 4});
+    model::Layer layer = empty_layer(model::layers::kDeformation, model::ElementType::kF32, {chart.m, chart.n, 4});
     const auto out = values<float>(layer);
     const Tangents tangents(chart, local);
     const auto& alpha = chart.disk.mesh.corner_colours;

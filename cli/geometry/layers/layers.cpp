@@ -8,6 +8,7 @@
 
 #include "geometry/layers/fit_layers.h"
 #include "geometry/metrics/bump_normals.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 
@@ -32,28 +33,30 @@ std::vector<model::Layer> make_tables(const SampledChart& chart) {
         std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;
         for (std::size_t k = 0; k < pairs.size(); k += 2) sorted.emplace_back(pairs[k], pairs[k + 1]);
         std::sort(sorted.begin(), sorted.end());
-        model::Layer& seams = out.emplace_back(empty_layer("seams", model::ElementType::kU32, {sorted.size(), 2}));
+        model::Layer& seams =
+            out.emplace_back(empty_layer(model::layers::kSeams, model::ElementType::kU32, {sorted.size(), 2}));
         const auto to = values<std::uint32_t>(seams);
         for (std::size_t k = 0; k < sorted.size(); ++k) to[2 * k] = sorted[k].first, to[2 * k + 1] = sorted[k].second;
         seams.required = true;
     }
     model::Layer& diagonals =
-        out.emplace_back(empty_layer("diagonals", model::ElementType::kU8, {chart.m - 1, chart.n - 1}));
+        out.emplace_back(empty_layer(model::layers::kDiagonals, model::ElementType::kU8, {chart.m - 1, chart.n - 1}));
     std::copy(chart.diagonals.begin(), chart.diagonals.end(), values<std::uint8_t>(diagonals).begin());
     if (chart.domain == layout::Domain::kSquare) return out;
-    model::Layer& mask = out.emplace_back(empty_layer("mask", model::ElementType::kU8, {chart.m, chart.n}));
+    model::Layer& mask =
+        out.emplace_back(empty_layer(model::layers::kMask, model::ElementType::kU8, {chart.m, chart.n}));
     std::copy(chart.mask.begin(), chart.mask.end(), values<std::uint8_t>(mask).begin());
     model::Layer& uv =
-        out.emplace_back(empty_layer("border_uv", model::ElementType::kF32, {chart.border_uv.size(), 2}));
+        out.emplace_back(empty_layer(model::layers::kBorderUv, model::ElementType::kF32, {chart.border_uv.size(), 2}));
     for (std::size_t b = 0; b < chart.border_uv.size(); ++b) {
         values<float>(uv)[2 * b] = static_cast<float>(chart.border_uv[b].x);
         values<float>(uv)[2 * b + 1] = static_cast<float>(chart.border_uv[b].y);
     }
     model::Layer& faces =
-        out.emplace_back(empty_layer("border_faces", model::ElementType::kU32, {chart.strip.size(), 3}));
+        out.emplace_back(empty_layer(model::layers::kBorderFaces, model::ElementType::kU32, {chart.strip.size(), 3}));
     for (std::size_t f = 0; f < chart.strip.size(); ++f)
         for (int k = 0; k < 3; ++k) values<std::uint32_t>(faces)[3 * f + k] = chart.strip[f][k];
-    for (const char* name : {"mask", "border_uv", "border_faces"})
+    for (const char* name : {model::layers::kMask, model::layers::kBorderUv, model::layers::kBorderFaces})
         std::find_if(out.begin(), out.end(), [&](const model::Layer& l) { return l.name == name; })->required = true;
     return out;
 }
@@ -68,10 +71,10 @@ namespace {
 std::size_t match_count(const LayerInput& in, std::span<const std::string> asked) {
     constexpr std::size_t kMost = std::size_t{1} << 21;  // 200 MB
     std::size_t count = 0;
-    if (wants(asked, "normal") || wants(asked, "bump")) count = 5 * in.chart.grid_count();
-    if (wants(asked, "bump") && in.bump_size)
+    if (wants(asked, model::layers::kNormal) || wants(asked, model::layers::kBump)) count = 5 * in.chart.grid_count();
+    if (wants(asked, model::layers::kBump) && in.bump_size)
         count = std::max(count, 2 * std::size_t{in.bump_size->first} * in.bump_size->second);
-    if (wants(asked, "texture") && has_texture(in)) {
+    if (wants(asked, model::layers::kTexture) && has_texture(in)) {
         const auto [rows, cols] = texture_shape(in);
         count = std::max(count, 2 * std::size_t{rows} * cols);
     }
@@ -98,7 +101,7 @@ void weigh_bump(const LayerInput& in, const StoredPositions& positions, std::vec
         square += dot(fine - stored, fine - stored);
     }
     const double weight = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.0;
-    chart.find("bump")->attributes["shading"] = std::vector<double>{weight};
+    chart.find(model::layers::kBump)->attributes["shading"] = std::vector<double>{weight};
 }
 }  // namespace
 
@@ -132,25 +135,27 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
     std::vector<model::Layer>& layers = chart.layers;
     layers.push_back(std::move(positions.geometry));
     layers.back().required = true;
-    if (wants(asked, "normal")) layers.push_back(std::move(normals.normal));
-    if (wants(asked, "texture"))
+    if (wants(asked, model::layers::kNormal)) layers.push_back(std::move(normals.normal));
+    if (wants(asked, model::layers::kTexture))
         if (auto texture = make_texture(in, points)) layers.push_back(std::move(*texture));
     tell(0.6);
-    if (wants(asked, "bump")) layers.push_back(make_bump(in, positions, normals, points));
+    if (wants(asked, model::layers::kBump)) layers.push_back(make_bump(in, positions, normals, points));
     tell(0.8);
-    if (wants(asked, "collision")) {
+    if (wants(asked, model::layers::kCollision)) {
         layers.push_back(make_collision(sampled, positions.local));
         layers.push_back(make_cover(sampled, positions.local));
     }
-    if (wants(asked, "deformation")) layers.push_back(make_deformation(sampled, positions.local));
-    if (wants(asked, "contact")) layers.push_back(make_contact(sampled, positions.local));
+    if (wants(asked, model::layers::kDeformation)) layers.push_back(make_deformation(sampled, positions.local));
+    if (wants(asked, model::layers::kContact)) layers.push_back(make_contact(sampled, positions.local));
     for (model::Layer& table : make_tables(sampled)) layers.push_back(std::move(table));
     if (positions.border_geometry) {
         layers.push_back(std::move(*positions.border_geometry));
         layers.back().required = true;
     }
-    if (normals.border_normal && wants(asked, "normal")) layers.push_back(std::move(*normals.border_normal));
-    if (wants(asked, "bump") && wants(asked, "normal")) weigh_bump(in, positions, std::move(points), chart);
+    if (normals.border_normal && wants(asked, model::layers::kNormal))
+        layers.push_back(std::move(*normals.border_normal));
+    if (wants(asked, model::layers::kBump) && wants(asked, model::layers::kNormal))
+        weigh_bump(in, positions, std::move(points), chart);
     return out;
 }
 

@@ -2,6 +2,7 @@
 // cli/geometry/layers/normal.cpp
 // Layer `normal` (eq. 6 for normals): the source's own normals interpolated, else area-weighted vertex normals.
 #include "geometry/layers/layers.h"
+#include "model/layer_names.h"
 #include "model/octahedral.h"
 
 namespace dgm::bake {
@@ -32,8 +33,8 @@ StoredNormals store_normals(const LayerInput& in) {
     for (Vec3d& n : welded) n = normalized(n, Vec3d{});
     StoredNormals out;
     const std::size_t grid = chart.grid_count(), extra = chart.samples.size() - grid;
-    out.normal = empty_layer("normal", model::ElementType::kI16, {chart.m, chart.n, 2});
-    if (extra > 0) out.border_normal = empty_layer("border_normal", model::ElementType::kI16, {extra, 2});
+    out.normal = empty_layer(model::layers::kNormal, model::ElementType::kI16, {chart.m, chart.n, 2});
+    if (extra > 0) out.border_normal = empty_layer(model::layers::kBorderNormal, model::ElementType::kI16, {extra, 2});
     out.decoded.assign(chart.samples.size(), Vec3d{0, 0, 1});
     for (std::size_t s = 0; s < chart.samples.size(); ++s) {
         if (!chart.on_surface(s)) continue;

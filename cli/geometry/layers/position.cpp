@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/layers/layers.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -35,9 +36,11 @@ StoredPositions store_positions(const LayerInput& in) {
     const StoredFrame& stored = in.stored;
     StoredPositions out;
     const std::size_t grid = chart.grid_count(), extra = chart.positions.size() - grid;
-    out.geometry = empty_layer("geometry", stored.quantised ? model::ElementType::kU16 : model::ElementType::kF32,
-                               {chart.m, chart.n, 3});
-    if (extra > 0) out.border_geometry = empty_layer("border_geometry", model::ElementType::kF32, {extra, 3});
+    out.geometry =
+        empty_layer(model::layers::kGeometry, stored.quantised ? model::ElementType::kU16 : model::ElementType::kF32,
+                    {chart.m, chart.n, 3});
+    if (extra > 0)
+        out.border_geometry = empty_layer(model::layers::kBorderGeometry, model::ElementType::kF32, {extra, 3});
     out.local.resize(chart.positions.size());
     for (std::size_t s = 0; s < chart.positions.size(); ++s) {
         const std::size_t from = chart.representative[s];

@@ -8,6 +8,7 @@
 #include "geometry/layers/fit_layers.h"
 #include "geometry/layers/image_lookup.h"
 #include "geometry/layers/layers.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -86,7 +87,7 @@ std::pair<std::uint32_t, std::uint32_t> texture_shape(const LayerInput& in) {
 std::optional<model::Layer> make_texture(const LayerInput& in, std::span<const MatchedPoint> points) {
     if (!has_colour(in)) return std::nullopt;
     const auto [rows, cols] = texture_shape(in);
-    model::Layer layer = empty_layer("texture", model::ElementType::kU8, {rows, cols, 4});
+    model::Layer layer = empty_layer(model::layers::kTexture, model::ElementType::kU8, {rows, cols, 4});
     const auto rgba = values<std::uint8_t>(layer);
     const auto put = [&](std::size_t t, Rgba8 c) {
         rgba[4 * t] = c.r, rgba[4 * t + 1] = c.g, rgba[4 * t + 2] = c.b, rgba[4 * t + 3] = c.a;

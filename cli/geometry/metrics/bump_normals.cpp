@@ -13,6 +13,7 @@
 
 #include "geometry/metrics/grid_point.h"
 #include "model/element.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -66,9 +67,9 @@ std::vector<std::uint32_t> texel_classes(std::uint32_t m, std::uint32_t n, std::
 
 BumpNormals::BumpNormals(const Chart& chart, const Reconstruction& surface)
     : surface_(surface), m_(chart.rows), n_(chart.cols) {
-    const Layer& bump = *chart.find("bump");
-    const Layer* diagonals = chart.find("diagonals");
-    const Layer* mask = chart.find("mask");
+    const Layer& bump = *chart.find(model::layers::kBump);
+    const Layer* diagonals = chart.find(model::layers::kDiagonals);
+    const Layer* mask = chart.find(model::layers::kMask);
     rows_ = static_cast<std::uint32_t>(bump.shape[0]), cols_ = static_cast<std::uint32_t>(bump.shape[1]);
     const auto number = [&](const char* name, double otherwise) {
         const auto found = bump.attributes.find(name);
@@ -124,7 +125,7 @@ BumpNormals::BumpNormals(const Chart& chart, const Reconstruction& surface)
 }
 
 std::optional<BumpNormals> BumpNormals::of(const Chart& chart, const Reconstruction& surface) {
-    const Layer* bump = chart.find("bump");
+    const Layer* bump = chart.find(model::layers::kBump);
     if (bump == nullptr || bump->shape.size() != 2 || bump->shape[0] < 2 || bump->shape[1] < 2 || chart.rows < 2 ||
         chart.cols < 2 || surface.mesh.corner_normals.size() != 3 * surface.mesh.faces.size())
         return std::nullopt;

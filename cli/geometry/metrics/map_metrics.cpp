@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/map_metrics.cpp
-// Distortion of a map, exact orientation, and topology by counting.
+// Distortion of a map and exact orientation.
 //
 // [Sander 2001] Sander, Snyder, Gortler, Hoppe. Texture Mapping Progressive Meshes. SIGGRAPH 2001. Names follow it: q
 // surface corners, (s, t) map corners, A area in the map, A' on the surface, Gamma and gamma the singular values.
@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-#include <vector>
 
 namespace dgm::bake {
 namespace {
@@ -68,58 +66,6 @@ struct Sums {
     double measured = 0;  // sum A' of the faces with A' > 0
 };
 
-class UnionFind {
- public:
-    explicit UnionFind(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-    std::size_t find(std::size_t x) {
-        while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-        return x;
-    }
-    void join(std::size_t a, std::size_t b) {
-        a = find(a);
-        b = find(b);
-        if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-    }
-
- private:
-    std::vector<std::size_t> parent_;
-};
-
-struct EdgeUse {
-    std::uint32_t low, high;
-    std::uint64_t corner;  // 3 * face + k: the edge runs from corner k to corner k + 1
-    bool forward;          // from low to high
-    friend bool operator<(const EdgeUse& a, const EdgeUse& b) {
-        if (a.low != b.low) return a.low < b.low;
-        if (a.high != b.high) return a.high < b.high;
-        return a.corner < b.corner;
-    }
-    [[nodiscard]] bool same_edge(const EdgeUse& o) const { return low == o.low && high == o.high; }
-};
-
-/// Sorts by the operator above: by `low` through counting, since there are few uses of each.
-void sort_uses(std::vector<EdgeUse>& uses, std::size_t vertex_count) {
-    std::vector<std::size_t> next(vertex_count + 1, 0);
-    for (const EdgeUse& use : uses) ++next[use.low + 1];
-    for (std::size_t v = 0; v < vertex_count; ++v) next[v + 1] += next[v];
-    std::vector<EdgeUse> sorted(uses.size());
-    for (const EdgeUse& use : uses) sorted[next[use.low]++] = use;
-    // next[v] is now the end of the uses of v.
-    for (std::size_t v = 0, first = 0; v < vertex_count; first = next[v++])
-        std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(first),
-                  sorted.begin() + static_cast<std::ptrdiff_t>(next[v]));
-    uses = std::move(sorted);
-}
-
-std::uint64_t next_in_face(std::uint64_t corner) {
-    return corner - corner % 3 + (corner % 3 + 1) % 3;
-}
-std::uint64_t corner_at_low(const EdgeUse& e) {
-    return e.forward ? e.corner : next_in_face(e.corner);
-}
-std::uint64_t corner_at_high(const EdgeUse& e) {
-    return e.forward ? next_in_face(e.corner) : e.corner;
-}
 }  // namespace
 
 int orient2d(Vec2d a, Vec2d b, Vec2d c) {
@@ -181,84 +127,6 @@ MapMetrics measure_map(std::span<const Vec3d> positions, std::span<const Face> f
         out.symmetric_dirichlet = 0.5 * std::sqrt(sum.squares / sum.measured) * std::sqrt(sum.inverses / sum.measured);
         out.angle = sum.angle / sum.measured;
         out.area = std::sqrt(sum.ratio / sum.measured) * std::sqrt(sum.inverse_ratio / sum.measured);
-    }
-    return out;
-}
-
-Topology measure_topology(std::size_t vertex_count, std::span<const Face> faces) {
-    Topology out;
-    std::vector<EdgeUse> uses;
-    uses.reserve(3 * faces.size());
-    std::vector<std::uint8_t> in_use(vertex_count, 0);
-    UnionFind components(vertex_count);
-    std::uint64_t face_count = 0;
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        const Face& face = faces[f];
-        const bool in_range = face[0] < vertex_count && face[1] < vertex_count && face[2] < vertex_count;
-        if (!in_range || face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
-            ++out.degenerate_faces;
-            continue;
-        }
-        ++face_count;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t from = face[k], to = face[(k + 1) % 3];
-            uses.push_back({std::min(from, to), std::max(from, to), 3 * f + k, from < to});
-            in_use[from] = 1;
-        }
-        components.join(face[0], face[1]);
-        components.join(face[0], face[2]);
-    }
-    sort_uses(uses, vertex_count);
-
-    // A fan is a class of face corners at one vertex, joined across edges with exactly two faces.
-    UnionFind fans(3 * faces.size());
-    std::vector<std::size_t> border;  // first use of each edge with one face
-    std::uint64_t edges = 0;
-    out.manifold = out.oriented = true;
-    for (std::size_t e = 0, end = 0; e < uses.size(); e = end, ++edges) {
-        for (end = e + 1; end < uses.size() && uses[end].same_edge(uses[e]);) ++end;
-        if (end - e == 1) {
-            border.push_back(e);
-        } else if (end - e == 2) {
-            if (uses[e].forward == uses[e + 1].forward) out.oriented = false;
-            fans.join(corner_at_low(uses[e]), corner_at_low(uses[e + 1]));
-            fans.join(corner_at_high(uses[e]), corner_at_high(uses[e + 1]));
-        } else {
-            out.manifold = false;
-        }
-    }
-    std::vector<std::size_t> fan_of(vertex_count, faces.size() * 3);
-    for (const EdgeUse& use : uses) {
-        const std::uint32_t vertex = use.forward ? use.low : use.high;
-        const std::size_t fan = fans.find(use.corner);
-        if (fan_of[vertex] == faces.size() * 3) fan_of[vertex] = fan;
-        if (fan_of[vertex] != fan) out.manifold = false;
-    }
-
-    // Border edges that end in the same fan follow each other on a loop.
-    UnionFind loops(border.size());
-    std::vector<std::size_t> first_at_fan(3 * faces.size(), border.size());
-    for (std::size_t k = 0; k < border.size(); ++k)
-        for (const std::uint64_t corner : {corner_at_low(uses[border[k]]), corner_at_high(uses[border[k]])}) {
-            std::size_t& first = first_at_fan[fans.find(corner)];
-            if (first == border.size()) first = k;
-            loops.join(first, k);
-        }
-    for (std::size_t k = 0; k < border.size(); ++k)
-        if (loops.find(k) == k) ++out.boundary_loops;
-
-    std::uint64_t vertices = 0;
-    for (std::size_t v = 0; v < vertex_count; ++v) {
-        if (in_use[v] == 0) continue;
-        ++vertices;
-        if (components.find(v) == v) ++out.components;
-    }
-    // Sum over components of 2 - 2g - b = V - E + F.
-    if (out.manifold && out.oriented) {
-        const std::int64_t euler = static_cast<std::int64_t>(vertices) - static_cast<std::int64_t>(edges) +
-                                   static_cast<std::int64_t>(face_count);
-        out.genus =
-            (2 * static_cast<std::int64_t>(out.components) - euler - static_cast<std::int64_t>(out.boundary_loops)) / 2;
     }
     return out;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/map_metrics.h
-// Distortion and validity of a map from a disk to the plane (design section 7).
+// Distortion and validity of a map from a disk to the plane (docs/design.md section 7).
 #pragma once
 #include <cstdint>
 #include <span>

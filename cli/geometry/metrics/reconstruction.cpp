@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/reconstruction.cpp
-// Layers to triangles (design section 4): the same rules as the runtime's reconstruction, in double.
+// Layers to triangles (docs/design.md section 4): the same rules as the runtime's reconstruction, in double.
 #include "geometry/metrics/reconstruction.h"
 
 #include <dgm/grid.h>
@@ -15,6 +15,7 @@
 
 #include "model/codes.h"
 #include "model/element.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -53,7 +54,7 @@ void check_layer(const Layer& layer, std::initializer_list<ElementType> types,
 void append_positions(const Layer& layer, const Chart& chart, std::vector<Vec3d>& out) {
     const std::size_t count = layer.shape[0] * (layer.shape.size() == 3 ? layer.shape[1] : 1);
     const bool quantised = layer.type == ElementType::kU16;
-    const bool scaled = quantised || chart.find("geometry")->type == ElementType::kF32;
+    const bool scaled = quantised || chart.find(model::layers::kGeometry)->type == ElementType::kF32;
     for (std::size_t s = 0; s < count; ++s) {
         Vec3d p;
         for (int k = 0; k < 3; ++k) {
@@ -78,7 +79,8 @@ std::vector<std::uint32_t> weld_table(const Layer* seams, std::size_t vertices) 
     for (std::size_t v = 0; v < vertices; ++v) weld[v] = static_cast<std::uint32_t>(v);
     if (seams == nullptr) return weld;
     const auto fail = [](std::size_t pair, const std::string& what) {
-        throw model::Error(model::codes::kBadSeamTable, "pair " + std::to_string(pair) + ": " + what, "seams");
+        throw model::Error(model::codes::kBadSeamTable, "pair " + std::to_string(pair) + ": " + what,
+                           model::layers::kSeams);
     };
     for (std::size_t k = 0; k < seams->shape[0]; ++k) {
         const auto representative = element<std::uint32_t>(*seams, 2 * k),
@@ -99,96 +101,141 @@ std::vector<std::uint32_t> weld_table(const Layer* seams, std::size_t vertices) 
     }
     return weld;
 }
-}  // namespace
 
-Reconstruction reconstruct(const Chart& chart, Corners fill) {
-    const Layer* geometry = chart.find("geometry");
-    if (geometry == nullptr) throw model::Error(model::codes::kMissingLayer, "the chart has no geometry", "geometry");
-    const std::uint64_t m = chart.rows, n = chart.cols;
+/// The layers of a chart that its surface is made of, with types and shapes checked; those that it lacks are null.
+struct SurfaceLayers {
+    const Layer* geometry = nullptr;
+    const Layer *border = nullptr, *border_faces = nullptr, *border_uv = nullptr, *border_normal = nullptr;
+    const Layer *diagonals = nullptr, *mask = nullptr, *normal = nullptr, *seams = nullptr;
+    std::uint64_t rows = 0, cols = 0;
+    std::uint64_t extra = 0;  ///< samples beside the grid
+    [[nodiscard]] std::uint64_t samples() const { return rows * cols + extra; }
+};
+
+SurfaceLayers surface_layers(const Chart& chart) {
+    SurfaceLayers out;
+    out.geometry = chart.find(model::layers::kGeometry);
+    if (out.geometry == nullptr)
+        throw model::Error(model::codes::kMissingLayer, "the chart has no geometry", model::layers::kGeometry);
+    out.rows = chart.rows;
+    out.cols = chart.cols;
+    const std::uint64_t m = out.rows, n = out.cols;
     if (m < 2 || n < 2)
-        bad_shape("geometry", "a grid of " + std::to_string(m) + " x " + std::to_string(n) + " samples has no quads");
-    check_layer(*geometry, {ElementType::kF32, ElementType::kU16}, {m, n, 3});
-
-    const Layer* border = chart.find("border_geometry");
-    if (border != nullptr) check_layer(*border, {ElementType::kF32, ElementType::kU16}, {kAnyCount, 3});
-    const std::uint64_t grid = m * n, extra = border == nullptr ? 0 : border->shape[0];
-    if (grid + extra > std::numeric_limits<std::uint32_t>::max()) bad_shape("geometry", "there are too many samples");
+        bad_shape(model::layers::kGeometry,
+                  "a grid of " + std::to_string(m) + " x " + std::to_string(n) + " samples has no quads");
+    check_layer(*out.geometry, {ElementType::kF32, ElementType::kU16}, {m, n, 3});
     const auto optional_layer = [&](const char* name, std::initializer_list<ElementType> types,
                                     std::initializer_list<std::uint64_t> shape) {
         const Layer* layer = chart.find(name);
         if (layer != nullptr) check_layer(*layer, types, shape);
         return layer;
     };
-    const Layer* diagonals = optional_layer("diagonals", {ElementType::kU8}, {m - 1, n - 1});
-    const Layer* mask = optional_layer("mask", {ElementType::kU8}, {m, n});
-    const Layer* border_faces = optional_layer("border_faces", {ElementType::kU32}, {kAnyCount, 3});
-    const Layer* border_uv = optional_layer("border_uv", {ElementType::kF32}, {extra, 2});
-    const Layer* normal = optional_layer("normal", {ElementType::kI16}, {m, n, 2});
-    const Layer* border_normal = optional_layer("border_normal", {ElementType::kI16}, {extra, 2});
-    const Layer* seams = optional_layer("seams", {ElementType::kU32}, {kAnyCount, 2});
+    out.border = optional_layer(model::layers::kBorderGeometry, {ElementType::kF32, ElementType::kU16}, {kAnyCount, 3});
+    out.extra = out.border == nullptr ? 0 : out.border->shape[0];
+    if (out.samples() > std::numeric_limits<std::uint32_t>::max())
+        bad_shape(model::layers::kGeometry, "there are too many samples");
+    out.diagonals = optional_layer(model::layers::kDiagonals, {ElementType::kU8}, {m - 1, n - 1});
+    out.mask = optional_layer(model::layers::kMask, {ElementType::kU8}, {m, n});
+    out.border_faces = optional_layer(model::layers::kBorderFaces, {ElementType::kU32}, {kAnyCount, 3});
+    out.border_uv = optional_layer(model::layers::kBorderUv, {ElementType::kF32}, {out.extra, 2});
+    out.normal = optional_layer(model::layers::kNormal, {ElementType::kI16}, {m, n, 2});
+    out.border_normal = optional_layer(model::layers::kBorderNormal, {ElementType::kI16}, {out.extra, 2});
+    out.seams = optional_layer(model::layers::kSeams, {ElementType::kU32}, {kAnyCount, 2});
+    return out;
+}
 
-    Reconstruction out;
-    model::TriMesh& mesh = out.mesh;
-    mesh.positions.reserve(grid + extra);
-    mesh.faces.reserve(2 * (m - 1) * (n - 1) + (border_faces == nullptr ? 0 : border_faces->shape[0]));
-    append_positions(*geometry, chart, mesh.positions);
-    if (border != nullptr) append_positions(*border, chart, mesh.positions);
-
+/// Two faces for each quad whose samples all lie on the surface.
+void append_quads(const SurfaceLayers& layers, std::vector<Face>& faces) {
+    const std::uint64_t m = layers.rows, n = layers.cols;
     const auto on_surface = [&](std::size_t i, std::size_t j) {
-        return mask == nullptr || element<std::uint8_t>(*mask, sample_index(i, j, n)) != 0;
+        return layers.mask == nullptr || element<std::uint8_t>(*layers.mask, sample_index(i, j, n)) != 0;
     };
     for (std::uint32_t i = 0; i + 1 < m; ++i)
         for (std::uint32_t j = 0; j + 1 < n; ++j) {
             if (!on_surface(i, j) || !on_surface(i + 1, j) || !on_surface(i, j + 1) || !on_surface(i + 1, j + 1))
                 continue;
-            const unsigned diagonal = diagonals == nullptr ? 0 : element<std::uint8_t>(*diagonals, i * (n - 1) + j);
-            for (const Face& f : quad_triangles(i, j, static_cast<std::uint32_t>(n), diagonal)) mesh.faces.push_back(f);
+            const unsigned diagonal =
+                layers.diagonals == nullptr ? 0 : element<std::uint8_t>(*layers.diagonals, i * (n - 1) + j);
+            for (const Face& f : quad_triangles(i, j, static_cast<std::uint32_t>(n), diagonal)) faces.push_back(f);
         }
-    if (border_faces != nullptr)
-        for (std::size_t t = 0; t < border_faces->shape[0]; ++t) {
-            Face f;
-            for (std::size_t k = 0; k < 3; ++k) {
-                f[k] = element<std::uint32_t>(*border_faces, 3 * t + k);
-                if (f[k] >= grid + extra)
-                    throw model::Error(model::codes::kBadValue,
-                                       "face " + std::to_string(t) + " names sample " + std::to_string(f[k]) + " of " +
-                                           std::to_string(grid + extra),
-                                       "border_faces");
-            }
-            mesh.faces.push_back(f);
+}
+
+void append_border_faces(const SurfaceLayers& layers, std::vector<Face>& faces) {
+    if (layers.border_faces == nullptr) return;
+    for (std::size_t t = 0; t < layers.border_faces->shape[0]; ++t) {
+        Face f;
+        for (std::size_t k = 0; k < 3; ++k) {
+            f[k] = element<std::uint32_t>(*layers.border_faces, 3 * t + k);
+            if (f[k] >= layers.samples())
+                throw model::Error(model::codes::kBadValue,
+                                   "face " + std::to_string(t) + " names sample " + std::to_string(f[k]) + " of " +
+                                       std::to_string(layers.samples()),
+                                   model::layers::kBorderFaces);
         }
+        faces.push_back(f);
+    }
+}
 
-    const auto fill_corners = [&](auto& corners, const auto& samples) {
-        corners.reserve(3 * mesh.faces.size());
-        for (const Face& f : mesh.faces)
-            for (const std::uint32_t v : f) corners.push_back(samples[v]);
-    };
-    const bool all = fill == Corners::kFill;
-    if (all && normal != nullptr && (extra == 0 || border_normal != nullptr)) {
-        std::vector<Vec3d> normals;
-        normals.reserve(grid + extra);
-        append_normals(*normal, grid, normals);
-        if (border_normal != nullptr) append_normals(*border_normal, extra, normals);
-        fill_corners(mesh.corner_normals, normals);
-    }
-    if (all && (extra == 0 || border_uv != nullptr)) {
-        std::vector<Vec2d> uvs;
-        uvs.reserve(grid + extra);
-        for (std::size_t i = 0; i < m; ++i)
-            for (std::size_t j = 0; j < n; ++j)
-                uvs.push_back({static_cast<double>(j) / static_cast<double>(n - 1),
-                               static_cast<double>(i) / static_cast<double>(m - 1)});
-        for (std::size_t b = 0; b < extra; ++b)
-            uvs.push_back({element<float>(*border_uv, 2 * b + 1), element<float>(*border_uv, 2 * b)});
-        fill_corners(mesh.corner_uvs, uvs);
-    }
+/// Gives each corner of each face the value of its sample.
+template <class Value>
+void fill_corners(const std::vector<Face>& faces, const std::vector<Value>& samples, std::vector<Value>& corners) {
+    corners.reserve(3 * faces.size());
+    for (const Face& f : faces)
+        for (const std::uint32_t v : f) corners.push_back(samples[v]);
+}
 
-    out.weld = weld_table(seams, mesh.positions.size());
-    for (std::size_t v = 0; v < out.weld.size(); ++v) {
-        if (out.weld[v] == v) continue;
-        const double gap = length(mesh.positions[v] - mesh.positions[out.weld[v]]);
-        out.seam_gap = std::max(out.seam_gap, std::isnan(gap) ? std::numeric_limits<double>::infinity() : gap);
+void fill_normals(const SurfaceLayers& layers, model::TriMesh& mesh) {
+    if (layers.normal == nullptr || (layers.extra > 0 && layers.border_normal == nullptr)) return;
+    std::vector<Vec3d> normals;
+    normals.reserve(layers.samples());
+    append_normals(*layers.normal, layers.rows * layers.cols, normals);
+    if (layers.border_normal != nullptr) append_normals(*layers.border_normal, layers.extra, normals);
+    fill_corners(mesh.faces, normals, mesh.corner_normals);
+}
+
+void fill_uvs(const SurfaceLayers& layers, model::TriMesh& mesh) {
+    if (layers.extra > 0 && layers.border_uv == nullptr) return;
+    const std::uint64_t m = layers.rows, n = layers.cols;
+    std::vector<Vec2d> uvs;
+    uvs.reserve(layers.samples());
+    for (std::size_t i = 0; i < m; ++i)
+        for (std::size_t j = 0; j < n; ++j)
+            uvs.push_back({static_cast<double>(j) / static_cast<double>(n - 1),
+                           static_cast<double>(i) / static_cast<double>(m - 1)});
+    for (std::size_t b = 0; b < layers.extra; ++b)
+        uvs.push_back({element<float>(*layers.border_uv, 2 * b + 1), element<float>(*layers.border_uv, 2 * b)});
+    fill_corners(mesh.faces, uvs, mesh.corner_uvs);
+}
+
+/// The largest distance between two samples of one weld class; infinity if it is not a number.
+double largest_seam_gap(const std::vector<Vec3d>& positions, const std::vector<std::uint32_t>& weld) {
+    double largest = 0;
+    for (std::size_t v = 0; v < weld.size(); ++v) {
+        if (weld[v] == v) continue;
+        const double gap = length(positions[v] - positions[weld[v]]);
+        largest = std::max(largest, std::isnan(gap) ? std::numeric_limits<double>::infinity() : gap);
     }
+    return largest;
+}
+}  // namespace
+
+Reconstruction reconstruct(const Chart& chart, Corners fill) {
+    const SurfaceLayers layers = surface_layers(chart);
+    Reconstruction out;
+    model::TriMesh& mesh = out.mesh;
+    mesh.positions.reserve(layers.samples());
+    append_positions(*layers.geometry, chart, mesh.positions);
+    if (layers.border != nullptr) append_positions(*layers.border, chart, mesh.positions);
+    mesh.faces.reserve(2 * (layers.rows - 1) * (layers.cols - 1) +
+                       (layers.border_faces == nullptr ? 0 : layers.border_faces->shape[0]));
+    append_quads(layers, mesh.faces);
+    append_border_faces(layers, mesh.faces);
+    if (fill == Corners::kFill) {
+        fill_normals(layers, mesh);
+        fill_uvs(layers, mesh);
+    }
+    out.weld = weld_table(layers.seams, mesh.positions.size());
+    out.seam_gap = largest_seam_gap(mesh.positions, out.weld);
     out.welded_faces.reserve(mesh.faces.size());
     for (const Face& f : mesh.faces) out.welded_faces.push_back({out.weld[f[0]], out.weld[f[1]], out.weld[f[2]]});
     return out;

@@ -19,8 +19,8 @@ enum class Corners { kFill, kSkip };
 
 /// Vertices are grid samples (i*n+j), then border samples (m*n+b). Faces are the quads' triangles (split by
 /// `diagonals`, quads with an unmasked corner left out), then `border_faces`. Samples off the surface are dropped from
-/// faces, not renumbered. with Corners::kFill, corner_normals are filled if the layer `normal` is there, corner_uvs with
-/// the chart's (v, u).
+/// faces, not renumbered. With Corners::kFill, corner_normals are filled if the layer `normal` is there, corner_uvs
+/// with the chart's (v, u).
 /// @throws model::Error kMissingLayer without geometry, kBadLayerShape, kBadValue (a border face beyond the samples),
 /// kBadSeamTable; place is the layer's name
 [[nodiscard]] Reconstruction reconstruct(const model::Chart& chart, Corners fill = Corners::kFill);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/turned_faces.h
-// Triangles that look against the surface they stand for (design section 7): folds that a distance does not see.
+// Finds triangles that face against their source: folds that a distance does not see (docs/design.md section 7).
 #pragma once
 #include <cstddef>
 #include <cstdint>

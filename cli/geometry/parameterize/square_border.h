@@ -45,11 +45,11 @@ enum class BorderShares {
     kEqualArms,  ///< the cut is a star of four arms: its middle on the four corners, each side folds at its middle
 };
 
-/// Lays the disk's border on the square (methods.md section 2): path p gets a whole number of sample intervals, the
-/// same for both mates, nearest its share of the length; inside a path vertices follow arc length; the square's corners
-/// fall on samples, and an edge (with its mate) is split where one falls inside it. Then every interior edge that joins
-/// two points of the border is split, so that no triangle can collapse onto a side and no part of the surface is locked
-/// up behind a straight edge.
+/// Lays the disk's border on the square (docs/methods.md section 2): path p gets a whole number of sample intervals,
+/// the same for both mates, nearest its share of the length; inside a path vertices follow arc length; the square's
+/// corners fall on samples, and an edge (with its mate) is split where one falls inside it. Then every interior edge
+/// that joins two points of the border is split, so that no triangle can collapse onto a side and no part of the
+/// surface is locked up behind a straight edge.
 ///
 /// Changes `disk` by those splits. `rotation` moves the first path's start to border sample `rotation`; equal arms have
 /// but one, and do not look at it.

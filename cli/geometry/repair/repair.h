@@ -2,11 +2,9 @@
 // cli/geometry/repair/repair.h
 // From whatever an importer returned to oriented manifold components in a normalised frame.
 #pragma once
-#include <cstdint>
-#include <string>
-#include <utility>
 #include <vector>
 
+#include "geometry/repair/repair_counts.h"
 #include "model/tri_mesh.h"
 
 namespace dgm::bake {
@@ -22,7 +20,7 @@ struct RepairedMesh {
     /// Connected, oriented, manifold (edges with one or two faces, one fan a vertex, at most one edge between two
     /// vertices), every vertex used; in order of their first face in the source.
     std::vector<model::TriMesh> components;
-    std::vector<std::pair<std::string, std::uint64_t>> counts;  ///< what was changed, zeros left out
+    RepairCounts counts;  ///< what was changed
 };
 
 /// Repairs by gluing rather than by deleting: corners are joined where faces share an edge, so that non-manifold edges

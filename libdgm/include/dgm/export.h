@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* libdgm/include/dgm/export.h */
-/* Marks what the shared library shows; everything else is hidden. Plain C. */
+/* Marks the functions that the shared library exports; everything else is hidden. Plain C. */
 /* On Windows, define DGM_STATIC before including any header of libdgm if you link the static library; CMake's */
-/* dgm::dgm_static does so. DGM_BUILD_SHARED is the library's own. */
+/* dgm::dgm_static does so. Only the library itself defines DGM_BUILD_SHARED. */
 #pragma once
 #if defined(_WIN32) && defined(DGM_BUILD_SHARED)
 #define DGM_API __declspec(dllexport)

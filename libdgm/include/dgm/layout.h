@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // libdgm/include/dgm/layout.h
-// Bytes of the index in a .dgm file's user block (formats/SPEC.md has the words).
+// Defines the bytes of the index in a .dgm file's user block; formats/SPEC.md describes them.
 //
 // A .dgm is an HDF5 file with a 4096-byte user block. The user block starts with a FileHeader; the chart records and
-// the layer records follow it directly when they fit into the block, else they stand in the HDF5 dataset `/index`
+// the layer records follow it directly when they fit into the block; else they are in the HDF5 dataset `/index`
 // (u8, contiguous) and the header gives their absolute offset. All numbers are little-endian.
 #pragma once
 #include <cstddef>
@@ -20,20 +20,23 @@ inline constexpr std::uint32_t kMaxRank = 4;
 enum class ElementType : std::uint32_t { kU8 = 1, kU16 = 2, kU32 = 3, kI16 = 4, kF16 = 5, kF32 = 6 };
 enum class Domain : std::uint32_t { kSquare = 0, kFree = 1 };
 
-/// Size in bytes of one element; 0 for a value that is none of the above.
+/// Size in bytes of one element; 0 for any other value.
 [[nodiscard]] constexpr std::uint32_t element_size(ElementType type) noexcept {
     switch (type) {
-        case ElementType::kU8: return 1;
+        case ElementType::kU8:
+            return 1;
         case ElementType::kU16:
         case ElementType::kI16:
-        case ElementType::kF16: return 2;
+        case ElementType::kF16:
+            return 2;
         case ElementType::kU32:
-        case ElementType::kF32: return 4;
+        case ElementType::kF32:
+            return 4;
     }
     return 0;
 }
 
-/// A reader that does not know a layer with this flag must refuse the file; without it, skip the layer.
+/// A reader that does not know a layer must reject the file if the layer has this flag, and else skip the layer.
 inline constexpr std::uint32_t kLayerRequired = 1u;
 
 struct FileHeader {                // 128 bytes at offset 0
@@ -44,12 +47,12 @@ struct FileHeader {                // 128 bytes at offset 0
     std::uint64_t index_offset;    // absolute offset of the records: 128, or that of dataset /index
     std::uint64_t index_bytes;     // chart_count * sizeof(ChartRecord) + layer_count * sizeof(LayerRecord)
     std::uint32_t chart_count;
-    std::uint32_t layer_count;          // of all charts together
-    std::uint8_t index_hash[16];        // XXH3-128 of the records, canonical (big-endian) byte order of xxHash
-    std::uint8_t source_hash[16];       // XXH3-128 of the source mesh file
-    std::uint8_t settings_hash[16];     // XXH3-128 of the bake settings
-    std::uint8_t rest_hash[16];         // XXH3-128 of the file from byte 4096 on without the layers; all 0: not given
-    std::uint8_t header_hash[16];       // XXH3-128 of the 112 bytes before it
+    std::uint32_t layer_count;       // of all charts together
+    std::uint8_t index_hash[16];     // XXH3-128 of the records, canonical (big-endian) byte order of xxHash
+    std::uint8_t source_hash[16];    // XXH3-128 of the source mesh file
+    std::uint8_t settings_hash[16];  // XXH3-128 of the bake settings
+    std::uint8_t rest_hash[16];      // XXH3-128 of the file from byte 4096 on without the layers; all 0: none
+    std::uint8_t header_hash[16];    // XXH3-128 of the 112 bytes before it
 };
 static_assert(sizeof(FileHeader) == 128);
 

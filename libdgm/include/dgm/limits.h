@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // libdgm/include/dgm/limits.h
-// States the range of every number that maps and callers may give: inside it squares of distances stay finite.
+// States the range of each number from maps and callers: inside it, squares of distances stay finite.
 #pragma once
 
 namespace dgm {
 
 /// Largest |coordinate| of a map's sample, a tool, a displacement or an obstacle, local units; also the largest radius
-/// or half side. Squares of differences stay below 1.3e37, so that float holds them.
+/// or half side. Squares of differences stay below 1.3e37, in the range of float.
 inline constexpr float kMaxCoordinate = 1e18f;
-/// Length of a kernel step (Touch::step, TickOptions::step), local units; 0 stands for State::mean_step().
+/// Length of a kernel step (Touch::step, TickOptions::step), local units; 0 means State::mean_step().
 inline constexpr float kMinStep = 1e-15f, kMaxStep = 1e15f;
 /// E, G (from 0) and |F| of the first fundamental form: squares of lengths of a grid step.
 inline constexpr float kMaxForm = 1e30f;

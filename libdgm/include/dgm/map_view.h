@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/include/dgm/map_view.h
-// Zero-copy views of what a mapped file holds and of a state's points.
+// Gives access to the layers of a mapped file and to the points of a state, without a copy.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -45,13 +45,13 @@ struct LayerView {
     layout::ElementType type = layout::ElementType::kU8;
     std::uint32_t rank = 0;
     std::uint32_t flags = 0;
-    std::uint64_t shape[4] = {};
-    std::uint64_t file_offset = 0;
+    std::uint64_t shape[4] = {};    ///< elements in each dimension, 0 beyond `rank`
+    std::uint64_t file_offset = 0;  ///< where `data` is in the file
     const std::byte* data = nullptr;
-    std::size_t bytes = 0;
-    bool known = false;  ///< false: an optional layer this version has no rules for
+    std::size_t bytes = 0;  ///< size of `data`
+    bool known = false;     ///< false: an optional layer that this version has no rules for
 
-    /// Elements as T (f16 as uint16_t bits). @return BadLayer if the stored type is another.
+    /// Gives the elements as T (f16 as uint16_t bits). @return BadLayer if the stored type is another.
     template <class T>
     [[nodiscard]] Result<std::span<const T>> as() const noexcept {
         if (!detail::ElementOf<T>::matches(type))
@@ -60,7 +60,7 @@ struct LayerView {
     }
 };
 
-/// Points of a state, one float array a coordinate, `step` floats from one point to the next.
+/// Points of a state: one float array for each coordinate, `step` floats from one point to the next.
 struct PointView {
     const float* x = nullptr;
     const float* y = nullptr;

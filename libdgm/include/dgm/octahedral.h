@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/include/dgm/octahedral.h
-// Decoding of octahedral 2 x 16-bit unit vectors (layer `normal`).
+// Decodes octahedral 2 x 16-bit unit vectors (layer `normal`).
 //
 // [Cigolle 2014] Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer. A Survey of Efficient Representations for
 // Independent Unit Vectors. JCGT 3(2), 2014.
@@ -11,10 +11,10 @@
 
 namespace dgm {
 
-/// Unit vector (x, y, z) of code (u, v): u and v are snorm, c -> max(c / 32767, -1), the point of the octahedron
+/// Returns the unit vector of code (u, v). u and v are snorm, c -> max(c / 32767, -1): the point of the octahedron
 /// |x| + |y| + |z| = 1 unfolded along z < 0 [Cigolle 2014], then scaled to length 1 in float.
-/// Every pair of codes is valid. Codes on the border of the square stand in pairs for one direction; the encoder writes
-/// the one whose other coordinate is positive, and never -32768.
+/// Every pair of codes is valid. On the border of the square two pairs give the same direction; the encoder writes the
+/// one whose other coordinate is positive, and never -32768.
 [[nodiscard]] inline std::array<float, 3> decode_octahedral(std::int16_t u, std::int16_t v) noexcept {
     float x = u <= -32767 ? -1.0f : static_cast<float>(u) / 32767.0f;
     float y = v <= -32767 ? -1.0f : static_cast<float>(v) / 32767.0f;

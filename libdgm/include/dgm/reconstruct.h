@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/include/dgm/reconstruct.h
-// Paper section 4.3: the grid's implicit connectivity becomes vertices and triangles in the caller's memory.
+// Turns the grid's implicit connectivity into vertices and triangles in the caller's memory (paper section 4.3).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,38 +12,43 @@
 
 namespace dgm {
 
+/// Form of the indices.
 enum class IndexTopology : std::uint32_t {
     Triangles = 0,
-    Strips = 1,  ///< of triangles, kRestart between them
+    Strips = 1,  ///< triangle strips with kRestart between them
 };
 
-/// Ends a strip (GL_PRIMITIVE_RESTART_FIXED_INDEX, and what Vulkan, Direct3D and Metal take for 32-bit indices).
+/// Ends a strip: the fixed restart index of OpenGL, Vulkan, Direct3D and Metal for 32-bit indices.
 inline constexpr std::uint32_t kRestart = 0xFFFFFFFFu;
 
+/// Level of detail and form of the indices.
 struct ReconstructOptions {
-    /// Level of detail: blocks of at least k x k quads become two triangles each. Vertices stay what they are: one
-    /// vertex buffer serves all levels. Borders of the chart keep all their samples, so that seams stay closed and
-    /// levels fit each other from chart to chart.
+    /// Level of detail: blocks of at least k x k quads become two triangles each. The vertices do not change, so one
+    /// vertex buffer serves all levels. Borders of the chart keep all their samples: seams stay closed, and charts of
+    /// different levels fit each other.
     std::uint32_t lod_stride = 1;
     IndexTopology topology = IndexTopology::Triangles;
 };
 
+/// Size of a mesh.
 struct MeshCounts {
     std::uint32_t vertices = 0;
-    std::uint64_t indices = 0;  ///< three a triangle; of strips all, restarts too
+    std::uint64_t indices = 0;  ///< three for each triangle; strips: all of them, with the restarts
 };
 
+/// Format of one number of a vertex attribute.
 enum class VertexFormat : std::uint32_t {
     F32 = 0,
-    F16 = 1,  ///< IEEE 754 binary16, to nearest
-    U16 = 2,  ///< 0 .. 65535: positions of the box from `origin` on, normals of -1 .. 1, uv of 0 .. 1
+    F16 = 1,  ///< IEEE 754 binary16, rounded to nearest
+    U16 = 2,  ///< 0 .. 65535: positions as VertexTarget::origin says, normals of -1 .. 1, uv of 0 .. 1
 };
 
-/// An attribute that is not wanted.
+/// Offset of an attribute that is not wanted.
 inline constexpr std::size_t kNoAttribute = ~std::size_t{0};
 
-/// Caller-owned vertices: attribute `a` of vertex k starts at data + k * stride + a_offset: position xyz (local),
-/// normal xyz (unit), uv (x = v along columns, y = u along rows: image convention, first row on top).
+/// Vertices in the caller's memory. An attribute of vertex k starts at data + k * stride + its offset. Attributes are
+/// position x, y, z (local), normal x, y, z (unit length) and uv (x = v along columns, y = u along rows, as in images:
+/// the first row is on top).
 struct VertexTarget {
     std::span<std::byte> memory;
     std::size_t stride = 3 * sizeof(float);
@@ -57,8 +62,8 @@ struct VertexTarget {
     Vec3 origin = {}, step = {};
 };
 
-/// How much memory reconstruct needs. Counts the triangles, O(samples).
-/// @return MissingLayer, BadValue, Unsupported.
+/// Counts the vertices and indices that reconstruct() writes. O(samples).
+/// @return MissingLayer, BadValue, BadArgument (stride 0), Unsupported (topology).
 [[nodiscard]] DGM_API Result<MeshCounts> mesh_counts(const Chart& chart,
                                                      const ReconstructOptions& options = {}) noexcept;
 [[nodiscard]] DGM_API Result<MeshCounts> mesh_counts(const State& state,
@@ -66,22 +71,21 @@ struct VertexTarget {
 
 /// Writes the baked surface of a chart.
 ///
-/// Vertices are all samples, grid then border, none renumbered; one off the surface is in no triangle (its position is
-/// as stored, 0 where that is not finite). Triangles are the quads' two each in row-major order (at stride 1), then the
-/// border strip, counter-clockwise in (u, v). Positions are local: add Chart::offset() for the source frame. Normals
-/// come from the layer `normal` (and `border_normal`); uv of border samples from `border_uv`. Pass an empty
-/// `vertices.memory` or `indices` to leave that part out.
+/// Vertices are all samples: the grid, then the border, in the order of their indices. A sample off the surface is in
+/// no triangle; its position is as stored, or 0 where that is not finite. Triangles are the two of each quad in
+/// row-major order (at stride 1), then the border strip, counter-clockwise in (u, v). Positions are local: add
+/// Chart::offset() for the source frame. Normals come from the layers `normal` and `border_normal`; uv of border
+/// samples comes from `border_uv`. Pass an empty `vertices.memory` or `indices` to leave that part out.
 ///
-/// @return what was written; BufferTooSmall, BadArgument (stride 0, offsets that overlap the next vertex, steps),
-/// NotFinite,
+/// @return the numbers written; BufferTooSmall, BadArgument (stride 0, attributes beyond the vertex, steps), NotFinite,
 ///         BadValue, MissingLayer, Unsupported. On an error the caller's memory may be partly written.
 /// Thread-safe. No allocation. Works unaligned, so any packed layout will do.
 [[nodiscard]] DGM_API Result<MeshCounts> reconstruct(const Chart& chart, const VertexTarget& vertices,
                                                      std::span<std::uint32_t> indices,
                                                      const ReconstructOptions& options = {}) noexcept;
 
-/// The same for the present shape of a state. Normals are area-weighted over the welded ring (methods section 5), so
-/// all copies of a seam class get the same bits; a sample without area gets 0.
+/// Writes the present shape of a state. Normals are the normalized sums of the area vectors of the triangles around a
+/// sample, across seams, so all copies of a weld class get the same bits; a sample without area gets 0.
 [[nodiscard]] DGM_API Result<MeshCounts> reconstruct(const State& state, const VertexTarget& vertices,
                                                      std::span<std::uint32_t> indices,
                                                      const ReconstructOptions& options = {}) noexcept;

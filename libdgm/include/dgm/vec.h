@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/include/dgm/vec.h
-// Three floats: a local position, a displacement, a normal.
+// Defines three floats: a local position, a displacement or a normal.
 #pragma once
 
 namespace dgm {

@@ -58,10 +58,12 @@ int main(int argc, char** argv) {
     if (dgm_asset_verify(asset, &error) != DGM_OK) return fail("verify", &error);
     if (dgm_asset_chart(asset, 0, &info, &error) != DGM_OK) return fail("chart", &error);
     if (info.rows != 17 || info.cols != 33 || strcmp(info.method, "test") != 0) return 3;
+    if (info.domain != DGM_DOMAIN_SQUARE) return 18;
     if (dgm_asset_get_usage(asset, &mapped, &error) != DGM_OK || mapped.mapped_bytes < 17 * 33 * 12) return 10;
     if (dgm_state_create(asset, 0, NULL, NULL, &state, &error) != DGM_OK) return fail("state", &error);
     dgm_asset_close(asset); /* the state stands on its own */
 
+    kernel.shape = DGM_KERNEL_SHAPE_CIRCULAR;
     kernel.reach = 6;
     kernel.sigma = 10;
     if (dgm_table_create(&kernel, NULL, &table, &error) != DGM_OK) return fail("table", &error);
@@ -70,6 +72,8 @@ int main(int argc, char** argv) {
     touch.sample = sample;
     touch.displacement[0] = -0.25f;
     touch.d_max = 0.5f;
+    touch.footprint = DGM_FOOTPRINT_SURFACE;
+    touch.mode = DGM_DEFORM_MODE_ELASTIC;
     if (dgm_deform(state, table, &touch, NULL, &error) != DGM_OK) return fail("deform", &error);
     copies = dgm_state_class_members(state, dgm_state_class_of(state, sample), &members);
     if (copies != 2) return 5;
@@ -84,6 +88,7 @@ int main(int argc, char** argv) {
     target.data = vertices;
     target.bytes = counts.vertices * 6 * sizeof(float);
     target.stride = 6 * sizeof(float);
+    target.position_format = target.normal_format = DGM_VERTEX_FORMAT_F32;
     target.normal_offset = 3 * sizeof(float);
     target.uv_offset = DGM_NO_ATTRIBUTE;
     if (dgm_state_reconstruct(state, &target, NULL, 0, NULL, &error) != DGM_OK) return fail("reconstruct", &error);
@@ -91,24 +96,27 @@ int main(int argc, char** argv) {
         if (vertices[6 * sample + i] != first[i]) return 9;
 
     /* A level of detail as strips, a plane pushed through the whole, a snapshot of what is left. */
-    if (dgm_state_mesh_counts_at(state, 4, 1, &counts, &error) != DGM_OK) return fail("counts at", &error);
+    if (dgm_state_mesh_counts_at(state, 4, DGM_TOPOLOGY_STRIPS, &counts, &error) != DGM_OK)
+        return fail("counts at", &error);
     if (counts.indices == 0 || counts.indices >= 16 * 32 * 6) return 11;
     indices = malloc((size_t)counts.indices * sizeof *indices);
     if (indices == NULL) return 12;
     target.lod_stride = 4;
-    target.strips = 1;
+    target.strips = DGM_TOPOLOGY_STRIPS;
     if (dgm_state_reconstruct(state, &target, indices, (size_t)counts.indices, NULL, &error) != DGM_OK)
         return fail("strips", &error);
     free(indices);
     if (dgm_contact_solver_create(state, NULL, &solver, &error) != DGM_OK) return fail("solver", &error);
+    plane.kind = DGM_OBSTACLE_KIND_PLANE;
     plane.normal[0] = -1; /* free where x <= 0.5 */
     plane.point[0] = 0.5f;
+    contact.bulge = DGM_BULGE_EXACT;
     contact.max_depth = 0.01f;
     if (dgm_resolve_contact(state, solver, &plane, &contact, &report, &error) != DGM_OK) return fail("contact", &error);
-    if (report.status != 2 || !(report.deepest > 0.2f)) return 13; /* taken back */
+    if (report.status != DGM_CONTACT_STATUS_RESTORED || !(report.deepest > 0.2f)) return 13;
     contact.max_depth = 0;
     if (dgm_resolve_contact(state, solver, &plane, &contact, &report, &error) != DGM_OK) return fail("contact", &error);
-    if (report.status == 2 || report.samples == 0) return 14;
+    if (report.status == DGM_CONTACT_STATUS_RESTORED || report.samples == 0) return 14;
     if (dgm_snapshots_create(state, NULL, NULL, &snapshots, &error) != DGM_OK) return fail("snapshots", &error);
     if (dgm_snapshots_publish(snapshots, state, 42, &frame, &error) != DGM_OK || frame != 1) return 15;
     if (dgm_snapshots_read(snapshots, vertices, NULL, 17 * 33 * 3, &shot, &error) != DGM_OK || shot.tag != 42)

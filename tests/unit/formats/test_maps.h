@@ -32,7 +32,8 @@ struct MapChoice {
     bool unknown_layers = false;  ///< layers of no known name, of every type and rank
 };
 
-/// One chart with all layers of design section 4. Bytes are random bits, NaNs and all: a container does not judge.
+/// One chart with all layers of docs/design.md section 4. Bytes are random bits, NaNs and all: a container does not
+/// judge.
 [[nodiscard]] model::Chart random_chart(Random& random, const MapChoice& choice);
 /// `charts` charts of various kinds.
 [[nodiscard]] model::MapSet random_maps(std::uint64_t seed, std::size_t charts);

@@ -22,7 +22,7 @@ std::vector<T> count_up(std::size_t count, T first = T(0)) {
     return values;
 }
 
-/// A chart with every layer of design section 4, 17 x 26 samples: 2 x 4 leaf tiles, then 1 x 2, then 1 node.
+/// A chart with every layer of docs/design.md section 4, 17 x 26 samples: 2 x 4 leaf tiles, then 1 x 2, then 1 node.
 ChartSpec full_chart() {
     ChartSpec c = free_chart(17, 26, sheet);
     c.add("normal", ElementType::kI16, {17, 26, 2}, count_up<std::int16_t>(17 * 26 * 2, -50));

@@ -15,8 +15,8 @@ if ! "$cxx" "$@" "$work/try.cpp" -o "$work/try" 2>/dev/null || ! "$work/try"; th
   exit 77
 fi
 set -- "$@" -O1 -fPIC -Wall -Wextra -Wshadow -Wconversion -Werror
-for file in "$source"/libdgm/src/*.cpp; do
-  "$cxx" "$@" -std=c++20 -fno-exceptions -fno-rtti -fvisibility=hidden -idirafter "$xxhash" -I "$source/libdgm/include" \
+for file in "$source"/libdgm/src/*/*.cpp; do
+  "$cxx" "$@" -std=c++20 -fno-exceptions -fno-rtti -fvisibility=hidden -idirafter "$xxhash" -I "$source/libdgm/include" -I "$source/libdgm/src" \
     -c "$file" -o "$work/$(basename "$file" .cpp).o"
 done
 "$cxx" "$@" -shared -Wl,--no-undefined -Wl,--version-script="$source/libdgm/libdgm.map" "$work"/*.o -o "$work/libdgm.so"

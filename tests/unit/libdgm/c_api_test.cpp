@@ -125,7 +125,7 @@ TEST(CApi, TickRefusesWithoutHarm) {
 TEST(CApi, KernelsAndCertifiedTracking) {
     Handles h;
     auto kernel = sized<dgm_kernel_options>();
-    kernel.shape = 1;
+    kernel.shape = DGM_KERNEL_SHAPE_ELLIPTIC;
     kernel.reach = 8;
     kernel.radius_a = 6;
     kernel.radius_b = 3;
@@ -136,7 +136,7 @@ TEST(CApi, KernelsAndCertifiedTracking) {
     EXPECT_NEAR(dgm_table_profile(table, 6), std::exp(-1.0), 1e-5);
     dgm_table_destroy(table);
     const float cone[2] = {1, 0};
-    kernel.shape = 2;
+    kernel.shape = DGM_KERNEL_SHAPE_USER;
     kernel.values = cone;
     kernel.value_count = 2;
     ASSERT_EQ(dgm_table_create(&kernel, nullptr, &table, nullptr), DGM_OK);

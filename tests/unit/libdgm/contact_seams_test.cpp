@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "../../../libdgm/src/contact_impl.h"
+#include "contact/contact_impl.h"
 #include "contact_shapes.h"
 
 namespace dgm::test {

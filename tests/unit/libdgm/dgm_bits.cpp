@@ -17,7 +17,7 @@
 #include <dgm/state.h>
 #include <dgm/tick.h>
 
-#include "../../../libdgm/src/portable_math.h"
+#include "base/portable_math.h"
 #include "exact_shapes.h"
 
 namespace dgm::test {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-#include "../../../libdgm/src/ray_triangle.h"
+#include "query/ray_triangle.h"
 #include "contact_shapes.h"
 #include "opened.h"
 

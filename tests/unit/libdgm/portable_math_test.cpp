@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/libdgm/portable_math_test.cpp
 // True values were worked out with 160 decimal digits (Python's decimal) and rounded once.
-#include "../../../libdgm/src/portable_math.h"
+#include "base/portable_math.h"
 
 #include <gtest/gtest.h>
 

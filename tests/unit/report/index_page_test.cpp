@@ -5,8 +5,8 @@
 
 #include <regex>
 
+#include "batch/report_text.h"
 #include "model/codes.h"
-#include "pipeline/report_text.h"
 
 namespace dgm::report {
 namespace {

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/component/candidates.cpp
+#include "baking/component/candidates.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "baking/cpu_clock.h"
+#include "baking/methods.h"
+#include "geometry/metrics/map_metrics.h"
+
+namespace dgm::bake {
+namespace {
+
+using model::Error;
+
+constexpr double kGain = 0.99;    // a later candidate must be 1 % better, and the earlier not exact but for rounding
+constexpr double kExact = 1e-10;  // normalised units
+constexpr std::uint64_t kSamples = 20'000;
+
+struct MeasuredCandidate {
+    SampledChart chart;
+    SurfaceError error;
+};
+
+/// The welded grid surface must be the manifold that the component is.
+void check_topology(const TriMesh& component, const SampledChart& chart) {
+    const Topology map = welded_topology(chart);
+    const Topology source = measure_topology(component.positions.size(), component.faces);
+    if (holds_topology(map, source)) return;
+    throw Error(model::codes::kGridTooSmall,
+                chart.method + ": a grid of " + std::to_string(chart.m) + "x" + std::to_string(chart.n) +
+                    " does not hold the surface's topology (genus " + std::to_string(source.genus) + ", " +
+                    std::to_string(source.boundary_loops) + " borders; the grid has genus " +
+                    std::to_string(map.genus) + ", " + std::to_string(map.boundary_loops) + " borders, " +
+                    std::to_string(map.degenerate_faces) + " degenerate faces" +
+                    (map.manifold ? "" : ", not manifold") + ")");
+}
+
+}  // namespace
+
+CandidateReport report_of(const Candidate& candidate) {
+    CandidateReport out{std::string(name_of(candidate.method)), candidate.psnr, candidate.note, candidate.cpu_seconds};
+    if (candidate.outcome == CandidateOutcome::kHigherError) out.outcome = "higher error";
+    if (candidate.outcome == CandidateOutcome::kChosen)
+        out.outcome = candidate.note.empty() ? "chosen" : "chosen; " + candidate.note;
+    return out;
+}
+
+void Contest::enter(Method method, const std::function<SampledChart()>& make) {
+    Candidate candidate;
+    candidate.method = method;
+    const CpuClock clock;
+    Attempt<MeasuredCandidate> made = attempt([&] {
+        MeasuredCandidate out{make(), {}};
+        check_topology(component_, out.chart);
+        out.error = quick_error(component_, out.chart, kSamples);
+        return out;
+    });
+    if (made) {
+        candidate.psnr = made->error.psnr();
+        if (!best_ || wins(made->chart, made->error.rms)) {
+            best_ = std::move(made->chart);
+            best_rms_ = made->error.rms;
+            best_index_ = candidates_.size();
+        }
+    } else {
+        candidate.outcome = CandidateOutcome::kFailed;
+        candidate.note = made.error().what();
+        failure_ = made.error();
+    }
+    candidate.cpu_seconds = clock.seconds();
+    candidates_.push_back(std::move(candidate));
+}
+
+/// Between charts that differ by less than 1 % or by rounding, the one that uses all samples wins, then the earlier
+/// one.
+bool Contest::wins(const SampledChart& chart, double rms) const {
+    if (chart.domain == layout::Domain::kSquare && best_->domain == layout::Domain::kFree)
+        return kGain * rms < best_rms_ || rms <= kExact;
+    return rms < kGain * best_rms_ && best_rms_ > kExact;
+}
+
+bool Contest::tried(Method method) const {
+    return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.method == method; });
+}
+
+bool Contest::failed(Method method) const {
+    return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& c) {
+        return c.method == method && c.outcome == CandidateOutcome::kFailed;
+    });
+}
+
+Attempt<ComponentResult> Contest::result() && {
+    if (!best_) return *failure_;
+    Candidate& chosen = candidates_[best_index_];
+    chosen.outcome = CandidateOutcome::kChosen;
+    chosen.note = best_->note;
+    const Method method = chosen.method;
+    return ComponentResult{std::move(*best_), method, std::move(candidates_)};
+}
+
+}  // namespace dgm::bake

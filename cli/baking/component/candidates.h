@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/component/candidates.h
+// Compares the charts that several methods make of one component, by measured error.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "baking/attempt.h"
+#include "baking/bake_options.h"
+#include "baking/bake_report.h"
+#include "geometry/chart/sampled_chart.h"
+
+namespace dgm::bake {
+
+enum class CandidateOutcome { kChosen, kHigherError, kFailed };
+
+/// One method that was tried.
+struct Candidate {
+    Method method = Method::kAuto;
+    CandidateOutcome outcome = CandidateOutcome::kHigherError;
+    double psnr = 0;         ///< 0 if it failed
+    std::string note;        ///< kFailed: why; kChosen: what the chart says of itself, may be empty
+    double cpu_seconds = 0;  ///< map and measurement, without the cut that candidates share
+};
+
+/// The same in words.
+[[nodiscard]] CandidateReport report_of(const Candidate& candidate);
+
+/// The chart that was kept.
+struct ComponentResult {
+    SampledChart chart;
+    Method method = Method::kAuto;      ///< that made it
+    std::vector<Candidate> candidates;  ///< in the order tried
+};
+
+/// Holds the best chart so far, and the record of all.
+class Contest {
+ public:
+    /// `component` must outlive it.
+    explicit Contest(const TriMesh& component) : component_(component) {}
+
+    /// Makes a chart and measures it. The chart must have the component's topology. A failure is recorded.
+    /// @throws model::Error kInterrupted
+    void enter(Method method, const std::function<SampledChart()>& make);
+    /// Records that no chart of the next candidates could be tried.
+    void fail(const model::Error& error) { failure_ = error; }
+
+    [[nodiscard]] bool has_best() const { return best_.has_value(); }
+    [[nodiscard]] double best_psnr() const { return candidates_[best_index_].psnr; }
+    [[nodiscard]] bool tried(Method method) const;
+    [[nodiscard]] bool failed(Method method) const;
+    /// The best chart, or the last failure if there is none.
+    [[nodiscard]] Attempt<ComponentResult> result() &&;
+
+ private:
+    [[nodiscard]] bool wins(const SampledChart& chart, double rms) const;
+
+    const TriMesh& component_;
+    std::vector<Candidate> candidates_;
+    std::optional<SampledChart> best_;
+    std::optional<model::Error> failure_;
+    std::size_t best_index_ = 0;
+    double best_rms_ = 0;
+};
+
+}  // namespace dgm::bake

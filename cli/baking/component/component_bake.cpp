@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/component/component_bake.cpp
+#include "baking/component/component_bake.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "baking/methods.h"
+#include "geometry/cgal/border_simple.h"
+#include "geometry/cgal/cgal_parameterizers.h"
+#include "geometry/cgal/constrained_triangulation.h"
+#include "geometry/chart/free_chart.h"
+#include "geometry/chart/square_chart.h"
+#include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/free_methods.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr std::size_t kNewtonSteps = 8;
+constexpr std::size_t kStars = 12;  // octahedra tried for a sphere
+// dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
+constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
+// A free chart beside a square one must not take longer than all the rest: it gets few cuts.
+constexpr int kSecondRounds = 2;
+
+double samples_of(GridSize size) {
+    return static_cast<double>(size.rows) * size.cols;
+}
+
+FreeChartTools free_tools(int cut_rounds = FreeChartTools{}.cut_rounds) {
+    return {border_is_simple, constrained_triangulation, cut_rounds};
+}
+
+SampledChart free_chart(const ComponentTask& task, Method method, const FreeChartTools& tools,
+                        const model::Progress& progress) {
+    return make_free_chart(task.component, task.size.rows, task.size.cols, *make_free_parameterizer(name_of(method)),
+                           tools, progress);
+}
+
+SampledChart uv_chart(const ComponentTask& task, const model::Progress& progress) {
+    return make_uv_chart(task.component, task.size.rows, task.size.cols, free_tools(), progress);
+}
+
+SampledChart square_chart(GridSize size, Method method, const BakeOptions& options, const CutSearchResult& cut,
+                          const model::Progress& progress) {
+    const bool stretch = method == Method::kStretch || method == Method::kSphere;
+    const std::unique_ptr<Parameterizer> parameterizer =
+        stretch
+            ? make_stretch_parameterizer(options.ablates("newton") ? 0 : kNewtonSteps, !options.ablates("curvature"))
+            : make_cgal_parameterizer(name_of(method));
+    SampledChart chart =
+        make_square_chart(cut.disk, size.rows, size.cols, cut.rotation, *parameterizer, progress, cut.shares);
+    chart.method = name_of(method);
+    chart.cut_length = cut.cut_length;
+    return chart;
+}
+
+/// The PSNR below which another kind of chart is worth its time.
+double poor_psnr(GridSize size) {
+    return kPoor + kPerDoubling * std::min(0.0, 0.5 * std::log2(samples_of(size) / (257.0 * 257.0)));
+}
+
+CutSearchOptions cut_options(GridSize size, const BakeOptions& options) {
+    CutSearchOptions out;
+    out.m = size.rows;
+    out.n = size.cols;
+    // A small grid is a small part of the asset (component_size): it gets a proportionate search, which measures,
+    // since cuts that its few samples cannot hold must be left out.
+    const double effort = std::min(1.0, samples_of(size) / (129.0 * 129.0));
+    out.samples = static_cast<std::uint64_t>(200 + 7800 * effort);
+    if (effort < 0.1) {
+        out.max_extremities = 8;
+        out.patience = 1;
+        out.rotations = 2;
+        out.drops = 2;
+        out.measured = true;
+    }
+    const Method method = options.method;
+    // Trials of the search are stretch maps. Maps that crowd limbs more need limbs cut that those do without: there
+    // the plain, less converged trials of the measured search are the nearer ones.
+    if (row_of(method).cut == MethodCut::kSearched && method != Method::kStretch) out.measured = out.reweighted = true;
+    if (options.ablates("cut-search")) {  // the first cut that can be mapped at all
+        out.patience = -1;
+        out.rotations = 1;
+        out.drops = 0;
+        out.measured = true;
+    }
+    if (options.ablates("hidden-cuts")) out.given_to_hide = 0;
+    if (method == Method::kAuto) out.stars = kStars;
+    if (row_of(method).cut == MethodCut::kStar) {
+        out.measured = false;
+        out.stars = kStars;
+        out.only_stars = true;
+    }
+    return out;
+}
+
+/// Loops about handles make a free chart ragged: with 6 and 11 handles it lost 2 to 3 dB to the square, with 81 it won
+/// 14 where the square had reached 51.
+bool free_may_help(const ComponentTask& task, const Contest& contest) {
+    const bool handles = measure_topology(task.component.positions.size(), task.component.faces).genus > 0;
+    return contest.best_psnr() < poor_psnr(task.size) - (handles ? kHandles : 0);
+}
+
+/// The square of `auto` and of the methods that name it, and the free charts that `auto` tries beside it.
+void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts, Contest& contest,
+                const model::Progress& progress) {
+    const bool any = options.method == Method::kAuto, may_be_free = any && options.domain != DomainChoice::kSquare;
+    // Texture coordinates that lay the surface out well cost next to nothing, and the error they reach limits how far
+    // the search for a cut goes.
+    if (may_be_free && !task.component.corner_uvs.empty())
+        contest.enter(Method::kUv, [&] { return uv_chart(task, progress); });
+    CutSearchOptions search = cut_options(task.size, options);
+    search.only_simplified = contest.has_best() && contest.best_psnr() > poor_psnr(task.size);
+    const Attempt<CutSearchResult> cut =
+        attempt([&] { return cuts.search(task.component, search, task.use, progress); });
+    if (!cut) contest.fail(cut.error());
+    const auto square = [&](Method method) {
+        contest.enter(method, [&] { return square_chart(task.size, method, options, *cut, progress); });
+    };
+    const auto arap = [&](const FreeChartTools& tools) {
+        contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, tools, progress); });
+    };
+    if (!any) {
+        if (cut) square(options.method);
+        return;
+    }
+    if (cut) square(cut->shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch);
+    // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
+    // cloth above all.
+    const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();
+    if (may_be_free && panel) arap(free_tools());
+    // A star that served the simplified component need not serve the component itself.
+    if (contest.failed(Method::kSphere))
+        contest.enter(Method::kStretch, [&] {
+            search.stars = 0;
+            return square_chart(task.size, Method::kStretch, options, search_cut(task.component, search, progress),
+                                progress);
+        });
+    if (may_be_free && !contest.tried(Method::kArap) && (!contest.has_best() || free_may_help(task, contest)))
+        arap(contest.has_best() ? free_tools(kSecondRounds) : free_tools());
+}
+
+Attempt<ComponentResult> bake_on_grid(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts,
+                                      const model::Progress& progress) {
+    Contest contest(task.component);
+    const auto free = [&](Method method) {
+        contest.enter(method, [&] { return free_chart(task, method, free_tools(), progress); });
+    };
+    const auto uv = [&] { contest.enter(Method::kUv, [&] { return uv_chart(task, progress); }); };
+    if (row_of(options.method).cut == MethodCut::kUvSeams) {
+        uv();
+    } else if (is_free(options.method)) {
+        free(options.method);
+    } else if (options.method == Method::kAuto && options.domain == DomainChoice::kFree) {
+        for (const Method method : {Method::kArap, Method::kSlim, Method::kLscm}) free(method);
+        if (!task.component.corner_uvs.empty()) uv();
+    } else {
+        try_square(task, options, cuts, contest, progress);
+    }
+    return std::move(contest).result();
+}
+
+}  // namespace
+
+Attempt<ComponentResult> bake_component(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts,
+                                        const model::Progress& progress) {
+    ComponentTask grown = task;
+    for (;;) {
+        Attempt<ComponentResult> result = bake_on_grid(grown, options, cuts, progress);
+        if (result || result.failure() != Failure::kGridTooSmall || grown.size == task.most) return result;
+        grown.size.rows = std::min(task.most.rows, 2 * grown.size.rows - 1);
+        grown.size.cols = std::min(task.most.cols, 2 * grown.size.cols - 1);
+    }
+}
+
+}  // namespace dgm::bake

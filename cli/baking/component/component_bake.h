@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/component/component_bake.h
+// Makes one component a sampled chart: decides which candidates are tried, and keeps the best.
+#pragma once
+#include "baking/attempt.h"
+#include "baking/bake_options.h"
+#include "baking/component/candidates.h"
+#include "baking/component/cut_memory.h"
+#include "model/progress.h"
+
+namespace dgm::bake {
+
+struct ComponentTask {
+    const model::TriMesh& component;
+    GridSize size;  ///< tried first
+    GridSize most;  ///< the grid grows up to this where the cut does not fit it
+    CutUse use = CutUse::kSearch;
+};
+
+/// `auto` tries the methods that fit the component and keeps the one with the least measured error; a named method is
+/// tried alone. `cuts` remembers the cuts found for the same component; task.use says whether they may be used again.
+/// @return the error of the last candidate if none has a chart
+/// @throws model::Error kInterrupted
+[[nodiscard]] Attempt<ComponentResult> bake_component(const ComponentTask& task, const BakeOptions& options,
+                                                      CutMemory& cuts, const model::Progress& progress);
+
+}  // namespace dgm::bake

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/component/component_sizes.cpp
+#include "baking/component/component_sizes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace dgm::bake {
+
+GridSize component_size(GridSize full, double area, double largest_area) {
+    constexpr std::uint32_t kLeast = 17;
+    const double share = largest_area > 0 ? std::sqrt(area / largest_area) : 1.0;
+    const auto side = [&](std::uint32_t samples) {
+        const auto scaled = 1 + static_cast<std::uint32_t>(std::lround((samples - 1) * share));
+        return std::clamp(scaled, std::min(kLeast, samples), samples);
+    };
+    return {side(full.rows), side(full.cols)};
+}
+
+std::vector<GridSize> component_sizes(std::span<const GridSize> full, std::span<const double> areas,
+                                      std::size_t largest) {
+    constexpr std::uint64_t kMost = 10;  // times the samples of the largest
+    constexpr int kHalvings = 24;
+    std::vector<GridSize> out(areas.size());
+    const auto samples_at = [&](double share) {  // of the area of all but the largest
+        std::uint64_t sum = 0;
+        for (std::size_t c = 0; c < areas.size(); ++c) {
+            out[c] = component_size(full[c], c == largest ? areas[c] : share * areas[c], areas[largest]);
+            sum += std::uint64_t{out[c].rows} * out[c].cols;
+        }
+        return sum;
+    };
+    const std::uint64_t most = kMost * full[largest].rows * full[largest].cols;
+    if (samples_at(1) <= most) return out;
+    double low = 0, high = 1;
+    for (int k = 0; k < kHalvings; ++k) {
+        const double middle = 0.5 * (low + high);
+        (samples_at(middle) <= most ? low : high) = middle;
+    }
+    samples_at(low);
+    return out;
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/component/cut_memory.cpp
+#include "baking/component/cut_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "geometry/chart/square_chart.h"
+#include "geometry/parameterize/square_border.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace codes = model::codes;
+
+constexpr double kSimilar = 1.6;       // in samples along a side
+constexpr double kSameAspect = 1.1;    // the corners fall where they fell
+constexpr std::size_t kMostKnown = 4;  // cuts measured for a grid, the most similar first
+constexpr std::size_t kRotations = 2;  // beside the cut's own, where the aspect is another
+constexpr std::uint32_t kLongest = 257;
+
+double ratio(double a, double b) {
+    return std::max(a, b) / std::min(a, b);
+}
+
+double aspect(std::uint32_t m, std::uint32_t n) {
+    return (m - 1.0) / (n - 1.0);
+}
+
+double side(std::uint32_t m, std::uint32_t n) {
+    return std::sqrt(static_cast<double>(m) * n);
+}
+
+std::uint32_t scaled_rotation(const Disk& disk, BorderGrid from, std::uint32_t rotation, BorderGrid to) {
+    const double share = static_cast<double>(rotation) / from.count();
+    return nearest_rotation(disk, to.m, to.n, static_cast<std::uint32_t>(std::lround(share * to.count())));
+}
+
+}  // namespace
+
+CutMemory::Candidates CutMemory::similar(std::uint32_t m, std::uint32_t n, bool chosen) const {
+    Candidates out;
+    for (const Found& f : found_) {
+        if (ratio(side(f.m, f.n), side(m, n)) > kSimilar || f.chosen != chosen) continue;
+        if (!chosen || ratio(aspect(f.m, f.n), aspect(m, n)) <= kSameAspect) out.push_back(f);
+    }
+    const auto distance = [&](const Found& f) {
+        return std::log(ratio(side(f.m, f.n), side(m, n))) + std::log(ratio(aspect(f.m, f.n), aspect(m, n)));
+    };
+    std::stable_sort(out.begin(), out.end(), [&](const Found& a, const Found& b) { return distance(a) < distance(b); });
+    out.resize(std::min(out.size(), chosen ? 1 : kMostKnown));
+    return out;
+}
+
+Attempt<CutSearchResult> CutMemory::best_of(const Candidates& candidates, const TriMesh& component,
+                                            const CutSearchOptions& options, const model::Progress& progress) {
+    const double shrink = std::min(1.0, (kLongest - 1.0) / (std::max(options.m, options.n) - 1.0));
+    const auto shrunk = [&](std::uint32_t full) {
+        return std::max(3u, 1 + static_cast<std::uint32_t>(std::lround((full - 1) * shrink)));
+    };
+    const BorderGrid grid{shrunk(options.m), shrunk(options.n)}, wanted{options.m, options.n};
+    const auto stretch = make_stretch_parameterizer(0);
+    const Topology source = measure_topology(component.positions.size(), component.faces);
+    const Found* best = nullptr;
+    double best_rms = std::numeric_limits<double>::infinity();
+    std::uint32_t best_rotation = 0;
+    std::optional<model::Error> failure;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+        const Found& f = candidates[k];
+        progress.update("cut", static_cast<double>(k) / static_cast<double>(candidates.size()));
+        std::vector<std::uint32_t> rotations{scaled_rotation(f.cut->disk, {f.m, f.n}, f.rotation, grid)};
+        if (ratio(aspect(f.m, f.n), aspect(wanted.m, wanted.n)) > kSameAspect)
+            for (const std::uint32_t r : candidate_rotations(f.cut->disk, grid.m, grid.n, kRotations))
+                if (std::find(rotations.begin(), rotations.end(), r) == rotations.end()) rotations.push_back(r);
+        for (const std::uint32_t rotation : rotations) {
+            const Attempt<double> rms = attempt([&] {
+                const SampledChart chart =
+                    make_square_chart(f.cut->disk, grid.m, grid.n, rotation, *stretch, {}, f.cut->shares);
+                if (!holds_topology(welded_topology(chart), source))
+                    throw model::Error(codes::kGridTooSmall, "the grid does not hold the topology of the cut");
+                return quick_error(component, chart, options.samples).rms;
+            });
+            if (!rms) {
+                if (!failure) failure = rms.error();
+            } else if (*rms < best_rms) {
+                best = &f;
+                best_rms = *rms;
+                best_rotation = rotation;
+            }
+        }
+    }
+    if (best == nullptr) return *failure;
+    CutSearchResult out = *best->cut;
+    out.rms = best_rms;
+    out.rotation = grid.m == wanted.m && grid.n == wanted.n ? best_rotation
+                                                            : scaled_rotation(out.disk, grid, best_rotation, wanted);
+    found_.push_back({wanted.m, wanted.n, out.rotation, true, best->cut});
+    return out;
+}
+
+CutSearchResult CutMemory::fresh(const TriMesh& component, const CutSearchOptions& options,
+                                 const model::Progress& progress) {
+    for (const Found& f : found_)
+        if (!f.chosen && f.m == options.m && f.n == options.n) return *f.cut;
+    const auto cut = std::make_shared<const CutSearchResult>(search_cut(component, options, progress));
+    found_.push_back({options.m, options.n, cut->rotation, false, cut});
+    return *cut;
+}
+
+CutSearchResult CutMemory::search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
+                                  const model::Progress& progress) {
+    if (use == CutUse::kSearch) return fresh(component, options, progress);
+    // Those chosen before, then those found; where none of them fits this grid, it needs a cut of its own.
+    if (use == CutUse::kReuse)
+        for (const bool chosen : {true, false}) {
+            const Candidates known = similar(options.m, options.n, chosen);
+            if (known.empty()) continue;
+            if (Attempt<CutSearchResult> best = best_of(known, component, options, progress)) return std::move(*best);
+        }
+    CutSearchResult own = fresh(component, options, progress);
+    Candidates known = similar(options.m, options.n, true);
+    if (use == CutUse::kBest && known.empty()) known = similar(options.m, options.n, false);
+    std::erase_if(known, [&](const Found& f) { return !f.chosen && f.m == options.m && f.n == options.n; });
+    if (use != CutUse::kBest || known.empty()) return own;
+    known.push_back(
+        {options.m, options.n, own.rotation, false, std::make_shared<const CutSearchResult>(std::move(own))});
+    Attempt<CutSearchResult> best = best_of(known, component, options, progress);
+    if (!best) throw best.error();
+    return std::move(*best);
+}
+
+}  // namespace dgm::bake

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/stage_map.cpp
+// Map and fit.
+#include <string>
+#include <utility>
+
+#include "baking/component/component_bake.h"
+#include "baking/component/component_loop.h"
+#include "baking/component/component_sizes.h"
+#include "baking/search/size_search.h"
+#include "baking/stage_log.h"
+#include "baking/stages.h"
+#include "geometry/fit/fit.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+using model::Error;
+namespace codes = model::codes;
+
+constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of all charts together: 3 GB of layers
+
+/// The grids of all components, each as if it were as large as the largest; see component_size.
+std::vector<GridSize> full_sizes(const Repaired& source, const MapRequest& request) {
+    const GridSize largest = request.largest;
+    std::vector<GridSize> out(source.components.size(), largest);
+    for (std::size_t c = 0; c < out.size(); ++c)
+        if (c != source.largest && request.aspects[c] != 0)
+            out[c] = grid_of(std::uint64_t{largest.rows} * largest.cols, request.aspects[c]);
+    return out;
+}
+
+void check_samples(std::span<const GridSize> sizes) {
+    std::uint64_t samples = 0;
+    for (const GridSize& size : sizes) samples += std::uint64_t{size.rows} * size.cols;
+    if (samples > kMaxSamples)
+        throw Error(codes::kTooLarge, std::to_string(sizes.size()) + " components would need " +
+                                          std::to_string(samples) + " samples, more than " +
+                                          std::to_string(kMaxSamples) +
+                                          "; join or drop components, or ask for a smaller --size");
+}
+
+/// The failure of component `c` of `count`.
+Error failure_at(const Error& error, std::size_t c, std::size_t count) {
+    if (count == 1) return error;
+    return {error.code(), "component " + std::to_string(c + 1) + " of " + std::to_string(count) + ": " + error.what(),
+            error.place()};
+}
+
+/// Splits all quads alike that may be split either way; those at the border keep the split that the topology needs.
+void straighten_diagonals(SampledChart& chart) {
+    for (std::uint32_t i = 1; i + 2 < chart.m; ++i)
+        for (std::uint32_t j = 1; j + 2 < chart.n; ++j) chart.diagonals[std::size_t{i} * (chart.n - 1) + j] = 0;
+}
+
+}  // namespace
+
+Mapped map_source(const Repaired& source, const MapRequest& request, const BakeOptions& options,
+                  std::span<CutMemory> cuts, const model::Progress& progress) {
+    const std::vector<GridSize> full = full_sizes(source, request);
+    const std::vector<GridSize> sizes = component_sizes(full, source.areas, source.largest);
+    check_samples(sizes);
+    Mapped out;
+    for (std::size_t c = 0; c < sizes.size(); ++c) {
+        Attempt<ComponentResult> chart = bake_component({source.components[c], sizes[c], full[c], request.use}, options,
+                                                        cuts[c], part_of(progress, "map", c, sizes.size()));
+        if (!chart) throw failure_at(chart.error(), c, sizes.size());
+        out.charts.push_back(std::move(*chart));
+    }
+    if (options.ablates("diagonals"))
+        for (ComponentResult& mapped : out.charts) straighten_diagonals(mapped.chart);
+    return out;
+}
+
+Fitted fit_source(Mapped mapped, const BakeOptions& options, bool u16, const model::Progress& progress) {
+    Fitted out{std::move(mapped.charts)};
+    if (options.fit == Fit::kSample) return out;
+    FitOptions fit = options.fit == Fit::kBest ? best_fit() : l2_fit();
+    fit.split_quads = !options.ablates("diagonals");
+    fit.on_lattice = u16;
+    for_each_component(out.charts.size(), part_of(progress, "fit", 0, 1),
+                       [&](std::size_t c, const model::Progress& part) { fit_chart(out.charts[c].chart, fit, part); });
+    return out;
+}
+
+}  // namespace dgm::bake

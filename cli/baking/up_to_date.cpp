@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/baking/up_to_date.cpp
+#include "baking/up_to_date.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <span>
+#include <utility>
+
+#include <dgm/layout.h>
+
+#include "dgm/dgm_reader.h"
+#include "dgm/hash.h"
+#include "exr/exr_reader.h"
+#include "mesh/source_inputs.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::Hash128;
+
+Hash128 hash_text(const std::string& text) {
+    return formats::hash_bytes(std::as_bytes(std::span(text)));
+}
+
+/// What an output says about where it came from.
+struct Origin {
+    std::string generator, report_json;
+    Hash128 source_hash{}, settings_hash{};
+};
+
+/// From the first bytes, before anything is checked: to pass over a stale file without reading it.
+bool header_names(const fs::path& dgm, const Hash128& source, const Hash128& settings) {
+    layout::FileHeader header{};
+    std::ifstream file(dgm, std::ios::binary);
+    file.read(reinterpret_cast<char*>(&header), sizeof header);
+    return file && std::memcmp(header.magic, layout::kMagic, sizeof layout::kMagic) == 0 &&
+           std::equal(source.begin(), source.end(), header.source_hash) &&
+           std::equal(settings.begin(), settings.end(), header.settings_hash);
+}
+
+std::optional<Origin> origin_of(const fs::path& output, const BakeOptions& options) {
+    if (output.extension() != ".exr") {
+        model::MapSet maps = formats::read_dgm(output);
+        return Origin{std::move(maps.generator), std::move(maps.report_json), maps.source_hash, maps.settings_hash};
+    }
+    formats::ExrHead head = formats::read_exr_head(output);
+    if (head.multipart != (options.exr_layout == ExrLayout::kMultipart)) return std::nullopt;
+    return Origin{std::move(head.maps.generator), std::move(head.maps.report_json), head.maps.source_hash,
+                  head.maps.settings_hash};
+}
+
+}  // namespace
+
+const char* generator() {
+    return "dgm-bake " DGM_VERSION;
+}
+
+std::string hash_inputs(const fs::path& mesh_file) {
+    const auto inputs = formats::source_inputs(mesh_file);
+    if (!inputs) return {};
+    std::vector<std::string> files;
+    for (const fs::path& file : inputs->files)
+        files.push_back(formats::to_hex(formats::hash_file(file)) + ' ' + file.filename().string());
+    std::sort(files.begin(), files.end());
+    std::string text;
+    for (const std::string& file : files) text += file + '\n';
+    for (const std::string& warning : inputs->missing) text += warning + '\n';
+    return formats::to_hex(hash_text(text));
+}
+
+std::vector<fs::path> input_files(const fs::path& mesh_file, const BakeOptions& options) {
+    std::vector<fs::path> out{mesh_file};
+    if (const auto inputs = formats::source_inputs(mesh_file))
+        out.insert(out.end(), inputs->files.begin(), inputs->files.end());
+    if (!options.texture.empty()) out.push_back(options.texture);
+    return out;
+}
+
+std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vector<fs::path>& outputs,
+                                     const BakeOptions& options) {
+    try {
+        std::error_code ignored;
+        for (const fs::path& output : outputs)
+            if (!fs::is_regular_file(output, ignored)) return std::nullopt;
+        const Hash128 settings = hash_text(canonical_settings(options)), source = formats::hash_file(mesh_file);
+        for (const fs::path& output : outputs)
+            if (output.extension() == ".dgm" && !header_names(output, source, settings)) return std::nullopt;
+        const std::string inputs = hash_inputs(mesh_file);
+        if (inputs.empty()) return std::nullopt;
+        std::optional<BakeReport> report;
+        for (const fs::path& output : outputs) {
+            const std::optional<Origin> origin = origin_of(output, options);
+            if (!origin || origin->generator != generator() || origin->source_hash != source ||
+                origin->settings_hash != settings)
+                return std::nullopt;
+            report = report_from_json(origin->report_json);
+            if (report->inputs_hash != inputs || report->source_name != mesh_file.filename().string())
+                return std::nullopt;
+        }
+        return report;
+    } catch (const model::Error&) {
+        return std::nullopt;  // whatever is wrong, the bake will tell
+    }
+}
+
+}  // namespace dgm::bake

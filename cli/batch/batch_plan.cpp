@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/batch/batch_plan.cpp
+#include "batch/batch_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <span>
+#include <system_error>
+
+#include "batch/file_pattern.h"
+#include "dgm/hash.h"
+#include "mesh/mesh_reader.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace fs = std::filesystem;
+namespace codes = model::codes;
+
+std::string lower_extension(const fs::path& path) {
+    std::string out = path.extension().string();
+    for (char& c : out)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return out;
+}
+
+bool is_promised(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return extension == ".obj" || extension == ".3ds";
+}
+
+struct Found {
+    fs::path source;
+    fs::path relative;  ///< output path without extension, before collisions are settled
+    fs::path group;     ///< folder name that tells it from its namesakes
+    int level = 0;      ///< how much of that it needs: 0 stem, 1 with extension, 2 below `group`
+
+    [[nodiscard]] fs::path output_stem() const {
+        fs::path out = relative;
+        if (level >= 1) out += source.extension();
+        return level >= 2 ? group / out : out;
+    }
+    [[nodiscard]] std::string name() const {
+        fs::path out = level >= 2 ? group / relative : relative;
+        return (out += source.extension()).generic_string();
+    }
+};
+
+fs::path folder_name(const fs::path& folder) {
+    std::error_code ignored;
+    fs::path full = fs::absolute(folder, ignored).lexically_normal();
+    if (!full.has_filename()) full = full.parent_path();
+    return full.filename();
+}
+
+/// The relative paths of the meshes below `folder`, sorted; `others` counts mesh files of formats not taken here.
+std::vector<fs::path> meshes_below(const fs::path& folder, std::size_t& others) {
+    std::vector<fs::path> out;
+    std::error_code error;
+    fs::recursive_directory_iterator it(folder, error);
+    for (const fs::recursive_directory_iterator end; !error && it != end; it.increment(error)) {
+        const fs::path& path = it->path();
+        std::error_code ignored;
+        if (path.filename().native().front() == '.') {
+            if (it->is_directory(ignored)) it.disable_recursion_pending();
+            continue;
+        }
+        if (!it->is_regular_file(ignored)) continue;
+        if (is_promised(path))
+            out.push_back(path.lexically_relative(folder));
+        else if (formats::has_mesh_extension(path))
+            ++others;
+    }
+    if (error)
+        throw model::Error(codes::kReadFailed, "the folder cannot be listed: " + error.message(), folder.string());
+    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+    return out;
+}
+
+fs::path true_path(const fs::path& path) {
+    std::error_code error;
+    fs::path out = fs::weakly_canonical(path, error);
+    return error ? fs::absolute(path).lexically_normal() : out;
+}
+
+class Planner {
+ public:
+    Planner(const PlanRequest& request, const BakeOptions& options) : request_(request), options_(options) {}
+
+    BatchPlan plan() {
+        for (const fs::path& input : request_.inputs) add(input);
+        find_target();
+        settle_collisions();
+        for (const Found& f : found_)
+            out_.assets.push_back({f.source, target(f, ".dgm"), target(f, ".exr"), {}, f.name(), options_});
+        for (PlannedAsset& asset : out_.assets) {
+            if (!request_.write_dgm) asset.dgm.clear();
+            if (!request_.write_exr) asset.exr.clear();
+        }
+        check_inputs_kept();
+        for (const auto& [position, asset] : refused_)
+            out_.assets.insert(out_.assets.begin() + static_cast<std::ptrdiff_t>(position), asset);
+        return std::move(out_);
+    }
+
+ private:
+    void add(const fs::path& input) {
+        std::error_code error;
+        const fs::file_status status = fs::status(input, error);
+        if (!fs::exists(status) && is_pattern(input.native())) return add_pattern(input);
+        if (!fs::exists(status)) return refuse(input, codes::kFileMissing, "there is no such file or folder");
+        if (fs::is_regular_file(status)) return add_file(input);
+        if (!fs::is_directory(status)) return refuse(input, codes::kReadFailed, "it is neither a file nor a folder");
+        has_folder_ = true;
+        std::size_t others = 0, taken = 0;
+        for (const fs::path& relative : meshes_below(input, others)) {
+            ++taken;
+            fs::path stem = relative;
+            add_unique({input / relative, stem.replace_extension(), folder_name(input)});
+        }
+        if (taken == 0)
+            refuse(input, codes::kNothingToDo,
+                   others == 0 ? std::string("the folder holds no OBJ or 3DS files")
+                               : fmt::format("the folder holds no OBJ or 3DS files; name its {} mesh file{} of other "
+                                             "formats one by one to bake {}",
+                                             others, others == 1 ? "" : "s", others == 1 ? "it" : "them"));
+    }
+
+    void add_pattern(const fs::path& pattern) {
+        has_folder_ = true;
+        const auto [folder, matches] = files_matching(pattern);
+        std::size_t taken = 0;
+        for (const fs::path& relative : matches) {
+            if (!formats::has_mesh_extension(relative)) continue;
+            ++taken;
+            fs::path stem = relative;
+            add_unique({folder / relative, stem.replace_extension(), folder_name(folder)});
+        }
+        if (taken == 0) refuse(pattern, codes::kNothingToDo, "no mesh file matches the pattern");
+    }
+
+    void add_file(const fs::path& input) {
+        add_unique({input, input.stem(), folder_name(fs::absolute(input).parent_path())});
+    }
+
+    void add_unique(Found found) {
+        if (seen_.insert(true_path(found.source)).second) found_.push_back(std::move(found));
+    }
+
+    void refuse(const fs::path& input, const model::Code& code, const std::string& message) {
+        // Each refusal stands where its assets would have stood; those before it have moved it on already.
+        refused_.emplace_back(found_.size() + refused_.size(),
+                              PlannedAsset{input, {}, {}, model::Error(code, message), input.string(), options_});
+    }
+
+    /// Is -o the one output file, or the folder of outputs?
+    void find_target() {
+        const fs::path& output = request_.output;
+        std::error_code ignored;
+        const std::string extension = lower_extension(output);
+        if (output.empty()) {
+            out_.folder = ".";
+        } else if (request_.output_is_folder || fs::is_directory(output, ignored)) {
+            out_.folder = output;
+        } else if (extension == ".dgm" || extension == ".exr") {
+            if (has_folder_ || request_.inputs.size() > 1)
+                throw model::Error(codes::kUsage, "one output file cannot hold several assets; name a folder with -o",
+                                   output.string());
+            file_stem_ = output.parent_path() / output.stem();
+            out_.folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
+        } else if (formats::has_mesh_extension(output)) {
+            throw model::Error(codes::kUsage,
+                               "the output is named like a mesh; dgm-bake writes FILE.dgm, FILE.exr, or into a folder",
+                               output.string());
+        } else {
+            out_.folder = output;
+        }
+    }
+
+    fs::path target(const Found& f, const char* extension) const {
+        fs::path out = !file_stem_.empty()       ? file_stem_
+                       : request_.output.empty() ? f.output_stem()
+                                                 : out_.folder / f.output_stem();
+        return out += extension;
+    }
+
+    void settle_collisions() {
+        for (int level = 1;; ++level) {
+            std::map<fs::path, std::vector<Found*>> by_name;
+            for (Found& f : found_) by_name[f.output_stem()].push_back(&f);
+            bool changed = false;
+            for (auto& [name, group] : by_name) {
+                if (group.size() < 2) continue;
+                if (level > 2)
+                    throw model::Error(
+                        codes::kUsage,
+                        fmt::format("{} and {} would both become {}.dgm; bake them into different folders",
+                                    group[0]->source.string(), group[1]->source.string(), name.string()));
+                for (Found* f : group) f->level = level;
+                changed = true;
+            }
+            if (!changed) return;
+        }
+    }
+
+    void check_inputs_kept() const {
+        std::set<fs::path> inputs;
+        for (const fs::path& source : seen_) inputs.insert(source);
+        for (const PlannedAsset& asset : out_.assets)
+            for (const fs::path& output : {asset.dgm, asset.exr})
+                if (!output.empty() && inputs.contains(true_path(output)))
+                    throw model::Error(codes::kUsage, "the output would overwrite an input", output.string());
+    }
+
+    const PlanRequest& request_;
+    const BakeOptions& options_;
+    BatchPlan out_;
+    std::vector<Found> found_;
+    std::vector<std::pair<std::size_t, PlannedAsset>> refused_;
+    std::set<fs::path> seen_;  ///< canonical sources
+    bool has_folder_ = false;
+    fs::path file_stem_;  ///< of the one output file; empty if outputs go into a folder
+};
+
+}  // namespace
+
+BatchPlan plan_batch(const PlanRequest& request, const BakeOptions& options) {
+    return Planner(request, options).plan();
+}
+
+unsigned shard_of(std::string_view name, unsigned count) {
+    unsigned best = 1;
+    formats::Hash128 largest{};
+    for (unsigned shard = 1; shard <= count; ++shard) {
+        const std::string text = fmt::format("{}/{}", shard, name);
+        const formats::Hash128 hash = formats::hash_bytes(std::as_bytes(std::span(text)));
+        if (shard > 1 && hash <= largest) continue;
+        best = shard;
+        largest = hash;
+    }
+    return best;
+}
+
+void keep_shard(BatchPlan& plan, Shard shard) {
+    std::erase_if(plan.assets,
+                  [&](const PlannedAsset& asset) { return shard_of(asset.name, shard.count) != shard.number; });
+}
+
+}  // namespace dgm::bake

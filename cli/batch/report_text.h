@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/batch/report_text.h
+// What people read: results, failures told as one story, the sum of a batch. And the same as JSON for programs.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "batch/batch_plan.h"
+#include "batch/batch_runner.h"
+
+namespace dgm::bake {
+
+/// `text` with control characters as \xNN: file names and library messages must not steer the terminal.
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// "1.2 MB": powers of 1000.
+[[nodiscard]] std::string bytes_text(std::uint64_t bytes);
+
+/// "stomach.dgm: stretch 257x257, 81.3 dB, rms 0.017 (0.0086 %), max 0.1 (0.05 %), 0 flips, seam gap 0, 1.2 MB, 3.4 s".
+/// Errors are in source units and % of the source's diagonal. No newline.
+[[nodiscard]] std::string result_line(const AssetResult& result);
+
+/// "stomach.dgm: up to date, rms 0.017 (0.0086 %), 1.2 MB". No newline.
+[[nodiscard]] std::string up_to_date_line(const AssetResult& result);
+
+/// What was asked, what was reached on which grid, and what the next grid would have given, in one line.
+[[nodiscard]] std::string search_story(const GridSearch& search, double diagonal);
+
+/// Repairs, warnings, charts and the candidates of `auto`, one fact a line, indented; for -v.
+[[nodiscard]] std::vector<std::string> detail_lines(const BakeReport& report);
+
+/// "dgm-bake: FILE: stage: DGM3002: message", what the worker said last if it crashed, and what to do next.
+[[nodiscard]] std::string failure_story(std::string_view subject, const model::Error& error,
+                                        std::string_view worker_output = {});
+
+/// "12 assets: 10 baked, 1 refused, 1 failed"; outcomes that did not occur are left out.
+[[nodiscard]] std::string summary_line(const std::vector<AssetResult>& results);
+
+/// The whole batch: sums, exit code, and for each asset its source, settings, outcome, files, times, report or error
+/// (docs/schemas/report.schema.json). Indented JSON with sorted keys.
+[[nodiscard]] std::string batch_report_json(const BatchPlan& plan, const BatchOptions& batch,
+                                            const std::vector<AssetResult>& results, std::string_view generator);
+
+}  // namespace dgm::bake

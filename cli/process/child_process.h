@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/process/child_process.h
+// One disposable copy of this program (POSIX). The copy dies with its parent, dumps no core, and its output is bounded.
+#pragma once
+#include <sys/types.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dgm::bake {
+
+/// An open file descriptor, closed with its owner.
+class Descriptor {
+ public:
+    Descriptor() = default;
+    explicit Descriptor(int fd) : fd_(fd) {}
+    Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
+    Descriptor& operator=(Descriptor&& other) noexcept;
+    ~Descriptor() { reset(); }
+    [[nodiscard]] int get() const { return fd_; }
+    [[nodiscard]] bool is_open() const { return fd_ >= 0; }
+    void reset();
+    int release();
+
+ private:
+    int fd_ = -1;
+};
+
+/// How a child ended.
+struct ChildEnd {
+    int exit_code = 0;
+    int signal = 0;  ///< 0 if it exited by itself
+};
+
+/// Runs /proc/self/exe with `--worker`; see worker_io.h for the descriptors it finds. Killed and reaped with its
+/// owner. Not thread-safe; create it on the thread that lives as long as the batch (the child is told of its death).
+class ChildProcess {
+ public:
+    /// @throws model::Error kSystemBusy if the system has no process, memory or descriptor left
+    explicit ChildProcess(std::string_view job);
+    ChildProcess(ChildProcess&&) noexcept;
+    ChildProcess& operator=(ChildProcess&&) = delete;
+    ~ChildProcess();
+
+    [[nodiscard]] pid_t pid() const { return pid_; }                ///< -1 once it has ended
+    [[nodiscard]] int messages() const { return messages_.get(); }  ///< -1 once at its end
+    [[nodiscard]] int errors() const { return errors_.get(); }      ///< -1 once at its end
+
+    /// Takes some of what has arrived, without waiting, and appends whole message lines (no newline) to `lines`. False
+    /// if a line is longer than `max_line`.
+    [[nodiscard]] bool read_messages(std::vector<std::string>& lines, std::size_t max_line);
+    /// Takes some of what has arrived on stderr, keeping the last 16 KiB.
+    void read_errors();
+    [[nodiscard]] const std::string& error_text() const { return error_text_; }
+
+    /// The end, if it has come.
+    [[nodiscard]] std::optional<ChildEnd> poll_end();
+    /// SIGKILL, and waits for the end.
+    void kill();
+    /// SIGKILL without waiting: the end may take long where the system is busy and the worker's memory large.
+    void begin_kill();
+    /// Waits for the end until `deadline`; after that the child is left to the system, which ends it all the same.
+    void leave(std::chrono::steady_clock::time_point deadline);
+
+ private:
+    pid_t pid_ = -1;
+    Descriptor messages_, errors_;
+    std::string pending_, error_text_;
+};
+
+}  // namespace dgm::bake

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/process/mesh_import.cpp
+#include "process/mesh_import.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <new>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+#include "model/codes.h"
+#include "process/child_process.h"
+#include "process/worker_io.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace codes = model::codes;
+using formats::ImportedMesh;
+using Clock = std::chrono::steady_clock;
+
+constexpr char kMesh = 'M', kError = 'E', kEnd = '.';
+/// What a mesh within formats::MeshReadLimits may take, and more.
+constexpr std::uint64_t kMaxBytes = std::uint64_t{8} << 30;
+constexpr auto kPause = std::chrono::milliseconds(100);
+
+class Writer {
+ public:
+    template <class T>
+    void put(const T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        out_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    void put(const std::string& text) {
+        put(std::uint64_t{text.size()});
+        out_ += text;
+    }
+    template <class T>
+    void put_all(const std::vector<T>& values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        put(std::uint64_t{values.size()});
+        if (!values.empty()) out_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+    }
+    template <class T, class Put>
+    void put_each(const std::vector<T>& values, const Put& put_one) {
+        put(std::uint64_t{values.size()});
+        for (const T& value : values) put_one(value);
+    }
+    [[nodiscard]] std::string take() { return std::move(out_); }
+
+ private:
+    std::string out_;
+};
+
+/// Reads what Writer wrote. What is not there reads as zero, and `ok` is false from then on.
+class Reader {
+ public:
+    explicit Reader(std::string_view bytes) : rest_(bytes) {}
+    [[nodiscard]] bool ok() const { return ok_; }
+    [[nodiscard]] bool at_end() const { return ok_ && rest_.empty(); }
+
+    template <class T>
+    T get() {
+        static_assert(std::is_trivially_copyable_v<T>);
+        T value{};
+        if (const char* bytes = take(sizeof value)) std::memcpy(&value, bytes, sizeof value);
+        return value;
+    }
+    std::string text() {
+        const auto size = get<std::uint64_t>();
+        const char* bytes = take(size);
+        return bytes == nullptr ? std::string() : std::string(bytes, size);
+    }
+    template <class T>
+    void get_all(std::vector<T>& out) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        const auto size = get<std::uint64_t>();
+        const char* bytes = size > rest_.size() / sizeof(T) ? take(rest_.size() + 1) : take(size * sizeof(T));
+        if (bytes == nullptr || size == 0) return;
+        out.resize(size);
+        std::memcpy(static_cast<void*>(out.data()), bytes, size * sizeof(T));
+    }
+    template <class Get>
+    void get_each(const Get& get_one) {
+        for (auto left = get<std::uint64_t>(); left > 0 && ok_; --left) get_one();
+    }
+
+ private:
+    const char* take(std::uint64_t bytes) {
+        if (!ok_ || bytes > rest_.size()) {
+            ok_ = false;
+            return nullptr;
+        }
+        const char* at = rest_.data();
+        rest_.remove_prefix(bytes);
+        return at;
+    }
+    std::string_view rest_;
+    bool ok_ = true;
+};
+
+bool fits_together(const model::TriMesh& mesh) {
+    const std::size_t corners = 3 * mesh.faces.size();
+    const auto per_corner = [&](std::size_t count) { return count == 0 || count == corners; };
+    if (!per_corner(mesh.corner_normals.size()) || !per_corner(mesh.corner_uvs.size()) ||
+        !per_corner(mesh.corner_colours.size()) ||
+        !(mesh.face_materials.empty() || mesh.face_materials.size() == mesh.faces.size()))
+        return false;
+    for (const model::Face& face : mesh.faces)
+        for (const std::uint32_t v : face)
+            if (v >= mesh.positions.size()) return false;
+    return std::all_of(mesh.face_materials.begin(), mesh.face_materials.end(),
+                       [&](std::uint32_t m) { return m < mesh.materials.size(); });
+}
+
+[[noreturn]] void throw_sent(Reader& in) {
+    const auto number = in.get<std::int32_t>();
+    std::string message = in.text(), place = in.text();
+    const model::Code* code = &codes::kInternal;
+    for (const model::Code* known : codes::kAll)
+        if (known->number == number) code = known;
+    throw model::Error(*code, std::move(message), std::move(place));
+}
+
+/// All that the worker sends until its end.
+std::string conversation(ChildProcess& child, const ImportLimits& limits, Clock::time_point deadline) {
+    std::string bytes;
+    std::array<char, 65536> buffer;
+    for (bool open = true; open;) {
+        std::array<pollfd, 2> waiting{pollfd{child.messages(), POLLIN, 0}, pollfd{child.errors(), POLLIN, 0}};
+        const bool any = poll(waiting.data(), waiting.size(), static_cast<int>(kPause.count())) > 0;
+        child.read_errors();
+        if (any && waiting[0].revents != 0) {
+            const ssize_t n = read(child.messages(), buffer.data(), buffer.size());
+            if (n > 0) bytes.append(buffer.data(), static_cast<std::size_t>(n));
+            open = n > 0 || (n < 0 && (errno == EINTR || errno == EAGAIN));
+        }
+        if (bytes.size() > kMaxBytes)
+            throw model::Error(codes::kWorkerCrashed, "the worker sent something that is not a mesh");
+        if (Clock::now() > deadline)
+            throw model::Error(codes::kWorkerTimeout,
+                               fmt::format("the import was not done after {} s", limits.seconds));
+    }
+    return bytes;
+}
+
+ChildEnd end_of(ChildProcess& child, Clock::time_point deadline) {
+    for (;;) {
+        child.read_errors();
+        if (const auto end = child.poll_end()) return *end;
+        if (Clock::now() > deadline) {
+            child.kill();
+            throw model::Error(codes::kWorkerTimeout, "the import's process does not end");
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+}
+
+}  // namespace
+
+std::string encode_import(const ImportedMesh& imported) {
+    const model::TriMesh& mesh = imported.mesh;
+    Writer out;
+    out.put(kMesh);
+    out.put_all(mesh.positions);
+    out.put_all(mesh.faces);
+    out.put_all(mesh.corner_normals);
+    out.put_all(mesh.corner_uvs);
+    out.put_all(mesh.corner_colours);
+    out.put_all(mesh.face_materials);
+    out.put_each(mesh.materials, [&](const model::Material& material) {
+        out.put(material.name);
+        out.put(material.diffuse);
+        out.put(material.diffuse_map.native());
+        out.put(material.bump_map.native());
+        out.put(static_cast<char>(material.bump_is_normal_map));
+        out.put(material.bump_scale);
+    });
+    out.put_each(imported.warnings, [&](const std::string& warning) { out.put(warning); });
+    out.put_each(imported.dependencies, [&](const std::filesystem::path& path) { out.put(path.native()); });
+    out.put_each(imported.dropped, [&](const auto& dropped) {
+        out.put(dropped.first);
+        out.put(dropped.second);
+    });
+    out.put(kEnd);
+    return out.take();
+}
+
+std::string encode_import(const model::Error& error) {
+    Writer out;
+    out.put(kError);
+    out.put(std::int32_t{error.code().number});
+    out.put(std::string(error.what()));
+    out.put(error.place());
+    return out.take();
+}
+
+std::optional<ImportedMesh> decode_import(std::string_view bytes) {
+    Reader in(bytes);
+    const char kind = in.get<char>();
+    if (kind == kError) throw_sent(in);
+    if (kind != kMesh) return std::nullopt;
+    ImportedMesh out;
+    model::TriMesh& mesh = out.mesh;
+    in.get_all(mesh.positions);
+    in.get_all(mesh.faces);
+    in.get_all(mesh.corner_normals);
+    in.get_all(mesh.corner_uvs);
+    in.get_all(mesh.corner_colours);
+    in.get_all(mesh.face_materials);
+    in.get_each([&] {
+        model::Material& material = mesh.materials.emplace_back();
+        material.name = in.text();
+        material.diffuse = in.get<model::Rgba8>();
+        material.diffuse_map = in.text();
+        material.bump_map = in.text();
+        material.bump_is_normal_map = in.get<char>() != 0;
+        material.bump_scale = in.get<double>();
+    });
+    in.get_each([&] { out.warnings.push_back(in.text()); });
+    in.get_each([&] { out.dependencies.emplace_back(in.text()); });
+    in.get_each([&] {
+        std::string what = in.text();
+        out.dropped.emplace_back(std::move(what), in.get<std::uint64_t>());
+    });
+    if (in.get<char>() != kEnd || !in.at_end() || !fits_together(mesh)) return std::nullopt;
+    return out;
+}
+
+ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits& limits) {
+    const auto deadline =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.seconds));
+    ChildProcess child(std::to_string(limits.memory_bytes) + "\n" + path.native());
+    std::string bytes = conversation(child, limits, deadline);
+    const ChildEnd end = end_of(child, deadline);
+    // Whatever a library made of a failed allocation, the shortage is the cause.
+    if (bytes.starts_with(kOutOfMemoryLine))
+        throw model::Error(codes::kWorkerMemory,
+                           fmt::format("the import needs more than the {} MiB it may take", limits.memory_bytes >> 20),
+                           path.string());
+    if (end.signal == SIGKILL || end.signal == SIGTERM)
+        throw model::Error(codes::kWorkerKilled, fmt::format("the import's process was ended by signal {}", end.signal),
+                           path.string());
+    if (end.signal != 0)
+        throw model::Error(
+            codes::kWorkerCrashed,
+            fmt::format("the import's process was ended by signal {} ({})", end.signal, strsignal(end.signal)),
+            path.string());
+    if (end.exit_code == 0)
+        if (auto mesh = decode_import(bytes)) return std::move(*mesh);
+    throw model::Error(codes::kWorkerCrashed,
+                       fmt::format("the import's process ended with exit code {} and no mesh", end.exit_code),
+                       path.string());
+}
+
+std::optional<int> import_worker(int argc, const char* const* argv, const MeshReader& read) {
+    if (!is_worker(argc, argv)) return std::nullopt;
+    if (!has_message_descriptor()) return static_cast<int>(model::ExitCode::kUsage);
+    std::string answer;
+    try {
+        const std::string job = read_job_text();
+        const std::size_t newline = std::min(job.find('\n'), job.size() - 1);
+        limit_worker_memory(std::strtoull(job.c_str(), nullptr, 10), 1);
+        const std::filesystem::path path = job.substr(newline + 1);
+        answer = encode_import(read ? read(path) : formats::read_mesh(path));
+    } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {
+        return static_cast<int>(model::ExitCode::kInternal);  // told already
+    } catch (const std::exception& error) {
+        answer = encode_import(model::Error(codes::kInternal, std::string("unexpected exception: ") + error.what()));
+    }
+    if (!send_message(answer)) return static_cast<int>(model::ExitCode::kInternal);
+    // Destructors of statics in importers have crashed before; there is nothing left to save.
+    _exit(static_cast<int>(model::ExitCode::kOk));
+}
+
+}  // namespace dgm::bake

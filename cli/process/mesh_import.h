@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/process/mesh_import.h
+// formats::read_mesh in a disposable process, for programs that read a stranger's mesh beside their real work: what
+// takes an importer down costs them one finding.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "mesh/mesh_reader.h"
+#include "model/error.h"
+
+namespace dgm::bake {
+
+/// formats::read_mesh, or what a test puts in its place.
+using MeshReader = std::function<formats::ImportedMesh(const std::filesystem::path&)>;
+
+struct ImportLimits {
+    double seconds = 600;                                 ///< wall clock
+    std::uint64_t memory_bytes = std::uint64_t{8} << 30;  ///< address space of the worker beside its own program
+};
+
+/// Starts this program again as a worker (ChildProcess), which must call import_worker() first of all, and takes over
+/// the mesh that it reads. Nothing of what it sends is believed: counts and indices are checked. Thread-safe.
+/// @throws model::Error what read_mesh throws; kWorkerCrashed, kWorkerTimeout, kWorkerMemory, kWorkerKilled;
+/// kSystemBusy
+[[nodiscard]] formats::ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits& limits = {});
+
+/// For main() before anything else: nothing, unless the arguments are those of a worker. Then reads the mesh that the
+/// job names, sends it, and gives the exit code.
+[[nodiscard]] std::optional<int> import_worker(int argc, const char* const* argv, const MeshReader& read = {});
+
+/// What a worker sends, as bytes: a mesh or an error.
+[[nodiscard]] std::string encode_import(const formats::ImportedMesh& mesh);
+[[nodiscard]] std::string encode_import(const model::Error& error);
+/// nullopt for bytes that are neither, or a mesh whose faces or corners do not fit together.
+/// @throws model::Error the one that was sent
+[[nodiscard]] std::optional<formats::ImportedMesh> decode_import(std::string_view bytes);
+
+}  // namespace dgm::bake

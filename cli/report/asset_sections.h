@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/report/asset_sections.h
+// Writes the sections of an asset's page.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "baking/bake_report.h"
+#include "geometry/metrics/reconstruction.h"
+#include "model/map_set.h"
+#include "report/asset_page.h"
+#include "report/chart_colours.h"
+#include "report/surface_values.h"
+
+namespace dgm::report {
+
+/// A baked file, read back, with the values that its page shows.
+struct BakedAsset {
+    const AssetPage& page;
+    bake::BakeReport report;
+    model::MapSet maps;
+    std::vector<bake::Reconstruction> surfaces;  ///< of each chart
+    std::vector<SurfaceValues> values;           ///< of each chart
+    Scales scales;
+    [[nodiscard]] double diagonal() const { return report.error.diagonal; }
+};
+
+/// The two surfaces to be turned; `data` is what viewer_data() returned.
+[[nodiscard]] std::string viewer_section(const BakedAsset& baked, const nlohmann::json& data);
+/// Error and distortion as pictures of the grid, and pictures of all layers; both of the first charts alone.
+[[nodiscard]] std::string picture_sections(const BakedAsset& baked);
+/// Measures, charts, the search for a grid and a method, repairs, and the command that bakes the asset again.
+[[nodiscard]] std::string table_sections(const BakedAsset& baked);
+/// Times of this run, between the comments kRunStart and kRunEnd.
+[[nodiscard]] std::string times_section(const BakedAsset& baked);
+
+}  // namespace dgm::report

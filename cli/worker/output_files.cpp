@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/worker/output_files.cpp
+#include "worker/output_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "dgm/dgm_reader.h"
+#include "dgm/dgm_writer.h"
+#include "exr/exr_reader.h"
+#include "exr/exr_writer.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace fs = std::filesystem;
+namespace codes = model::codes;
+
+constexpr std::uint64_t kLeastBytes = 65536;
+
+formats::ExrLayout file_layout(ExrLayout layout) {
+    return layout == ExrLayout::kMultipart ? formats::ExrLayout::kMultipart : formats::ExrLayout::kAuto;
+}
+
+void write_and_compare(const fs::path& path, const model::MapSet& maps, OutputFormat format, ExrLayout exr_layout) {
+    if (format == OutputFormat::kDgm)
+        formats::write_dgm(maps, path);
+    else
+        formats::write_exr(maps, path, {file_layout(exr_layout)});
+    const model::MapSet back = format == OutputFormat::kDgm ? formats::read_dgm(path) : formats::read_exr(path);
+    if (!(back == maps))
+        throw model::Error(codes::kInternal, "the written file reads back differently from what was baked",
+                           format == OutputFormat::kDgm ? "dgm" : "exr");
+}
+
+/// Why `bytes` cannot be written to `path`, as the system says when asked once more; 0 if they can. The libraries that
+/// write do not tell, and may have given back already what was too little.
+int trouble_at(const fs::path& path, std::uint64_t bytes) {
+    const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (fd < 0) return errno;
+    int error = ::posix_fallocate(fd, 0, static_cast<off_t>(bytes));
+    if (error == 0 && ::fsync(fd) != 0) error = errno;
+    ::close(fd);
+    return error;
+}
+
+/// About what the file of `maps` takes.
+std::uint64_t bytes_of(const model::MapSet& maps) {
+    std::uint64_t out = kLeastBytes;
+    for (const model::Chart& chart : maps.charts)
+        for (const model::Layer& layer : chart.layers) out += layer.bytes.size();
+    return out;
+}
+
+}  // namespace
+
+const model::Code& write_failure(int error_number) {
+    switch (error_number) {
+        case ENOSPC:
+        case EDQUOT:
+            return codes::kNoSpace;
+        case EIO:
+        case ESTALE:
+        case ETIMEDOUT:
+        case EAGAIN:
+        case ENFILE:
+        case EMFILE:
+        case ENOMEM:
+            return codes::kIoTrouble;
+        default:
+            return codes::kWriteFailed;
+    }
+}
+
+model::Error explained(const model::Error& error, const fs::path& temporary, std::uint64_t bytes) {
+    const int trouble = trouble_at(temporary, std::max(bytes, kLeastBytes));
+    const model::Code& why = write_failure(trouble);
+    if (trouble == 0 || why.number == codes::kWriteFailed.number) return error;
+    return model::Error(why, std::strerror(trouble) + std::string("; ") + error.what(), error.place());
+}
+
+void write_verified(const fs::path& path, const model::MapSet& maps, OutputFormat format, ExrLayout exr_layout) {
+    try {
+        write_and_compare(path, maps, format, exr_layout);
+    } catch (const model::Error& error) { throw explained(error, path, bytes_of(maps)); }
+}
+
+fs::path temporary_for(const fs::path& final_path) {
+    fs::path name = ".";
+    name += final_path.filename();
+    name += fmt::format(".{}.tmp", getpid());
+    return final_path.parent_path() / name;
+}
+
+OutputFolders::~OutputFolders() {
+    if (shared_) return;
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
+        ::rmdir(folder->c_str());  // refuses where something was baked into it
+}
+
+void OutputFolders::make(const fs::path& folder) {
+    std::error_code error;
+    if (fs::is_directory(folder, error)) return;
+    if (fs::exists(fs::status(folder, error)))
+        throw model::Error(codes::kWriteFailed, "the output folder's name is taken by a file", folder.string());
+    if (::mkdir(folder.c_str(), 0777) != 0) {
+        const int reason = errno;
+        if (reason == EEXIST && fs::is_directory(folder, error)) return;  // another program was as quick
+        throw model::Error(write_failure(reason),
+                           std::string("the output folder cannot be made: ") + std::strerror(reason), folder.string());
+    }
+    made_.push_back(fs::absolute(folder));
+}
+
+void OutputFolders::make_below(const fs::path& root, const fs::path& file) {
+    fs::path folder = root;
+    for (const fs::path& part : file.parent_path().lexically_relative(root)) {
+        if (part == ".") continue;
+        folder /= part;
+        make(folder);
+    }
+}
+
+void check_writable(const fs::path& final_path) {
+    std::error_code error;
+    if (fs::is_directory(final_path, error))
+        throw model::Error(codes::kWriteFailed, "the output's name is taken by a folder", final_path.string());
+    const fs::path probe = temporary_for(final_path);
+    const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (fd < 0)
+        throw model::Error(write_failure(errno),
+                           std::string("no file can be created in the output folder: ") + std::strerror(errno),
+                           final_path.string());
+    ::close(fd);
+    ::unlink(probe.c_str());
+}
+
+}  // namespace dgm::bake

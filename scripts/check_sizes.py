@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lengths of functions and classes in our C and C++ sources.
+
+  scripts/check_sizes.py [ROOT]        faults: functions and classes that are longer than allowed; exit code 1
+  scripts/check_sizes.py --list N      the N longest of each
+
+A length is that of the lines from the head to the closing brace; a class counts its members' bodies where they stand
+inside it. Exceptions stand in LONGER, with the length each may have: the list may only shrink.
+"""
+import argparse
+import dataclasses
+import re
+import sys
+from pathlib import Path
+
+MOST_FUNCTION, MOST_CLASS = 60, 250
+FOLDERS = ("libdgm", "formats", "cli", "samples")
+LONGER = {  # "file: name": lines
+    "cli/geometry/chart/bijective_layout.cpp: improve": 63,
+    "cli/geometry/cut/cut_graph.cpp: CutGraph::reroute": 71,
+    "cli/geometry/cut_search/cut_search.cpp: Search": 280,
+    "cli/geometry/cut_search/cut_search.cpp: search_cut": 68,
+    "cli/geometry/cut_search/straight_cut.cpp: shortest": 63,
+    "cli/geometry/cut_search/straight_cut.cpp: Straightener": 314,
+    "cli/geometry/fit/closest_samples.cpp: closest_samples": 67,
+    "cli/geometry/fit/normal_equations.cpp: NormalEquations::solve": 67,
+    "cli/geometry/fit/patch_repair.cpp: PatchRepair": 257,
+    "cli/geometry/layers/bump.cpp: make_bump": 65,
+    "cli/geometry/layers/fit_bump.cpp: fit_bump": 75,
+    "cli/geometry/layers/grid_least_squares.h: grid_least_squares": 65,
+    "cli/geometry/layers/source_match.cpp: match_source": 76,
+    "cli/geometry/parameterize/free_maps.cpp: harmonic_disk_map": 64,
+    "cli/geometry/parameterize/slim.cpp: descend_flip_free": 72,
+}
+
+TOKENS = re.compile(r"""
+    //[^\n]* | /\*.*?\*/ | R"(\w*)\(.*?\)\1" | "(?:\\.|[^"\\\n])*" | '(?:\\.|[^'\\\n])+' |
+    ^[ \t]*\#(?:[^\n]*\\\n)*[^\n]*
+""", re.X | re.S | re.M)
+HEAD = re.compile(r"\b(class|struct|union|enum|namespace)\b")
+CONTROL = re.compile(r"^\s*(?:else\s+)?(if|for|while|switch|do|else|try|catch)\b")
+MEMBER = re.compile(r"\)\s*(?:noexcept\s*)?:(?!:)[^;]*[\w>]\s*$", re.S)
+NAME = re.compile(r"([~\w:]+(?:\s*<[^<>]*>)?|operator\s*[^\s(]+)\s*\($")
+
+
+@dataclasses.dataclass(frozen=True)
+class Block:
+    kind: str  # "function" or "class"
+    file: str
+    name: str
+    line: int
+    lines: int
+
+    def key(self):
+        return f"{self.file}: {self.name}"
+
+
+def plain(text):
+    """Comments, literals and preprocessor lines become spaces; lines stay."""
+    return TOKENS.sub(lambda m: re.sub(r"[^\n]", " ", m.group(0)), text)
+
+
+def head_kind(head):
+    """What the text before an opening brace begins: a kind and a name, or None for anything inside a function."""
+    head = re.sub(r"\[\[.*?\]\]|alignas\s*\([^()]*\)|__attribute__\s*\(\(.*?\)\)", " ", head, flags=re.S)
+    without_templates = re.sub(r"^\s*template\s*<.*?>\s*(?=\w)", " ", head, flags=re.S)
+    scope = HEAD.search(without_templates)
+    if scope and "(" not in without_templates[scope.start():] and "=" not in without_templates[:scope.start()]:
+        names = re.findall(r"[\w:]+", without_templates[scope.end():].split(":", 1)[0] if "::" not in head else
+                           without_templates[scope.end():])
+        names = [n for n in names if n not in ("final", "class", "struct")]
+        kind = "class" if scope.group(1) in ("class", "struct", "union") else "scope"
+        return kind, names[0] if names else "(unnamed)"
+    if CONTROL.match(head) or head.rstrip().endswith(("=", ",", "(", "return", "]")):
+        return None
+    depth, start = 0, None
+    for at, c in enumerate(head):  # the first argument list outside of brackets
+        if c == "(":
+            if depth == 0 and NAME.search(head[:at + 1]):
+                start = at
+                break
+            depth += 1
+        elif c == ")":
+            depth -= 1
+    if start is None:
+        return None
+    return "function", re.sub(r"\s+", "", NAME.search(head[:start + 1]).group(1))
+
+
+def blocks_of(file, text):
+    """Functions and classes outside of functions, with their lengths."""
+    found, stack, begin = [], [], 0
+    clean = plain(text)
+    depth_in_function = 0
+    for m in re.finditer(r"[{};]", clean):
+        c = m.group(0)
+        head = clean[begin:m.start()]
+        if c == "{" and MEMBER.search(head):  # a brace of a constructor's initialisers: the head goes on
+            stack.append("member")
+            continue
+        if c == "}" and stack and stack[-1] == "member":
+            stack.pop()
+            continue
+        if c == "{":
+            what = None if depth_in_function else head_kind(head)
+            first = begin + len(head) - len(head.lstrip())
+            stack.append((what, clean.count("\n", 0, first) + 1))
+            if what is None or what[0] == "function":
+                depth_in_function += 1
+        elif c == "}" and stack:
+            what, line = stack.pop()
+            if what is None or what[0] == "function":
+                depth_in_function -= 1
+            if what is not None and what[0] != "scope":
+                found.append(Block(what[0], file, what[1], line, clean.count("\n", 0, m.start()) + 2 - line))
+        begin = m.end()
+    return found
+
+
+def measure(root):
+    blocks = []
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in (".h", ".cpp", ".c"):
+                blocks += blocks_of(path.relative_to(root).as_posix(), path.read_text(encoding="utf-8"))
+    return blocks
+
+
+def faults_of(blocks):
+    most = {"function": MOST_FUNCTION, "class": MOST_CLASS}
+    faults = [f"{b.file}:{b.line}: {b.kind} {b.name} has {b.lines} lines, {LONGER.get(b.key(), most[b.kind])} at most"
+              for b in blocks if b.lines > LONGER.get(b.key(), most[b.kind])]
+    keys = {b.key() for b in blocks if b.lines > most[b.kind]}
+    return faults + [f"{key} is not longer than allowed any more: take it out of LONGER" for key in LONGER
+                     if key not in keys]
+
+
+SAMPLE = """
+namespace a { // {
+template <class T>
+class Long : public Base<T> {
+  int f() const noexcept {
+    if (x) { y(); }
+    const auto g = [&](int k) {
+      return k;
+    };
+  }
+  int v = {1};
+};
+enum class E { a, b };
+}
+Result<void> a::b::free(std::function<int(int)> f, int (*g)(int)) noexcept {
+  for (;;) {
+  }
+}
+A::A(int x) : x_(x), y_{x} {
+}
+"""
+
+
+def self_test():
+    found = {(b.kind, b.name): b.lines for b in blocks_of("sample.cpp", SAMPLE)}
+    wanted = {("class", "Long"): 10, ("function", "f"): 6, ("function", "a::b::free"): 4, ("function", "A::A"): 2}
+    return [f"the check itself: {k} has {found.get(k)} lines, not {n}" for k, n in wanted.items() if found.get(k) != n]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).resolve().parent.parent)
+    parser.add_argument("--list", type=int, metavar="N", help="print the N longest functions and classes")
+    arguments = parser.parse_args()
+    faults = self_test()
+    blocks = measure(arguments.root)
+    if not any(b.kind == "function" for b in blocks):
+        faults.append(f"{arguments.root}: no function found")
+    if arguments.list is not None:
+        for kind in ("class", "function"):
+            for b in sorted((b for b in blocks if b.kind == kind), key=lambda b: -b.lines)[:arguments.list]:
+                print(f"{b.lines:5} {b.kind} {b.name}  {b.file}:{b.line}")
+        lengths = sorted(b.lines for b in blocks if b.kind == "function")
+        if lengths:
+            print(f"{len(lengths)} functions: median {lengths[len(lengths) // 2]} lines, "
+                  f"p99 {lengths[int(0.99 * (len(lengths) - 1))]}, largest {lengths[-1]}")
+    else:
+        faults += faults_of(blocks)
+    print("\n".join(faults) if faults else "check_sizes: ok")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/baking/bake_mesh_test.cpp
+// A caller with a mesh in memory, a progress callback and a flag to stop: no file, no process.
+#include "baking/bake_mesh.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "baking/pipeline.h"
+#include "baking/stages.h"
+#include "mesh/mesh_reader.h"
+#include "model/codes.h"
+
+namespace dgm::bake {
+namespace {
+
+namespace codes = model::codes;
+
+/// A bowl of 2 x 13 x 13 triangles over the square of side 2.
+model::TriMesh bowl() {
+    constexpr std::uint32_t kSide = 14;
+    model::TriMesh out;
+    for (std::uint32_t i = 0; i < kSide; ++i)
+        for (std::uint32_t j = 0; j < kSide; ++j) {
+            const double x = 2.0 * i / (kSide - 1) - 1, y = 2.0 * j / (kSide - 1) - 1;
+            out.positions.push_back({x, y, 0.5 * (x * x + y * y)});
+        }
+    for (std::uint32_t i = 0; i + 1 < kSide; ++i)
+        for (std::uint32_t j = 0; j + 1 < kSide; ++j) {
+            const std::uint32_t a = i * kSide + j, b = a + kSide;
+            out.faces.push_back({a, b, b + 1});
+            out.faces.push_back({a, b + 1, a + 1});
+        }
+    return out;
+}
+
+BakeOptions small_grid() {
+    BakeOptions out;
+    out.size = {17, 17};
+    return out;
+}
+
+/// Writes `mesh` as OBJ, with all digits.
+void write(const model::TriMesh& mesh, const std::filesystem::path& path) {
+    std::ofstream file(path);
+    file.precision(std::numeric_limits<double>::max_digits10);
+    for (const model::Vec3d& p : mesh.positions) file << "v " << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    for (const model::Face& f : mesh.faces) file << "f " << f[0] + 1 << ' ' << f[1] + 1 << ' ' << f[2] + 1 << '\n';
+}
+
+TEST(BakeMesh, BakesFromMemoryAndReportsItsProgress) {
+    std::vector<std::string> stages;
+    model::Progress progress;
+    progress.on_update = [&](std::string_view stage, double share) {
+        EXPECT_GE(share, 0);
+        EXPECT_LE(share, 1);
+        if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+    };
+    const BakeResult result = bake_mesh({bowl(), "bowl"}, small_grid(), progress);
+    EXPECT_EQ(result.maps.source_name, "bowl");
+    EXPECT_FALSE(result.maps.report_json.empty());
+    ASSERT_EQ(result.maps.charts.size(), 1U);
+    EXPECT_EQ(result.maps.charts[0].rows, 17U);
+    EXPECT_EQ(result.report.source_vertices, 14U * 14U);
+    EXPECT_LT(result.report.error.rms, 1e-2 * result.report.error.diagonal);
+    std::vector<std::string> order;
+    for (const std::string& stage : stages)
+        if (stage != "cut" && std::find(order.begin(), order.end(), stage) == order.end()) order.push_back(stage);
+    EXPECT_EQ(order, (std::vector<std::string>{"import", "repair", "textures", "map", "fit", "layers", "measure"}));
+}
+
+TEST(BakeMesh, GivesTheLayersThatAFileWithTheMeshGives) {
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("dgm-bowl-" + std::to_string(getpid()) + ".obj");
+    write(bowl(), path);
+    const BakeResult of_file = bake_asset(path, small_grid(), {});
+    const model::TriMesh mesh = formats::read_mesh(path).mesh;
+    std::filesystem::remove(path);
+    const BakeResult of_memory = bake_mesh({mesh, path.filename().string()}, small_grid());
+    EXPECT_TRUE(of_memory.maps.charts == of_file.maps.charts);
+    EXPECT_EQ(of_memory.maps.settings_hash, of_file.maps.settings_hash);
+    EXPECT_EQ(of_memory.report.error.rms, of_file.report.error.rms);
+}
+
+TEST(BakeMesh, StopsInTheStageInWhichItIsAskedTo) {
+    for (const char* wanted : {"import", "map", "fit", "layers"}) {
+        std::atomic<bool> stop{false};
+        std::string last;
+        model::Progress progress;
+        progress.cancelled = &stop;
+        progress.on_update = [&](std::string_view stage, double) {
+            EXPECT_FALSE(stop) << stage << " after the request";
+            last = stage;
+            if (stage == wanted) stop = true;
+        };
+        try {
+            (void)bake_mesh({bowl(), "bowl"}, small_grid(), progress);
+            ADD_FAILURE() << "nothing thrown in " << wanted;
+        } catch (const model::Error& error) { EXPECT_EQ(&error.code(), &codes::kInterrupted); }
+        EXPECT_EQ(last, wanted);
+    }
+}
+
+TEST(BakeMesh, RefusesAMeshWhoseArraysDoNotFitTogether) {
+    const auto refuses = [](model::TriMesh mesh) {
+        try {
+            (void)bake_mesh({std::move(mesh), "bad"}, small_grid());
+        } catch (const model::Error& error) {
+            return &error.code() == &codes::kImportFailed && error.stage() == "import";
+        }
+        return false;
+    };
+    model::TriMesh mesh = bowl();
+    mesh.faces.front()[1] = 14 * 14;
+    EXPECT_TRUE(refuses(mesh));
+    mesh = bowl();
+    mesh.corner_uvs.resize(7);
+    EXPECT_TRUE(refuses(mesh));
+    mesh = bowl();
+    mesh.face_materials.assign(mesh.faces.size(), 0);
+    EXPECT_TRUE(refuses(mesh));
+}
+
+TEST(BakeMesh, SearchesForTheGridThatHoldsAnError) {
+    BakeOptions options;
+    options.auto_samples = 65 * 65;
+    options.max_error = ErrorGoal{0.5, true, ErrorKind::kRms};
+    const BakeResult result = bake_mesh({bowl(), "bowl"}, options);
+    ASSERT_TRUE(result.report.search);
+    EXPECT_EQ(result.report.search->goal, SearchGoal::kMaxError);
+    EXPECT_EQ(result.maps.charts.at(0).rows, result.report.search->rows);
+    EXPECT_LE(100 * result.report.error.rms / result.report.error.diagonal, 0.5);
+    EXPECT_LT(result.report.search->rows, 65U);
+}
+
+TEST(BakeMesh, ABudgetNeedsAFileToMeasure) {
+    BakeOptions options = small_grid();
+    options.budget_bytes = 1 << 20;
+    try {
+        (void)bake_mesh({bowl(), "bowl"}, options);
+        ADD_FAILURE() << "nothing thrown";
+    } catch (const model::Error& error) { EXPECT_EQ(&error.code(), &codes::kUsage); }
+}
+
+TEST(Stages, OneAfterTheOtherTheyGiveWhatBakeMeshGives) {
+    const BakeOptions options = small_grid();
+    const Repaired source = repair_source(import_mesh(bowl(), "bowl"));
+    ASSERT_EQ(source.components.size(), 1U);
+    std::vector<CutMemory> cuts(1);
+    const std::vector<double> aspects(1);
+    Mapped mapped = map_source(source, {options.size, aspects}, options, cuts, {});
+    ASSERT_EQ(mapped.charts.size(), 1U);
+    EXPECT_EQ(mapped.charts[0].method, Method::kStretch);
+    EXPECT_EQ(mapped.charts[0].candidates.front().outcome, CandidateOutcome::kChosen);
+    const Fitted plain{mapped.charts};
+    const Fitted fitted = fit_source(std::move(mapped), options, false, {});
+    const Layered layered = store_layers(source, fitted, {}, options, false, {});
+    const Measured measured = measure_layers(source, fitted, layered, kSurfaceSamples, {});
+    const BakeResult whole = bake_mesh({bowl(), "bowl"}, options);
+    EXPECT_TRUE(layered.charts == whole.maps.charts);
+    EXPECT_EQ(measured.error.rms, whole.report.error.rms);
+    EXPECT_EQ(measured.charts.at(0).candidates.size(), whole.report.charts.at(0).candidates.size());
+    const Layered unfitted = store_layers(source, plain, {}, options, false, {});
+    EXPECT_LT(measured.error.rms, measure_layers(source, plain, unfitted, kSurfaceSamples, {}).error.rms);
+}
+
+}  // namespace
+}  // namespace dgm::bake

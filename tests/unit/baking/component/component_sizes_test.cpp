@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/baking/component/component_sizes_test.cpp
+// How samples are shared out among components.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "baking/component/component_sizes.h"
+
+namespace dgm::bake {
+namespace {
+
+std::uint64_t samples_of(const std::vector<GridSize>& sizes) {
+    std::uint64_t sum = 0;
+    for (const GridSize& size : sizes) sum += std::uint64_t{size.rows} * size.cols;
+    return sum;
+}
+
+TEST(ComponentSizes, FewComponentsKeepTheirSpacing) {
+    const std::vector<double> areas{0.25, 1, 0.0625, 1e-9};
+    const std::vector<GridSize> full(4, GridSize{257, 129});
+    const std::vector<GridSize> sizes = component_sizes(full, areas, 1);
+    ASSERT_EQ(sizes.size(), 4u);
+    EXPECT_EQ(sizes[0], (GridSize{129, 65}));
+    EXPECT_EQ(sizes[1], (GridSize{257, 129}));
+    EXPECT_EQ(sizes[2], (GridSize{65, 33}));
+    EXPECT_EQ(sizes[3], (GridSize{17, 17}));
+}
+
+TEST(ComponentSizes, ManyShareTenTimesTheLargest) {
+    for (const std::size_t count : {10u, 11u, 100u, 1000u}) {
+        const std::vector<double> areas(count, 2.5);
+        const std::vector<GridSize> full(count, GridSize{257, 257});
+        const std::vector<GridSize> sizes = component_sizes(full, areas, 3);
+        EXPECT_EQ(sizes[3].rows, 257u);
+        EXPECT_LE(samples_of(sizes), 10u * 257 * 257) << count;
+        EXPECT_GT(samples_of(sizes), 9u * 257 * 257) << count;
+        for (std::size_t c = 0; c < count; ++c) EXPECT_EQ(sizes[c], c == 3 ? sizes[3] : sizes[0]) << count;
+        EXPECT_EQ(sizes[0] == sizes[3], count == 10);
+    }
+}
+
+/// 5000 grids of 17 x 17 are more than 10 of 257 x 257 samples.
+TEST(ComponentSizes, TheLeastGridsMayComeToMore) {
+    const std::vector<double> areas(5000, 1);
+    const std::vector<GridSize> sizes = component_sizes(std::vector<GridSize>(5000, GridSize{257, 257}), areas, 0);
+    EXPECT_EQ(sizes[0].rows, 257u);
+    for (std::size_t c = 1; c < sizes.size(); ++c) ASSERT_EQ(sizes[c].rows, 17u);
+}
+
+}  // namespace
+}  // namespace dgm::bake

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "worker/worker_protocol.h"
+
+#include <gtest/gtest.h>
+
+#include "model/codes.h"
+#include "process/worker_io.h"
+
+namespace dgm::bake {
+namespace {
+
+TEST(WorkerProtocol, PathsKeepEveryByte) {
+    std::string all;
+    for (int c = 1; c < 256; ++c) all += static_cast<char>(c);
+    const std::string text = encode_path(all);
+    for (const char c : text) EXPECT_TRUE(c > ' ' && c < '\x7f');
+    EXPECT_EQ(decode_path(text).native(), all);
+    EXPECT_EQ(encode_path("a b%.obj"), "a%20b%25.obj");
+    for (const char* bad : {"%", "%2", "a%zz", "%2G"}) EXPECT_THROW((void)decode_path(bad), model::Error) << bad;
+}
+
+TEST(WorkerProtocol, JobComesBack) {
+    WorkerJob job;
+    job.source = "in/caf\xe9 \n.obj";
+    job.dgm = "out/.x.dgm.7.tmp";
+    job.memory_bytes = std::uint64_t{8} << 30;
+    job.threads = 3;
+    job.options.size = {33, 65};
+    job.options.method = Method::kArap;
+    job.options.domain = DomainChoice::kFree;
+    job.options.fit = Fit::kL2;
+    job.options.precision = Precision::kU16;
+    job.options.layers = {"geometry", "bump"};
+    job.options.texture = "denim.png";
+    job.options.texture_size = GridSize{7, 9};
+    job.options.bump_size = GridSize{5, 6};
+    job.options.ablate = {"diagonals"};
+    job.options.exr_layout = ExrLayout::kMultipart;
+    job.options.auto_samples = 66049;
+    job.options.max_error = ErrorGoal{0.1 + 0.2, false, ErrorKind::kHausdorff};
+    job.options.budget_bytes = 262144;
+    const WorkerJob back = decode_job(encode(job));
+    EXPECT_EQ(back.source, job.source);
+    EXPECT_EQ(back.dgm, job.dgm);
+    EXPECT_TRUE(back.exr.empty());
+    EXPECT_TRUE(back.options.write_dgm);
+    EXPECT_FALSE(back.options.write_exr);  // no name for it, so it is not asked for
+    EXPECT_EQ(back.memory_bytes, job.memory_bytes);
+    EXPECT_EQ(back.threads, 3U);
+    EXPECT_EQ(back.options.size, job.options.size);
+    EXPECT_EQ(back.options.method, Method::kArap);
+    EXPECT_EQ(back.options.domain, DomainChoice::kFree);
+    EXPECT_EQ(back.options.fit, Fit::kL2);
+    EXPECT_EQ(back.options.precision, Precision::kU16);
+    EXPECT_EQ(back.options.layers, job.options.layers);
+    EXPECT_EQ(back.options.texture, job.options.texture);
+    EXPECT_EQ(back.options.texture_size, job.options.texture_size);
+    EXPECT_EQ(back.options.bump_size, job.options.bump_size);
+    EXPECT_EQ(back.options.ablate, job.options.ablate);
+    EXPECT_EQ(back.options.exr_layout, ExrLayout::kMultipart);
+    EXPECT_EQ(back.options.auto_samples, job.options.auto_samples);
+    EXPECT_EQ(back.options.max_error, job.options.max_error);
+    EXPECT_EQ(back.options.budget_bytes, job.options.budget_bytes);
+    EXPECT_EQ(back.options.scratch, job.dgm);  // searched sizes are written where the file will be
+    EXPECT_FALSE(decode_job(encode(WorkerJob{})).options.max_error);
+}
+
+TEST(WorkerProtocol, MessagesComeBack) {
+    const auto progress = decode_message(encode(WorkerMessage{ProgressMessage{"cut", 0.25}}));
+    ASSERT_TRUE(progress && std::holds_alternative<ProgressMessage>(*progress));
+    EXPECT_EQ(std::get<ProgressMessage>(*progress).stage, "cut");
+    EXPECT_EQ(std::get<ProgressMessage>(*progress).share, 0.25);
+
+    model::Error error(model::codes::kNonOrientable, "component 2\nhas one side", "x.obj:7");
+    error.with_stage("repair");
+    const std::string line = encode(WorkerMessage{ErrorMessage{error}});
+    EXPECT_EQ(line.find('\n'), line.size() - 1);  // one message, one line
+    const auto failure = decode_message(line);
+    ASSERT_TRUE(failure && std::holds_alternative<ErrorMessage>(*failure));
+    const model::Error& back = std::get<ErrorMessage>(*failure).error;
+    EXPECT_EQ(&back.code(), &model::codes::kNonOrientable);
+    EXPECT_STREQ(back.what(), "component 2\nhas one side");
+    EXPECT_EQ(back.place(), "x.obj:7");
+    EXPECT_EQ(back.stage(), "repair");
+
+    BakeReport report;
+    report.error.rms = 0.1;
+    const auto result = decode_message(encode(WorkerMessage{ResultMessage{report}}));
+    ASSERT_TRUE(result && std::holds_alternative<ResultMessage>(*result));
+    EXPECT_EQ(std::get<ResultMessage>(*result).report.error.rms, 0.1);
+
+    const auto notice = decode_message(encode(WorkerMessage{NoticeMessage{"texture missing: a\nb.png"}}));
+    ASSERT_TRUE(notice && std::holds_alternative<NoticeMessage>(*notice));
+    EXPECT_EQ(std::get<NoticeMessage>(*notice).text, "texture missing: a\nb.png");
+
+    const auto memory = decode_message(kOutOfMemoryLine);
+    EXPECT_TRUE(memory && std::holds_alternative<OutOfMemoryMessage>(*memory));
+}
+
+TEST(WorkerProtocol, NonsenseIsNotAMessage) {
+    for (const char* line : {"", "x", "[]", "{}", "{\"type\":1}", "{\"type\":\"progress\",\"stage\":\"cut\"}",
+                             "{\"type\":\"progress\",\"stage\":\"cut\",\"share\":\"all\"}",
+                             "{\"type\":\"result\",\"report\":{}}", "{\"type\":\"result\",\"report\":\"[]\"}",
+                             "{\"type\":\"error\",\"code\":-1,\"message\":\"\",\"place\":\"\",\"stage\":\"\"}"})
+        EXPECT_FALSE(decode_message(line)) << line;
+    const auto unknown =
+        decode_message("{\"type\":\"error\",\"code\":77,\"message\":\"m\",\"place\":\"\",\"stage\":\"\"}");
+    ASSERT_TRUE(unknown);
+    EXPECT_EQ(&std::get<ErrorMessage>(*unknown).error.code(), &model::codes::kInternal);
+}
+
+}  // namespace
+}  // namespace dgm::bake
