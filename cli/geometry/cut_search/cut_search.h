@@ -25,7 +25,8 @@ struct CutSearchOptions {
     /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows to at most so many times what it
     /// is without. 0: they are not. Nor are stars, nor where trials are measured.
     double given_to_hide = 1.01;
-    /// Where the simplified mesh comes to nothing, give up: for callers who have another chart already.
+    /// If no cut of the simplified mesh can be mapped, fail instead of searching the full mesh: for callers who have
+    /// another chart already.
     bool only_simplified = false;
 };
 
@@ -42,7 +43,7 @@ struct CutSearchResult {
 /// the resampled surface falls; then branches are dropped where that lowers it, and rotations are tried.
 ///
 /// The error is predicted (trial_map.h), and a large component is searched in simplified form and the cut carried back
-/// (cut_transfer.h); where that comes to nothing, and if `measured` asks for it, every trial is baked on the component
+/// (cut_transfer.h); where that fails, and if `measured` asks for it, every trial is baked on the component
 /// itself. In the end paths that edges make jagged are pulled straight across faces (straight_cut.h), unless the error
 /// predicted grows by more than a quarter of the share that the cut gets shorter, or where trials are measured; the
 /// disk has vertices then that the component has not.
