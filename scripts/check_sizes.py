@@ -19,10 +19,6 @@ FOLDERS = ("libdgm", "formats", "cli", "samples")
 LONGER = {  # "file: name": lines
     "cli/geometry/chart/bijective_layout.cpp: improve": 63,
     "cli/geometry/cut/cut_graph.cpp: CutGraph::reroute": 71,
-    "cli/geometry/cut_search/cut_search.cpp: Search": 280,
-    "cli/geometry/cut_search/cut_search.cpp: search_cut": 68,
-    "cli/geometry/cut_search/straight_cut.cpp: shortest": 63,
-    "cli/geometry/cut_search/straight_cut.cpp: Straightener": 314,
     "cli/geometry/fit/closest_samples.cpp: closest_samples": 67,
     "cli/geometry/fit/normal_equations.cpp: NormalEquations::solve": 67,
     "cli/geometry/fit/patch_repair.cpp: PatchRepair": 257,
