@@ -16,19 +16,7 @@ from pathlib import Path
 
 MOST_FUNCTION, MOST_CLASS = 60, 250
 FOLDERS = ("libdgm", "formats", "cli", "samples")
-LONGER = {  # "file: name": lines
-    "cli/geometry/chart/bijective_layout.cpp: improve": 63,
-    "cli/geometry/cut/cut_graph.cpp: CutGraph::reroute": 71,
-    "cli/geometry/fit/closest_samples.cpp: closest_samples": 67,
-    "cli/geometry/fit/normal_equations.cpp: NormalEquations::solve": 67,
-    "cli/geometry/fit/patch_repair.cpp: PatchRepair": 257,
-    "cli/geometry/layers/bump.cpp: make_bump": 65,
-    "cli/geometry/layers/fit_bump.cpp: fit_bump": 75,
-    "cli/geometry/layers/grid_least_squares.h: grid_least_squares": 65,
-    "cli/geometry/layers/source_match.cpp: match_source": 76,
-    "cli/geometry/parameterize/free_maps.cpp: harmonic_disk_map": 64,
-    "cli/geometry/parameterize/slim.cpp: descend_flip_free": 72,
-}
+LONGER = {}  # "file: name": lines
 
 TOKENS = re.compile(r"""
     //[^\n]* | /\*.*?\*/ | R"(\w*)\(.*?\)\1" | "(?:\\.|[^"\\\n])*" | '(?:\\.|[^'\\\n])+' |

@@ -57,6 +57,25 @@ std::array<Vec2d, 3> widened(std::array<Vec2d, 3> q) {
     return q;
 }
 
+SlimOptions round_options(FlipFreeEnergy energy, double tolerance) {
+    SlimOptions options;
+    options.energy = energy;
+    options.border_fixed = true;
+    options.iterations = kStepsPerRound;
+    options.tolerance = tolerance;
+    return options;
+}
+
+/// Evenly spaced points on a box, counter-clockwise.
+std::vector<Vec2d> points_of_box(const Vec2d& lo, const Vec2d& hi) {
+    const Vec2d corners[] = {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}, lo};
+    std::vector<Vec2d> out;
+    for (int side = 0; side < 4; ++side)
+        for (std::uint32_t p = 0; p < kBoxPoints; ++p)
+            out.push_back(corners[side] + (corners[side + 1] - corners[side]) * (double(p) / kBoxPoints));
+    return out;
+}
+
 class Augmented {
  public:
     Augmented(const DiskView& disk, const Triangulate& triangulate)
@@ -90,14 +109,12 @@ class Augmented {
         }
         const Vec2d margin = Vec2d{1, 1} * (kMargin * std::max(hi.x - lo.x, hi.y - lo.y));
         lo = lo - margin, hi = hi + margin;
-        const Vec2d corners[] = {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}, lo};
         std::vector<std::uint32_t> box;
-        for (int side = 0; side < 4; ++side)
-            for (std::uint32_t p = 0; p < kBoxPoints; ++p) {
-                box.push_back(static_cast<std::uint32_t>(x.size()));
-                x.push_back(corners[side] + (corners[side + 1] - corners[side]) * (double(p) / kBoxPoints));
-                points.push_back(x.back());
-            }
+        for (const Vec2d& p : points_of_box(lo, hi)) {
+            box.push_back(static_cast<std::uint32_t>(x.size()));
+            x.push_back(p);
+            points.push_back(p);
+        }
         close(k);
         fill_outside(lo, hi, k, points);
 
@@ -124,12 +141,8 @@ class Augmented {
             rest_.push_back(at_rest(a, b, c, weight));
         }
         const std::vector<Vec3d> nowhere(x.size());  // rest shapes stand for positions
-        SlimOptions options;
-        options.energy = energy;
-        options.border_fixed = true;
-        options.iterations = kStepsPerRound;
+        SlimOptions options = round_options(energy, tolerance);
         options.rest = rest_;
-        options.tolerance = tolerance;
         const model::Progress silent{.on_update = {}, .cancelled = progress.cancelled};
         x = descend_flip_free({nowhere, faces_, box, {}}, std::move(x), options, silent);
         std::copy_n(x.begin(), n, uv.begin());

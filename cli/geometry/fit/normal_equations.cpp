@@ -27,6 +27,36 @@ Block inverse(const Block& a) {
             (a[0] * a[3] - a[1] * a[1]) * s};
 }
 
+/// Adds to a class's block a share of its own trace, and a floor.
+void damp(Block& d, double floor, double damping) {
+    const double lambda = floor + damping * (d[0] + d[3] + d[5]);
+    d[0] += lambda;
+    d[3] += lambda;
+    d[5] += lambda;
+}
+
+/// The inverse of a block along a rail, as a multiple of the identity.
+Block inverse_along(const Block& d, const Vec3d& rail) {
+    const double along = dot(rail, multiply(d, rail)), s = along > 0 ? 1 / along : 1;
+    return {s, 0, 0, s, 0, s};
+}
+
+struct Unknowns {
+    std::vector<std::uint32_t> classes, edges;
+};
+
+/// The classes that may move and the edges between them. Where few are free (around repaired faces), the rest costs
+/// next to nothing.
+Unknowns unknowns_of(const WeldedGrid& grid, std::span<const Freedom> freedom) {
+    Unknowns out;
+    for (std::uint32_t k = 0; k < freedom.size(); ++k)
+        if (freedom[k] != Freedom::kHeld) out.classes.push_back(k);
+    for (std::uint32_t e = 0; e < grid.edges.size(); ++e)
+        if (freedom[grid.edges[e].first] != Freedom::kHeld && freedom[grid.edges[e].second] != Freedom::kHeld)
+            out.edges.push_back(e);
+    return out;
+}
+
 }  // namespace
 
 NormalEquations::NormalEquations(const WeldedGrid& grid)
@@ -60,26 +90,16 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
     // By each class's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
     // whose rows weigh little, while their neighbours move.
     const double floor = 1e-6 * damping * trace / static_cast<double>(count);
-    // Where few classes are free (around mended faces), the rest costs next to nothing.
-    std::vector<std::uint32_t> live, live_edges;
-    for (std::uint32_t k = 0; k < count; ++k)
-        if (freedom[k] != Freedom::kHeld) live.push_back(k);
-    for (std::uint32_t e = 0; e < off_.size(); ++e)
-        if (freedom[grid_.edges[e].first] != Freedom::kHeld && freedom[grid_.edges[e].second] != Freedom::kHeld)
-            live_edges.push_back(e);
-    std::vector<Block> damped = diagonal_, preconditioner(count);
     const auto confined = [&](std::size_t k, const Vec3d& v) {
         return freedom[k] == Freedom::kFree ? v : rails[k] * dot(rails[k], v);
     };
+    const Unknowns unknowns = unknowns_of(grid_, freedom);
+    const std::vector<std::uint32_t>&live = unknowns.classes, &live_edges = unknowns.edges;
+    std::vector<Block> damped = diagonal_, preconditioner(count);
     for (const std::uint32_t k : live) {
-        Block& d = damped[k];
-        const double lambda = floor + damping * (d[0] + d[3] + d[5]);
-        d[0] += lambda, d[3] += lambda, d[5] += lambda;
-        preconditioner[k] = inverse(d);
-        if (freedom[k] == Freedom::kSlides) {
-            const double along = dot(rails[k], multiply(d, rails[k])), s = along > 0 ? 1 / along : 1;
-            preconditioner[k] = {s, 0, 0, s, 0, s};
-        }
+        damp(damped[k], floor, damping);
+        preconditioner[k] = inverse(damped[k]);
+        if (freedom[k] == Freedom::kSlides) preconditioner[k] = inverse_along(damped[k], rails[k]);
     }
     // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
     double rz = 0;
@@ -109,7 +129,8 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
         const double t = rz / curvature;
         double next = 0;
         for (const std::uint32_t k : live) {
-            step[k] += direction[k] * t, residual[k] -= product[k] * t;
+            step[k] += direction[k] * t;
+            residual[k] -= product[k] * t;
             z[k] = multiply(preconditioner[k], residual[k]);
             next += dot(residual[k], z[k]);
         }

@@ -36,6 +36,42 @@ Shape shape_of(const std::array<Vec3d, 3>& q) {
     return {dot(a, a), dot(a, b), dot(b, b)};
 }
 
+/// A function of two variables at a place and one step to each side of it.
+struct Differences {
+    double centre, px, mx, py, my, pp, mm;
+};
+
+/// Newton's step, in steps of the differences; the second derivatives are made definite along the diagonal.
+Vec2d newton_step(const Differences& f) {
+    const double gx = (f.px - f.mx) / 2, gy = (f.py - f.my) / 2;
+    double xx = f.px + f.mx - 2 * f.centre, yy = f.py + f.my - 2 * f.centre;
+    const double xy = (f.pp + f.mm - f.px - f.mx - f.py - f.my + 2 * f.centre) / 2;
+    const double middle = (xx + yy) / 2, least = middle - std::hypot((xx - yy) / 2, xy);
+    const double floor = 1e-3 * (std::abs(middle) + std::hypot((xx - yy) / 2, xy)) + 1e-300;
+    if (least < floor) {
+        xx += floor - least;
+        yy += floor - least;
+    }
+    const double det = xx * yy - xy * xy;
+    return {(xy * gy - yy * gx) / det, (xy * gx - xx * gy) / det};
+}
+
+struct Error {
+    double squares = 0;        // of the distances of the source's points over some faces to the grid
+    double fourth_powers = 0;  // of these and of the faces' middles: between what mean and largest error say
+    double largest = 0;        // of both, squared
+};
+
+/// Classes with the places they have or had.
+struct Patch {
+    std::vector<std::uint32_t> classes;
+    std::vector<Match> places;
+    void take(const std::vector<std::uint32_t>& from, const Matches& matches) {
+        classes = from, places.clear();
+        for (const std::uint32_t c : classes) places.push_back(matches.classes[c]);
+    }
+};
+
 class PatchRepair {
  public:
     PatchRepair(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
@@ -162,15 +198,8 @@ class PatchRepair {
             return energy(c);
         };
         const double px = at(1, 0), mx = at(-1, 0), py = at(0, 1), my = at(0, -1), pp = at(1, 1), mm = at(-1, -1);
-        const double gx = (px - mx) / 2, gy = (py - my) / 2;
-        double xx = px + mx - 2 * start, yy = py + my - 2 * start;
-        const double xy = (pp + mm - px - mx - py - my + 2 * start) / 2;
-        // The nearest definite matrix along the diagonal.
-        const double middle = (xx + yy) / 2, least = middle - std::hypot((xx - yy) / 2, xy);
-        const double floor = 1e-3 * (std::abs(middle) + std::hypot((xx - yy) / 2, xy)) + 1e-300;
-        if (least < floor) xx += floor - least, yy += floor - least;
-        const double det = xx * yy - xy * xy;
-        Vec3d step = (x * ((xy * gy - yy * gx) / det) + y * ((xy * gx - xx * gy) / det)) * h;
+        const Vec2d by = newton_step({start, px, mx, py, my, pp, mm});
+        Vec3d step = (x * by.x + y * by.y) * h;
         if (const double l = length(step); !(l <= reach)) step = std::isfinite(l) ? step * (reach / l) : Vec3d{};
         constexpr int kHalvings = 8;
         for (int k = 0; k < kHalvings; ++k, step *= 0.4) {
@@ -201,11 +230,6 @@ class PatchRepair {
         }
     }
 
-    struct Error {
-        double squares = 0;        // of the distances of the source's points over some faces to the grid
-        double fourth_powers = 0;  // of these and of the faces' middles: between what mean and largest error say
-        double largest = 0;        // of both, squared
-    };
     [[nodiscard]] Error error_over(std::span<const std::uint32_t> faces) const {
         Error out;
         const auto add = [&](double squared) {
@@ -224,14 +248,6 @@ class PatchRepair {
         return out;
     }
 
-    struct Patch {
-        std::vector<std::uint32_t> classes;
-        std::vector<Match> places;
-        void take(const std::vector<std::uint32_t>& from, const Matches& matches) {
-            classes = from, places.clear();
-            for (const std::uint32_t c : classes) places.push_back(matches.classes[c]);
-        }
-    };
     void put(const Patch& patch) {
         for (std::size_t k = 0; k < patch.classes.size(); ++k) {
             matches_.classes[patch.classes[k]] = patch.places[k];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/layers/bump.cpp
-// Layer `bump`: what the grid surface misses of the source, by height along the decoded normal.
+// Makes layer `bump`: the height of the source over the grid surface, along the decoded normal.
 #include <algorithm>
 #include <cmath>
 
@@ -13,18 +13,15 @@
 #include "model/layer_names.h"
 
 namespace dgm::bake {
+namespace {
 
-model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, const StoredNormals& normals,
-                       std::span<const MatchedPoint> points) {
+/// Height of the source over the grid surface at each texel of a rows x cols layer.
+/// @param at  the point of the source at each texel
+std::vector<double> heights_over_grid(const LayerInput& in, const StoredPositions& positions,
+                                      const StoredNormals& normals, const SampleGrid& at, std::uint32_t rows,
+                                      std::uint32_t cols) {
     const SampledChart& chart = in.chart;
     const TriMesh& mesh = chart.disk.mesh;
-    const std::uint32_t rows = in.bump_size ? in.bump_size->first : in.fine.m,
-                        cols = in.bump_size ? in.bump_size->second : in.fine.n;
-    const bool same = rows == in.fine.m && cols == in.fine.n;
-    const SampleGrid own = same        ? SampleGrid{}
-                           : in.fitted ? closest_samples(chart, rows, cols)
-                                       : rasterize(mesh.faces, chart.uv, rows, cols);
-    const SampleGrid& at = same ? in.fine : own;
     std::vector<double> height(std::size_t{rows} * cols, 0.0);
     for (std::uint32_t i = 0; i < rows; ++i)
         for (std::uint32_t j = 0; j < cols; ++j) {
@@ -49,11 +46,15 @@ model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, c
             height[t] = in.fitted ? height_over(grid, normal, truth, normal_of_face(mesh, at.samples[t].face))
                                   : dot(truth - grid, normal);
         }
-    if (!points.empty()) fit_bump(in, points, positions, normals, rows, cols, height);
+    return height;
+}
 
+/// Adds the height maps of the materials; returns the largest height.
+double add_height_maps(const LayerInput& in, const SampleGrid& at, std::span<double> height) {
+    const TriMesh& mesh = in.chart.disk.mesh;
     // -bm is the height from black to white in source units; at 1, MTL's default, the file does not say: 1 % of the
     // diagonal.
-    const auto full_range = [&](double bump_scale) { return bump_scale == 1 ? 0.01 * in.frame.diagonal : bump_scale; };
+    const auto full_range = [&](double bm) { return bm == 1 ? 0.01 * in.frame.diagonal : bm; };
     double largest = 0;
     for (std::size_t t = 0; t < height.size(); ++t) {
         const SurfaceSample& from = at.samples[t];
@@ -67,13 +68,38 @@ model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, c
         }
         largest = std::max(largest, std::abs(height[t]));
     }
-    model::Layer layer = empty_layer(model::layers::kBump, model::ElementType::kF16, {rows, cols});
+    return largest;
+}
+
+/// The unit that heights are stored in.
+double bump_scale(double diagonal, double largest) {
     // In source units where half precision holds them; else in units of `scale`, so that a mesh of 1e-9 keeps its
     // relief.
-    const double diagonal = in.frame.diagonal;
     double scale = largest > model::kHalfMax || diagonal < 1 ? std::exp2(std::floor(std::log2(diagonal))) : 1.0;
     if (largest / scale > model::kHalfMax)  // a height map beyond all measure
         scale = std::exp2(std::ceil(std::log2(largest / model::kHalfMax)));
+    return scale;
+}
+
+}  // namespace
+
+model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, const StoredNormals& normals,
+                       std::span<const MatchedPoint> points) {
+    const SampledChart& chart = in.chart;
+    const TriMesh& mesh = chart.disk.mesh;
+    const std::uint32_t rows = in.bump_size ? in.bump_size->first : in.fine.m,
+                        cols = in.bump_size ? in.bump_size->second : in.fine.n;
+    const bool same = rows == in.fine.m && cols == in.fine.n;
+    const SampleGrid own = same        ? SampleGrid{}
+                           : in.fitted ? closest_samples(chart, rows, cols)
+                                       : rasterize(mesh.faces, chart.uv, rows, cols);
+    const SampleGrid& at = same ? in.fine : own;
+    std::vector<double> height = heights_over_grid(in, positions, normals, at, rows, cols);
+    if (!points.empty()) fit_bump(in, points, positions, normals, rows, cols, height);
+
+    const double largest = add_height_maps(in, at, height);
+    model::Layer layer = empty_layer(model::layers::kBump, model::ElementType::kF16, {rows, cols});
+    const double scale = bump_scale(in.frame.diagonal, largest);
     layer.attributes["scale"] = std::vector<double>{scale};
     const auto out = values<std::uint16_t>(layer);
     for (std::size_t t = 0; t < height.size(); ++t) out[t] = model::half_bits(static_cast<float>(height[t] / scale));

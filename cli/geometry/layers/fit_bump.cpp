@@ -9,41 +9,45 @@
 #include "geometry/metrics/grid_point.h"
 
 namespace dgm::bake {
+namespace {
 
-double height_over(const Vec3d& grid, const Vec3d& normal, const Vec3d& point, const Vec3d& plane) {
-    constexpr double kSteep = 0.5;
-    const Vec3d gap = point - grid;
-    const double cosine = dot(normal, plane), limit = 2 * length(gap);
-    return cosine > kSteep ? std::clamp(dot(gap, plane) / cosine, -limit, limit) : dot(gap, normal);
-}
-
-void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const StoredPositions& positions,
-              const StoredNormals& normals, std::uint32_t rows, std::uint32_t cols, std::span<double> heights) {
-    // As much as the points: with one or two of them a texel, less follows their scatter, and the normals suffer.
-    constexpr double kDamping = 1;
-    constexpr int kIterations = 15, kJudgements = 3;
-    const SampledChart& chart = in.chart;
-    if (rows < 2 || cols < 2) return;
+/// The class of each texel: those that seams make one.
+std::vector<std::uint32_t> classes_of_texels(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
     std::vector<std::uint32_t> sample_class(chart.representative.begin(),
                                             chart.representative.begin() + chart.grid_count());
-    for (std::uint32_t s = 0; s < sample_class.size();
-         ++s)  // a class may stand for itself on the border of a free chart
-        if (sample_class[s] >= sample_class.size()) sample_class[s] = s;
-    const std::vector<std::uint32_t> classes = texel_classes(chart.m, chart.n, rows, cols, sample_class);
-    // Both sides of a seam start from their mean.
-    std::vector<double> sum(heights.size(), 0.0), members(heights.size(), 0.0);
-    for (std::size_t t = 0; t < heights.size(); ++t) sum[classes[t]] += heights[t], members[classes[t]] += 1;
-    for (std::size_t t = 0; t < heights.size(); ++t) heights[t] = sum[classes[t]] / members[classes[t]];
+    for (std::uint32_t s = 0; s < sample_class.size(); ++s)
+        if (sample_class[s] >= sample_class.size()) sample_class[s] = s;  // represented by a free chart's border sample
+    return texel_classes(chart.m, chart.n, rows, cols, sample_class);
+}
 
+/// Both sides of a seam take their mean.
+void average_classes(std::span<const std::uint32_t> classes, std::span<double> heights) {
+    std::vector<double> sum(heights.size(), 0.0), members(heights.size(), 0.0);
+    for (std::size_t t = 0; t < heights.size(); ++t) {
+        sum[classes[t]] += heights[t];
+        members[classes[t]] += 1;
+    }
+    for (std::size_t t = 0; t < heights.size(); ++t) heights[t] = sum[classes[t]] / members[classes[t]];
+}
+
+/// What a matched point asks of the four texels about it, and where it lies from the grid.
+struct Gap {
+    Vec3d to_source, normal;
+};
+struct BumpRows {
+    std::vector<GridRow<1>> equations;
+    std::vector<Gap> gaps;
+};
+
+BumpRows rows_of(const LayerInput& in, std::span<const MatchedPoint> points, const StoredPositions& positions,
+                 const StoredNormals& normals, std::uint32_t rows, std::uint32_t cols,
+                 std::span<const std::uint32_t> classes, std::span<const double> heights) {
+    const SampledChart& chart = in.chart;
     const double down = static_cast<double>(rows - 1) / (chart.m - 1),
                  across = static_cast<double>(cols - 1) / (chart.n - 1);
-    std::vector<GridRow<1>> equations;
-    equations.reserve(points.size());
-    struct Gap {
-        Vec3d to_source, normal;
-    };
-    std::vector<Gap> gaps;
-    gaps.reserve(points.size());
+    BumpRows out;
+    out.equations.reserve(points.size());
+    out.gaps.reserve(points.size());
     for (const MatchedPoint& p : points) {
         Vec3d grid, normal;
         bool strip = false;
@@ -57,40 +61,69 @@ void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const 
         const TexelTaps taps = texel_taps(at.x * down, at.y * across, rows, cols);
         const double h =
             height_over(grid, normalized(normal), local_position(in, p.at), normal_of_face(chart.disk.mesh, p.at.face));
-        GridRow<1>& row = equations.emplace_back();
+        GridRow<1>& row = out.equations.emplace_back();
         row.value[0] = h;
         for (std::size_t k = 0; k < 4; ++k) {
-            row.unknown[k] = classes[taps.texel[k]], row.w[k] = taps.weight[k];
+            row.unknown[k] = classes[taps.texel[k]];
+            row.w[k] = taps.weight[k];
             row.value[0] -= taps.weight[k] * heights[taps.texel[k]];
         }
-        gaps.push_back({local_position(in, p.at) - grid, normalized(normal)});
+        out.gaps.push_back({local_position(in, p.at) - grid, normalized(normal)});
     }
-    const auto step = grid_least_squares<1>(equations, heights.size(), kDamping, kIterations);
-    // A texel that points touch by a hair of weight may be sent anywhere: none goes farther than what is missed there.
+    return out;
+}
+
+/// A texel that points touch by a hair of weight may be sent anywhere: none goes farther than twice the gap there.
+void take_step(const BumpRows& rows, std::span<const std::array<double, 1>> step,
+               std::span<const std::uint32_t> classes, std::span<double> heights) {
     std::vector<double> reach(heights.size(), 0.0);
-    for (std::size_t k = 0; k < equations.size(); ++k)
-        for (const std::uint32_t texel : equations[k].unknown)
-            reach[texel] = std::max(reach[texel], 2 * length(gaps[k].to_source));
+    for (std::size_t k = 0; k < rows.equations.size(); ++k)
+        for (const std::uint32_t texel : rows.equations[k].unknown)
+            reach[texel] = std::max(reach[texel], 2 * length(rows.gaps[k].to_source));
     for (std::size_t t = 0; t < heights.size(); ++t) {
         const double limit = std::max(reach[classes[t]], std::abs(heights[t]));
         heights[t] = std::clamp(heights[t] + step[classes[t]][0], -limit, limit);
         if (!std::isfinite(heights[t])) heights[t] = 0;
     }
-    // Where the grid is sheared or its normals lean, heights along them may lead away from the source, and
-    // texels that no point touches may hold anything: none is better.
-    for (int pass = 0; pass < kJudgements; ++pass) {
-        std::vector<double> gain(heights.size(), 0.0);
-        for (std::size_t k = 0; k < equations.size(); ++k) {
-            const GridRow<1>& row = equations[k];
-            double h = 0;
-            for (std::size_t c = 0; c < 4; ++c) h += row.w[c] * heights[row.unknown[c]];
-            const Vec3d rest = gaps[k].to_source - gaps[k].normal * h;
-            const double better = dot(gaps[k].to_source, gaps[k].to_source) - dot(rest, rest);
-            for (std::size_t c = 0; c < 4; ++c) gain[row.unknown[c]] += row.w[c] * better;
-        }
-        for (std::size_t t = 0; t < heights.size(); ++t)
-            if (!(gain[classes[t]] > 0)) heights[t] = 0;
+}
+
+/// Where the grid is sheared or its normals lean, heights along them may lead away from the source, and texels that no
+/// point touches may hold anything: none is better.
+void drop_useless(const BumpRows& rows, std::span<const std::uint32_t> classes, std::span<double> heights) {
+    std::vector<double> gain(heights.size(), 0.0);
+    for (std::size_t k = 0; k < rows.equations.size(); ++k) {
+        const GridRow<1>& row = rows.equations[k];
+        const Gap& gap = rows.gaps[k];
+        double h = 0;
+        for (std::size_t c = 0; c < 4; ++c) h += row.w[c] * heights[row.unknown[c]];
+        const Vec3d rest = gap.to_source - gap.normal * h;
+        const double better = dot(gap.to_source, gap.to_source) - dot(rest, rest);
+        for (std::size_t c = 0; c < 4; ++c) gain[row.unknown[c]] += row.w[c] * better;
     }
+    for (std::size_t t = 0; t < heights.size(); ++t)
+        if (!(gain[classes[t]] > 0)) heights[t] = 0;
+}
+
+}  // namespace
+
+double height_over(const Vec3d& grid, const Vec3d& normal, const Vec3d& point, const Vec3d& plane) {
+    constexpr double kSteep = 0.5;
+    const Vec3d gap = point - grid;
+    const double cosine = dot(normal, plane), limit = 2 * length(gap);
+    return cosine > kSteep ? std::clamp(dot(gap, plane) / cosine, -limit, limit) : dot(gap, normal);
+}
+
+void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const StoredPositions& positions,
+              const StoredNormals& normals, std::uint32_t rows, std::uint32_t cols, std::span<double> heights) {
+    // As much as the points: with one or two of them a texel, less follows their scatter, and the normals suffer.
+    constexpr double kDamping = 1;
+    constexpr int kIterations = 15, kJudgements = 3;
+    if (rows < 2 || cols < 2) return;
+    const std::vector<std::uint32_t> classes = classes_of_texels(in.chart, rows, cols);
+    average_classes(classes, heights);
+    const BumpRows bump = rows_of(in, points, positions, normals, rows, cols, classes, heights);
+    take_step(bump, grid_least_squares<1>(bump.equations, heights.size(), kDamping, kIterations), classes, heights);
+    for (int pass = 0; pass < kJudgements; ++pass) drop_useless(bump, classes, heights);
 }
 
 }  // namespace dgm::bake

@@ -73,6 +73,27 @@ class GridMatrix {
     std::vector<double> value;
 };
 
+/// product = matrix * direction, with another diagonal.
+template <std::size_t Channels>
+void multiply(const GridMatrix& matrix, std::span<const double> diagonal,
+              std::span<const std::array<double, Channels>> direction,
+              std::span<std::array<double, Channels>> product) {
+    for (std::size_t u = 0; u < product.size(); ++u)
+        for (std::size_t c = 0; c < Channels; ++c) product[u][c] = diagonal[u] * direction[u][c];
+    for (std::size_t u = 0; u < product.size(); ++u) {
+        const std::array<double, Channels> own = direction[u];
+        std::array<double, Channels> sum = product[u];
+        for (std::uint32_t e = matrix.first[u]; e < matrix.first[u + 1]; ++e) {
+            const std::uint32_t v = matrix.column[e];
+            for (std::size_t c = 0; c < Channels; ++c) {
+                sum[c] += matrix.value[e] * direction[v][c];
+                product[v][c] += matrix.value[e] * own[c];
+            }
+        }
+        product[u] = sum;
+    }
+}
+
 /// Minimises  sum of the rows + damping * (own diagonal) * |x|^2  over each channel by conjugate gradients with Jacobi
 /// preconditioning. Unknowns in no row stay 0. Sums run in a fixed order: the same bits every time.
 template <std::size_t Channels>
@@ -110,20 +131,7 @@ template <std::size_t Channels>
         bool open = false;
         for (std::size_t c = 0; c < Channels; ++c) open = open || rz[c] > 1e-8 * first[c];
         if (!open) break;
-        for (std::size_t u = 0; u < unknowns; ++u)
-            for (std::size_t c = 0; c < Channels; ++c) product[u][c] = damped[u] * direction[u][c];
-        for (std::size_t u = 0; u < unknowns; ++u) {
-            const Value own = direction[u];
-            Value sum = product[u];
-            for (std::uint32_t e = matrix.first[u]; e < matrix.first[u + 1]; ++e) {
-                const std::uint32_t v = matrix.column[e];
-                for (std::size_t c = 0; c < Channels; ++c) {
-                    sum[c] += matrix.value[e] * direction[v][c];
-                    product[v][c] += matrix.value[e] * own[c];
-                }
-            }
-            product[u] = sum;
-        }
+        multiply<Channels>(matrix, damped, direction, product);
         Value curvature{}, step{}, beta{};
         for (std::size_t u = 0; u < unknowns; ++u)
             for (std::size_t c = 0; c < Channels; ++c) curvature[c] += direction[u][c] * product[u][c];

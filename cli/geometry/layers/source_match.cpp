@@ -79,81 +79,131 @@ Vec2d grid_coordinates(const SampledChart& chart, const MatchedPoint& p) {
     return out;
 }
 
-std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositions& positions, std::size_t count) {
-    constexpr double kMinCosine = 0.3;
-    constexpr std::size_t kMany = 100;  // one in so many
-    const TriMesh& mesh = in.chart.disk.mesh;
-    const std::vector<SurfaceSample> spread = spread_by_area(mesh, count);
-    if (spread.empty()) return {};
+namespace {
 
-    const std::vector<Face> faces = in.chart.faces();
-    const WeldedGrid grid = weld_stored(in.chart, positions.local);
-    const LinkedSurface& stored = grid.surface;
-    const double slack =
-        0.25 * in.frame.diagonal * std::sqrt(surface_area(mesh) / static_cast<double>(in.chart.grid_count()));
+constexpr double kMinCosine = 0.3;
 
-    std::vector<MatchedPoint> points(count);
-    std::vector<char> open(count, 0);
-    const auto in_chunks = [&](const auto& visit) {
-        constexpr std::size_t kChunk = 1024;  // neighbours share a hint, and a face's normal
-        tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-            std::uint32_t hint = kNone, last = kNone;
-            Vec3d normal;
-            for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
-                if (spread[k].face != last) last = spread[k].face, normal = normal_of_face(mesh, last);
-                visit(k, local_position(in, spread[k]), normal, hint);
-            }
+/// Points of the source spread by area, and the stored grid surface that they are matched with.
+class Matching {
+ public:
+    Matching(const LayerInput& in, const StoredPositions& positions, std::vector<SurfaceSample> spread)
+        : in_(in),
+          positions_(positions.local),
+          spread_(std::move(spread)),
+          faces_(in.chart.faces()),
+          grid_(weld_stored(in.chart, positions.local)),
+          slack_(0.25 * in.frame.diagonal *
+                 std::sqrt(surface_area(in.chart.disk.mesh) / static_cast<double>(in.chart.grid_count()))),
+          points_(spread_.size()),
+          open_(spread_.size(), 0) {}
+
+    /// Samples move while they are fitted, but not far: a walk from where the map puts a point mostly ends close to it.
+    void walk() {
+        in_chunks([&](std::size_t k, const Vec3d& position, const Vec3d& normal, std::uint32_t& hint) {
+            open_[k] = 1;
+            const std::uint32_t start = start_of(k, hint);
+            if (start == kNone) return;
+            const SurfaceHit hit = walk_to_closest(grid_.surface, position, start);
+            if (hit.squared > slack_ * slack_ || dot(grid_.surface.normals[hit.face], normal) <= kMinCosine) return;
+            match(k, hint = hit.face, hit.b);
+            open_[k] = 0;
         });
-    };
-    const auto match = [&](std::size_t k, std::uint32_t face, const auto& b) {
-        points[k] = {spread[k], face, faces[face], {b[0], b[1], b[2]}};
-    };
-    // Samples move while they are fitted, but not far: a walk from where the map puts a point mostly ends close to it;
-    // the index tells the rest. Beside the border of a free chart it starts where the last one ended.
-    const auto start_of = [&](std::size_t k, std::uint32_t last) {
-        const std::uint32_t face = grid.face_at(in.chart, spread[k]);
-        return face != kNone ? face : last;
-    };
-    in_chunks([&](std::size_t k, const Vec3d& position, const Vec3d& normal, std::uint32_t& hint) {
-        open[k] = 1;
-        const std::uint32_t start = start_of(k, hint);
-        if (start == kNone) return;
-        const SurfaceHit hit = walk_to_closest(stored, position, start);
-        if (hit.squared > slack * slack || dot(stored.normals[hit.face], normal) <= kMinCosine) return;
-        match(k, hint = hit.face, hit.b);
-        open[k] = 0;
-    });
-    const auto left = static_cast<std::size_t>(std::count(open.begin(), open.end(), 1));
-    if (left * kMany <= count) {  // not worth an index
-        FacingSearch search(stored, kMinCosine);
+    }
+
+    [[nodiscard]] std::size_t open_count() const {
+        return static_cast<std::size_t>(std::count(open_.begin(), open_.end(), 1));
+    }
+
+    /// Matches open points with faces near the start of their walks.
+    void search_nearby() {
+        FacingSearch search(grid_.surface, kMinCosine);
         std::uint32_t hint = kNone;
-        for (std::size_t k = 0; k < count; ++k) {
-            if (open[k] == 0) {
-                hint = points[k].face;
+        for (std::size_t k = 0; k < open_.size(); ++k) {
+            if (open_[k] == 0) {
+                hint = points_[k].face;
                 continue;
             }
             const std::uint32_t start = start_of(k, hint);
             if (start == kNone) continue;
-            const SurfaceHit hit =
-                search.from(local_position(in, spread[k]), normal_of_face(mesh, spread[k].face), start, slack);
+            const SurfaceHit hit = search.from(local_position(in_, spread_[k]),
+                                               normal_of_face(in_.chart.disk.mesh, spread_[k].face), start, slack_);
             if (hit.face != kNone) match(k, hit.face, hit.b);
         }
-    } else {
-        const ClosestPointIndex index(positions.local, faces);
+    }
+
+    /// Matches open points with all faces.
+    void search_all() {
+        const ClosestPointIndex index(positions_, faces_);
         in_chunks([&](std::size_t k, const Vec3d& position, const Vec3d& normal, std::uint32_t& hint) {
-            if (open[k] == 0) return;
+            if (open_[k] == 0) return;
             ClosestPoint hit = index.query(position, hint);
             hint = hit.face;
             if (hit.face != ClosestPointIndex::kNoFace && dot(index.unit_normal(hit.face), normal) <= kMinCosine) {
-                const double limit = 2 * hit.distance + slack;
+                const double limit = 2 * hit.distance + slack_;
                 hit = index.query_facing(position, normal, kMinCosine, ClosestPointIndex::kNoFace, limit);
                 if (hit.distance > limit) hit.face = ClosestPointIndex::kNoFace;
             }
             if (hit.face != ClosestPointIndex::kNoFace) match(k, hit.face, hit.barycentric);
         });
     }
-    std::erase_if(points, [](const MatchedPoint& p) { return p.at.face == kNone; });
-    return points;
+
+    [[nodiscard]] std::vector<MatchedPoint> matched() && {
+        std::erase_if(points_, [](const MatchedPoint& p) { return p.at.face == kNone; });
+        return std::move(points_);
+    }
+
+ private:
+    template <class Visit>
+    void in_chunks(const Visit& visit) const {
+        constexpr std::size_t kChunk = 1024;  // neighbours share a hint, and a face's normal
+        const std::size_t count = spread_.size();
+        tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+            std::uint32_t hint = kNone, last = kNone;
+            Vec3d normal;
+            for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
+                if (spread_[k].face != last) {
+                    last = spread_[k].face;
+                    normal = normal_of_face(in_.chart.disk.mesh, last);
+                }
+                visit(k, local_position(in_, spread_[k]), normal, hint);
+            }
+        });
+    }
+
+    template <class Weights>
+    void match(std::size_t k, std::uint32_t face, const Weights& b) {
+        points_[k] = {spread_[k], face, faces_[face], {b[0], b[1], b[2]}};
+    }
+
+    /// Beside the border of a free chart a walk starts where the last one ended.
+    [[nodiscard]] std::uint32_t start_of(std::size_t k, std::uint32_t last) const {
+        const std::uint32_t face = grid_.face_at(in_.chart, spread_[k]);
+        return face != kNone ? face : last;
+    }
+
+    const LayerInput& in_;
+    std::span<const Vec3d> positions_;
+    std::vector<SurfaceSample> spread_;
+    std::vector<Face> faces_;
+    WeldedGrid grid_;
+    double slack_;
+    std::vector<MatchedPoint> points_;
+    std::vector<char> open_;  // per point: not matched by its walk
+};
+
+}  // namespace
+
+std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositions& positions, std::size_t count) {
+    constexpr std::size_t kMany = 100;  // one in so many is worth an index
+    std::vector<SurfaceSample> spread = spread_by_area(in.chart.disk.mesh, count);
+    if (spread.empty()) return {};
+    Matching matching(in, positions, std::move(spread));
+    matching.walk();
+    if (matching.open_count() * kMany <= count)
+        matching.search_nearby();
+    else
+        matching.search_all();
+    return std::move(matching).matched();
 }
 
 }  // namespace dgm::bake

@@ -298,41 +298,45 @@ std::vector<Vec2d> lscm_map(const DiskView& disk, LscmWeight weight, const model
     return uv;
 }
 
-std::vector<Vec2d> harmonic_disk_map(const DiskView& disk, const model::Progress& progress) {
-    progress.update("harmonic start", 0);
-    const std::size_t n = disk.positions.size(), k = disk.border.size();
-    const std::vector<RestShape> rest = rest_shapes(disk);
-    double around = 0, walked = 0, area = 0;
+namespace {
+
+/// The border on a circle of the surface's area, by arc length; zero inside.
+std::vector<Vec2d> border_on_circle(const DiskView& disk, double area) {
+    const std::size_t k = disk.border.size();
+    double around = 0, walked = 0;
     const auto edge = [&](std::size_t b) {
         return length(disk.positions[disk.border[(b + 1) % k]] - disk.positions[disk.border[b]]);
     };
     for (std::size_t b = 0; b < k; ++b) around += edge(b);
-    for (const RestShape& r : rest) area += r.area;
     const double radius = std::sqrt(area / std::numbers::pi);
-    std::vector<Vec2d> uv(n);
-    std::vector<std::uint8_t> fixed(n, 0);
+    std::vector<Vec2d> uv(disk.positions.size());
     for (std::size_t b = 0; b < k; ++b) {
         const double angle = 2 * std::numbers::pi * walked / around;
         uv[disk.border[b]] = Vec2d{std::cos(angle), std::sin(angle)} * radius;
-        fixed[disk.border[b]] = 1;
         walked += edge(b);
     }
-    int count = 0;
-    std::vector<int> unknown = number_free(fixed, count);
-    if (count == 0) return uv;
-    SparseMatrix matrix;
-    {
-        Assembly assembly(unknown, count, 1, disk.faces.size());
-        for (std::size_t f = 0; f < disk.faces.size(); ++f)
-            for (std::size_t i = 0; i < 3; ++i)
-                for (std::size_t j = 0; j < 3; ++j)
-                    assembly.add(disk.faces[f][i], 0, disk.faces[f][j], 0,
-                                 rest[f].area * dot(rest[f].hat[i], rest[f].hat[j]));
-        matrix = assembly.matrix();
-    }
-    // Positive weights: off-diagonal entries are clamped to at most -1/100 and the diagonal is what they sum to, the
-    // border's share among it.
+    return uv;
+}
+
+/// Cotangent weights between the unknowns.
+SparseMatrix cotangent_matrix(const DiskView& disk, const std::vector<RestShape>& rest, std::vector<int>& unknown,
+                              int count) {
+    Assembly assembly(unknown, count, 1, disk.faces.size());
+    for (std::size_t f = 0; f < disk.faces.size(); ++f)
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j)
+                assembly.add(disk.faces[f][i], 0, disk.faces[f][j], 0,
+                             rest[f].area * dot(rest[f].hat[i], rest[f].hat[j]));
+    return assembly.matrix();
+}
+
+/// Makes the weights positive: off-diagonal entries are clamped to at most -1/100 and the diagonal is their sum, the
+/// border's share among it. Returns the right-hand sides.
+Eigen::MatrixX2d make_positive(SparseMatrix& matrix, const DiskView& disk, const std::vector<RestShape>& rest,
+                               const std::vector<int>& unknown, const std::vector<std::uint8_t>& fixed,
+                               const std::vector<Vec2d>& uv) {
     constexpr double kLeast = 0.01, kMost = 100;
+    const Eigen::Index count = matrix.rows();
     Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(count, 2);
     Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(count);
     for (int c = 0; c < matrix.outerSize(); ++c)
@@ -353,11 +357,29 @@ std::vector<Vec2d> harmonic_disk_map(const DiskView& disk, const model::Progress
                 right.row(unknown[v]) += weight * Eigen::RowVector2d(uv[w].x, uv[w].y);
             }
     for (int c = 0; c < matrix.outerSize(); ++c) matrix.coeffRef(c, c) = diagonal[c];
+    return right;
+}
+
+}  // namespace
+
+std::vector<Vec2d> harmonic_disk_map(const DiskView& disk, const model::Progress& progress) {
+    progress.update("harmonic start", 0);
+    const std::vector<RestShape> rest = rest_shapes(disk);
+    double area = 0;
+    for (const RestShape& r : rest) area += r.area;
+    std::vector<Vec2d> uv = border_on_circle(disk, area);
+    std::vector<std::uint8_t> fixed(uv.size(), 0);
+    for (const std::uint32_t v : disk.border) fixed[v] = 1;
+    int count = 0;
+    std::vector<int> unknown = number_free(fixed, count);
+    if (count == 0) return uv;
+    SparseMatrix matrix = cotangent_matrix(disk, rest, unknown, count);
+    Eigen::MatrixX2d right = make_positive(matrix, disk, rest, unknown, fixed, uv);
     SparseCholesky solver;
     solver.analyze(matrix, ordering_of(disk, false));
     if (!solver.factorize(matrix)) fail("the harmonic start cannot be solved");
     solver.solve({right.data(), static_cast<std::size_t>(right.size())});
-    for (std::size_t v = 0; v < n; ++v)
+    for (std::size_t v = 0; v < uv.size(); ++v)
         if (unknown[v] >= 0) uv[v] = {right(unknown[v], 0), right(unknown[v], 1)};
     progress.update("harmonic start", 1);
     return uv;
@@ -370,8 +392,8 @@ double arap_energy(const DiskView& disk, std::span<const Vec2d> uv) {
     for (const Vec2d& p : uv) u.push_back(p.x), v.push_back(p.y);
     for (std::size_t f = 0; f < rest.size(); ++f) {
         const Jacobian j = jacobian(rest[f], disk.faces[f], u.data(), v.data());
-        sum +=
-            rest[f].area * (j.a * j.a + j.b * j.b + j.c * j.c + j.d * j.d + 2 - 2 * length(Vec2d{j.a + j.d, j.c - j.b}));
+        sum += rest[f].area *
+               (j.a * j.a + j.b * j.b + j.c * j.c + j.d * j.d + 2 - 2 * length(Vec2d{j.a + j.d, j.c - j.b}));
         total += rest[f].area;
     }
     return sum / total;

@@ -227,6 +227,53 @@ double flip_free_energy(const DiskView& disk, std::span<const Vec2d> uv, const S
     return energy;
 }
 
+namespace {
+
+/// Scales a map with a free border to its least energy, if no face inverts for it. Returns the energy.
+double scale_to_least(const Problem& problem, std::span<const Face> faces, std::vector<Vec2d>& x, double energy) {
+    const double scale = problem.best_scale(x);
+    std::vector<Vec2d> scaled = x;
+    for (Vec2d& p : scaled) p = p * scale;
+    const double e = problem.energy(scaled);
+    if (!(e < energy) || count_not_positive(faces, scaled) != 0) return energy;
+    x = std::move(scaled);
+    return e;
+}
+
+/// A step from a map, as far as no face inverts.
+struct Line {
+    const std::vector<Vec2d>& from;
+    const std::vector<Vec2d>& step;
+    double longest;  // in steps
+    double energy;   // at `from`
+    double slope;    // of the energy there
+};
+
+/// Goes along the line to a place `found` that is lower by Armijo's rule. Returns its energy; infinity if there is
+/// none.
+double search_line(const Problem& problem, std::span<const Face> faces, const Line& line, std::vector<Vec2d>& found) {
+    const auto at = [&](double t) {
+        for (std::size_t v = 0; v < found.size(); ++v) found[v] = line.from[v] + line.step[v] * t;
+        return problem.energy(found);
+    };
+    double t = std::min(1.0, line.longest);
+    // Where s^-2 rules, the quadratic model asks for a third more size: go on while the energy falls well.
+    for (double e = at(t); t < std::min(kLongestStep, 0.9 * line.longest);) {
+        const double next = std::min(2 * t, line.longest), further = at(next);
+        if (!(further < 0.99 * e)) break;
+        t = next;
+        e = further;
+    }
+    for (int halving = 0; halving < kMaxHalvings; ++halving, t *= 0.5) {
+        const double e = at(t);
+        if (e < line.energy && e <= line.energy + kArmijo * t * line.slope && count_not_positive(faces, found) == 0)
+            return e;
+    }
+    return kInfinity;
+}
+
+}  // namespace
+
 std::vector<Vec2d> descend_flip_free(const DiskView& disk, std::vector<Vec2d> start, const SlimOptions& options,
                                      const model::Progress& progress, SlimReport* report) {
     progress.update(kStage, 0);
@@ -240,16 +287,7 @@ std::vector<Vec2d> descend_flip_free(const DiskView& disk, std::vector<Vec2d> st
     std::vector<Vec2d> x = std::move(start);
     if (options.border_fixed && options.rest.empty()) problem.scale_rest(std::sqrt(map_area(disk, x) / problem.area()));
     double energy = problem.energy(x);
-    if (!options.border_fixed && options.rest.empty()) {
-        const double scale = problem.best_scale(x);
-        std::vector<Vec2d> scaled = x;
-        for (Vec2d& p : scaled) p = p * scale;
-        const double e = problem.energy(scaled);
-        if (e < energy && count_not_positive(disk.faces, scaled) == 0) {
-            x = std::move(scaled);
-            energy = e;
-        }
-    }
+    if (!options.border_fixed && options.rest.empty()) energy = scale_to_least(problem, disk.faces, x, energy);
     SlimReport out{.start_energy = energy, .energy = energy};
 
     std::vector<std::uint8_t> fixed(x.size(), 0);
@@ -265,26 +303,7 @@ std::vector<Vec2d> descend_flip_free(const DiskView& disk, std::vector<Vec2d> st
         progress.update(kStage, share);
         const double longest = find_step(problem, system, x, stiffness, step, progress, share);
         if (!(longest > 0)) break;
-        const auto at = [&](double t) {
-            for (std::size_t v = 0; v < x.size(); ++v) trial[v] = x[v] + step[v] * t;
-            return problem.energy(trial);
-        };
-        double t = std::min(1.0, longest);
-        // Where s^-2 rules, the quadratic model asks for a third more size: go on while the energy falls well.
-        for (double e = at(t); t < std::min(kLongestStep, 0.9 * longest);) {
-            const double next = std::min(2 * t, longest), further = at(next);
-            if (!(further < 0.99 * e)) break;
-            t = next, e = further;
-        }
-        double lowered = kInfinity;
-        for (int halving = 0; halving < kMaxHalvings; ++halving, t *= 0.5) {
-            const double e = at(t);
-            if (e < energy && e <= energy + kArmijo * t * system.slope() &&
-                count_not_positive(disk.faces, trial) == 0) {
-                lowered = e;
-                break;
-            }
-        }
+        const double lowered = search_line(problem, disk.faces, {x, step, longest, energy, system.slope()}, trial);
         if (!(lowered < energy)) break;
         const double gain = energy - lowered;
         x.swap(trial);

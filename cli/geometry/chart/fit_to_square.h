@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/chart/fit_to_square.h
+// Stretches a free chart over the unit square, and divides its border by the grid's cells.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/cut/disk.h"
+
+namespace dgm::bake {
+
+/// Which of a chart's upright bounding rectangles is stretched over the square, by its sides in steps of m x n samples.
+enum class Box {
+    kLeastArea,
+    kLeastSquares,  ///< of the sides: what an isometric chart is stretched least in
+};
+
+/// Turns the chart and stretches its bounding rectangle over the unit square.
+void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border, std::uint32_t m, std::uint32_t n,
+                   Box box);
+
+/// Divides border edges longer than one grid cell, on both sides of a cut at the same places.
+/// @param rows, cols  cells of the grid
+void divide_border(Disk& disk, std::vector<Vec2d>& uv, double rows, double cols);
+
+}  // namespace dgm::bake
