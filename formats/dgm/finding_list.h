@@ -20,7 +20,7 @@ class FindingList {
 
     void add(const model::Code& code, std::string message, std::string place,
              std::optional<double> measured = std::nullopt, std::optional<double> limit = std::nullopt) {
-        if (throws_) throw model::Error(code, std::move(message), std::move(place));
+        if (throws_) throw model::Error(code, message, place);
         findings_.push_back({&code, Severity::kError, std::move(message), std::move(place), measured, limit});
         if (findings_.size() >= kMaxFindings) throw EnoughFindings();
     }
