@@ -15,9 +15,10 @@
 """
 import dataclasses
 import re
-import sys
 import tempfile
 from pathlib import Path
+
+import checks
 
 HEADER = "libdgm/include/dgm/dgm.h"
 SOURCES = "libdgm/src", "c_api*.cpp"
@@ -215,9 +216,7 @@ BAD = (  # text in GOOD, its replacement, line of the fault, part of its message
 def planted(text):
     """Faults of a tree whose header is `text`."""
     with tempfile.TemporaryDirectory(prefix="check-c-api-") as folder:
-        for name, content in ((HEADER, text), (f"{SOURCES[0]}/c_api/c_api_things.cpp", ASSERTS)):
-            (Path(folder) / name).parent.mkdir(parents=True, exist_ok=True)
-            (Path(folder) / name).write_text(content, encoding="utf-8")
+        checks.plant(Path(folder), {HEADER: text, f"{SOURCES[0]}/c_api/c_api_things.cpp": ASSERTS})
         return check(Path(folder))
 
 
@@ -237,19 +236,5 @@ def self_test():
     return wrong
 
 
-def main(arguments):
-    if arguments == ["--self-test"]:
-        faults = self_test()
-    elif len(arguments) <= 1 and not any(a.startswith("-") for a in arguments):
-        faults = check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent)
-    else:
-        print(__doc__, file=sys.stderr)
-        return 1
-    for fault in faults:
-        print(fault)
-    print(f"check_c_api: {len(faults)} faults" if faults else "check_c_api: ok")
-    return 3 if faults else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    checks.main("check_c_api", __doc__, check, self_test)

@@ -10,10 +10,10 @@ Markdown names in back quotes (`cli/bake`, `libdgm/src/rows/*.h`); and citations
 (`docs/design.md section 4`) in any source. Links to other hosts are not followed. Code blocks are left out.
 """
 import re
-import sys
-import tempfile
 import urllib.parse
 from pathlib import Path
+
+import checks
 
 LINK = re.compile(r"!?\[(?:[^\]\[]|\[[^\]]*\])*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 REFERENCE = re.compile(r"^\s{0,3}\[[^\]]+\]:\s+<?(\S+?)>?(?:\s+\"[^\"]*\")?\s*$")
@@ -24,16 +24,6 @@ OUTSIDE = re.compile(r"[a-z][a-z0-9+.-]*:|//", re.IGNORECASE)
 CITATION = re.compile(r"((?:docs|formats)/[\w-]+\.md),? +section +(\d+(?:\.\d+)*)")
 NAMED = re.compile(r"`((?:cli|docs|formats|libdgm|samples|scripts|tests)/[\w./*-]+)`")
 SOURCES = {".h", ".hpp", ".c", ".cpp", ".py", ".sh", ".cmake", ".md", ".toml", ".txt"}
-
-
-def files_of(root):
-    """Every file of the tree but builds, outputs and hidden folders; sorted."""
-    def skipped(relative):
-        top = relative.parts[0]
-        hidden = any(p.startswith(".") for p in relative.parts[:-1])
-        return hidden or top == "out" or top.startswith("build") or "__pycache__" in relative.parts
-    relatives = (p.relative_to(root) for p in sorted(root.rglob("*")) if p.is_file())
-    return [r for r in relatives if not skipped(r)]
 
 
 def text_of(path):
@@ -127,7 +117,7 @@ def check(root):
     """All faults of a tree, as text lines."""
     root = root.resolve()
     faults, documents = [], 0
-    for relative in files_of(root):
+    for relative in checks.files_of(root):
         if relative.suffix not in SOURCES:
             continue
         text = text_of(root / relative)
@@ -169,46 +159,9 @@ BAD = {  # file: (text, line of the fault, part of the message)
 }
 
 
-def plant(root, files):
-    for name, text in files.items():
-        (root / name).parent.mkdir(parents=True, exist_ok=True)
-        (root / name).write_text(text, encoding="utf-8")
-
-
 def self_test():
-    """Faults of the check itself, as text lines."""
-    wrong = []
-    with tempfile.TemporaryDirectory(prefix="check-links-") as folder:
-        root = Path(folder)
-        plant(root, GOOD)
-        wrong += [f"a good tree fails: {fault}" for fault in check(root)]
-        plant(root, {name: text for name, (text, _, _) in BAD.items()})
-        faults = check(root)
-        for name, (_, line, message) in BAD.items():
-            mine = [f for f in faults if f.startswith(name + ":")]
-            if len(mine) != 1 or not mine[0].startswith(f"{name}:{line}:") or message not in mine[0]:
-                wrong.append(f"{name}:{line}: expected one fault with \"{message}\", got {mine}")
-        if len(faults) != len(BAD):
-            wrong.append(f"expected {len(BAD)} faults, got {len(faults)}")
-    with tempfile.TemporaryDirectory(prefix="check-links-") as folder:
-        if len(check(Path(folder))) != 1:
-            wrong.append("an empty tree passes")
-    return wrong
-
-
-def main(arguments):
-    if arguments == ["--self-test"]:
-        faults = self_test()
-    elif len(arguments) <= 1 and not any(a.startswith("-") for a in arguments):
-        faults = check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent)
-    else:
-        print(__doc__, file=sys.stderr)
-        return 1
-    for fault in faults:
-        print(fault)
-    print(f"check_links: {len(faults)} faults" if faults else "check_links: ok")
-    return 3 if faults else 0
+    return checks.tree_faults(check, GOOD, BAD)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    checks.main("check_links", __doc__, check, self_test)

@@ -10,8 +10,8 @@ a call, and only after `if (!x)`, `if (auto x = ...)` or `x ? ...` in the same f
 such question is enough: it never changes.
 """
 import re
-import sys
-from pathlib import Path
+
+import checks
 
 USE = re.compile(r"(?P<of>[\w.\]\[>-]+|\w+\([^()]*\)|\))\s*\.value\(\)")
 MOVED = re.compile(r"std::move\((\w+)\)\s*\.value\(\)")
@@ -49,15 +49,8 @@ def faults_of(text):
 
 
 def check(root):
-    count = 0
-    for path in sorted((root / "libdgm").rglob("*")):
-        if path.suffix not in (".cpp", ".h"):
-            continue
-        for number, message in faults_of(path.read_text()):
-            print(f"{path.relative_to(root)}:{number}: {message}")
-            count += 1
-    print(f"check_results: {count} faults" if count else "check_results: every value() is asked for first")
-    return 3 if count else 0
+    return [f"{path.relative_to(root)}:{number}: {message}" for path in sorted((root / "libdgm").rglob("*"))
+            if path.suffix in (".cpp", ".h") for number, message in faults_of(path.read_text(encoding="utf-8"))]
 
 
 def self_test():
@@ -68,16 +61,9 @@ def self_test():
     good = ("void f() {\n    auto x = g();\n    if (!x) return;\n    use(x.value());\n}\n",
             "void f() {\n    if (const auto x = g()) use(x.value());\n}\n",
             "void f() {\n    auto x = g();\n    if (!x) return;\n    use(std::move(x).value());\n}\n")
-    for text in bad:
-        assert len(faults_of(text)) == 1, text
-    for text in good:
-        assert not faults_of(text), text
-    print("check_results: self-test passed")
-    return 0
+    return ([f"no fault in:\n{text}" for text in bad if len(faults_of(text)) != 1] +
+            [f"a fault in:\n{text}" for text in good if faults_of(text)])
 
 
 if __name__ == "__main__":
-    arguments = sys.argv[1:]
-    if arguments == ["--self-test"]:
-        sys.exit(self_test())
-    sys.exit(check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent))
+    checks.main("check_results", __doc__, check, self_test)

@@ -2,17 +2,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lengths of functions and classes in our C and C++ sources.
 
-  scripts/check_sizes.py [ROOT]        faults: functions and classes that are longer than allowed; exit code 1
-  scripts/check_sizes.py --list N      the N longest of each
+    scripts/check_sizes.py [ROOT]      check the tree; prints FILE:LINE: MESSAGE for each fault; exit code 3 if any
+    scripts/check_sizes.py --self-test check a sample whose lengths are known
+    scripts/check_sizes.py --list N    print the N longest of each
 
 A length is that of the lines from the head to the closing brace; a class counts its members' bodies where they stand
 inside it. Exceptions stand in LONGER, with the length each may have: the list may only shrink.
 """
-import argparse
 import dataclasses
 import re
 import sys
-from pathlib import Path
+
+import checks
 
 MOST_FUNCTION, MOST_CLASS = 60, 250
 FOLDERS = ("libdgm", "formats", "cli", "samples")
@@ -111,8 +112,10 @@ def measure(root):
     return blocks
 
 
-def faults_of(blocks):
-    most = {"function": MOST_FUNCTION, "class": MOST_CLASS}
+def check(root):
+    blocks, most = measure(root), {"function": MOST_FUNCTION, "class": MOST_CLASS}
+    if not blocks:
+        return [f"{root}: no function found"]
     faults = [f"{b.file}:{b.line}: {b.kind} {b.name} has {b.lines} lines, {LONGER.get(b.key(), most[b.kind])} at most"
               for b in blocks if b.lines > LONGER.get(b.key(), most[b.kind])]
     keys = {b.key() for b in blocks if b.lines > most[b.kind]}
@@ -149,28 +152,18 @@ def self_test():
     return [f"the check itself: {k} has {found.get(k)} lines, not {n}" for k, n in wanted.items() if found.get(k) != n]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).resolve().parent.parent)
-    parser.add_argument("--list", type=int, metavar="N", help="print the N longest functions and classes")
-    arguments = parser.parse_args()
-    faults = self_test()
-    blocks = measure(arguments.root)
-    if not any(b.kind == "function" for b in blocks):
-        faults.append(f"{arguments.root}: no function found")
-    if arguments.list is not None:
-        for kind in ("class", "function"):
-            for b in sorted((b for b in blocks if b.kind == kind), key=lambda b: -b.lines)[:arguments.list]:
-                print(f"{b.lines:5} {b.kind} {b.name}  {b.file}:{b.line}")
-        lengths = sorted(b.lines for b in blocks if b.kind == "function")
-        if lengths:
-            print(f"{len(lengths)} functions: median {lengths[len(lengths) // 2]} lines, "
-                  f"p99 {lengths[int(0.99 * (len(lengths) - 1))]}, largest {lengths[-1]}")
-    else:
-        faults += faults_of(blocks)
-    print("\n".join(faults) if faults else "check_sizes: ok")
-    return 1 if faults else 0
+def print_longest(count):
+    blocks = measure(checks.ROOT)
+    for kind in ("class", "function"):
+        for b in sorted((b for b in blocks if b.kind == kind), key=lambda b: -b.lines)[:count]:
+            print(f"{b.lines:5} {b.kind} {b.name}  {b.file}:{b.line}")
+    lengths = sorted(b.lines for b in blocks if b.kind == "function")
+    print(f"{len(lengths)} functions: median {lengths[len(lengths) // 2]} lines, "
+          f"p99 {lengths[int(0.99 * (len(lengths) - 1))]}, largest {lengths[-1]}")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    if len(sys.argv) == 3 and sys.argv[1] == "--list":
+        print_longest(int(sys.argv[2]))
+    else:
+        checks.main("check_sizes", __doc__, check, self_test)
