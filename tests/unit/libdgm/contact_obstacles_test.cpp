@@ -231,20 +231,10 @@ TEST(Contact, CoverEndsOutsideTheBodyUnderIt) {
     }
 }
 
-/// Sphere of radius 1 on a free chart: its border loop, four sides of `side` - 1 steps, folds at the middle of each.
 ChartSpec free_sphere(std::uint32_t side) {
-    const std::uint32_t first = side * side, steps = side - 1;
-    SeamPairs seams;
-    for (std::uint32_t start = 0; start < 4 * steps; start += steps)
-        for (std::uint32_t k = 1; 2 * k < steps; ++k) seams.push_back({first + start + k, first + start + steps - k});
-    for (std::uint32_t corner = 1; corner < 4; ++corner) seams.push_back({first, first + corner * steps});
-    return free_chart(
-        side, side,
-        [side](double i, double j) {
-            const auto n = octahedral((i - 0.5) / (side - 2), (j - 0.5) / (side - 2));
-            return Point{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
-        },
-        seams);
+    return closed_free_chart(side, [](const std::array<double, 3>& n) {
+        return Point{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
+    });
 }
 
 TEST(Contact, OnlyWeldedSurfacesAreClosed) {

@@ -49,21 +49,6 @@ ChartSpec torus_chart(std::uint32_t m, std::uint32_t n, const Shape3& shape, boo
         seams);
 }
 
-/// Closed, on a free domain: its border loop folds at the middle of each side.
-ChartSpec free_ball_chart(std::uint32_t side, const Shape3& shape, bool coarse) {
-    const std::uint32_t first = side * side, steps = side - 1;
-    SeamPairs seams;
-    for (std::uint32_t start = 0; start < 4 * steps; start += steps)
-        for (std::uint32_t k = 1; 2 * k < steps; ++k) seams.push_back({first + start + k, first + start + steps - k});
-    for (std::uint32_t corner = 1; corner < 4; ++corner) seams.push_back({first, first + corner * steps});
-    return free_chart(
-        side, side,
-        [&](double i, double j) {
-            return rounded(shape(octahedral((i - 0.5) / (side - 2), (j - 0.5) / (side - 2))), coarse);
-        },
-        seams);
-}
-
 ChartSpec random_chart(Random& random) {
     const bool coarse = below(random, 2) == 0;
     const double wave = uniform(random, 0, 0.3), turn = uniform(random, 0, 6), many = 2 + below(random, 4);
@@ -77,7 +62,7 @@ ChartSpec random_chart(Random& random) {
         case 0:
             return torus_chart(side, 7 + below(random, 7), shape, coarse);
         case 1:
-            return free_ball_chart(side, shape, coarse);
+            return closed_free_chart(side, [&](const std::array<double, 3>& n) { return rounded(shape(n), coarse); });
         case 2: {  // open: a tube
             const std::uint32_t n = 8 + below(random, 9);
             return grid_chart(

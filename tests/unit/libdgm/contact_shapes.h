@@ -41,6 +41,20 @@ inline ChartSpec sphere_chart(std::uint32_t side) {
     return closed_chart(side, [](std::array<double, 3> n) { return n; });
 }
 
+/// The same on a free chart: its border loop, four sides of `side` - 1 steps, folds at the middle of each. `point`
+/// turns a unit vector into a Point.
+template <class ToPoint>
+ChartSpec closed_free_chart(std::uint32_t side, ToPoint point) {
+    const std::uint32_t first = side * side, steps = side - 1;
+    SeamPairs seams;
+    for (std::uint32_t start = 0; start < 4 * steps; start += steps)
+        for (std::uint32_t k = 1; 2 * k < steps; ++k) seams.push_back({first + start + k, first + start + steps - k});
+    for (std::uint32_t corner = 1; corner < 4; ++corner) seams.push_back({first, first + corner * steps});
+    return free_chart(
+        side, side,
+        [&](double i, double j) { return point(octahedral((i - 0.5) / (side - 2), (j - 0.5) / (side - 2))); }, seams);
+}
+
 struct Triangles {
     std::vector<std::uint32_t> indices;
     explicit Triangles(const State& state) : indices(mesh_counts(state).value().indices) {

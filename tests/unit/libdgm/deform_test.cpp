@@ -14,14 +14,6 @@
 namespace dgm::test {
 namespace {
 
-DeformTable make_table(float sigma, std::uint32_t reach, KernelEnd end = KernelEnd::Printed) {
-    KernelOptions options;
-    options.sigma = sigma;
-    options.reach = reach;
-    options.end = end;
-    return DeformTable::create(options).value();
-}
-
 Touch press(std::uint32_t sample, Vec3 d, float d_max = 10, DeformMode mode = DeformMode::Elastic) {
     Touch touch;
     touch.sample = sample;

@@ -18,14 +18,6 @@ namespace dgm::test {
 namespace {
 constexpr double kPi = std::numbers::pi;
 
-DeformTable compact(float sigma, std::uint32_t reach) {
-    KernelOptions k;
-    k.sigma = sigma;
-    k.reach = reach;
-    k.end = KernelEnd::Compact;
-    return DeformTable::create(k).value();
-}
-
 /// Largest difference between the weights of a touch at `contact` and the kernel at distance(sample).
 double worst_weight(State& state, const DeformTable& table, std::uint32_t contact,
                     const std::function<double(std::uint32_t)>& distance) {
@@ -72,7 +64,7 @@ Cone cone(std::uint32_t columns, double rise, bool zigzag) {
 
 TEST(Geodesic, AroundTheTipOfACone) {
     const std::uint32_t m = 16;
-    const DeformTable table = compact(16, 11);
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
     struct Case {
         Cone cone;
         bool saddle;
@@ -113,7 +105,7 @@ TEST(Geodesic, OverTheEdgesOfACube) {
     for (std::uint32_t i = 1; i < m; ++i) seams.push_back({i * n, i * n + n - 1});
     for (std::uint32_t j = 1; j < n; ++j) seams.push_back({0, j});
     State state = make_state(grid_chart(m, n, place, seams));
-    const DeformTable table = compact(12, 9);
+    const DeformTable table = make_table(12, 9, KernelEnd::Compact);
     const PointView rest = state.rest_positions();
     // From (x, y) on the top to a point: on the top, on a side, on a side by way of the sides beside it. On a convex
     // surface no unfolding is shorter than the shortest way.
@@ -151,7 +143,7 @@ TEST(Geodesic, BendsAtTheCornerOfANotch) {
                        : Point{static_cast<float>(j), static_cast<float>(out), 0};
     };
     State state = make_state(grid_chart(m, n, place));
-    const DeformTable table = compact(16, 11);
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
     const PointView rest = state.rest_positions();
     const auto distance = [](Vec3 a, Vec3 b) {
         // The line from a to b passes the notch's corner on its inner side.
@@ -179,7 +171,7 @@ Point pleated(double u, double v, double width) {
 
 TEST(Geodesic, SliversOfOneToFifty) {
     const std::uint32_t m = 9, n = 301;
-    const DeformTable table = compact(16, 11);
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
     for (const double shear : {0.0, 2.0, 5.0}) {
         const auto u = [](double i) { return 7 * i; };
         const auto v = [&](double i, double j) { return j / 7 + shear * i; };
@@ -204,7 +196,7 @@ TEST(Geodesic, AcrossTheSeamOfATube) {
         return Point{static_cast<float>(r * std::cos(a)), static_cast<float>(r * std::sin(a)), static_cast<float>(i)};
     };
     State state = make_state(grid_chart(m, n, tube, tube_seams(m, n)));
-    const DeformTable table = compact(16, 11);
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
     for (const int jc : {0, 1, 6, 11, 12}) {
         const auto rolled = [&](std::uint32_t k) {
             const double dj = std::fabs(static_cast<double>(k % n) - jc);
@@ -219,7 +211,7 @@ TEST(Geodesic, AcrossTheSeamOfATube) {
 TEST(Geodesic, FreeDomainWithItsStrip) {
     const std::uint32_t m = 26, n = 22;
     State state = make_state(free_chart(m, n, [](double i, double j) { return pleated(i, j, 1); }));
-    const DeformTable table = compact(10, 8);
+    const DeformTable table = make_table(10, 8, KernelEnd::Compact);
     // The plane (u, v) of a sample: v is y, and u is x over the pleats' slope.
     const auto at = [&](std::uint32_t k) {
         const Vec3 p = state.rest_positions()[k];
@@ -238,7 +230,7 @@ TEST(Geodesic, FreeDomainWithItsStrip) {
 /// No distance to compare with: ends in time, weights lie in 0 .. 1, copies move alike.
 void survives(const ChartSpec& chart) {
     State state = make_state(chart);
-    const DeformTable table = compact(60, 22);
+    const DeformTable table = make_table(60, 22, KernelEnd::Compact);
     Touch touch;
     touch.displacement = {0, 0, 1};
     touch.d_max = 1;

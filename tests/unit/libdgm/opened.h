@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <dgm/asset.h>
+#include <dgm/deform.h>
 #include <dgm/state.h>
 
 #include "dgm_builder.h"
@@ -25,6 +26,14 @@ inline State make_state(const ChartSpec& chart, std::uint32_t max_reach = 65) {
     auto state = State::create(Opened(build({chart})).chart(), options);
     EXPECT_TRUE(state.ok()) << state.error().message;
     return std::move(state).value();
+}
+
+inline DeformTable make_table(float sigma, std::uint32_t reach, KernelEnd end = KernelEnd::Printed) {
+    KernelOptions options;
+    options.sigma = sigma;
+    options.reach = reach;
+    options.end = end;
+    return DeformTable::create(options).value();
 }
 
 inline bool same_bits(Vec3 a, Vec3 b) {

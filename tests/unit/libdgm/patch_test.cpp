@@ -18,14 +18,6 @@ namespace dgm::test {
 namespace {
 constexpr double kPi = std::numbers::pi;
 
-DeformTable compact(float sigma, std::uint32_t reach) {
-    KernelOptions k;
-    k.sigma = sigma;
-    k.reach = reach;
-    k.end = KernelEnd::Compact;
-    return DeformTable::create(k).value();
-}
-
 /// Weights of all samples after a touch at `sample`.
 std::vector<double> weights(State& state, const DeformTable& table, Footprint footprint, std::uint32_t sample) {
     state.reset();
@@ -100,7 +92,7 @@ std::vector<Unrolled> developable_sheets() {
 
 TEST(Patch, IsRightWhereTheSheetUnrolls) {
     const std::uint32_t n = 41;
-    const DeformTable table = compact(16, 11);
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
     for (const Unrolled& sheet : developable_sheets()) {
         SCOPED_TRACE(sheet.name);
         State state = make_state(grid_chart(n, n, sheet.place));
@@ -129,7 +121,7 @@ TEST(Patch, GoesAroundOpenBorders) {
         return Point{static_cast<float>(r * std::cos(a)), static_cast<float>(r * std::sin(a)), 0};
     };
     State state = make_state(grid_chart(m, n, place));
-    const DeformTable table = compact(16, 11);
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
     for (const Footprint footprint : {Footprint::Surface, Footprint::Geodesic}) {
         const auto w = weights(state, table, footprint, 2 * n + 6);
         for (std::uint32_t i = 60; i < m; ++i)
@@ -197,7 +189,7 @@ TEST(Patch, TicksAreTouchesOneByOne) {
             const Opened opened(build({chart}));
             State ticked = State::create(opened.chart(), options).value(),
                   touched = State::create(opened.chart()).value();
-            const DeformTable tables[2] = {compact(9, 7), compact(5, 4)};
+            const DeformTable tables[2] = {make_table(9, 7, KernelEnd::Compact), make_table(5, 4, KernelEnd::Compact)};
             std::mt19937 random(3);
             TickOptions o;
             o.d_max = 1.5f;
@@ -267,7 +259,8 @@ TEST(Patch, DoesNotDependOnWhatWasTouchedBefore) {
     for (const ChartSpec& chart : charts()) {
         SCOPED_TRACE(std::to_string(chart.rows) + "x" + std::to_string(chart.cols));
         State used = make_state(chart);
-        const DeformTable tables[3] = {compact(9, 7), compact(5, 4), compact(20, 12)};
+        const DeformTable tables[3] = {make_table(9, 7, KernelEnd::Compact), make_table(5, 4, KernelEnd::Compact),
+                                       make_table(20, 12, KernelEnd::Compact)};
         std::mt19937 random(11);
         for (int k = 0; k < 200; ++k) {
             const std::uint32_t sample = random() % used.sample_count();
@@ -294,7 +287,7 @@ TEST(Patch, DoesNotDependOnWhatWasTouchedBefore) {
 TEST(Patch, EveryCopyOfAContactGivesTheSame) {
     const ChartSpec chart = uneven(grid_chart(33, 33, sheet, octahedral_seams(33)), true);
     State a = make_state(chart), b = make_state(chart);
-    const DeformTable table = compact(9, 7);
+    const DeformTable table = make_table(9, 7, KernelEnd::Compact);
     for (std::uint32_t id = 0; id < a.class_count(); ++id) {
         const auto wa = weights(a, table, Footprint::Surface, a.class_members(id).front());
         const auto wb = weights(b, table, Footprint::Surface, a.class_members(id).back());
@@ -308,7 +301,7 @@ TEST(Patch, PlainAndVectorLoopsWeighAlike) {
         options.plain_loops = true;
         const Opened opened(build({chart}));
         State plain = State::create(opened.chart(), options).value(), other = State::create(opened.chart()).value();
-        const DeformTable table = compact(12, 8);
+        const DeformTable table = make_table(12, 8, KernelEnd::Compact);
         for (std::uint32_t sample = 0; sample < plain.sample_count(); sample += 17) {
             if (!plain.on_surface(sample)) continue;
             ASSERT_EQ(weights(plain, table, Footprint::Surface, sample),

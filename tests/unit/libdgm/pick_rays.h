@@ -10,9 +10,9 @@
 #include <limits>
 #include <random>
 
-#include "query/ray_triangle.h"
 #include "contact_shapes.h"
 #include "opened.h"
+#include "query/ray_triangle.h"
 
 namespace dgm::test {
 
