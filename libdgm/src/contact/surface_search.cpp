@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "surface/descent.h"
+
 namespace dgm::detail {
 namespace {
 
@@ -128,33 +130,10 @@ class SurfaceSearch {
  private:
     [[gnu::noinline]] void search() noexcept {
         if (search_near()) return;
-        const Pyramid& y = s_.now_boxes;
-        struct Entry {
-            double square;
-            std::uint32_t level, node;
-        };
-        Entry stack[4 * kMaxLevels];
-        std::uint32_t depth = 0;
-        stack[depth++] = {0, y.levels - 1, 0};
-        while (depth != 0) {
-            const Entry e = stack[--depth];
-            if (e.square > nearest_.reach()) continue;
-            if (e.level == 0) {
-                leaf(e.node);
-                continue;
-            }
-            const std::uint32_t level = e.level - 1, r = e.node / y.cols[e.level] * 2, c = e.node % y.cols[e.level] * 2;
-            const std::uint32_t first = depth;
-            for (std::uint32_t i = r; i < std::min(r + 2, y.rows[level]); ++i)
-                for (std::uint32_t j = c; j < std::min(c + 2, y.cols[level]); ++j) {
-                    const std::uint32_t node = i * y.cols[level] + j;
-                    const double d = square_to(y.boxes[y.start[level] + node]);
-                    if (!(d <= nearest_.reach())) continue;  // empty boxes are infinitely far
-                    std::uint32_t at = depth++;
-                    for (; at > first && stack[at - 1].square < d; --at) stack[at] = stack[at - 1];
-                    stack[at] = {d, level, node};
-                }
-        }
+        descend(
+            s_.now_boxes, [&](const Box& box) { return square_to(box); },
+            [&](double square) { return !(square <= nearest_.reach()); },  // empty boxes are infinitely far
+            [&](std::uint32_t tile) { leaf(tile); });
     }
     /// Searches follow each other over the obstacle: the tiles around one serve the next. @return false: start from the
     /// root.

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "query/ray_triangle.h"
+#include "surface/descent.h"
 
 namespace dgm {
 namespace detail {
@@ -86,33 +87,10 @@ struct Picker {
     }
 
     void run() noexcept {
-        struct Entry {
-            double near;
-            std::uint32_t level, node;
-        };
-        const Pyramid& p = s.now_boxes;
-        Entry stack[4 * kMaxLevels];  // a visited node leaves at most three siblings behind on each level
-        std::uint32_t depth = 0;
-        stack[depth++] = {0, p.levels - 1, 0};
-        while (depth != 0) {
-            const Entry e = stack[--depth];
-            if (e.near > best.distance) continue;
-            if (e.level == 0) {
-                search_leaf(e.node);
-                continue;
-            }
-            const std::uint32_t level = e.level - 1, r = e.node / p.cols[e.level] * 2, c = e.node % p.cols[e.level] * 2;
-            const std::uint32_t first = depth;
-            for (std::uint32_t i = r; i < std::min(r + 2, p.rows[level]); ++i)
-                for (std::uint32_t j = c; j < std::min(c + 2, p.cols[level]); ++j) {
-                    const std::uint32_t node = i * p.cols[level] + j;
-                    const double near = box_near(ray, p.boxes[p.start[level] + node]);
-                    if (!(near <= best.distance) || near == __builtin_inf()) continue;
-                    std::uint32_t at = depth++;
-                    for (; at > first && stack[at - 1].near < near; --at) stack[at] = stack[at - 1];
-                    stack[at] = {near, level, node};
-                }
-        }
+        descend(
+            s.now_boxes, [&](const Box& box) { return box_near(ray, box); },
+            [&](double near) { return !(near <= best.distance) || near == __builtin_inf(); },
+            [&](std::uint32_t tile) { search_leaf(tile); });
     }
 };
 

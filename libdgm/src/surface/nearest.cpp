@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/surface.h"
+#include "surface/descent.h"
 
 namespace dgm::detail {
 namespace {
@@ -42,37 +42,12 @@ void search_leaf(const Surface& s, const ConstPlanes& p, std::uint32_t tile, Vec
     for (std::uint32_t b = s.tile_border_start[tile]; b < s.tile_border_start[tile + 1]; ++b)
         best.offer(sample_d2(Surface::at(p, s.tile_border[b]), tool), s.tile_border[b]);
 }
-
-struct Entry {
-    float d2;
-    std::uint32_t level, node;
-};
 }  // namespace
 
-/// Depth first, nearest child first.
 void search_pyramid(const Surface& s, const Pyramid& p, Vec3 tool, Best& best, const Rect* except) noexcept {
-    Entry stack[4 * kMaxLevels];  // a visited node leaves at most three siblings behind on each level
-    std::uint32_t depth = 0;
-    stack[depth++] = {0, p.levels - 1, 0};
-    while (depth != 0) {
-        const Entry e = stack[--depth];
-        if (e.d2 > best.d2) continue;
-        if (e.level == 0) {
-            search_leaf(s, p.at, e.node, tool, except, best);
-            continue;
-        }
-        const std::uint32_t level = e.level - 1, r = e.node / p.cols[e.level] * 2, c = e.node % p.cols[e.level] * 2;
-        const std::uint32_t first = depth;
-        for (std::uint32_t i = r; i < std::min(r + 2, p.rows[level]); ++i)
-            for (std::uint32_t j = c; j < std::min(c + 2, p.cols[level]); ++j) {
-                const std::uint32_t node = i * p.cols[level] + j;
-                const float d2 = box_d2(p.boxes[p.start[level] + node], tool);
-                if (d2 > best.d2) continue;
-                std::uint32_t at = depth++;
-                for (; at > first && stack[at - 1].d2 < d2; --at) stack[at] = stack[at - 1];
-                stack[at] = {d2, level, node};
-            }
-    }
+    descend(
+        p, [&](const Box& box) { return box_d2(box, tool); }, [&](float d2) { return d2 > best.d2; },
+        [&](std::uint32_t tile) { search_leaf(s, p.at, tile, tool, except, best); });
 }
 
 }  // namespace dgm::detail

@@ -188,7 +188,7 @@ void update_rect(Surface& s, const Rect& moved) noexcept {
                       moved.j0 == 0 ? 0 : moved.j0 - 1, std::min(moved.j1 + 1, t.cols - 1)};
     const Rect inner{std::max(around.i0, 1u), std::min(around.i1, t.rows - 2), std::max(around.j0, 1u),
                      std::min(around.j1, t.cols - 2)};
-    s.note_normals(around);
+    s.note(around);
     if (!inner.empty() && !s.normals_of(job_of(s, inner, Surface::fixed(s.now), s.normal)))
         for (std::uint32_t i = inner.i0; i <= inner.i1; ++i)
             for (std::uint32_t k = i * t.cols + inner.j0; k <= i * t.cols + inner.j1; ++k)

@@ -58,7 +58,7 @@ Result<bool> find_rim(Surface& s) noexcept {
     std::uint64_t count = 0;
     each_rim_edge(s, [&](std::uint32_t, std::uint32_t) { ++count; });
     Array<Edge> edges;
-    if (!edges.allocate(s.allocator, count)) return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the state"};
+    if (!edges.allocate(s.allocator, count)) return kNoStateMemory;
     std::size_t at = 0;
     each_rim_edge(s, [&](std::uint32_t from, std::uint32_t to) {
         const std::uint32_t a = s.representative(from), b = s.representative(to);

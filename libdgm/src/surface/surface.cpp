@@ -13,8 +13,6 @@
 namespace dgm::detail {
 namespace {
 
-constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the state"};
-
 template <class T>
 bool copy_in(Array<T>& to, const T* from, std::size_t count, const Allocator& allocator) noexcept {
     if (from == nullptr || count == 0) return true;
@@ -100,7 +98,7 @@ bool index_faces(Surface& s) noexcept {
 Result<void> copy_share(Surface& s, const float* layer, std::uint64_t offset, std::size_t width,
                         Array<float>& to) noexcept {
     if (layer == nullptr) return {};
-    if (!to.allocate(s.allocator, s.tables.grid, 1.0f)) return kNoMemory;
+    if (!to.allocate(s.allocator, s.tables.grid, 1.0f)) return kNoStateMemory;
     bool all_one = true;
     for (std::size_t k = 0; k < s.tables.grid; ++k) {
         if (!s.tables.on_surface(static_cast<std::uint32_t>(k))) continue;
@@ -155,16 +153,16 @@ Result<void> fill_surface(Surface& s, const ChartTables& t, bool plain_loops) no
     s.rows_of = &choose_rows(plain_loops);
     // Tables first, values after: what is checked is what is kept.
     ChartTables own = t;
-    if (!copy_tables(s, t)) return kNoMemory;
+    if (!copy_tables(s, t)) return kNoStateMemory;
     own.mask = s.tables.mask;
     own.diagonals = s.tables.diagonals;
     own.border_uv = s.tables.border_uv;
     own.faces = s.tables.faces;
     Array<std::uint32_t> seams;
-    if (!copy_in(seams, t.seams.data(), t.seams.size(), s.allocator)) return kNoMemory;
+    if (!copy_in(seams, t.seams.data(), t.seams.size(), s.allocator)) return kNoStateMemory;
     own.seams = s.tables.seams = {seams.data(), seams.size()};
     if (auto r = check_values(own, s.allocator); !r) return r;
-    if (!copy_positions(s, own) || !index_faces(s)) return kNoMemory;
+    if (!copy_positions(s, own) || !index_faces(s)) return kNoStateMemory;
     if (auto r = build_classes(s); !r) return r;
     weld_positions(s);
     if (auto r = build_links(s); !r) return r;

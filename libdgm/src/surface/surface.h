@@ -20,6 +20,8 @@
 
 namespace dgm::detail {
 
+inline constexpr Error kNoStateMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the state"};
+
 struct Box {
     float low[3], high[3];  ///< empty: low = +inf, high = -inf
 };
@@ -141,9 +143,8 @@ struct Surface {
     [[nodiscard]] Rect window(std::uint32_t sample, std::uint32_t b) const noexcept;
     [[nodiscard]] Rect whole() const noexcept { return {0, tables.rows - 1, 0, tables.cols - 1}; }
     /// Whoever writes to `now` or `normal` past touch() and update_normals() says where, for changed_rows().
-    void note_moved(const Rect& r) noexcept { changes.note(r); }
-    void note_normals(const Rect& r) noexcept { changes.note(r); }
-    /// Positions or normals of border samples low .. high.
+    void note(const Rect& r) noexcept { changes.note(r); }
+    /// Border samples low .. high.
     void note_border(std::uint32_t low, std::uint32_t high) noexcept { changes.note_border(low, high); }
     /// Marks everything as moved: boxes, normals and changes are made anew.
     void all_moved() noexcept;

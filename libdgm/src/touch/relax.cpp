@@ -64,7 +64,7 @@ void fade_special(StateImpl& s) noexcept {
     f.special_time = f.clock;
     for (std::uint32_t k = f.special.count; k-- > 0;) {
         const Rect r = s.tile_rect(f.special.tiles[k]);
-        s.note_moved(r);
+        s.note(r);
         mark_moved(s, f.special.tiles[k]);
         if (!(relax_rect(s, r, passed) > 0)) drop(s, f.special, k);
     }
@@ -103,7 +103,7 @@ void fade_run(StateImpl& s, std::uint32_t first, std::uint32_t last) noexcept {
     Fading& f = s.fading;
     Rect r = s.tile_rect(first);
     r.j1 = s.tile_rect(last).j1;
-    s.note_moved(r);
+    s.note(r);
     const float left = relax_rect(s, r, f.clock - f.time[first]);
     for (std::uint32_t tile = first; tile <= last; ++tile) {
         f.time[tile] = f.clock;
@@ -115,7 +115,7 @@ void fade_run(StateImpl& s, std::uint32_t first, std::uint32_t last) noexcept {
 void release_list(StateImpl& s, TileList& list) noexcept {
     for (std::uint32_t k = list.count; k-- > 0;) {
         const Rect r = s.tile_rect(list.tiles[k]);
-        s.note_moved(r);
+        s.note(r);
         copy_rect(s, r);
         drop(s, list, k);
     }

@@ -15,8 +15,6 @@ namespace dgm {
 namespace detail {
 namespace {
 
-constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the state"};
-
 std::uint64_t walk_capacity(std::uint64_t total, std::uint64_t max_reach) noexcept {
     // A window of (2b - 1)^2 steps holds more samples than that where several sheets meet at one seam node, each copy
     // bringing at most half a turn: eight sheets are nodes of 16 cut paths.
@@ -91,7 +89,7 @@ Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options)
     if (auto r = fill_surface(s, found.value(), options.plain_loops); !r) return r;
     s.patch_count = patches_for(options);
     if (!make_fading(s) || !make_scratch(s, options.max_tools) || !make_patches(s, options.max_tools != 0))
-        return kNoMemory;
+        return kNoStateMemory;
     return {};
 }
 }  // namespace
@@ -104,7 +102,7 @@ Result<State> State::create(const Chart& chart, const StateOptions& options) noe
         return Error{ErrorCode::BadArgument, kNoOffset, "max_reach is not in 1..1024"};
     if (options.max_tools > 64) return Error{ErrorCode::BadArgument, kNoOffset, "max_tools is beyond 64"};
     detail::StateImpl* impl = detail::create<detail::StateImpl>(options.allocator, options.allocator);
-    if (impl == nullptr) return detail::kNoMemory;
+    if (impl == nullptr) return detail::kNoStateMemory;
     State state(impl);
     if (auto r = detail::fill(*impl, chart, options); !r) return r.error();
     return state;

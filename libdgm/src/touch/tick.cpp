@@ -250,7 +250,7 @@ bool press_window(StateImpl& s, const TableImpl& t, const Contact& c) noexcept {
         const Rect old = s.elastic.rects[0];
         if (!(old == r)) {
             restore_around(s, old, r);
-            s.note_moved(old);
+            s.note(old);
             s.now_boxes.dirty.add(old);
             s.normal_dirty.add(old);
         }
