@@ -78,8 +78,8 @@ std::optional<double> largest_move(const model::Chart& first, const model::Chart
         for (std::size_t axis = 0; axis < 3; ++axis) {
             // Offsets may be far larger than what is to be seen: their difference first.
             const double apart =
-                (first.offset[axis] - second.offset[axis]) +
-                (first.scale[axis] * model::element_value(*a, p + axis) - second.scale[axis] * model::element_value(*b, p + axis));
+                (first.offset[axis] - second.offset[axis]) + (first.scale[axis] * model::element_value(*a, p + axis) -
+                                                              second.scale[axis] * model::element_value(*b, p + axis));
             square += apart * apart;
         }
         if (!std::isfinite(square)) return std::numeric_limits<double>::infinity();

@@ -52,7 +52,8 @@ struct GrayImage16 {
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 [[nodiscard]] std::vector<std::byte> encode_png(const GrayImage16& image);
 
-/// JPEG file bytes, without alpha; `quality` 1..100, colours at full resolution above 90. Equal pictures give equal bytes.
+/// JPEG file bytes, without alpha; `quality` 1..100, colours at full resolution above 90. Equal pictures give equal
+/// bytes.
 /// @throws model::Error as encode_png
 [[nodiscard]] std::vector<std::byte> encode_jpeg(const Image& image, int quality);
 

@@ -34,11 +34,11 @@ struct Layer {
 struct Chart {
     std::uint32_t rows = 0, cols = 0;
     Domain domain = Domain::kSquare;
-    std::string method;                 ///< at most 15 ASCII characters
-    std::array<double, 6> bbox{};       ///< min xyz, max xyz of the reconstruction, source frame
-    std::array<double, 3> offset{};     ///< position = offset + scale * stored geometry
+    std::string method;              ///< at most 15 ASCII characters
+    std::array<double, 6> bbox{};    ///< min xyz, max xyz of the reconstruction, source frame
+    std::array<double, 3> offset{};  ///< position = offset + scale * stored geometry
     std::array<double, 3> scale{1, 1, 1};
-    std::vector<Layer> layers;          ///< in file order
+    std::vector<Layer> layers;  ///< in file order
 
     [[nodiscard]] const Layer* find(std::string_view layer) const {
         for (const Layer& l : layers)
@@ -53,9 +53,9 @@ struct Chart {
 
 struct MapSet {
     std::uint32_t format_version = layout::kFormatVersion;
-    std::string generator;                        ///< "dgm-bake 0.1.0"
-    std::string source_name;                      ///< file name without folder
-    std::array<std::uint8_t, 16> source_hash{};   ///< XXH3-128, canonical byte order
+    std::string generator;                       ///< "dgm-bake 0.1.0"
+    std::string source_name;                     ///< file name without folder
+    std::array<std::uint8_t, 16> source_hash{};  ///< XXH3-128, canonical byte order
     std::array<std::uint8_t, 16> settings_hash{};
     std::string report_json;  ///< measured errors, docs/design.md section 7
     std::vector<Chart> charts;

@@ -12,7 +12,8 @@ namespace dgm::model {
 
 /// Passed down by reference. Thread-safe only in `cancelled`.
 struct Progress {
-    std::function<void(std::string_view stage, double share)> on_update;  ///< share of the stage done, 0..1; may be empty
+    std::function<void(std::string_view stage, double share)>
+        on_update;  ///< share of the stage done, 0..1; may be empty
     const std::atomic<bool>* cancelled = nullptr;
 
     /// Reports, and throws Error(kInterrupted) if the caller asked to stop. Call at least every 100 ms.

@@ -20,20 +20,20 @@ struct Rgba8 {
 
 struct Material {
     std::string name;
-    Rgba8 diffuse;                       ///< used where there is no texture
-    std::filesystem::path diffuse_map;   ///< absolute or relative to the working folder, resolved; empty if none
-    std::filesystem::path bump_map;      ///< height map or tangent-space normal map
+    Rgba8 diffuse;                      ///< used where there is no texture
+    std::filesystem::path diffuse_map;  ///< absolute or relative to the working folder, resolved; empty if none
+    std::filesystem::path bump_map;     ///< height map or tangent-space normal map
     bool bump_is_normal_map = false;
-    double bump_scale = 1;               ///< MTL's -bm
+    double bump_scale = 1;  ///< MTL's -bm
     friend bool operator==(const Material&, const Material&) = default;
 };
 
 /// Corner arrays are empty, or hold three entries a face: entry 3*f+k belongs to corner k of face f.
 struct TriMesh {
-    std::vector<Vec3d> positions;             ///< source units
+    std::vector<Vec3d> positions;  ///< source units
     std::vector<Face> faces;
-    std::vector<Vec3d> corner_normals;        ///< unit, or (0,0,0) where the source has none
-    std::vector<Vec2d> corner_uvs;            ///< texture coordinates, v up (OBJ convention)
+    std::vector<Vec3d> corner_normals;  ///< unit, or (0,0,0) where the source has none
+    std::vector<Vec2d> corner_uvs;      ///< texture coordinates, v up (OBJ convention)
     std::vector<Rgba8> corner_colours;
     std::vector<std::uint32_t> face_materials;  ///< empty, or one index into `materials` a face
     std::vector<Material> materials;

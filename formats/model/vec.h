@@ -33,20 +33,32 @@ struct Vec3d {
     friend constexpr bool operator==(const Vec3d&, const Vec3d&) = default;
 };
 
-constexpr double dot(Vec2d a, Vec2d b) { return a.x * b.x + a.y * b.y; }
-constexpr double cross(Vec2d a, Vec2d b) { return a.x * b.y - a.y * b.x; }
-inline double length(Vec2d a) { return std::sqrt(dot(a, a)); }
-constexpr double dot(const Vec3d& a, const Vec3d& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr double dot(Vec2d a, Vec2d b) {
+    return a.x * b.x + a.y * b.y;
+}
+constexpr double cross(Vec2d a, Vec2d b) {
+    return a.x * b.y - a.y * b.x;
+}
+inline double length(Vec2d a) {
+    return std::sqrt(dot(a, a));
+}
+constexpr double dot(const Vec3d& a, const Vec3d& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 constexpr Vec3d cross(const Vec3d& a, const Vec3d& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline double length(const Vec3d& a) { return std::sqrt(dot(a, a)); }
+inline double length(const Vec3d& a) {
+    return std::sqrt(dot(a, a));
+}
 /// Unit vector along `a`, or `fallback` where `a` has no direction (zero or not finite).
 inline Vec3d normalized(const Vec3d& a, const Vec3d& fallback = {0, 0, 1}) {
     const double l = length(a);
     return l > 0 && std::isfinite(l) ? a / l : fallback;
 }
-inline bool is_finite(const Vec3d& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+inline bool is_finite(const Vec3d& a) {
+    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 
 /// Corner vertex indices of a triangle, counter-clockwise seen from outside.
 using Face = std::array<std::uint32_t, 3>;

@@ -27,7 +27,8 @@ static ssize_t take(int fd, size_t wanted) {
     for (int k = length - 1, n = fd; k >= 0; --k, n /= 10) p[k] = (char)('0' + n % 10);
     p[length] = 0;
     ssize_t n = readlink(path, name, sizeof name - 1);
-    if (n > 0 && name[0] == '/' && name[1] == 'm' && name[2] == 'e' && name[3] == 'm') return (ssize_t)wanted; /* the job */
+    if (n > 0 && name[0] == '/' && name[1] == 'm' && name[2] == 'e' && name[3] == 'm')
+        return (ssize_t)wanted; /* the job */
     if (left == 0) return -1;
     if ((long long)wanted > left) wanted = (size_t)left;
     left -= (long long)wanted;
@@ -50,4 +51,6 @@ ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
     return next(fd, data, (size_t)n, at);
 }
 
-ssize_t pwrite64(int fd, const void* data, size_t size, off_t at) { return pwrite(fd, data, size, at); }
+ssize_t pwrite64(int fd, const void* data, size_t size, off_t at) {
+    return pwrite(fd, data, size, at);
+}

@@ -16,9 +16,11 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
-using FaceBase = CGAL::Triangulation_face_base_with_info_2<int, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
-using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
-                                                       CGAL::Exact_predicates_tag>;
+using FaceBase =
+    CGAL::Triangulation_face_base_with_info_2<int, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+using Cdt =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
+                                               CGAL::Exact_predicates_tag>;
 
 /// Number of constraints between each face and the outside.
 void mark_depth(Cdt& cdt) {
@@ -38,8 +40,8 @@ void mark_depth(Cdt& cdt) {
 
 }  // namespace
 
-std::vector<model::Face> constrained_triangulation(std::span<const model::Vec2d> points,
-                                                   std::span<const std::pair<std::uint32_t, std::uint32_t>> constraints) {
+std::vector<model::Face> constrained_triangulation(
+    std::span<const model::Vec2d> points, std::span<const std::pair<std::uint32_t, std::uint32_t>> constraints) {
     Cdt cdt;
     std::vector<Cdt::Vertex_handle> vertices;
     for (std::uint32_t k = 0; k < points.size(); ++k) {
@@ -49,7 +51,8 @@ std::vector<model::Face> constrained_triangulation(std::span<const model::Vec2d>
         vertices.push_back(v);
     }
     for (const auto& [a, b] : constraints) {
-        if (vertices[a] == vertices[b]) throw model::Error(model::codes::kMapInvalid, "two border points of the chart coincide");
+        if (vertices[a] == vertices[b])
+            throw model::Error(model::codes::kMapInvalid, "two border points of the chart coincide");
         cdt.insert_constraint(vertices[a], vertices[b]);
     }
     if (cdt.number_of_vertices() != points.size())

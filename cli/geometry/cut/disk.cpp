@@ -60,8 +60,8 @@ std::vector<BorderPath> Disk::paths(double corner_degrees) const {
             out[p].length += length(edge(h));
             path_of[h] = static_cast<std::uint32_t>(p);
         }
-        out[p].is_loop = weld[origin(mesh.faces, out[p].half_edges.front())] ==
-                         weld[target(mesh.faces, out[p].half_edges.back())];
+        out[p].is_loop =
+            weld[origin(mesh.faces, out[p].half_edges.front())] == weld[target(mesh.faces, out[p].half_edges.back())];
     }
     for (BorderPath& path : out) {
         const std::uint32_t m = mate[path.half_edges.front()];

@@ -16,12 +16,12 @@ struct BorderPath {
     std::vector<std::uint32_t> half_edges;  ///< in border order, surface on the left
     std::uint32_t mate = kNone;             ///< index of the mate, kNone on the real border
     double length = 0;
-    bool is_loop = false;                   ///< starts and ends at one surface point
+    bool is_loop = false;  ///< starts and ends at one surface point
 };
 
 struct Disk {
     TriMesh mesh;
-    std::vector<std::uint32_t> weld;      ///< per vertex: id of its surface point; copies along the cut share it
+    std::vector<std::uint32_t> weld;  ///< per vertex: id of its surface point; copies along the cut share it
     std::uint32_t weld_count = 0;
     std::vector<std::uint32_t> opposite;  ///< kNone along the disk's border
     std::vector<std::uint32_t> mate;      ///< per half-edge: the other side of the cut, kNone elsewhere

@@ -101,7 +101,8 @@ std::uint64_t split_repeated_edges(TriMesh& mesh, std::vector<std::uint32_t>& pa
     for (std::size_t k = 1; k < edges.size(); ++k) {
         if (edges[k].first != edges[k - 1].first) continue;
         // A split before this one may have moved the half-edge into another face; its ends tell.
-        const auto lo = static_cast<std::uint32_t>(edges[k].first >> 32), hi = static_cast<std::uint32_t>(edges[k].first);
+        const auto lo = static_cast<std::uint32_t>(edges[k].first >> 32),
+                   hi = static_cast<std::uint32_t>(edges[k].first);
         const auto joins = [&](std::uint32_t h) {
             const std::uint32_t a = origin(mesh.faces, h), b = target(mesh.faces, h);
             return std::min(a, b) == lo && std::max(a, b) == hi;

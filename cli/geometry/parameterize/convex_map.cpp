@@ -19,8 +19,8 @@ struct ConvexMapSolver::Impl {
     std::vector<std::uint32_t> unknown;      // per vertex: row, or kNone on the border
     std::vector<std::uint32_t> border_slot;  // per vertex: place in `border`, or kNone inside
     Matrix matrix;
-    std::vector<Eigen::Index> diagonal;      // of matrix.valuePtr(), per unknown
-    std::vector<Eigen::Index> off;           // per edge between two unknowns, else -1
+    std::vector<Eigen::Index> diagonal;  // of matrix.valuePtr(), per unknown
+    std::vector<Eigen::Index> off;       // per edge between two unknowns, else -1
     Eigen::SimplicialLDLT<Matrix, Eigen::Lower> ldlt;
     bool analysed = false;
 };
@@ -67,7 +67,9 @@ ConvexMapSolver::ConvexMapSolver(std::size_t vertex_count, std::span<const Face>
     }
 }
 
-std::span<const std::pair<std::uint32_t, std::uint32_t>> ConvexMapSolver::edges() const { return impl_->edges; }
+std::span<const std::pair<std::uint32_t, std::uint32_t>> ConvexMapSolver::edges() const {
+    return impl_->edges;
+}
 
 std::vector<Vec2d> ConvexMapSolver::solve(std::span<const double> weights, std::span<const Vec2d> border_uv) {
     Impl& s = *impl_;

@@ -15,7 +15,7 @@ namespace dgm::bake {
 /// Solves  sum_j w_ij (x_j - x_i) = 0  at interior vertices for fixed border values, again and again with new weights:
 /// the sparsity pattern is analysed once.
 class ConvexMapSolver {
-  public:
+ public:
     ConvexMapSolver(std::size_t vertex_count, std::span<const Face> faces, std::span<const std::uint32_t> border);
     ~ConvexMapSolver();
     ConvexMapSolver(ConvexMapSolver&&) noexcept;
@@ -27,18 +27,20 @@ class ConvexMapSolver {
     /// @throws model::Error kMapInvalid if the factorization breaks down
     [[nodiscard]] std::vector<Vec2d> solve(std::span<const double> weights, std::span<const Vec2d> border_uv);
 
-  private:
+ private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 
-/// Cotangent weights (both sides' mean), clamped from below to 1 % and from above to 100 x so that they are positive and
-/// obtuse or sliver-shaped faces keep the system sound. One per edge of `edges`.
-[[nodiscard]] std::vector<double> positive_cotangent_weights(std::span<const Vec3d> positions, std::span<const Face> faces,
-                                                             std::span<const std::pair<std::uint32_t, std::uint32_t>> edges);
+/// Cotangent weights (both sides' mean), clamped from below to 1 % and from above to 100 x so that they are positive
+/// and obtuse or sliver-shaped faces keep the system sound. One per edge of `edges`.
+[[nodiscard]] std::vector<double> positive_cotangent_weights(
+    std::span<const Vec3d> positions, std::span<const Face> faces,
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> edges);
 
 /// Sum over faces of A' * (squared L2 stretch), per face; infinity where the map area is not positive.
-[[nodiscard]] double stretch_energy(std::span<const Vec3d> positions, std::span<const Face> faces, std::span<const Vec2d> uv);
+[[nodiscard]] double stretch_energy(std::span<const Vec3d> positions, std::span<const Face> faces,
+                                    std::span<const Vec2d> uv);
 
 struct ReweightOptions {
     int iterations = 12;

@@ -23,12 +23,12 @@ struct DiskView {
     std::span<const Vec3d> positions;
     std::span<const Face> faces;
     std::span<const std::uint32_t> border;  ///< the one border cycle, surface on its left, each vertex once
-    std::span<const Vec2d> border_uv;       ///< fixed-border methods: one point per entry of `border`, counter-clockwise
-                                            ///  on the boundary of the unit square; empty for free-border methods
+    std::span<const Vec2d> border_uv;  ///< fixed-border methods: one point per entry of `border`, counter-clockwise
+                                       ///  on the boundary of the unit square; empty for free-border methods
 };
 
 class Parameterizer {
-  public:
+ public:
     virtual ~Parameterizer() = default;
     [[nodiscard]] virtual std::string_view name() const = 0;
     /// True if the method needs `border_uv` and keeps it to the bit.

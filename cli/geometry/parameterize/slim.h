@@ -23,13 +23,13 @@ enum class FlipFreeEnergy {
 
 struct SlimOptions {
     FlipFreeEnergy energy = FlipFreeEnergy::kSymmetricDirichlet;
-    bool border_fixed = false;      ///< border vertices keep their start to the bit
-    std::size_t iterations = 30;    ///< at most so many Newton steps
-    double tolerance = 1e-5;        ///< stop when a step lowers the energy by less than this share of it ...
-    std::size_t patience = 1;       ///< ... so many times in a row
-    double barrier = 0.01;          ///< kArap only, 0 < barrier <= 16 (g stays convex)
-    double stretch_epsilon = 0.3;   ///< kStretch only, >= 0
-    double stretch_power = 2;       ///< kStretch only, > 0; small powers let crowded faces grow side by side
+    bool border_fixed = false;     ///< border vertices keep their start to the bit
+    std::size_t iterations = 30;   ///< at most so many Newton steps
+    double tolerance = 1e-5;       ///< stop when a step lowers the energy by less than this share of it ...
+    std::size_t patience = 1;      ///< ... so many times in a row
+    double barrier = 0.01;         ///< kArap only, 0 < barrier <= 16 (g stays convex)
+    double stretch_epsilon = 0.3;  ///< kStretch only, >= 0
+    double stretch_power = 2;      ///< kStretch only, > 0; small powers let crowded faces grow side by side
     /// One per face, in place of the shapes of the surface; not scaled. Their areas are the weights of the faces.
     std::span<const RestShape> rest = {};
 };

@@ -193,10 +193,14 @@ class Front {
                 for (Wide p = from; p < to; ++p) subtract_one(j, p);
             return;
         }
-        const double* __restrict a = column(from), * __restrict b = column(from + 1), * __restrict c = column(from + 2), * __restrict d = column(from + 3);
+        const double* __restrict a = column(from);
+        const double* __restrict b = column(from + 1);
+        const double* __restrict c = column(from + 2);
+        const double* __restrict d = column(from + 3);
         Wide j = begin;
         for (; j + 1 < end; j += 2) {
-            double* __restrict s = column(j), * __restrict t = column(j + 1);
+            double* __restrict s = column(j);
+            double* __restrict t = column(j + 1);
             const double a0 = a[j], b0 = b[j], c0 = c[j], d0 = d[j];
             const double a1 = a[j + 1], b1 = b[j + 1], c1 = c[j + 1], d1 = d[j + 1];
             s[j] -= (a0 * a0 + b0 * b0) + (c0 * c0 + d0 * d0);

@@ -263,9 +263,7 @@ TEST(Sliding, TakesWhatTurnsNothingWhole) {
     sheet.sliding().take(step, {});
     EXPECT_LT(length(sheet.at(c) - (before + by)), 1e-12);
     for (std::uint32_t k = 0; k < start.size(); ++k)
-        if (k != c) {
-            EXPECT_EQ(sheet.at(k), start[k]);
-        }
+        if (k != c) { EXPECT_EQ(sheet.at(k), start[k]); }
     std::vector<Vec3d> normals = sheet.grid.surface.normals;
     sheet.grid.surface.update_normals();
     EXPECT_EQ(sheet.grid.surface.normals, normals);
@@ -286,9 +284,7 @@ TEST(Sliding, StopsBeforeAFaceTurnsAndHoldsTheBorder) {
     std::size_t moved = 0;
     for (std::uint32_t c = 0; c < start.size(); ++c) {
         moved += sheet.at(c) != start[c] ? 1 : 0;
-        if (sheet.grid.on_border[c]) {
-            EXPECT_EQ(sheet.at(c), start[c]);
-        }
+        if (sheet.grid.on_border[c]) { EXPECT_EQ(sheet.at(c), start[c]); }
     }
     EXPECT_GT(moved, 20U);
     for (const Vec3d& n : sheet.grid.surface.normals) EXPECT_GT(dot(n, up), 0.29);

@@ -45,8 +45,8 @@ TEST(Pictures, ComparisonShowsSourceReconstructionGridAndError) {
     EXPECT_GT(count(image, 300, 600, is_green), 2000u);  // the map's texture
     EXPECT_GT(count(image, 600, 900, is_red), 100u);     // the seam
     EXPECT_LT(count(image, 600, 900, is_red), 5000u);
-    // Every vertex lies on the source, but the coarse grid's facets cut into it almost evenly: the map is not the violet
-    // of no error, but bright.
+    // Every vertex lies on the source, but the coarse grid's facets cut into it almost evenly: the map is not the
+    // violet of no error, but bright.
     EXPECT_LT(count(image, 900, 1200, is_violet), 2000u);
     EXPECT_GT(count(image, 900, 1200, is_bright), 4000u);
     options.height = 1200;
