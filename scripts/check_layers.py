@@ -14,7 +14,7 @@ import re
 
 import checks
 
-SYSTEM, XXHASH, PNG, STB = "the operating system", "xxHash", "libpng", "stb"
+SYSTEM, XXHASH, PNG, STB, SECCOMP = "the operating system", "xxHash", "libpng", "stb", "libseccomp"
 EIGEN, CGAL, EMBREE, TBB, BOOST = "Eigen", "CGAL", "Embree", "TBB", "Boost"
 HDF5, OPENEXR, ASSIMP = "HDF5", "OpenEXR", "assimp"
 FMT, JSON, TOML, CLI11, GTEST = "fmt", "nlohmann-json", "toml++", "CLI11", "GoogleTest"
@@ -81,8 +81,8 @@ PARTS = (
     Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
     Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_easy_font"),
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
-    Part("cli/process", 4, ("formats/model", "formats/mesh"), (FMT, SYSTEM),
-         "a disposable copy of the program, whatever its work; a mesh imported in one"),
+    Part("cli/process", 4, ("formats/model", "formats/mesh", "formats/dgm"), (FMT, SYSTEM, SECCOMP),
+         "disposable copies of the program, whatever their work; what strangers wrote is read in them"),
     Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB),
          "the stages in order, in this process; introduces the parameterizers to the geometry"),
     Part("cli/worker", 5, CONTAINERS + ("formats/model", "cli/process", "cli/baking"), (FMT, JSON, TBB, SYSTEM),
@@ -111,7 +111,7 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
     (r"toml\+\+/", TOML), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
-    (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
+    (r"seccomp\.h", SECCOMP), (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
     (r"(sys|linux|net|netinet|arpa)/|(fcntl|fnmatch|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),
 )

@@ -14,10 +14,10 @@
 #include <cstring>
 #include <new>
 #include <thread>
-#include <type_traits>
 #include <vector>
 
 #include "model/codes.h"
+#include "process/byte_stream.h"
 #include "process/child_process.h"
 #include "process/worker_io.h"
 
@@ -33,81 +33,6 @@ constexpr char kMesh = 'M', kError = 'E', kEnd = '.';
 constexpr std::uint64_t kMaxBytes = std::uint64_t{8} << 30;
 constexpr auto kPause = std::chrono::milliseconds(100);
 
-class Writer {
- public:
-    template <class T>
-    void put(const T& value) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        out_.append(reinterpret_cast<const char*>(&value), sizeof value);
-    }
-    void put(const std::string& text) {
-        put(std::uint64_t{text.size()});
-        out_ += text;
-    }
-    template <class T>
-    void put_all(const std::vector<T>& values) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        put(std::uint64_t{values.size()});
-        if (!values.empty()) out_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-    }
-    template <class T, class Put>
-    void put_each(const std::vector<T>& values, const Put& put_one) {
-        put(std::uint64_t{values.size()});
-        for (const T& value : values) put_one(value);
-    }
-    [[nodiscard]] std::string take() { return std::move(out_); }
-
- private:
-    std::string out_;
-};
-
-/// Reads what Writer wrote. What is not there reads as zero, and `ok` is false from then on.
-class Reader {
- public:
-    explicit Reader(std::string_view bytes) : rest_(bytes) {}
-    [[nodiscard]] bool ok() const { return ok_; }
-    [[nodiscard]] bool at_end() const { return ok_ && rest_.empty(); }
-
-    template <class T>
-    T get() {
-        static_assert(std::is_trivially_copyable_v<T>);
-        T value{};
-        if (const char* bytes = take(sizeof value)) std::memcpy(&value, bytes, sizeof value);
-        return value;
-    }
-    std::string text() {
-        const auto size = get<std::uint64_t>();
-        const char* bytes = take(size);
-        return bytes == nullptr ? std::string() : std::string(bytes, size);
-    }
-    template <class T>
-    void get_all(std::vector<T>& out) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        const auto size = get<std::uint64_t>();
-        const char* bytes = size > rest_.size() / sizeof(T) ? take(rest_.size() + 1) : take(size * sizeof(T));
-        if (bytes == nullptr || size == 0) return;
-        out.resize(size);
-        std::memcpy(static_cast<void*>(out.data()), bytes, size * sizeof(T));
-    }
-    template <class Get>
-    void get_each(const Get& get_one) {
-        for (auto left = get<std::uint64_t>(); left > 0 && ok_; --left) get_one();
-    }
-
- private:
-    const char* take(std::uint64_t bytes) {
-        if (!ok_ || bytes > rest_.size()) {
-            ok_ = false;
-            return nullptr;
-        }
-        const char* at = rest_.data();
-        rest_.remove_prefix(bytes);
-        return at;
-    }
-    std::string_view rest_;
-    bool ok_ = true;
-};
-
 bool fits_together(const model::TriMesh& mesh) {
     const std::size_t corners = 3 * mesh.faces.size();
     const auto per_corner = [&](std::size_t count) { return count == 0 || count == corners; };
@@ -122,7 +47,7 @@ bool fits_together(const model::TriMesh& mesh) {
                        [&](std::uint32_t m) { return m < mesh.materials.size(); });
 }
 
-[[noreturn]] void throw_sent(Reader& in) {
+[[noreturn]] void throw_sent(ByteReader& in) {
     const auto number = in.get<std::int32_t>();
     std::string message = in.text(), place = in.text();
     const model::Code* code = &codes::kInternal;
@@ -169,7 +94,7 @@ ChildEnd end_of(ChildProcess& child, Clock::time_point deadline) {
 
 std::string encode_import(const ImportedMesh& imported) {
     const model::TriMesh& mesh = imported.mesh;
-    Writer out;
+    ByteWriter out;
     out.put(kMesh);
     out.put_all(mesh.positions);
     out.put_all(mesh.faces);
@@ -196,7 +121,7 @@ std::string encode_import(const ImportedMesh& imported) {
 }
 
 std::string encode_import(const model::Error& error) {
-    Writer out;
+    ByteWriter out;
     out.put(kError);
     out.put(std::int32_t{error.code().number});
     out.put(std::string(error.what()));
@@ -205,7 +130,7 @@ std::string encode_import(const model::Error& error) {
 }
 
 std::optional<ImportedMesh> decode_import(std::string_view bytes) {
-    Reader in(bytes);
+    ByteReader in(bytes);
     const char kind = in.get<char>();
     if (kind == kError) throw_sent(in);
     if (kind != kMesh) return std::nullopt;

@@ -2,7 +2,7 @@
 // formats/dgm/dgm_reader.cpp
 // One walk over the file serves all entry points: read_dgm stops at the first finding, the others go on and keep the
 // findings. The index is checked on the raw bytes first; HDF5 sees the file only once header, index and all hashes are
-// good, and then has to agree with the index.
+// good, perhaps in another process (set_hdf5_reader), and then has to agree with the index.
 #include "dgm/dgm_reader.h"
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include "dgm/file_index.h"
 #include "dgm/finding_list.h"
 #include "dgm/h5_comparison.h"
+#include "dgm/h5_file.h"
 #include "dgm/hash.h"
 #include "dgm/raw_file.h"
 #include "model/codes.h"
@@ -78,6 +79,29 @@ void check_rest(const RawFile& raw, const FileIndex& file, FindingList& findings
         findings.add(codes::kHashMismatch, "HDF5's own structures, or the report, differ from their hash", "/");
 }
 
+Hdf5Reader& hdf5_reader() {
+    static Hdf5Reader reader;
+    return reader;
+}
+
+/// Takes over what HDF5 says, from whichever process it comes.
+void read_hdf5(const fs::path& path, const DgmReadLimits& limits, const FileIndex& file, FindingList& findings,
+               model::MapSet* maps) {
+    Hdf5Part part = hdf5_reader() ? hdf5_reader()(path, limits) : read_hdf5_part(path, limits);
+    const bool is_whole = part.findings.empty();
+    for (Finding& f : part.findings)
+        findings.add(*f.code, std::move(f.message), std::move(f.place), f.measured, f.limit);
+    if (!is_whole || maps == nullptr) return;
+    if (part.attributes.size() != file.index.layers.size())
+        throw model::Error(codes::kReadFailed, "the file changed while it was read", path.string());
+    maps->generator = std::move(part.generator);
+    maps->source_name = std::move(part.source_name);
+    maps->report_json = std::move(part.report_json);
+    auto attributes = part.attributes.begin();
+    for (model::Chart& chart : maps->charts)
+        for (model::Layer& layer : chart.layers) layer.attributes = std::move(*attributes++);
+}
+
 /// @param throws  the first finding, rather than collecting them
 /// @param maps    gets what the file holds, if given
 FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws, model::MapSet* maps) {
@@ -89,7 +113,7 @@ FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws
             if (maps != nullptr) read_charts(*file, *maps);
             read_layers(raw, *file, findings, maps);
             check_rest(raw, *file, findings);
-            if (findings.size() == before) compare_with_hdf5(path, raw, *file, findings, maps);
+            if (findings.size() == before) read_hdf5(path, limits, *file, findings, maps);
         }
     } catch (const EnoughFindings&) {
     } catch (const model::Error& error) {
@@ -100,6 +124,27 @@ FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws
 }
 
 }  // namespace
+
+Hdf5Part read_hdf5_part(const fs::path& path, const DgmReadLimits& limits) {
+    const RawFile raw(path);
+    FindingList findings(false);
+    Hdf5Part part;
+    try {
+        if (const auto file = read_file_index(raw, limits, findings))
+            compare_with_hdf5(path, raw, *file, findings, part);
+    } catch (const EnoughFindings&) {}  // the list is full
+    part.findings = findings.take();
+    return part;
+}
+
+void prepare_hdf5() {
+    const H5Session session;
+    H5open();
+}
+
+void set_hdf5_reader(Hdf5Reader reader) {
+    hdf5_reader() = std::move(reader);
+}
 
 model::MapSet read_dgm(const fs::path& path, const DgmReadLimits& limits) {
     model::MapSet maps;

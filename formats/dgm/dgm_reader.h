@@ -4,6 +4,8 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +32,27 @@ struct DgmReadLimits {
     std::uint32_t max_charts = 1u << 20;
     std::uint32_t max_layers = 1u << 22;
 };
+
+/// What HDF5 alone knows of a file: texts and attributes, and where its structures differ from the index.
+struct Hdf5Part {
+    FileFindings findings;
+    std::string generator, source_name, report_json;
+    /// Of each layer but offset and scale, chart after chart, in the index's order. Empty if there are findings.
+    std::vector<std::map<std::string, model::AttributeValue>> attributes;
+};
+
+/// Reads it by HDF5, in this process. HDF5 1.10 can crash on structures that somebody has made to that end: whoever
+/// reads files of strangers does it in a process that may die.
+/// @throws model::Error kFileMissing, kReadFailed
+[[nodiscard]] Hdf5Part read_hdf5_part(const std::filesystem::path& path, const DgmReadLimits& limits = {});
+
+/// Makes HDF5's own tables now, so that a copy of this process (fork) has them already.
+void prepare_hdf5();
+
+/// Has the functions below take every file's HDF5 part from `reader`; an empty one stands for read_hdf5_part(). Nothing
+/// that it returns is believed: counts are checked against the index. Call it before any thread reads.
+using Hdf5Reader = std::function<Hdf5Part(const std::filesystem::path&, const DgmReadLimits&)>;
+void set_hdf5_reader(Hdf5Reader reader);
 
 /// Reads a whole file and checks it on the way: header, index, hashes, index against H5Dget_offset, types, shapes,
 /// names. Sizes from the file are believed only after they fit the file's real length. External links, external storage

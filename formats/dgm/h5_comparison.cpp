@@ -45,7 +45,9 @@ Value expect(hid_t object, const char* name, const std::string& place) {
     check.fail((std::string("read attribute ") + name).c_str());
 }
 
-void read_layer_attributes(hid_t set, model::Layer& layer, bool is_geometry, const std::string& place) {
+using Attributes = std::map<std::string, model::AttributeValue>;
+
+Attributes read_layer_attributes(hid_t set, bool is_geometry, const std::string& place) {
     const H5Check check{codes::kHdf5Unreadable, place};
     std::vector<std::string> names;
     hsize_t position = 0;
@@ -55,9 +57,11 @@ void read_layer_attributes(hid_t set, model::Layer& layer, bool is_geometry, con
         return list.size() < 1000 ? 0 : -1;
     };
     check.done(H5Aiterate2(set, H5_INDEX_NAME, H5_ITER_INC, &position, collect, &names), "list its attributes");
+    Attributes attributes;
     for (const std::string& name : names)
         if (!is_geometry || (name != "offset" && name != "scale"))
-            layer.attributes.emplace(name, read_attribute(set, name, check));
+            attributes.emplace(name, read_attribute(set, name, check));
+    return attributes;
 }
 
 /// Checks that any object of the format has to pass.
@@ -106,8 +110,10 @@ class ObjectCheck {
 
 class Comparison {
  public:
-    Comparison(const RawFile& raw, const FileIndex& file, FindingList& findings, model::MapSet* maps)
-        : raw_(raw), header_(file.header), file_(file), findings_(findings), objects_(findings), maps_(maps) {}
+    Comparison(const RawFile& raw, const FileIndex& file, FindingList& findings, Hdf5Part& part)
+        : raw_(raw), header_(file.header), file_(file), findings_(findings), objects_(findings), part_(part) {
+        part_.attributes.resize(file.index.layers.size());
+    }
 
     void walk(hid_t file) {
         check_root(file);
@@ -126,16 +132,13 @@ class Comparison {
         std::copy(std::begin(header_.settings_hash), std::end(header_.settings_hash), settings.begin());
         objects_.compare(file, "source_hash", to_hex(source), "/");
         objects_.compare(file, "settings_hash", to_hex(settings), "/");
-        string generator = expect<string>(file, "generator", "/"),
-               source_name = expect<string>(file, "source_name", "/");
+        part_.generator = expect<string>(file, "generator", "/");
+        part_.source_name = expect<string>(file, "source_name", "/");
         objects_.count_attributes(file, 5, "/");
         objects_.count_links(file, file_.in_user_block() ? 2 : 3, "/");
         objects_.check_times(file, "/");
-        if (source_name.find_first_of("/\\") != string::npos)
-            findings_.add(codes::kNotReproducible, "source_name holds a folder: " + source_name, "/");
-        if (maps_ == nullptr) return;
-        maps_->generator = std::move(generator);
-        maps_->source_name = std::move(source_name);
+        if (part_.source_name.find_first_of("/\\") != string::npos)
+            findings_.add(codes::kNotReproducible, "source_name holds a folder: " + part_.source_name, "/");
     }
 
     void check_chart(hid_t charts, std::size_t number) {
@@ -175,7 +178,7 @@ class Comparison {
                              place);
             objects_.compare(set, "scale", std::vector<double>(std::begin(chart.scale), std::end(chart.scale)), place);
         }
-        if (maps_ != nullptr) read_layer_attributes(set, maps_->charts[number].layers[k], is_geometry, place);
+        part_.attributes[chart.first_layer + k] = read_layer_attributes(set, is_geometry, place);
     }
 
     /// Shape, element type and offset are those of the record.
@@ -223,7 +226,7 @@ class Comparison {
         const std::span<const std::byte> text(bytes.data(), static_cast<std::size_t>(end - bytes.begin()));
         if (expect<std::string>(set, "hash", "/report") != to_hex(hash_bytes(text)))
             findings_.add(codes::kHashMismatch, "the report differs from its hash", "/report");
-        if (maps_ != nullptr) maps_->report_json.assign(reinterpret_cast<const char*>(text.data()), text.size());
+        part_.report_json.assign(reinterpret_cast<const char*>(text.data()), text.size());
     }
 
     const RawFile& raw_;
@@ -231,19 +234,19 @@ class Comparison {
     const FileIndex& file_;
     FindingList& findings_;
     ObjectCheck objects_;
-    model::MapSet* maps_;
+    Hdf5Part& part_;
 };
 
 }  // namespace
 
 void compare_with_hdf5(const std::filesystem::path& path, const RawFile& raw, const FileIndex& file,
-                       FindingList& findings, model::MapSet* maps) {
+                       FindingList& findings, Hdf5Part& part) {
     const H5Session session;
     try {
         const H5Check check{codes::kHdf5Unreadable, "/"};
         const H5Handle access = check.handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
         const H5Handle opened = check.handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), "open the file");
-        Comparison(raw, file, findings, maps).walk(opened);
+        Comparison(raw, file, findings, part).walk(opened);
     } catch (const model::Error& error) {
         if (findings.throws()) throw;
         findings.add(error);

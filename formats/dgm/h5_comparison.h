@@ -7,14 +7,12 @@
 #include "dgm/file_index.h"
 #include "dgm/finding_list.h"
 #include "dgm/raw_file.h"
-#include "model/map_set.h"
 
 namespace dgm::formats {
 
-/// Walks the groups, datasets and attributes of a file whose index and hashes are good; every difference and every
-/// object beside those of the format is a finding.
-/// @param maps  if given: gets the texts, the layers' attributes and the report; its layers must be there already
+/// Walks the groups, datasets and attributes of a file whose index is good; every difference and every object beside
+/// those of the format is a finding. `part` gets the texts, the layers' attributes and the report.
 void compare_with_hdf5(const std::filesystem::path& path, const RawFile& raw, const FileIndex& file,
-                       FindingList& findings, model::MapSet* maps);
+                       FindingList& findings, Hdf5Part& part);
 
 }  // namespace dgm::formats

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/process/sandbox_test.cpp
+// Ways out, tried from inside. On a system that lacks a part of the sandbox the tests that need it are skipped.
+#include "process/sandbox.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "test_maps.h"
+
+namespace dgm::bake {
+namespace {
+
+constexpr int kInside = 0, kOutside = 1, kLacking = 77;
+
+/// Exit code of a process that has entered a sandbox with one readable folder and tries a way out: kInside if the try
+/// failed with one of the errors of a refusal.
+int after(const std::filesystem::path& readable, const std::function<bool()>& gets_out) {
+    const pid_t child = fork();
+    if (child == 0) {
+        const std::filesystem::path paths[] = {readable};
+        if (!enter_sandbox(paths).empty()) _exit(kLacking);
+        errno = 0;
+        const bool out = gets_out();
+        _exit(out || (errno != EPERM && errno != EACCES) ? kOutside : kInside);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+TEST(Sandbox, RefusesEveryWayOut) {
+    const test::TempFolder folder, other;
+    test::write_bytes(folder / "mine", "x");
+    test::write_bytes(other / "secret", "x");
+    const std::string secret = (other / "secret").string(), mine = (folder / "mine").string();
+    const std::string planted = (folder / "planted").string();
+    const pid_t program = getpid();
+    const std::vector<std::pair<const char*, std::function<bool()>>> tries = {
+        {"socket", [] { return socket(AF_INET, SOCK_STREAM, 0) >= 0; }},
+        {"unix socket", [] { return socket(AF_UNIX, SOCK_STREAM, 0) >= 0; }},
+        {"another file", [&] { return open(secret.c_str(), O_RDONLY) >= 0; }},
+        {"/etc/passwd", [] { return open("/etc/passwd", O_RDONLY) >= 0; }},
+        {"/proc/self/environ", [] { return open("/proc/self/environ", O_RDONLY) >= 0; }},
+        {"its file, to write", [&] { return open(mine.c_str(), O_RDWR) >= 0; }},
+        {"its file, to cut", [&] { return open(mine.c_str(), O_RDONLY | O_TRUNC) >= 0; }},
+        {"truncate", [&] { return truncate(mine.c_str(), 0) == 0; }},
+        {"a new file", [&] { return open(planted.c_str(), O_WRONLY | O_CREAT, 0600) >= 0; }},
+        {"a new name", [&] { return rename(mine.c_str(), planted.c_str()) == 0; }},
+        {"a link", [&] { return symlink("/etc/passwd", planted.c_str()) == 0; }},
+        {"no file any more", [&] { return unlink(mine.c_str()) == 0; }},
+        {"other rights", [&] { return chmod(mine.c_str(), 0777) == 0; }},
+        {"another process", [] { return fork() >= 0; }},
+        {"another program", [] { return execl("/bin/true", "true", nullptr) == 0; }},
+        {"ptrace", [&] { return ptrace(PTRACE_ATTACH, program, nullptr, nullptr) == 0; }},
+        {"kill", [&] { return kill(program, 0) == 0; }},
+        {"rights back", [] { return setuid(0) == 0; }},
+        {"a namespace", [] { return syscall(SYS_unshare, 0x10000000) == 0; }},
+        {"memory of others", [&] { return syscall(SYS_process_vm_readv, program, nullptr, 0, nullptr, 0, 0) >= 0; }},
+        {"io_uring", [] { return syscall(SYS_io_uring_setup, 1, nullptr) >= 0; }},
+        {"bpf", [] { return syscall(SYS_bpf, 0, nullptr, 0) >= 0; }},
+        {"keys", [] { return syscall(SYS_keyctl, 0, -3, 0) >= 0; }},
+    };
+    for (const auto& [name, way] : tries) {
+        const int end = after(folder.path(), way);
+        if (end == kLacking) GTEST_SKIP() << "this system lacks a part of the sandbox";
+        EXPECT_EQ(end, kInside) << name;
+    }
+    EXPECT_EQ(test::read_bytes(folder / "mine"), "x");
+}
+
+TEST(Sandbox, LeavesReadingAndMemory) {
+    const test::TempFolder folder;
+    test::write_bytes(folder / "mine", "x");
+    const std::string mine = (folder / "mine").string();
+    const int end = after(folder.path(), [&] {
+        const int file = open(mine.c_str(), O_RDONLY);
+        char byte = 0;
+        void* block = std::malloc(std::size_t{64} << 20);
+        const bool works = file >= 0 && read(file, &byte, 1) == 1 && byte == 'x' && block != nullptr;
+        std::free(block);
+        return works;
+    });
+    if (end == kLacking) GTEST_SKIP() << "this system lacks a part of the sandbox";
+    EXPECT_EQ(end, kOutside);  // here: it worked
+}
+
+TEST(Sandbox, TimeEnds) {
+    const pid_t child = fork();
+    if (child == 0) {
+        static_cast<void>(enter_sandbox({}, {.cpu_seconds = 1}));
+        for (;;) static_cast<void>(getpid());
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    EXPECT_TRUE(WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+}
+
+}  // namespace
+}  // namespace dgm::bake
