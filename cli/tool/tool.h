@@ -16,6 +16,7 @@
 namespace dgm::tool {
 
 inline constexpr const char* kVersion = DGM_VERSION;
+inline constexpr const char* kHomepage = DGM_HOMEPAGE;  ///< empty if the build was given none
 
 /// "dgm-export 0.1.0"
 [[nodiscard]] inline std::string version_line(const std::string& program) {

@@ -198,6 +198,7 @@ ExitCode run(const CommandLine& line, std::string& subject) {
     output.verbosity = line.quiet ? Verbosity::kQuiet : line.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
     output.max_issues = line.max_issues;
     output.version = tool::kVersion;
+    output.homepage = tool::kHomepage;
     output.has_source = !line.source.empty();
     output.has_baseline = !line.baseline.empty();
     const bool text = line.format == "text";

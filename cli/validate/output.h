@@ -20,6 +20,7 @@ struct OutputOptions {
     /// Findings listed of a file, errors before others. Those left out are counted, and decide the exit code as ever.
     std::size_t max_issues = std::numeric_limits<std::size_t>::max();
     std::string version;        ///< of the tool
+    std::string homepage;       ///< address of the project, for SARIF; may be empty
     bool has_source = false;    ///< a comparison with a source was asked for
     bool has_baseline = false;  ///< so that findings are either known or new
 };

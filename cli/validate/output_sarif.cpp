@@ -74,7 +74,9 @@ ordered_json location_json(const FileValidation& file, const Finding& f) {
         return {
             {"physicalLocation", {{"artifactLocation", {{"uri", uri_of(line.file)}}}, {"region", std::move(region)}}}};
     }
-    ordered_json location{{"physicalLocation", {{"artifactLocation", {{"uri", uri_of(file.path)}}}}}};
+    // A map has no lines, but code hosts drop findings without one.
+    ordered_json location{
+        {"physicalLocation", {{"artifactLocation", {{"uri", uri_of(file.path)}}}, {"region", {{"startLine", 1}}}}}};
     if (!f.place.empty()) location["logicalLocations"] = {{{"fullyQualifiedName", f.place}}};
     return location;
 }
@@ -105,14 +107,13 @@ std::string to_sarif(std::span<const FileValidation> files, const OutputOptions&
             results.push_back(result_json(file, *f, options.has_baseline ? "new" : nullptr));
         for (const Finding& f : file.known) results.push_back(result_json(file, f, "unchanged"));
     }
+    ordered_json driver{{"name", "dgm-validate"}, {"version", options.version}};
+    if (!options.homepage.empty()) driver["informationUri"] = options.homepage;
+    driver["rules"] = rules_json();
     const ordered_json whole{
         {"$schema", "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"},
         {"version", "2.1.0"},
-        {"runs",
-         ordered_json::array(
-             {{{"tool",
-                {{"driver", {{"name", "dgm-validate"}, {"version", options.version}, {"rules", rules_json()}}}}},
-               {"results", std::move(results)}}})}};
+        {"runs", ordered_json::array({{{"tool", {{"driver", std::move(driver)}}}, {"results", std::move(results)}}})}};
     return whole.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -6,6 +6,7 @@ tests/golden/validation.txt is what dgm-validate says of the fixtures; DGM_UPDAT
 import json
 import os
 import re
+import subprocess
 import unittest
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -292,6 +293,32 @@ class Codes(support.Folder):
         job = yaml.safe_load((ROOT / "samples" / "ci" / "github-actions.yml").read_text())["jobs"]["bake-and-validate"]
         for step in job["steps"]:
             self.assertEqual(len({"uses", "run"} & set(step)), 1, step)
+
+    def test_the_action_runs_as_a_workflow_would_run_it(self):
+        import yaml
+        action = yaml.safe_load((ROOT / "samples" / "ci" / "action" / "action.yml").read_text())
+        (self.folder / "assets").mkdir()
+        meshes.write_obj(self.folder / "assets" / "ball.obj", meshes.icosphere())
+        inputs = {name: entry.get("default", "") for name, entry in action["inputs"].items()}
+        inputs |= {"assets": "assets/", "options": "--size 33x33 --report extra.json"}
+        outputs = self.folder / "outputs"
+        tools = os.pathsep.join(str(Path(tool).parent) for tool in (support.BAKE, support.VALIDATE))
+        for step in action["runs"]["steps"]:
+            self.assertEqual(step["shell"], "bash")
+            values = {name: re.sub(r"\$\{\{ inputs\.(\w+) \}\}", lambda m: inputs[m[1]], text)
+                      for name, text in step["env"].items()}
+            ran = subprocess.run(["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]], cwd=self.folder,
+                                 env=os.environ | values | {"GITHUB_OUTPUT": str(outputs),
+                                                            "PATH": tools + os.pathsep + os.environ["PATH"]},
+                                 capture_output=True, text=True, timeout=support.TIMEOUT_SECONDS, check=False)
+            self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+        written = dict(line.split("=", 1) for line in outputs.read_text().splitlines())
+        for name, entry in action["outputs"].items():
+            step, key = re.search(r"steps\.(\w+)\.outputs\.(\w+)", entry["value"]).groups()
+            self.assertIn(step, [s["id"] for s in action["runs"]["steps"]])
+            self.assertTrue((self.folder / written[key]).is_file(), name)
+        self.assertTrue((self.folder / "extra.json").is_file())
+        self.assertTrue((self.folder / "baked" / "ball.dgm").is_file())
 
 
 if __name__ == "__main__":

@@ -149,13 +149,17 @@ TEST(ValidationOutput, SarifNamesFilesAndLines) {
     EXPECT_EQ(results[0]["locations"][0]["logicalLocations"][0]["fullyQualifiedName"], "/charts/0/geometry");
     EXPECT_EQ(results[2]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"], "in/a%20b.obj");
     EXPECT_EQ(results[2]["locations"][0]["physicalLocation"]["region"].dump(), R"({"startColumn":7,"startLine":12})");
+    EXPECT_EQ(results[0]["locations"][0]["physicalLocation"]["region"].dump(), R"({"startLine":1})");
     EXPECT_EQ(results[2]["level"], "note");
+    EXPECT_FALSE(run["tool"]["driver"].contains("informationUri"));
     for (const auto& result : results)
         EXPECT_EQ(run["tool"]["driver"]["rules"][result["ruleIndex"].get<std::size_t>()]["id"], result["ruleId"]);
     EXPECT_FALSE(results[0].contains("baselineState"));
     options.has_baseline = true;
-    EXPECT_EQ(nlohmann::json::parse(to_sarif(std::vector{file}, options))["runs"][0]["results"][0]["baselineState"],
-              "new");
+    options.homepage = "https://example.org/dgm";
+    const auto again = nlohmann::json::parse(to_sarif(std::vector{file}, options))["runs"][0];
+    EXPECT_EQ(again["results"][0]["baselineState"], "new");
+    EXPECT_EQ(again["tool"]["driver"]["informationUri"], "https://example.org/dgm");
 }
 
 TEST(ValidationOutput, CodesAreFoundByAnyOfTheirNames) {
