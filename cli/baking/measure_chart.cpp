@@ -38,7 +38,8 @@ MeasuredChart measure_chart(const TriMesh& component, const SampledChart& chart,
     ChartReport& report = out.report;
     report.method = chart.method;
     report.domain = chart.domain == layout::Domain::kSquare ? "square" : "free";
-    report.rows = chart.m, report.cols = chart.n;
+    report.rows = chart.m;
+    report.cols = chart.n;
     report.source_vertices = component.positions.size();
     report.source_faces = component.faces.size();
     report.seam_gap = reconstruction.seam_gap;

@@ -121,7 +121,8 @@ class BakeRow : public RowBuilder {
             const double here = static_cast<double>(chart.rows) * chart.cols;
             flips += static_cast<double>(chart.map.flips + chart.map.degenerate);
             turned += static_cast<double>(chart.turned_faces);
-            samples += here, used += here * chart.utilisation;
+            samples += here;
+            used += here * chart.utilisation;
         }
         set("stretch_l2", exactly(worst_stretch(results.front())));
         set("flips", exactly(flips));

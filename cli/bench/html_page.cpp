@@ -41,7 +41,10 @@ std::string to_html(const Run& run) {
         std::size_t at = left.size();
         const std::pair<std::string_view, std::string_view>* next = nullptr;
         for (const auto& part : parts)
-            if (const std::size_t found = left.find(part.first); found < at) at = found, next = &part;
+            if (const std::size_t found = left.find(part.first); found < at) {
+                at = found;
+                next = &part;
+            }
         out += left.substr(0, at);
         if (next == nullptr) break;
         out += next->second;

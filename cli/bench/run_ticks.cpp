@@ -63,13 +63,22 @@ std::vector<Setting> settings_for(bool paper_grid) {
         out.push_back(s);
     };
     with("compact end", [](Setting& s) { s.end = KernelEnd::Compact; });
-    with("grid, compact end", [](Setting& s) { s.footprint = Footprint::Grid, s.end = KernelEnd::Compact; });
-    with("geodesic", [](Setting& s) { s.footprint = Footprint::Geodesic, s.end = KernelEnd::Compact; });
+    with("grid, compact end", [](Setting& s) {
+        s.footprint = Footprint::Grid;
+        s.end = KernelEnd::Compact;
+    });
+    with("geodesic", [](Setting& s) {
+        s.footprint = Footprint::Geodesic;
+        s.end = KernelEnd::Compact;
+    });
     for (const std::uint32_t reach : kReaches)
         with(reach < kPaperReach ? "smaller reach" : "larger reach", [&](Setting& s) { s.reach = reach; });
     with("random path", [](Setting& s) { s.path = Path::kRandom; });
-    with("random path, geodesic",
-         [](Setting& s) { s.path = Path::kRandom, s.footprint = Footprint::Geodesic, s.end = KernelEnd::Compact; });
+    with("random path, geodesic", [](Setting& s) {
+        s.path = Path::kRandom;
+        s.footprint = Footprint::Geodesic;
+        s.end = KernelEnd::Compact;
+    });
     with("recorded path", [](Setting& s) { s.path = Path::kRecorded; });
     return out;
 }
@@ -136,7 +145,8 @@ class GeodesicReference {
                 const double exact = s < setting.reach ? double{table.profile(static_cast<float>(s))} : 0;
                 const double got = (state.positions()[k].z - state.rest_positions()[k].z) / touch.d_max;
                 if (exact < 1e-4 && got < 1e-4) continue;
-                squares += (got - exact) * (got - exact), count += 1;
+                squares += (got - exact) * (got - exact);
+                count += 1;
                 worst = std::max(worst, std::fabs(got - exact));
             }
         }
@@ -164,7 +174,10 @@ std::uint32_t nearest_of_all(const PointView& points, const State& state, Vec3 t
     float least = 0;
     for (std::uint32_t k = 0; k < state.sample_count(); ++k) {
         const Vec3 d = points[k] - tool;
-        if (state.on_surface(k) && (best == kNone || dot(d, d) < least)) best = k, least = dot(d, d);
+        if (state.on_surface(k) && (best == kNone || dot(d, d) < least)) {
+            best = k;
+            least = dot(d, d);
+        }
     }
     return best;
 }
@@ -203,7 +216,8 @@ TickOutcome run_ticks(const Subject& subject, const Setting& setting, const std:
         [&](std::size_t k) {  // looks at the turn before
             if (k > kWarmUp) {
                 result.force_jump = std::max(result.force_jump, jump(before, out, path[k - 1] - path[k - 2]));
-                result.hits += out.hit ? 1 : 0, result.lost += out.lost ? 1 : 0;
+                result.hits += out.hit ? 1 : 0;
+                result.lost += out.lost ? 1 : 0;
                 result.samples = std::max(result.samples, double(report.samples));
                 if (k % kCheckEvery == 0) {
                     checked += 1;
@@ -218,7 +232,9 @@ TickOutcome run_ticks(const Subject& subject, const Setting& setting, const std:
             report = take(tick(state, table, options, {&in, 1}, {&out, 1}));
         });
     const auto ticks = static_cast<double>(path.size() - kWarmUp);
-    result.hits /= ticks, result.lost /= ticks, result.wrong /= std::max(checked, 1.0);
+    result.hits /= ticks;
+    result.lost /= ticks;
+    result.wrong /= std::max(checked, 1.0);
     return result;
 }
 

@@ -24,7 +24,9 @@ struct Figure {
 
 /// In another unit.
 [[nodiscard]] constexpr Figure scaled(Figure f, double factor) {
-    f.value *= factor, f.low *= factor, f.high *= factor;
+    f.value *= factor;
+    f.low *= factor;
+    f.high *= factor;
     return f;
 }
 

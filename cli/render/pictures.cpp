@@ -38,7 +38,10 @@ double diagonal_of(const TriMesh& mesh) {
         for (const std::uint32_t v : face) {
             const Vec3d& p = mesh.positions[v];
             if (!is_finite(p)) continue;
-            for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+            for (int k = 0; k < 3; ++k) {
+                low[k] = std::min(low[k], p[k]);
+                high[k] = std::max(high[k], p[k]);
+            }
         }
     return low.x <= high.x ? length(high - low) : 0;
 }
@@ -60,7 +63,8 @@ View view_of(const TriMesh& mesh, const PictureOptions& options) {
 
 RenderOptions render_options(const PictureOptions& options, std::uint32_t width, std::uint32_t height) {
     RenderOptions out;
-    out.width = width, out.height = height;
+    out.width = width;
+    out.height = height;
     out.samples_per_pixel = options.samples_per_pixel;
     out.background = kPaper;
     return out;

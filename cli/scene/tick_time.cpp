@@ -62,7 +62,10 @@ TickTime measure_tick(const Asset& asset, Footprint footprint, Reach reach) {
     std::uint32_t largest = 0, samples = 0;
     for (std::uint32_t c = 0; c < asset.chart_count(); ++c) {
         const Chart chart = value_of(asset.chart(c));
-        if (chart.sample_count() > samples) samples = chart.sample_count(), largest = c;
+        if (chart.sample_count() > samples) {
+            samples = chart.sample_count();
+            largest = c;
+        }
     }
     const Chart chart = value_of(asset.chart(largest));
     StateOptions options{.max_reach = kMaxReach, .max_tools = 1};

@@ -22,7 +22,8 @@ std::vector<Vertex> lying(std::vector<Vertex> vertices, float table) {
     for (Vertex& v : vertices) {
         for (float* p : {v.position, v.normal}) {
             const float y = p[1];
-            p[1] = p[2], p[2] = -y;
+            p[1] = p[2];
+            p[2] = -y;
         }
         v.position[2] += table;
     }

@@ -94,7 +94,10 @@ class Brush {
         } else {
             for (std::uint32_t v = 0; v < mesh_.rest.size(); ++v) {
                 const Vec d = mesh_.rest[v] - tool;
-                if (dot(d, d) < best) best = dot(d, d), nearest = v;
+                if (dot(d, d) < best) {
+                    best = dot(d, d);
+                    nearest = v;
+                }
             }
         }
         const Vec at = mesh_.rest[nearest], d = tool - at;

@@ -120,7 +120,9 @@ TEST(FreeChartSlit, ASlitStaysASlit) {
             double lo = 9, hi = -9, right = -9;
             for (std::uint32_t s : f) {
                 const Vec3d p = repaired.frame.centre + chart.positions[s] * repaired.frame.diagonal;
-                lo = std::min(lo, p.y - 0.5), hi = std::max(hi, p.y - 0.5), right = std::max(right, p.x);
+                lo = std::min(lo, p.y - 0.5);
+                hi = std::max(hi, p.y - 0.5);
+                right = std::max(right, p.x);
             }
             if (right < 0.45) { EXPECT_FALSE(lo < -1e-9 && hi > 1e-9); }
         }

@@ -49,7 +49,10 @@ std::array<Vec2d, 3> widened(std::array<Vec2d, 3> q) {
     std::size_t apex = 0;
     double longest = 0;
     for (std::size_t k = 0; k < 3; ++k)
-        if (const double side = length(q[(k + 2) % 3] - q[(k + 1) % 3]); side > longest) longest = side, apex = k;
+        if (const double side = length(q[(k + 2) % 3] - q[(k + 1) % 3]); side > longest) {
+            longest = side;
+            apex = k;
+        }
     const Vec2d base = q[(apex + 1) % 3], along = (q[(apex + 2) % 3] - base) * (1 / longest), up{-along.y, along.x};
     const double height = dot(q[apex] - base, up);
     if (height > 0 && height < kFlat * longest)
@@ -102,13 +105,7 @@ class Augmented {
         };
         for (const std::uint32_t v : disk_.border) points.push_back(uv[v]);
         close(0);
-        Vec2d lo = points[0], hi = lo;
-        for (const Vec2d& p : points) {
-            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
-            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
-        }
-        const Vec2d margin = Vec2d{1, 1} * (kMargin * std::max(hi.x - lo.x, hi.y - lo.y));
-        lo = lo - margin, hi = hi + margin;
+        const auto [lo, hi] = box_around(points);
         std::vector<std::uint32_t> box;
         for (const Vec2d& p : points_of_box(lo, hi)) {
             box.push_back(static_cast<std::uint32_t>(x.size()));
@@ -133,7 +130,10 @@ class Augmented {
             Face face;
             for (std::size_t c = 0; c < 3; ++c) {
                 std::uint32_t& v = number[f[c]];
-                if (v == kNone) v = static_cast<std::uint32_t>(x.size()), x.push_back(points[f[c]]);
+                if (v == kNone) {
+                    v = static_cast<std::uint32_t>(x.size());
+                    x.push_back(points[f[c]]);
+                }
                 face[c] = v;
             }
             faces_.push_back(face);
@@ -149,6 +149,17 @@ class Augmented {
     }
 
  private:
+    /// Two corners of a box that holds all points with a margin.
+    static std::pair<Vec2d, Vec2d> box_around(const std::vector<Vec2d>& points) {
+        Vec2d lo = points[0], hi = lo;
+        for (const Vec2d& p : points) {
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+        const Vec2d margin = Vec2d{1, 1} * (kMargin * std::max(hi.x - lo.x, hi.y - lo.y));
+        return {lo - margin, hi + margin};
+    }
+
     /// Adds points between the border (the first `border` points) and the box, as far apart as they are from the
     /// border: without them the triangles outside are needles that hold the border where it is.
     static void fill_outside(Vec2d lo, Vec2d hi, std::size_t border, std::vector<Vec2d>& points) {
@@ -232,7 +243,9 @@ std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv
     for (Vec2d& p : uv) p = p * std::sqrt(augmented.area() / map);
     // A crowded start spreads inside first, where there is no gap to close: loops about many handles need that most.
     SlimOptions inside;
-    inside.border_fixed = true, inside.iterations = kStepsInside, inside.tolerance = kIdle;
+    inside.border_fixed = true;
+    inside.iterations = kStepsInside;
+    inside.tolerance = kIdle;
     if (flip_free_energy(disk, uv, inside) > kCrowded)
         uv = descend_flip_free(disk, std::move(uv), inside, {.on_update = {}, .cancelled = progress.cancelled});
     for (const auto& [energy, tolerance] : energies) {
@@ -263,7 +276,9 @@ std::optional<std::vector<Vec2d>> descend_coarsely(const DiskView& disk, const s
     for (const std::uint32_t v : disk.border) outline.push_back(start[v]);
     MultilevelOptions options;
     options.coarsest_faces = kCoarseFaces;
-    options.coarsest_sweeps = 0, options.sweeps = 3, options.power = 1;
+    options.coarsest_sweeps = 0;
+    options.sweeps = 3;
+    options.power = 1;
     options.map_coarsest = [&](const DiskView& coarse) -> std::optional<std::vector<Vec2d>> {
         ConvexMapSolver solver(coarse.positions.size(), coarse.faces, coarse.border);
         std::vector<Vec2d> uv =

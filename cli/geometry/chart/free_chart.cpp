@@ -70,7 +70,8 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
     if (!tools.is_simple(outline)) throw Error(codes::kMapInvalid, method + ": the chart overlaps itself");
 
     SampledChart chart;
-    chart.m = m, chart.n = n;
+    chart.m = m;
+    chart.n = n;
     chart.domain = layout::Domain::kFree;
     chart.method = std::move(method);
     const SampleGrid fine = rasterize(disk.mesh.faces, uv, 2 * m - 1, 2 * n - 1);
@@ -212,8 +213,10 @@ bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::vector<std:
         const double area = face_area({q[f[0]], q[f[1]], q[f[2]]});
         const double mapped = signed_area(layout.uv[f[0]], layout.uv[f[1]], layout.uv[f[2]]);
         for (const std::uint32_t v : f)
-            if (const std::uint32_t point = layout.disk.weld[v]; point < points)
-                surface[point] += area, map[point] += mapped;
+            if (const std::uint32_t point = layout.disk.weld[v]; point < points) {
+                surface[point] += area;
+                map[point] += mapped;
+            }
     }
     for (int k = 0; k < kShrunkPerRound; ++k) {
         const std::vector<double> distance = cut.distance_to_cut();
@@ -223,7 +226,10 @@ bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::vector<std:
         for (std::uint32_t v = 0; v < points; ++v) {
             if (!(distance[v] > kLeastBranch * far)) continue;
             const double shrunk = surface[v] / std::max(map[v], std::numeric_limits<double>::min());
-            if (shrunk > most) most = shrunk, worst = v;
+            if (shrunk > most) {
+                most = shrunk;
+                worst = v;
+            }
         }
         if (worst == kNone) return k > 0;
         joined.push_back(worst);
@@ -270,7 +276,10 @@ struct CutTrials {
         if (last->overlaps && last->stretch < kGoodStretch) return false;
         const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : kInfinity);
         if (best && !gains && ++idle > 1) return false;
-        if (gains) best = last, idle = 0;
+        if (gains) {
+            best = last;
+            idle = 0;
+        }
         return !best || best->stretch >= kGoodStretch;
     }
 

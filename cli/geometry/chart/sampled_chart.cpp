@@ -78,7 +78,10 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
             for (std::uint32_t j = 0; j + 1 < n; ++j) {
                 if (!on_border(i, j)) continue;
                 const std::size_t a = std::size_t{i} * n + j, b = a + n, c = b + 1, d = a + 1;
-                edges.add(a, b), edges.add(b, c), edges.add(c, d), edges.add(d, a);
+                edges.add(a, b);
+                edges.add(b, c);
+                edges.add(c, d);
+                edges.add(d, a);
             }
     const auto squared = [](const Vec3d& v) { return dot(v, v); };
     for (std::uint32_t i = 0; i + 1 < m; ++i)

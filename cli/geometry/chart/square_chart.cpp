@@ -166,7 +166,8 @@ SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std:
                                const Parameterizer& method, const model::Progress& progress, BorderShares shares) {
     const SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
     SampledChart chart;
-    chart.m = m, chart.n = n;
+    chart.m = m;
+    chart.n = n;
     chart.method = method.name();
     chart.disk = std::move(disk);
     const DiskView view{chart.disk.mesh.positions, chart.disk.mesh.faces, border.vertices, border.uv};

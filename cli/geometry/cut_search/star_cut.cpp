@@ -64,7 +64,9 @@ bool mark_arm(CutGraph& cut, const std::vector<Vec3d>& sphere, std::uint32_t fro
             const double off = 0.5 * std::abs(dot(sphere[v] + sphere[w], side));
             const double there = d + length(sphere[w] - sphere[v]) * (1 + kStray * off);
             if (there < distance[w]) {
-                distance[w] = there, arc[w] = a, before[w] = v;
+                distance[w] = there;
+                arc[w] = a;
+                before[w] = v;
                 queue.emplace(there, w);
             }
         }

@@ -49,7 +49,10 @@ class NearbyFaces {
     template <class Visit>
     void visit(std::uint32_t start, Visit visit_face) {
         constexpr std::size_t kMost = 400;
-        if (++turn_ == 0 || seen_.size() != surface_.faces.size()) seen_.assign(surface_.faces.size(), 0), turn_ = 1;
+        if (++turn_ == 0 || seen_.size() != surface_.faces.size()) {
+            seen_.assign(surface_.faces.size(), 0);
+            turn_ = 1;
+        }
         reached_.assign(1, start);
         seen_[start] = turn_;
         for (std::size_t k = 0; k < reached_.size(); ++k) {
@@ -57,8 +60,10 @@ class NearbyFaces {
             visit_face(face);
             if (reached_.size() == kMost) continue;
             for (const std::uint32_t next : surface_.neighbours[face])
-                if (next != kNone && reached_.size() < kMost && seen_[next] != turn_)
-                    seen_[next] = turn_, reached_.push_back(next);
+                if (next != kNone && reached_.size() < kMost && seen_[next] != turn_) {
+                    seen_[next] = turn_;
+                    reached_.push_back(next);
+                }
         }
     }
 

@@ -67,7 +67,8 @@ struct Patch {
     std::vector<std::uint32_t> classes;
     std::vector<Match> places;
     void take(const std::vector<std::uint32_t>& from, const Matches& matches) {
-        classes = from, places.clear();
+        classes = from;
+        places.clear();
         for (const std::uint32_t c : classes) places.push_back(matches.classes[c]);
     }
 };
@@ -123,15 +124,16 @@ class PatchRepair {
 
     /// The free classes around a face, and the faces around those.
     void gather(std::uint32_t face, int rings) {
-        patch_.clear(), faces_.clear();
-        for (const std::uint32_t c : grid_.faces[face]) in_patch_[c] = 1, patch_.push_back(c);
+        patch_.clear();
+        faces_.clear();
+        for (const std::uint32_t c : grid_.faces[face]) add_to_patch(c);
         std::size_t from = 0;
         for (int k = 0; k < rings; ++k) {
             const std::size_t end = patch_.size();
             for (; from < end; ++from)
                 for (const std::uint32_t f : ring(patch_[from]))
                     for (const std::uint32_t c : grid_.faces[f])
-                        if (!in_patch_[c]) in_patch_[c] = 1, patch_.push_back(c);
+                        if (!in_patch_[c]) add_to_patch(c);
         }
         for (const std::uint32_t c : patch_) in_patch_[c] = 0;
         std::erase_if(patch_, [&](std::uint32_t c) { return fixed_[c] != 0; });
@@ -140,9 +142,15 @@ class PatchRepair {
         faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
     }
 
+    void add_to_patch(std::uint32_t c) {
+        in_patch_[c] = 1;
+        patch_.push_back(c);
+    }
+
     /// Each face is held to the shape that it has, but none to a thin one.
     void note_shapes() {
-        shapes_.clear(), up_.resize(faces_.size());
+        shapes_.clear();
+        up_.resize(faces_.size());
         for (std::uint32_t k = 0; k < faces_.size(); ++k) {
             number_[faces_[k]] = k;
             const auto q = grid_.corners(faces_[k]);
@@ -206,7 +214,8 @@ class PatchRepair {
             const SurfaceHit hit = walk_to_closest(source_, old + step, match.hit.face);
             grid_.positions[c] = point_at(source_, hit);
             if (energy(c) < start) {
-                match.hit = hit, match.position = grid_.positions[c];
+                match.hit = hit;
+                match.position = grid_.positions[c];
                 return length(match.position - old) / reach;
             }
         }
@@ -275,7 +284,9 @@ class PatchRepair {
                 better = (left < fewest || error.fourth_powers < least) && error.largest <= limit_ &&
                          error.squares - squares <= purse_;
                 if (better) {
-                    fewest = left, least = error.fourth_powers, price = error.squares - squares;
+                    fewest = left;
+                    least = error.fourth_powers;
+                    price = error.squares - squares;
                     best.take(patch_, matches_);
                 }
             }
@@ -287,7 +298,10 @@ class PatchRepair {
         if (best.classes.empty()) return false;
         put(best);
         purse_ -= price;
-        for (const std::uint32_t f : all) grid_.update_normal(f), matches_.update_middle(f);
+        for (const std::uint32_t f : all) {
+            grid_.update_normal(f);
+            matches_.update_middle(f);
+        }
         return true;
     }
 

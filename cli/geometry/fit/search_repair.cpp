@@ -136,7 +136,10 @@ class SearchRepair {
         constexpr double kBeyond = 1.3;
         const auto q = grid_.corners(ring(c)[below(ring(c).size())]);
         double a = uniform(), b = uniform();
-        if (a + b > 1) a = 1 - a, b = 1 - b;
+        if (a + b > 1) {
+            a = 1 - a;
+            b = 1 - b;
+        }
         const Vec3d on_ring = q[0] * (1 - a - b) + q[1] * a + q[2] * b, at = grid_.positions[c];
         const Vec3d to = at + (on_ring - at) * (kBeyond * uniform());
         // The nearest of all may be another sheet, and a walk may end on this one's wrong side: by turns. Where the
@@ -172,17 +175,21 @@ class SearchRepair {
         }
         const double before = total(affected_);
         known_.clear();
-        for (const std::uint32_t f : affected_) known_.push_back(price_[f]), forget(f);
+        for (const std::uint32_t f : affected_) {
+            known_.push_back(price_[f]);
+            forget(f);
+        }
         for (std::size_t k = 0; k < count; ++k) grid_.positions[moving[k]] = fresh[k].position;
         if (const double change = total(affected_) - before; change < allowed) {
             change_ += change;
             for (std::size_t k = 0; k < count; ++k) {
                 log_.push_back({moving[k], old[k]});
-                matches_.classes[moving[k]].position = fresh[k].position,
+                matches_.classes[moving[k]].position = fresh[k].position;
                 matches_.classes[moving[k]].hit = fresh[k].hit;
             }
             for (const std::uint32_t f : affected_) {
-                grid_.update_normal(f), matches_.update_middle(f);
+                grid_.update_normal(f);
+                matches_.update_middle(f);
                 if (judge(f).inverted) reached_.push_back(f);
             }
             return true;
@@ -232,7 +239,10 @@ class SearchRepair {
             for (const std::uint32_t f : ring(c)) forget(f);
         }
         for (const Step& step : log_)
-            for (const std::uint32_t f : ring(step.c)) grid_.update_normal(f), matches_.update_middle(f);
+            for (const std::uint32_t f : ring(step.c)) {
+                grid_.update_normal(f);
+                matches_.update_middle(f);
+            }
         return false;
     }
 

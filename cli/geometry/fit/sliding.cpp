@@ -42,9 +42,11 @@ Sliding::Step Sliding::clamped(std::span<const Vec3d> step, std::vector<double> 
     for (const auto& [a, b] : grid_.edges) {
         if (!moves[a] && !moves[b]) continue;
         const double l = length(grid.positions[b] - grid.positions[a]);
-        edge[a] = std::min(edge[a], l), edge[b] = std::min(edge[b], l);
+        edge[a] = std::min(edge[a], l);
+        edge[b] = std::min(edge[b], l);
     }
-    out.along.resize(count), out.across.resize(count);
+    out.along.resize(count);
+    out.across.resize(count);
     for (std::size_t c = 0; c < count; ++c) {
         if (!moves[c] || fixed_[c]) continue;
         const Vec3d n = normalized(normal[c], Vec3d{});

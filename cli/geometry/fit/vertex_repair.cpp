@@ -106,7 +106,10 @@ class VertexRepair {
         const auto attempt = [&](const Vec3d& to) {
             grid_.positions[c] = point_at(source_, walk_to_closest(source_, to, matches_.classes[c].hit.face));
             const double now = penalty(c, reach);
-            if (now < least) least = now, best = grid_.positions[c];
+            if (now < least) {
+                least = now;
+                best = grid_.positions[c];
+            }
         };
         for (const double t : {0.25, 0.5, 1.0}) attempt(old + inward * t);
         for (int k = 0; k < kDirections; ++k) {
@@ -117,7 +120,8 @@ class VertexRepair {
         if (best == old) return false;
         matches_.classes[c].hit = walk_to_closest(source_, best, matches_.classes[c].hit.face);
         for (const std::uint32_t f : ring(c)) {
-            grid_.update_normal(f), matches_.update_middle(f);
+            grid_.update_normal(f);
+            matches_.update_middle(f);
             for (const std::uint32_t o : grid_.faces[f]) settled_[o] = 0;
         }
         return true;

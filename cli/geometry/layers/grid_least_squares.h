@@ -62,8 +62,10 @@ class GridMatrix {
         value.reserve(entries.size());
         for (const std::uint32_t from : head) {
             first.push_back(static_cast<std::uint32_t>(column.size()));
-            for (std::uint32_t e = from; e != kEnd; e = entries[e].next)
-                column.push_back(entries[e].column), value.push_back(entries[e].value);
+            for (std::uint32_t e = from; e != kEnd; e = entries[e].next) {
+                column.push_back(entries[e].column);
+                value.push_back(entries[e].value);
+            }
         }
         first.push_back(static_cast<std::uint32_t>(column.size()));
     }

@@ -84,8 +84,10 @@ NewVertices split_edge(TriMesh& mesh, std::vector<std::uint32_t>& opposite, std:
     const FaceSplit second = split_side(other, across_cut ? out.twin : out.vertex, 1 - t);
     const std::uint32_t here = out.first = h == second.moved_from ? second.moved_to : h;
     std::vector<std::uint32_t>& links = across_cut ? *mate : opposite;
-    links[here] = second.second, links[second.second] = here;
-    links[other] = first.second, links[first.second] = other;
+    links[here] = second.second;
+    links[second.second] = here;
+    links[other] = first.second;
+    links[first.second] = other;
     return out;
 }
 

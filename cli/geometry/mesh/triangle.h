@@ -68,7 +68,10 @@ inline double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& q,
     // Outside: on an edge that has p on its outer side (any of the three without area).
     double best = INFINITY, x = 0;
     const auto offer = [&](double squared, const std::array<double, 3>& at) {
-        if (squared < best) best = squared, b = at;
+        if (squared < best) {
+            best = squared;
+            b = at;
+        }
     };
     if (!(t > 0) || !(det > 0)) {
         const double squared = closest_on_segment(p, q[0], e0, x);

@@ -33,7 +33,10 @@ bool is_border_of_faces(const DiskView& disk) {
     for (const Face& f : disk.faces)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = f[k], b = f[(k + 1) % 3];
-            if (next[a] == b) forth[a] = 1, ++edges_once;
+            if (next[a] == b) {
+                forth[a] = 1;
+                ++edges_once;
+            }
             if (next[b] == a) back[b] = 1;
         }
     if (edges_once != disk.border.size()) return false;

@@ -93,7 +93,8 @@ class BorderLayout {
         std::vector<std::uint32_t> intervals;
         if (shares == BorderShares::kEqualArms) {
             const Shares arms = equal_arms(paths, grid);
-            intervals = arms.intervals, start = arms.start;
+            intervals = arms.intervals;
+            start = arms.start;
         } else if (has_four_real_sides(paths)) {
             intervals = {grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1};
         } else {

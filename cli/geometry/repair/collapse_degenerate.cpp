@@ -84,7 +84,9 @@ class Collapser {
         const auto copy = [&](auto& of_corners) {
             if (!of_corners.empty()) of_corners[to] = of_corners[from];
         };
-        copy(mesh_.corner_normals), copy(mesh_.corner_uvs), copy(mesh_.corner_colours);
+        copy(mesh_.corner_normals);
+        copy(mesh_.corner_uvs);
+        copy(mesh_.corner_colours);
     }
 
     [[nodiscard]] bool keeps_surface(std::uint32_t v, std::uint32_t w) const {
@@ -148,7 +150,9 @@ class Collapser {
             const auto take = [&](auto& of_corners) {
                 if (!of_corners.empty()) std::copy_n(of_corners.begin() + 3 * f, 3, of_corners.begin() + 3 * n);
             };
-            take(mesh_.corner_normals), take(mesh_.corner_uvs), take(mesh_.corner_colours);
+            take(mesh_.corner_normals);
+            take(mesh_.corner_uvs);
+            take(mesh_.corner_colours);
             ++n;
         }
         mesh_.faces.resize(n);
@@ -156,13 +160,18 @@ class Collapser {
         const auto shorten = [&](auto& of_corners) {
             if (!of_corners.empty()) of_corners.resize(3 * n);
         };
-        shorten(mesh_.corner_normals), shorten(mesh_.corner_uvs), shorten(mesh_.corner_colours);
+        shorten(mesh_.corner_normals);
+        shorten(mesh_.corner_uvs);
+        shorten(mesh_.corner_colours);
         std::vector<std::uint32_t> place(mesh_.positions.size(), kNone);
         for (const Face& face : mesh_.faces)
             for (const std::uint32_t v : face) place[v] = 0;
         std::uint32_t used = 0;
         for (std::size_t v = 0; v < place.size(); ++v)
-            if (place[v] != kNone) mesh_.positions[used] = mesh_.positions[v], place[v] = used++;
+            if (place[v] != kNone) {
+                mesh_.positions[used] = mesh_.positions[v];
+                place[v] = used++;
+            }
         mesh_.positions.resize(used);
         for (Face& face : mesh_.faces)
             for (std::uint32_t& v : face) v = place[v];

@@ -262,8 +262,10 @@ TEST(BorderPaths, AnnulusHasTwoLoopsAndACut) {
     const std::vector<BorderPath> paths = cut.open().paths();
     ASSERT_EQ(paths.size(), 4u);
     int loops = 0, mated = 0;
-    for (const BorderPath& path : paths)
-        loops += path.is_loop && path.mate == kNone, mated += path.mate != kNone && !path.is_loop;
+    for (const BorderPath& path : paths) {
+        loops += path.is_loop && path.mate == kNone;
+        mated += path.mate != kNone && !path.is_loop;
+    }
     EXPECT_EQ(loops, 2);
     EXPECT_EQ(mated, 2);
 }

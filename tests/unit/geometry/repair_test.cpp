@@ -37,7 +37,10 @@ void expect_component(const RepairedMesh& repaired, std::size_t c, std::uint64_t
     for (const Face& f : mesh.faces)
         for (std::uint32_t v : f) used[v] = 1;
     for (const Vec3d& p : mesh.positions)
-        for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
+        for (int k = 0; k < 3; ++k) {
+            lo[k] = std::min(lo[k], p[k]);
+            hi[k] = std::max(hi[k], p[k]);
+        }
     EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
     EXPECT_LE(length(hi - lo), 1 + 1e-12);
 }

@@ -202,7 +202,10 @@ Nearest exhaustive(const PointView& p, const State& state, Vec3 tool) {
     std::uint32_t sample = kNone;
     for (std::uint32_t k = 0; k < p.count; ++k) {
         const Vec3 d = p[k] - tool;
-        if (state.on_surface(k) && dot(d, d) < best) best = dot(d, d), sample = k;
+        if (state.on_surface(k) && dot(d, d) < best) {
+            best = dot(d, d);
+            sample = k;
+        }
     }
     return {sample, std::sqrt(best)};
 }

@@ -365,7 +365,8 @@ TEST(Validation, WarnsOfFacesTurnedAgainstTheSource) {
     maps.charts.resize(1);
     const bake::Reconstruction tube = bake::reconstruct(maps.charts[0]);
     model::TriMesh inside_out = tube.mesh;
-    inside_out.corner_normals.clear(), inside_out.corner_uvs.clear();
+    inside_out.corner_normals.clear();
+    inside_out.corner_uvs.clear();
     for (model::Face& f : inside_out.faces) std::swap(f[1], f[2]);
     formats::write_obj(folder / "source.obj", inside_out);
     const Source source = load_source(folder / "source.obj");
