@@ -78,9 +78,9 @@ struct BakeOptions {
 inline constexpr std::uint32_t kMinSide = 3, kMaxSide = 8193;
 
 /// The settings as one line of stable text, for MapSet::settings_hash: equal texts mean equal layers from equal meshes.
-/// What is asked by error, budget or number of samples stands in it as it was asked, not as it was answered.
-/// Left out: which files are written (a .dgm has the same bytes whether or not an EXR is written beside it) and the
-/// path of `texture`, whose content stands there instead (XXH3-128).
+/// A limit on error, bytes or samples stands in it as it was asked, not as it was answered. Left out: which files are
+/// written (a .dgm has the same bytes whether or not an EXR is written beside it) and the path of `texture`, whose
+/// content stands there instead (XXH3-128).
 /// @throws model::Error kFileMissing, kReadFailed if `texture` cannot be read
 [[nodiscard]] std::string canonical_settings(const BakeOptions& options);
 

@@ -16,7 +16,7 @@
 
 namespace dgm::bake {
 
-/// What repair changed, by kind ("welded vertices", 16) and zero counts left out.
+/// Changes of the repair, counted by kind ("welded vertices", 16). Zero counts are left out.
 using RepairCounts = std::vector<std::pair<std::string, std::uint64_t>>;
 
 struct CandidateReport {

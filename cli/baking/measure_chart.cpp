@@ -13,7 +13,7 @@
 namespace dgm::bake {
 namespace {
 
-// Of thousands of charts none is looked at for itself: a chart gets its share of the points, but for these.
+// Nobody looks at one chart of thousands: a chart gets its share of the points, but at least these.
 constexpr double kLeastSamples = 2000, kLeastTops = 8, kLeastSeamPoints = 64;
 
 /// Six times the signed volume.

@@ -26,7 +26,7 @@ Hash128 hash_text(const std::string& text) {
     return formats::hash_bytes(std::as_bytes(std::span(text)));
 }
 
-/// What an output says about where it came from.
+/// Origin of an output, as its file names it.
 struct Origin {
     std::string generator, report_json;
     Hash128 source_hash{}, settings_hash{};

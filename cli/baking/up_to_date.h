@@ -14,7 +14,7 @@
 
 namespace dgm::bake {
 
-/// What outputs call their maker; another version bakes again.
+/// Name and version of the program, as outputs store it; another version bakes again.
 [[nodiscard]] const char* generator();
 
 /// XXH3-128 in hexadecimal over the names (without folders) and contents of the files that the mesh names, and over

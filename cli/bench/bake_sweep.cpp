@@ -87,7 +87,7 @@ Table empty_table() {
     return t;
 }
 
-/// What sets the point apart from the default, the grid aside: the colour it is drawn in.
+/// Differences of the point from the default, except the grid: they decide its colour.
 std::string series_of(const BakePoint& point) {
     const BakePoint usual = default_point();
     std::string out = point.method;

@@ -31,7 +31,7 @@ struct BakePoint {
     friend bool operator==(const BakePoint&, const BakePoint&) = default;
 };
 
-/// What every point costs less or more than: the defaults of dgm-bake.
+/// The defaults of dgm-bake, with which every other point is compared.
 [[nodiscard]] BakePoint default_point();
 
 /// The grid of the paper, sampled and not fitted.

@@ -42,7 +42,7 @@ namespace dgm::bench {
     return out;
 }
 
-/// What a bake takes, for set_bake() (result_figures.h).
+/// Columns for the cost of a bake, which set_bake() fills (result_figures.h).
 [[nodiscard]] inline std::vector<Column> bake_columns() {
     return {time_column("cpu_seconds", "bake CPU", "s"), time_column("wall_seconds", "bake wall", "s"),
             time_column("memory_mib", "peak memory", "MiB")};

@@ -91,7 +91,7 @@ void write_run(const Run& run, const fs::path& folder) {
                    to_csv(table));
 }
 
-/// What the sweep found out, and where the rest is.
+/// Prints the findings of the sweep and the place of its files.
 int finish(Run run, const Common& common, const std::optional<Run>& then) {
     if (then) run.comparison = compare_runs(run, *then);
     write_run(run, common.output);

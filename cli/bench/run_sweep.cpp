@@ -40,7 +40,7 @@ Subject subject_of(const Asset& asset, const std::string& name) {
             chart.rows() == kPaperSide && chart.cols() == kPaperSide};
 }
 
-/// What the rows of one subject say in a sentence each.
+/// Adds the findings of one subject's rows, a sentence each.
 void add_findings(const Run& run, const Subject& subject, std::vector<std::string>& out) {
     const auto find = [&](const Table& table, const std::string& key, const std::string& value) -> std::ptrdiff_t {
         for (std::size_t row = 0; row < table.rows.size(); ++row)

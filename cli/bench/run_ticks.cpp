@@ -103,8 +103,8 @@ double table_error(const DeformTable& table, const Setting& s) {
     return worst;
 }
 
-/// Shares of the dent's depth. Of contacts within the reach of a seam or border of the grid, and of the others: the
-/// largest difference. A mean alone hides what tears a surface at its seams.
+/// Largest differences as shares of the dent's depth: of contacts within the reach of a seam or border of the grid, and
+/// of the others. A mean alone hides what tears a surface at its seams.
 struct WeightError {
     double rms = 0;  ///< over samples the dent or the exact one moves, all contacts
     double inside = 0, border = 0;

@@ -29,7 +29,7 @@ using formats::ImportedMesh;
 using Clock = std::chrono::steady_clock;
 
 constexpr char kMesh = 'M', kError = 'E', kEnd = '.';
-/// What a mesh within formats::MeshReadLimits may take, and more.
+/// More than a mesh within formats::MeshReadLimits takes.
 constexpr std::uint64_t kMaxBytes = std::uint64_t{8} << 30;
 constexpr auto kPause = std::chrono::milliseconds(100);
 
@@ -61,7 +61,7 @@ class Writer {
     std::string out_;
 };
 
-/// Reads what Writer wrote. What is not there reads as zero, and `ok` is false from then on.
+/// Reads the bytes of Writer. Missing bytes read as zero, and `ok` is false from then on.
 class Reader {
  public:
     explicit Reader(std::string_view bytes) : rest_(bytes) {}

@@ -170,7 +170,7 @@ void read_bytes(Table& table, std::string_view key, std::optional<std::uint64_t>
     });
 }
 
-/// What [defaults] and [[asset]] have in common.
+/// Reads the keys that [defaults] and [[asset]] share.
 void read_wishes(Table& table, SceneAsset& asset, const fs::path& folder) {
     read_view(table, asset.view);
     const bake::ErrorKind kind = asset.tolerance.kind;

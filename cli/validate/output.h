@@ -31,7 +31,7 @@ struct Counts {
 };
 [[nodiscard]] Counts count(const FileValidation& file);
 
-/// What is listed of a file: at most max_issues findings in their order, errors before others if not all fit.
+/// Listed findings of a file: at most max_issues in their order, errors before others if not all fit.
 [[nodiscard]] std::vector<const formats::Finding*> listed(const FileValidation& file, const OutputOptions& options);
 
 /// One line a finding, `DGM1003 error: FILE: /charts/0/normal: message (measured 3, limit 0) — hint`, then, unless

@@ -113,7 +113,7 @@ double utilisation(const Chart& chart) {
     return static_cast<double>(on) / static_cast<double>(mask->bytes.size());
 }
 
-/// What an error object says twice has to agree.
+/// Values that an error object states twice have to agree.
 void compare_error(const json& error, const std::string& place, FindingList& findings) {
     const auto expect = [&](const char* key, std::optional<double> wanted) {
         const std::optional<double> is = magnitude(member(error, key));

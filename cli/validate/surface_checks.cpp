@@ -206,8 +206,8 @@ bool is_plain_grid(const Surface& s) {
     return true;
 }
 
-/// Of the welded surface. Inside the border a plain grid is a disk, and closing a loop with a disk changes neither
-/// components nor genus: the quads along the border tell all.
+/// Topology of the welded surface. Inside the border a plain grid is a disk, and closing a loop with a disk changes
+/// neither components nor genus: the quads along the border tell all.
 Topology welded_topology(const Surface& s) {
     const std::vector<Face>& faces = s.reconstruction.welded_faces;
     if (!is_plain_grid(s)) return bake::measure_topology(s.local.size(), faces);

@@ -32,7 +32,7 @@ struct Part {
     PolyMesh mesh;
 };
 
-/// What the material of a file says. Image names are relative to the mesh file; an empty one is left out.
+/// Material of a file. Image names are relative to the mesh file; an empty one is left out.
 struct MaterialText {
     std::string name;
     std::string colour_map, bump_map;

@@ -259,7 +259,7 @@ class BuildTools(support.Folder):
         self.assertEqual(baked(), count)
         self.assertEqual(baked(), count)
         self.assertEqual((self.folder / f"{self.NAME}.dgm").read_bytes(), content)
-        # What is deleted does not stop the build.
+        # A deleted file does not stop the build.
         (self.folder / "sk in.png").unlink()
         self.assertEqual(baked(), count + 1)
 

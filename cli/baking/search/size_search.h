@@ -22,7 +22,7 @@ namespace dgm::bake {
 /// search by measurement ends). Ends with `largest` itself, whatever its intervals.
 [[nodiscard]] std::vector<GridSize> grid_ladder(GridSize largest, bool coarse);
 
-/// What one grid of a ladder gave.
+/// Result of one grid of a ladder.
 struct SizeTrial {
     std::size_t step = 0;  ///< index into the ladder
     double value = 0;      ///< infinity: there is no valid map on this grid

@@ -201,7 +201,8 @@ class Augmented {
             for (const Vec2d& p : points) points_[fill[bucket(p)]++] = p;
         }
 
-        /// Of the points within reach, or of some farther off; infinity if there are none.
+        /// Squared distance to the nearest of the points within reach, or of some farther off; infinity if there are
+        /// none.
         [[nodiscard]] double nearest_squared(Vec2d at) const {
             const std::size_t row = index(at.y - lo_.y, rows_), column = index(at.x - lo_.x, columns_);
             double squared = kInfinity;
@@ -305,7 +306,7 @@ std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> st
     if (disk.faces.size() > 2 * (kWorthCoarse + 2 * disk.border.size()))
         if (auto coarse = descend_coarsely(disk, start, steps, triangulate, progress)) {
             start = std::move(*coarse);
-            // The long way is behind it. Of the energy that is 2 where isometric, a tenth of the share is as much.
+            // The long way is behind it. A tenth of the share is as much for the energy that is 2 where isometric.
             steps = {{energy, energy == FlipFreeEnergy::kSymmetricDirichlet ? kTolerance : kOnceMore}};
         }
     return descend_in_rounds(disk, std::move(start), steps, triangulate, progress);

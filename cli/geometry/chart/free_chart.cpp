@@ -362,7 +362,7 @@ SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uin
     // Loops about handles need not run alike on a copy.
     const bool large = component.faces.size() > 2 * kScoutFaces && cut.genus() == 0;
     trials.lay_out();
-    // What a cut gains beyond a valid map is told by maps of the component alone.
+    // Only maps of the component show the gain of a cut beyond a valid map.
     const bool scouts = large && rounds > 1 && trials.last->overlaps && trials.judge();
     if (!scouts || !run_on_copy(trials, rounds)) trials.run(rounds);
     std::optional<Layout>&best = trials.best, &last = trials.last;

@@ -173,7 +173,7 @@ SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std:
     const DiskView view{chart.disk.mesh.positions, chart.disk.mesh.faces, border.vertices, border.uv};
     chart.uv = method.solve(view, progress);
     sample_map(chart, border);
-    // What few folds are left the fit mends.
+    // The fit mends the few folds that are left.
     const std::size_t few = kFewFolds * 2 * std::size_t{m - 1} * (n - 1) / 1000;
     std::size_t folded = count_folded(chart);
     for (std::size_t step = 0; folded > few; ++step) {

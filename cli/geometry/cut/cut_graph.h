@@ -57,7 +57,7 @@ class CutGraph {
     [[nodiscard]] Disk open() const;
     [[nodiscard]] double length() const;
     [[nodiscard]] double edge_cost(std::uint32_t half_edge) const;
-    /// Of weigh(); 1 without.
+    /// Factor of an edge by weigh(); 1 without.
     [[nodiscard]] double factor(std::uint32_t half_edge) const {
         // kNone is the largest number.
         return factors_.empty() ? 1 : factors_[std::min(half_edge, opposite_[half_edge])];

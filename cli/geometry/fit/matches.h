@@ -41,7 +41,7 @@ class Matches {
     /// own.
     /// @param source_index  of the source
     void settle_farthest(const ClosestPointIndex& source_index);
-    /// Of the source, where it has more faces than the grid; else null.
+    /// Index of the source if it has more faces than the grid; else null.
     [[nodiscard]] const ClosestPointIndex* source_index() const { return source_index_.get(); }
     /// The middle of one face again, after a corner of it has moved.
     void update_middle(std::size_t face);

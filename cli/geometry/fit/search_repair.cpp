@@ -69,7 +69,7 @@ class SearchRepair {
         return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
     }
 
-    /// Of a face as it lies, from memory where it lies as before.
+    /// Price of a face in its present place, from memory if it has not moved.
     const Price& judge(std::uint32_t f) {
         if (std::isnan(price_[f].value)) price_[f] = measure(f);
         return price_[f];

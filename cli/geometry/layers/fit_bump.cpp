@@ -30,7 +30,7 @@ void average_classes(std::span<const std::uint32_t> classes, std::span<double> h
     for (std::size_t t = 0; t < heights.size(); ++t) heights[t] = sum[classes[t]] / members[classes[t]];
 }
 
-/// What a matched point asks of the four texels about it, and where it lies from the grid.
+/// A matched point: the height it asks of the four texels around it, and its place beside the grid.
 struct Gap {
     Vec3d to_source, normal;
 };

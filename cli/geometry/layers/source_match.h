@@ -22,7 +22,7 @@ struct MatchedPoint {
 [[nodiscard]] Vec3d local_position(const LayerInput& in, const SurfaceSample& at);
 /// The source's unit normal there: its corners' interpolated, else the face's; zero where there is none.
 [[nodiscard]] Vec3d source_normal(const TriMesh& mesh, const SurfaceSample& at);
-/// Of the face alone.
+/// The unit normal of the face alone.
 [[nodiscard]] Vec3d normal_of_face(const TriMesh& mesh, std::uint32_t face);
 
 /// Row and column of a matched point in units of samples; for strip triangles by `border_uv`.

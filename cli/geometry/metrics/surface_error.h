@@ -27,7 +27,7 @@ struct SurfaceError {
     [[nodiscard]] double psnr() const;  ///< 20 log10(diagonal / rms), capped at 300 dB for identical surfaces
 };
 
-/// What baker and validator measure with; of one and the same seed, so that they look at the same points.
+/// Number of points with which baker and validator measure; the same seed gives them the same points.
 inline constexpr std::uint64_t kSurfaceSamples = 400'000;
 inline constexpr std::size_t kSurfaceTops = 256;
 

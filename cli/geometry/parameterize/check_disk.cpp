@@ -26,8 +26,8 @@ bool is_border_of_faces(const DiskView& disk) {
         if (next[v] != kNobody) return false;
         next[v] = disk.border[(k + 1) % disk.border.size()];
     }
-    // Of the edges that join consecutive border vertices, each stands once, in the right direction, if it is a border
-    // edge; a chord between them stands both ways.
+    // An edge that joins consecutive border vertices stands once, in the right direction, if it is a border edge; a
+    // chord between them stands both ways.
     std::vector<std::uint8_t> forth(n, 0), back(n, 0);
     std::size_t edges_once = 0;
     for (const Face& f : disk.faces)

@@ -9,7 +9,7 @@
 
 namespace dgm::bake {
 
-/// What the surroundings of a flip are drawn towards.
+/// Shape towards which the surroundings of a flip are drawn.
 enum class RepairShape {
     kConformal,  ///< any scale, angles kept: for conformal maps
     kIsometric,  ///< the size of the surface, too

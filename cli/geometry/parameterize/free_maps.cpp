@@ -87,7 +87,7 @@ Pins choose_pins(const DiskView& disk) {
     const Vec3d size = hi - lo;
     const int shortest = size[0] < size[1] && size[0] < size[2] ? 0 : size[1] < size[0] && size[1] < size[2] ? 1 : 2;
     const int a = shortest == 0 ? 1 : 0, b = shortest == 2 ? 1 : 2;
-    // Of two equal axes CGAL takes the later one, but for (x, y) when z is shortest: there, too, the second.
+    // CGAL takes the later of two equal axes, except for (x, y) when z is shortest: there, too, the second.
     const int longest = size[a] > size[b] ? a : b, second = longest == a ? b : a;
     const auto place = [&](const Vec3d& p) {
         const auto along = [&](int axis) { return size[axis] > 0 ? (p[axis] - lo[axis]) / size[axis] : 0.0; };

@@ -12,7 +12,7 @@
 
 namespace dgm::bake {
 
-/// What a face counts in the conformal energy.
+/// Weight of a face in the conformal energy.
 enum class LscmWeight {
     kArea,         ///< its area, as the paper has it: the same answer whatever the triangulation, in the limit
     kSquaredArea,  ///< its squared area: what CGAL 5.5 and programs like it solve, which leave out a normalisation

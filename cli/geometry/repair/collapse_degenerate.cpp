@@ -136,7 +136,7 @@ class Collapser {
         return shared == 1 || !is_tetrahedron(v, w);
     }
 
-    /// Of an inner edge that meets the link condition: may both v and w have a face with the two vertices across it?
+    /// For an inner edge that meets the link condition: may both v and w have a face with the two vertices across it?
     [[nodiscard]] bool is_tetrahedron(std::uint32_t v, std::uint32_t w) const {
         return faces_at_[v].size() == 3 && faces_at_[w].size() == 3;
     }

@@ -31,7 +31,7 @@ std::pair<double, double> narrowed(const Vec2d (&p)[3], double x, std::pair<doub
     return {std::max(range.first, std::floor(lo)), std::min(range.second, std::ceil(hi))};
 }
 
-/// Of a number that is not negative.
+/// Fraction of a number that is not negative.
 double fraction(double x) {
     return x - std::floor(x);
 }

@@ -234,7 +234,7 @@ class Simplifier {
         for (std::uint32_t w : fan_) refresh(w, u, v);
     }
 
-    /// Of w's collapses only that into v has another cost, and that into u is gone.
+    /// Among w's collapses only that into v has another cost, and that into u is gone.
     void refresh(std::uint32_t w, std::uint32_t u, std::uint32_t v) {
         if (target_[w] == kNone || target_[w] == u || target_[w] == v) return queue(w, false);
         if (!options_.locked.empty() && options_.locked[w]) return;

@@ -208,7 +208,7 @@ int piece_count(const Triangle& tri) {
     return static_cast<int>(std::min<double>(kMaxPieces, std::ceil(edge / (kPieceLength * height))));
 }
 
-/// What the scene's functions see.
+/// Data that the scene's functions see.
 struct Held {
     const Triangle* triangles;
     const Piece* pieces;

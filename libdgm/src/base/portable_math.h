@@ -32,7 +32,7 @@ namespace dgm::detail {
 struct SineCosine {
     double sine, cosine;
 };
-/// Of any finite angle in radians.
+/// Sine and cosine of any finite angle in radians.
 [[nodiscard]] SineCosine portable_sine(float angle) noexcept;
 
 }  // namespace dgm::detail

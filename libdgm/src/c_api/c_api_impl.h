@@ -19,7 +19,7 @@
 
 namespace dgm::c_api {
 
-/// What a handle points to: an object and where its memory came from.
+/// A handle points to this: an object and where its memory came from.
 template <class T>
 struct Held {
     Held(const dgm::Allocator& a, T&& v) noexcept : allocator(a), value(std::move(v)) {}

@@ -259,8 +259,8 @@ void Resolver::project() noexcept {
 
 void Resolver::keep() noexcept {
     const Planes from = c_.before();
-    // What did not move keeps its bits: a copy of it may be in a tile that is not listed. The sign of a zero is a bit,
-    // too: what moved by less than floats can tell may have turned it.
+    // A sample that did not move keeps its bits: a copy of it may be in a tile that is not listed. The sign of a zero
+    // is a bit, too, and a move below the precision of float may have changed it.
     const auto bits = [](float v) { return __builtin_bit_cast(std::uint32_t, v); };
     const auto move = [&](float* base, const float* now, const float* old, std::size_t k) {
         if (bits(base[k]) == bits(old[k]))

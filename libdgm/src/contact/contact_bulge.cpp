@@ -6,8 +6,8 @@
 // Samples that this takes beyond the obstacle are put back on it, and the volume that costs grows about as a power of
 // beta: its coefficient and exponent are found by measuring the bulged volume. Most of the ring is too far from the
 // obstacle for that to happen; there the cubic holds, and only the rest is moved and measured again at every step, all
-// of it at the last. What rounding to float leaves is put on a few samples one after another, the volume being linear
-// in each.
+// of it at the last. The error that rounding to float leaves is put on a few samples one after another: the volume is
+// linear in each.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +18,8 @@
 
 namespace dgm::detail {
 namespace {
-// Of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can take.
+// Shares of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can
+// take.
 constexpr double kForeseen = 4e-3, kSolved = 3e-4;
 constexpr std::uint32_t kMaxPasses = 10;
 constexpr double kPower = 1.8;  // of beta, to which the volume put back grows, before it is measured
@@ -139,7 +140,7 @@ void Resolver::part_ring() noexcept {
                                 : std::numeric_limits<double>::infinity();
     for (std::uint32_t e = 0, listed = c_.tile_count; e < listed; ++e) {
         const std::uint32_t tile = c_.tiles[e], ti = tile / s_.tile_cols, tj = tile % s_.tile_cols;
-        // What quads gained by sinking already is measured with what they gain by bulging.
+        // Volume that quads gained by sinking is measured together with their gain by bulging.
         constexpr std::uint8_t kBoth = kTileSinking | kTileBulging;
         if ((c_.tile_bits[tile] & kBoth) == kBoth) c_.tile_bits[tile] |= kTileNear;
         if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
@@ -259,7 +260,7 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
         const bool near = (c_.tile_bits[tile] & kTileNear) != 0;
         if (near == all) continue;
-        // Of a surface the box costs a search, and its samples mostly know their heights.
+        // For a surface the box costs a search, and most of its samples know their heights.
         const bool asked = near && searches();
         if (asked || box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]})
             put_back_tile(tile, beta);
@@ -332,7 +333,7 @@ class HeightSearch {
         if (!(next > low_ && next < high_)) next = std::isinf(high_) ? 2 * low_ : 0.5 * (low_ + high_);
         return next > 64 * std::fabs(first_) || next == std::fabs(beta) ? 0 : next;
     }
-    /// What was measured before took other samples to be near.
+    /// Earlier measurements took other samples to be near.
     void restart() noexcept {
         low_ = 0;
         high_ = best_error_ = std::numeric_limits<double>::infinity();
@@ -341,7 +342,7 @@ class HeightSearch {
     [[nodiscard]] double best_error() const noexcept { return best_error_; }
 
  private:
-    /// Of the error where |beta| is too high, times that of beta.
+    /// Sign of the error where |beta| is too high, times the sign of beta.
     [[nodiscard]] double sign() const noexcept { return removed_ * first_ > 0 ? 1 : -1; }
     void fit_power(double beta, double cost) noexcept {
         if (older_ == 0 || !(cost * older_cost_ > 0) || older_ == beta) return;
@@ -406,7 +407,7 @@ void Resolver::bulge() noexcept {
 void Resolver::search_height(const Cubic& all, Cubic rest, double first) noexcept {
     double beta = first_height(all, first);
     HeightSearch search(all, removed_, first, beta);
-    // What a plane costs is known as well, without a sample moved, but for border faces.
+    // The cost of a plane is known without moving a sample, too, except for border faces.
     bool known = foreseen();
     double aim = known ? kSolved : kForeseen;
     const auto measure = [&] {

@@ -86,7 +86,7 @@ void look_into(const Shape& shape, const Box& box) noexcept;
 [[nodiscard]] bool is_apart(const Shape& shape, const StateImpl& state, const Rect& samples) noexcept;
 /// Distance from the plane of a facet that probe() found near by.
 [[nodiscard]] Probe facet_probe(const Shape& shape, std::uint32_t facet, Double3 point) noexcept;
-/// What one search of a surface says about points near by: distances change by no more than the way gone.
+/// Bounds from one search of a surface for points near by: distances change by no more than the way gone.
 class Surroundings {
  public:
     /// At least this far before the obstacle; says nothing where negative.
@@ -221,7 +221,7 @@ void each_tile(const Pyramid& y, Meets meets, F f) noexcept {
 /// Open surfaces: averages the displacement of contact and ring with the neighbours', staying out of the obstacle.
 void smooth_contact(StateImpl& state, ContactImpl& contact, const Shape& shape, std::uint32_t rounds) noexcept;
 
-/// Squared surface distances from the rim of the marked samples, up to `reach`, into contact.square; lists tiles. Of
+/// Squared surface distances from the rim of the marked samples, up to `reach`, into contact.square; lists tiles. On
 /// open surfaces only samples within `steps` edges of the contact need to be met: no displacement gets farther.
 void grow_ring(const StateImpl& state, ContactImpl& contact, const Shape& shape, double reach,
                std::uint32_t steps) noexcept;

@@ -33,7 +33,7 @@ class Resolver {
  private:
     // --- Phi ---
     void find_contact() noexcept;
-    /// Of a plane, sphere or capsule.
+    /// For a plane, sphere or capsule.
     [[nodiscard]] MarkJob mark_job(const Rect& r) noexcept;
     /// The loops over rows know the way out, and every sample goes it whole.
     [[nodiscard]] bool is_simple() const noexcept {
@@ -60,7 +60,7 @@ class Resolver {
         r.j1 = std::min(r.j1, s_.tables.cols - 2);
         return {r, s_.tables.cols, StateImpl::fixed(s_.now), c_.kind.data(), {0, 0, 0}};
     }
-    /// What quads, and border faces, gained by the call so far.
+    /// Volume that quads and border faces gained by the call so far.
     [[nodiscard]] double swept(const Rect& r) const noexcept;
     [[nodiscard]] double swept(const Runs& runs) const noexcept;
     [[nodiscard]] double swept_faces() const noexcept;
@@ -79,7 +79,7 @@ class Resolver {
         for (const Runs* runs : {&c_.inner, &c_.ring, &c_.near})
             for (const Rect& r : *runs) f(r);
     }
-    /// What find_contact() left in c_.before() for samples beyond the obstacle goes to `now`, and `now` goes there.
+    /// Exchanges `now` and the positions that find_contact() left in c_.before() for samples beyond the obstacle.
     void project() noexcept;
     void put(std::uint32_t k, Double3 p) noexcept {
         const Vec3 v = narrow(p);
@@ -99,7 +99,7 @@ class Resolver {
 
     /// Parts the ring by whether its samples can come to rest on the obstacle.
     void part_ring() noexcept;
-    /// Of a run's quads those at its end reach into the tiles beyond.
+    /// The quads at the end of a run reach into the tiles beyond.
     [[nodiscard]] Rect with_corners(const Rect& r) const noexcept {
         return {r.i0, std::min(r.i1 + 1, s_.tables.rows - 1), r.j0, std::min(r.j1 + 1, s_.tables.cols - 1)};
     }
@@ -136,7 +136,7 @@ class Resolver {
     /// Bulges all and measures it. @return the error.
     double settle(double beta) noexcept;
 
-    /// Of a sample that lies inside the grid, off seams.
+    /// For a sample inside the grid and off seams.
     [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
     /// Spends single units in the last place on `left`, a volume. @return what is left then.
     double nudge(std::span<const std::uint32_t> samples, double left) noexcept;

@@ -244,7 +244,7 @@ bool fill_tile(const StateImpl& s, ContactImpl& c, const Walk& walk, float limit
             job.nodes[a] = walk.signed_square(first + kStride * (a / 3 * cols + a % 3));
         c.rows_of->spread(job);
     }
-    // What is left of the last row and column of tiles.
+    // The rest of the last row and column of tiles.
     for (std::uint32_t i = r.i0; i <= r.i1; ++i)
         for (std::uint32_t j = i < r.i0 + 8 && r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols ? r.j0 + 8 : r.j0;
              j <= r.j1;) {

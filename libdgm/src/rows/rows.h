@@ -24,7 +24,7 @@
 
 namespace dgm::detail {
 
-/// Of normals between variants, where the ring's corners are not sharper than 1e-3 of a full turn.
+/// Largest difference of a normal between variants, where the ring's corners are not sharper than 1e-3 of a full turn.
 inline constexpr float kNormalTolerance = 4e-6f;
 
 /// Samples of rows i0..i1, columns j0..j1 of the grid, ends included; empty if i0 > i1.

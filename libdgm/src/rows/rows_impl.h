@@ -342,12 +342,12 @@ void merge(const MergeJob& job) noexcept {
     for (; k < j.count; ++k) merge_block<float, int>(j, k, static_cast<float>(k));
 }
 
-/// Of one coordinate: extremes of pairs of samples side by side.
+/// One coordinate: extremes of pairs of samples side by side.
 template <class F>
 struct Span {
     F low, high;
 };
-/// Of all three, along the axes.
+/// All three coordinates, along the axes.
 template <class F>
 struct Spans {
     Span<F> of[3];

@@ -185,7 +185,7 @@ struct RingForm {
                                  std::uint32_t sample) noexcept;
 /// Area-weighted unit normal of a shape over the welded ring; 0 without area.
 [[nodiscard]] Vec3 ring_normal(const Surface& surface, const ConstPlanes& shape, std::uint32_t sample) noexcept;
-/// Of `count` regular samples side by side. @return false if one was left at 0: float would not do.
+/// Normals of `count` regular samples side by side. @return false if one was left at 0: float would not do.
 [[nodiscard]] bool normals_inside(const Surface& surface, const ConstPlanes& shape, std::uint32_t first,
                                   std::uint32_t count, const Planes& to) noexcept;
 /// The normal that update_normals() stores for `now`.

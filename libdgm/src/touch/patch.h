@@ -29,7 +29,7 @@ struct StateImpl;
 struct TableImpl;
 struct Contact;
 
-/// What a patch depends on.
+/// All inputs that a patch depends on.
 struct PatchKey {
     std::uint32_t sample = 0xFFFFFFFFu;  ///< representative
     float step = 0;

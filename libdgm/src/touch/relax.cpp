@@ -150,7 +150,8 @@ void tell_moved(StateImpl& s) noexcept {
     s.normal_dirty.add(moved);
 }
 
-/// What is in `elastic` fades from now on. The tiles it meets are up to the clock. `told`: touch() told of it already.
+/// The displacements in `elastic` fade from now on. Their tiles are up to the clock. `told`: touch() has listed the
+/// change already.
 void start_fading(StateImpl& s, bool told) noexcept {
     Fading& f = s.fading;
     if (s.elastic.empty()) return;

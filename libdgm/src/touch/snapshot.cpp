@@ -110,7 +110,7 @@ void load_range(Word* from, float* to, std::size_t first, std::size_t count) noe
     for (first += whole * kFloats; first < end; ++first) to[first] = load_one<float>(from, first);
 }
 
-/// What a reader wants of the newest frame: copy(slot, frame) copies it. @return false if it was overtaken.
+/// Lets a reader copy from the newest frame: copy(slot, frame) copies it. @return false if it was overtaken.
 template <class Copy>
 bool try_read(SnapshotImpl& s, SnapshotInfo& info, Copy copy) noexcept {
     const std::uint64_t newest = s.newest.load(std::memory_order_acquire);

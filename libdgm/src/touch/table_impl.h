@@ -23,7 +23,7 @@ struct TableImpl {
     Array<float> weights, turned;  ///< turned: x and y exchanged, only if that differs
     Array<float> entries;          ///< profile at distances k * spacing
     float spacing = 1;
-    /// What chords have to be for weights to be off by a share of the peak at most: a hundredth for exact footprints,
+    /// Bounds on chords that keep the error of a weight below a share of the peak: a hundredth for exact footprints,
     /// eight hundredths for others.
     struct Tolerance {
         float share;

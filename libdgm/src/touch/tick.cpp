@@ -128,7 +128,7 @@ bool beside_rim(const StateImpl& s, std::uint32_t sample, Vec3 v, Vec3 n) noexce
     return product(v, v) - h * h > double{s.mean_step} * s.mean_step;
 }
 
-/// What the contact asks for now; begins and ends contacts.
+/// The displacement that the contact asks for now; begins and ends contacts.
 Vec3 wished(const StateImpl& s, ToolSlot& slot, const ToolInput& in, const TickOptions& o, ToolOutput& out) noexcept {
     const ConstPlanes base = StateImpl::fixed(s.base);
     const Vec3 v = in.position - StateImpl::at(s.base, out.sample), n = sample_normal(s, base, out.sample);
@@ -315,7 +315,7 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
         if (!outputs.empty()) outputs[k] = out;
         if (!press.active) continue;
         contacts[count++] = press.contact;
-        // What a contact has hardly a hold of is not asked to make up for what fades.
+        // A contact with hardly any mobility is not asked to make up for a fading displacement.
         at_once = at_once || !(detail::share_at(s, t, press.contact.sample) > 1e-6f);
     }
 

@@ -73,7 +73,7 @@ TEST(TexelClasses, JoinWhatASeamJoins) {
     EXPECT_NE(at(1, 0), at(3, 0));
     EXPECT_NE(at(0, 1), at(4, 1));  // rows are no seam
     EXPECT_EQ(at(2, 2), 12u);
-    // Of other sizes nothing is known.
+    // Nothing is known about other sizes.
     for (std::uint32_t t = 0; const std::uint32_t c : texel_classes(3, 3, 4, 5, samples)) EXPECT_EQ(c, t++);
 }
 

@@ -27,7 +27,7 @@ std::uint64_t count(const RepairedMesh& mesh, const std::string& what) {
     return 0;
 }
 
-/// What the header promises of every component, and its topology.
+/// Checks the promises of the header for every component, and its topology.
 void expect_component(const RepairedMesh& repaired, std::size_t c, std::uint64_t loops, std::int64_t genus) {
     ASSERT_LT(c, repaired.components.size());
     const TriMesh& mesh = repaired.components[c];

@@ -336,7 +336,7 @@ TEST(Tick, StepsOfTheDisplacementKeepTheirBound) {
         if (dot(tool, tool) > 60) tool = tool - 2 * step;
         const Vec3 change = one(state, table, o, tool_at(tool)).displacement - d;
         d = d + change;
-        // What fades: an offset that is never longer than what has jumped, here 4 d_max at most.
+        // An offset fades; it is never longer than the jump, here 4 d_max at most.
         ASSERT_LE(std::sqrt(dot(change, change)), 2 * std::sqrt(dot(step, step)) + (1 - std::exp(-0.1f)) * 8 + 1e-4f);
     }
 }

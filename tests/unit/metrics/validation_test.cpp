@@ -210,7 +210,7 @@ TEST_P(ValidationOfFile, FindsExactlyThis) {
 const auto breakage_name = [](const auto& info) { return std::string(info.param.name); };
 INSTANTIATE_TEST_SUITE_P(Values, ValidationOfFile, testing::ValuesIn(kValueBreakages), breakage_name);
 
-/// What the writer would not write: maps in memory.
+/// Changes maps in memory to shapes that the writer would refuse.
 std::function<void(MapSet&)> reshape(std::size_t chart, const char* layer, std::vector<std::uint64_t> shape) {
     return [=](MapSet& maps) { maps.charts[chart].find(layer)->shape = shape; };
 }
