@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/bake_options.h
-// What one asset is baked with. Every field but the output formats enters the settings hash.
+// Settings of the bake of one asset. Every field but the output formats enters the settings hash.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -63,7 +63,7 @@ struct BakeOptions {
     std::optional<std::uint64_t> texture_bytes;  ///< most of all charts' textures together; they get smaller
     std::optional<double> texel_length;          ///< source units; textures are not made finer than this
     std::optional<GridSize> bump_size;           ///< default: (2m-1) x (2n-1)
-    std::vector<std::string> ablate;             ///< of kAblateNames: what is left out, to see what it is worth
+    std::vector<std::string> ablate;             ///< of kAblateNames: steps left out, to measure their worth
     bool write_dgm = true, write_exr = false;
     ExrLayout exr_layout = ExrLayout::kAuto;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/bake_sweep.h
-// dgm-bench bake: what each choice of dgm-bake costs on the user's meshes, and what it is worth.
+// dgm-bench bake: cost and benefit of each choice of dgm-bake on the user's meshes.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -17,7 +17,7 @@ namespace dgm::bench {
     out.identifies = true;
     return out;
 }
-/// Text about what came out.
+/// Text about the result.
 [[nodiscard]] inline Column text_column(std::string key, std::string title) {
     return {std::move(key), std::move(title), ""};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/recommend.h
-// What the figures of a bake sweep advise, in words.
+// Puts the advice of a bake sweep's figures into words.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/run_sweep.h
-// dgm-bench run: what each choice of the runtime costs a tick, and how far it is from the exact answer.
+// dgm-bench run: cost of each choice of the runtime in a tick, and its distance from the exact answer.
 #pragma once
 #include <dgm/asset.h>
 #include <dgm/state.h>

@@ -83,7 +83,7 @@ std::vector<Setting> settings_for(bool paper_grid) {
     return out;
 }
 
-/// Largest distance of the table in use from exp(-r^2 / sigma) in double precision, over what a tick reads of it.
+/// Largest distance of the table in use from exp(-r^2 / sigma) in double precision, over the part that a tick reads.
 double table_error(const DeformTable& table, const Setting& s) {
     const double sigma = s.kernel().sigma;
     const auto reach = static_cast<int>(s.reach);
@@ -104,7 +104,7 @@ double table_error(const DeformTable& table, const Setting& s) {
 }
 
 /// Largest differences as shares of the dent's depth: of contacts within the reach of a seam or border of the grid, and
-/// of the others. A mean alone hides what tears a surface at its seams.
+/// of the others. A mean alone hides the errors that tear a surface at its seams.
 struct WeightError {
     double rms = 0;  ///< over samples the dent or the exact one moves, all contacts
     double inside = 0, border = 0;
@@ -191,8 +191,9 @@ double norm(Vec3 v) {
     return std::sqrt(static_cast<double>(dot(v, v)));
 }
 
-/// The part of the force's change in a tick that falls to what twice the tool's own step does not explain of the change
-/// of d, the displacement that the force is a function of: what tick.h promises of ContactRule::Smooth.
+/// Twice the tool's own step explains a part of the change of d, the displacement that the force is a function of. The
+/// rest of that change is a jump; this is its part of the force's change in a tick, for the promise of tick.h about
+/// ContactRule::Smooth.
 double jump(const ToolOutput& before, const ToolOutput& now, Vec3 tool_step) {
     const double moved = norm(now.displacement - before.displacement), explained = 2 * norm(tool_step);
     return moved > explained ? norm(now.force - before.force) * (1 - explained / moved) : 0;

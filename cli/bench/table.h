@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/table.h
-// What a run of dgm-bench found out, as tables that know which of their figures can be compared and how.
+// Results of a run of dgm-bench, as tables that know which of their figures can be compared and how.
 #pragma once
 #include <cstddef>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/process/worker_io.h
-// What every disposable process does alike, whatever its work: worker.h, mesh_import.h.
+// Steps that all disposable processes share, whatever their work: worker.h, mesh_import.h.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/scene_file.h
-// What a scene asks of its assets, as written down in a TOML file (docs/scenes.md).
+// A scene file: TOML that states the demands of a scene on its assets (docs/scenes.md).
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/scene_outcome.h
-// What a scene's bake came to: bytes against one size for all, ticks against the budget.
+// Outcome of a scene's bake: bytes against one size for all, ticks against the budget.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>

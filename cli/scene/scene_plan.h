@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/scene_plan.h
-// From what a scene asks to what is baked, and what each choice saves against one size for all.
+// Turns the demands of a scene into bakes, and counts the bytes that each choice saves against one size for all.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/tick_time.h
-// What touching a baked asset costs a haptic loop.
+// Measures the time that touches of a baked asset take in a haptic loop.
 #pragma once
 #include <dgm/asset.h>
 

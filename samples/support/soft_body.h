@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // samples/support/soft_body.h
-// What every sample does with libdgm at its start and its end: open a map, make its shape touchable, hand out vertices.
+// Steps with libdgm that all samples share: open a map, make its shape touchable, hand out vertices.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/fuzz/target.h
-// What every fuzz_*.cpp offers: to libFuzzer under DGM_FUZZ, to replay.cpp in all other builds.
+// Interface of every fuzz_*.cpp: to libFuzzer under DGM_FUZZ, to replay.cpp in all other builds.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/property/free_chart_test.cpp
-// What holds of a free chart of any surface: one to one, a watertight strip, and slits that stay slits.
+// Laws of a free chart of any surface: one to one, a watertight strip, and slits that stay slits.
 #include "geometry/chart/free_chart.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/support/disk_checks.h
-// What must hold of every opened surface, counted here rather than asked of the code under test.
+// Laws of every opened surface, counted here rather than asked of the code under test.
 #pragma once
 #include <gtest/gtest.h>
 

@@ -55,7 +55,7 @@ class Record {
         return measured;
     }
 
-    /// Takes over what was found, and what was measured beside it.
+    /// Takes over the result and the other measured grids.
     void answer(const SizeSearch& found, std::size_t beside) {
         const GridSize size = ladder_[*found.found];
         search.rows = size.rows;

@@ -14,8 +14,8 @@ namespace dgm::bake {
 
 /// How the search has grids baked. Both are called in turn, on the caller's thread.
 struct GridTries {
-    /// Bakes one grid and measures what the search is about: rms and hausdorff in source units, or bytes.
-    /// The failures kGridTooSmall and kMapInvalid count against the grid; others end the search.
+    /// Bakes one grid and measures the quantity of the search: rms and hausdorff in source units, or bytes. The
+    /// failures kGridTooSmall and kMapInvalid count against the grid; others end the search.
     std::function<Attempt<GridTrial>(GridSize)> measure;
     /// The grid measured last is the best answer so far.
     std::function<void(GridSize)> keep;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/fit/fit_rows.h
-// What a round of the fit asks of the grid: the rows of its normal equations.
+// Rows of the normal equations in a round of the fit.
 #pragma once
 #include <array>
 #include <span>

@@ -360,7 +360,7 @@ class HeightSearch {
 
 double Resolver::first_height(const Cubic& volume, double first) const noexcept {
     double beta = solve(volume, removed_, 0, first, 0);
-    // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
+    // A ring too small for the removed volume may have no root near by: then the gradient's answer and its error count.
     if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
     if (held_ == 0) return beta;
     const double next = solve(volume, removed_, held_, std::copysign(highest_, first), kPower);

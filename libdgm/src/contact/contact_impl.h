@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact/contact_impl.h
-// What a ContactSolver holds, and the steps of a contact.
+// Memory of a ContactSolver, and the steps of a contact.
 #pragma once
 #include <dgm/contact.h>
 

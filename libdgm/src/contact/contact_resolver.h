@@ -12,7 +12,7 @@
 
 namespace dgm::detail {
 
-inline constexpr double kKept = 1e-6;   ///< of the removed volume: what volume_kept says
+inline constexpr double kKept = 1e-6;   ///< of the removed volume: the limit of volume_kept
 inline constexpr double kAimed = 1e-8;  ///< of the removed volume: an error that is left as it is
 
 /// Six times the volume as a function of the height of the bulge.
@@ -68,7 +68,7 @@ class Resolver {
     struct Face {
         Double3 at[3], by[3];
     };
-    /// Adds to c[0..2] what a face sweeps by beta, beta^2, beta^3 of its move.
+    /// Adds to c[0..2] the volume that a face sweeps by beta, beta^2, beta^3 of its move.
     static void add_face(const Face& f, double* c) noexcept;
     void cubic(const Runs& runs, double* c) const noexcept;
     void cubic_faces(double* c) const noexcept;
@@ -119,12 +119,12 @@ class Resolver {
     /// Six times the volume it costs to keep the bulge out of a plane. Before anything is bulged.
     [[nodiscard]] double held_back(double beta) const noexcept;
     [[nodiscard]] double held_back(const Rect& r, double beta) const noexcept;
-    /// Tells whether held_back() is all there is to measure.
+    /// True if held_back() is all that must be measured.
     [[nodiscard]] bool foreseen() const noexcept {
         return shape_.kind == ObstacleKind::Plane && o_.bulge == Bulge::Exact && s_.faces.empty();
     }
     void bulge() noexcept;
-    /// From the height to first order to the one that keeps the volume. `all`: volume without what is held back,
+    /// From the height to first order to the one that keeps the volume. `all`: volume without the part held back,
     /// `rest`: the part of it that need not be measured.
     void search_height(const Cubic& all, Cubic rest, double first) noexcept;
     [[nodiscard]] double first_height(const Cubic& volume, double first) const noexcept;
@@ -138,7 +138,7 @@ class Resolver {
 
     /// For a sample inside the grid and off seams.
     [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
-    /// Spends single units in the last place on `left`, a volume. @return what is left then.
+    /// Spends single units in the last place on `left`, a volume. @return the volume still missing.
     double nudge(std::span<const std::uint32_t> samples, double left) noexcept;
     /// Puts a small remaining error on a few samples that are free to move, one after another.
     void polish(double error) noexcept;
@@ -158,7 +158,7 @@ class Resolver {
     double tolerance_ = 0, total_ = 0;
     bool heights_ = false;           ///< c_.square holds heights over the obstacle
     std::uint32_t class_count_ = 0;  ///< of those in c_.source
-    double held_ = 0;                ///< what is held back of a bulge of highest_
+    double held_ = 0;                ///< volume held back of a bulge of highest_
     double highest_ = 0;             ///< bulge up to which samples outside kTileNear keep clear of the obstacle
     double area_ = 0;                ///< of the contact, by its quads
     double weights_ = 0;             ///< sum over the ring

@@ -173,8 +173,8 @@ struct ProfileJob {
     float per_step, spacing, end;  ///< 0 from distance `end` on
 };
 
-/// Twice the area vector of the ring of each sample, and what it gains with a displacement d times the weights:
-/// area(base + w d) = area(base) + d x slope. Samples on the border of the grid, and beyond it, are left out.
+/// Twice the area vector of the ring of each sample, and its gain by a displacement d times the weights: area(base + w
+/// d) = area(base) + d x slope. Samples on the border of the grid, and beyond it, are left out.
 struct RingJob {
     const PatchRow* rows;
     std::uint32_t count, first, last, cols;  ///< rows that start at samples first .. last - 1 are done
@@ -233,7 +233,7 @@ struct RowKernels {
     bool (*press)(const PressJob& job) noexcept;
 };
 
-/// The plain loops: what the compiler makes of four lanes on any target.
+/// The plain loops: the compiler's code for four lanes on any target.
 extern const RowKernels kPlainRows;
 /// The fastest loops this processor runs; `plain` forces kPlainRows.
 [[nodiscard]] const RowKernels& choose_rows(bool plain) noexcept;

@@ -29,7 +29,8 @@ struct CellGrid {
     [[nodiscard]] std::size_t cells() const noexcept { return std::size_t{rows} * across() + border_cells(); }
 };
 
-/// Gathers cells into the caller's ranges. Runs come row by row; what does not fit is joined to what is there.
+/// Gathers cells into the caller's ranges. Runs come row by row; a rectangle that does not fit is joined to another
+/// one.
 class RangeWriter {
  public:
     RangeWriter(const CellGrid& grid, std::span<ChangedRange> out) noexcept : grid_(grid), out_(out) {}
@@ -60,7 +61,7 @@ struct Changes {
     Waiting waiting[kWaiting];
     std::uint32_t count = 0;
     bool stamped = false;                ///< some stamps are epoch + 1
-    std::uint64_t epoch = 1;             ///< what readers' cursors are set to
+    std::uint64_t epoch = 1;             ///< value that readers' cursors are set to
     Array<std::uint64_t> cells;          ///< [rows][across], then the border's
     Array<std::uint64_t> blocks, bands;  ///< latest of eight rows of a column of cells; of eight rows
     std::uint64_t border_latest = 1;
@@ -79,7 +80,7 @@ struct Changes {
     /// Border samples low .. high (sample indices).
     void note_border(std::uint32_t low, std::uint32_t high) noexcept;
     void note_sample(std::uint32_t sample) noexcept;
-    /// Stamps what waits. The epoch is then that of the latest change.
+    /// Stamps the waiting rectangles. The epoch is then that of the latest change.
     void bring_up() noexcept;
     /// f(row, first cell, last cell) of every run stamped after `cursor`, then border(first cell, last cell).
     template <class Row, class Border>

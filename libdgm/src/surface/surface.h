@@ -190,7 +190,7 @@ struct RingForm {
                                   std::uint32_t count, const Planes& to) noexcept;
 /// The normal that update_normals() stores for `now`.
 [[nodiscard]] Vec3 sample_normal(const Surface& surface, const ConstPlanes& shape, std::uint32_t sample) noexcept;
-/// Brings `normal` up to date around what moved.
+/// Brings `normal` up to date around moved samples.
 void update_normals(Surface& surface) noexcept;
 
 /// Marks samples of open borders (kRingRim). @return whether the welded surface has two faces at every edge;

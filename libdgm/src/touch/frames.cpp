@@ -80,8 +80,8 @@ class Placer {
     [[nodiscard]] float b() const noexcept { return table_ == nullptr ? 0 : static_cast<float>(table_->b); }
     [[nodiscard]] float c() const noexcept { return table_ == nullptr ? 1 : static_cast<float>(table_->c); }
 
-    /// Keys and weights of the frame's rectangle where it is nearer than what is there. Kernels are even, so a row that
-    /// runs backwards through the kernel is the row of the opposite offset forwards.
+    /// Keys and weights of the frame's rectangle where it is nearer than the frames so far. Kernels are even, so a row
+    /// that runs backwards through the kernel is the row of the opposite offset forwards.
     void place(const Frame& f) noexcept {
         const std::uint32_t cols = s_.tables.cols;
         const auto j0 = static_cast<std::int32_t>(f.rect.j0);

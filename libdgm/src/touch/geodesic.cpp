@@ -159,7 +159,7 @@ class Fan {
         if ((corners_[v] & kCornerBends) == 0) return;
         complete_ &= queue_.put_at(d, {a.x, a.y, e.x, e.y, ray.x, ray.y, d, way | kBend, kNone});
     }
-    /// A corner becomes a source for what lies between the ways straight on around its right and around its left.
+    /// A corner becomes a source for the region between the ways straight on around its right and around its left.
     [[gnu::noinline]] void bend(const Window& w) noexcept {
         const Across in = surface_.across(w.way & ~kBend);
         const float d = w.offset;

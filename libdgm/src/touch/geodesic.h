@@ -61,7 +61,7 @@ inline constexpr Way kBend = 1u << 31;
 
 inline constexpr std::uint8_t kCornerDiagonal = 1;  ///< the quad that starts here is split by diagonal 1
 inline constexpr std::uint8_t kCornerLoose = 2;     ///< it has links, or lies beside no quad
-inline constexpr std::uint8_t kCornerClass = 4;     ///< in a seam class
+inline constexpr std::uint8_t kCornerClass = 4;     ///< in a weld class
 inline constexpr std::uint8_t kCornerRim = 8;       ///< of a representative: on an open border
 inline constexpr std::uint8_t kCornerBends = 16;    ///< of a representative: shortest ways bend here
 inline constexpr std::uint8_t kCornerShort = 32;    ///< of a representative: at the end of a short edge

@@ -191,7 +191,7 @@ bool link_sides(StateImpl& s) noexcept {
     return true;
 }
 
-/// Ends of edges so short that what joining windows costs would be a step from one to the other.
+/// Ends of edges so short that the error of joining windows would be a step from one to the other.
 void mark_short_edges(StateImpl& s) noexcept {
     constexpr double kShort = 0.15;  // mean steps
     const double most = kShort * double{s.mean_step};

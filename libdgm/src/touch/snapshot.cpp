@@ -16,7 +16,7 @@
 namespace dgm {
 namespace detail {
 
-using Word = std::size_t;  ///< what the machine moves at once
+using Word = std::size_t;  ///< unit that the machine moves at once
 inline constexpr std::size_t kFloats = sizeof(Word) / sizeof(float);
 inline constexpr std::uint32_t kTries = 64;
 
@@ -300,7 +300,7 @@ Result<SnapshotChanges> Snapshots::read_changed(std::span<float> positions, std:
         });
         done.ranges = writer.count();
         if (whole) return done;
-        since = 0;  // what was copied may be of a frame to come
+        since = 0;  // copied values may be of a frame to come
     }
     return kBusy;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/table_impl.h
-// What a DeformTable holds: weights of whole offsets in rows, and a profile over distance.
+// Content of a DeformTable: weights of whole offsets in rows, and a profile over distance.
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -203,7 +203,7 @@ Press move_tool(StateImpl& s, const TickOptions& o, const ToolInput& in, ToolOut
     if (const auto force = contact_force(d, o.d_max, o.f_max)) out.force = force.value();
     Vec3 applied = d;
     if (o.mode == DeformMode::Plastic) {
-        // The permanent shape follows: a touch asks only for what is missing, the others for what is new.
+        // The permanent shape follows: a touch asks only for the missing part, the others for the new part.
         applied = in.kind == ToolKind::Touch || !slot.holding ? (slot.holding ? wish : Vec3{}) : wish - slot.wish;
     }
     slot.wish = slot.holding ? wish : Vec3{};
