@@ -56,7 +56,7 @@ Frame view_frame(const View& view) {
 View choose_view(const model::TriMesh& mesh, UpAxis up) {
     constexpr double kYaws[] = {30, -30, 0, 60, -60, 90, -90, 120, -120, 150, -150, 180};
     constexpr double kPitches[] = {20, 50};
-    constexpr double kBackSideWorth = 0.8;  // a back side is drawn, but less often what one wants to see
+    constexpr double kBackSideWorth = 0.8;  // a back side is drawn, but is less often the side of interest
     constexpr double kPreference = 0.03;    // each later candidate has to show so much more than the first
     std::vector<Vec3d> areas;
     areas.reserve(mesh.faces.size());

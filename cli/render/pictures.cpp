@@ -89,7 +89,7 @@ Surface with_grid(const ChartSurface& charts, double pixel) {
 }
 
 /// Error at every vertex in % of the diagonal: the largest distance to the source among the middles of its faces. The
-/// vertices themselves would tell nothing, a bake puts them on the source. 0 for vertices that no face uses.
+/// vertices themselves would show nothing, since a bake puts them on the source. 0 for vertices that no face uses.
 std::vector<double> face_errors(const TriMesh& source, const TriMesh& mesh, double diagonal) {
     const bake::ClosestPointIndex index(source.positions, source.faces);
     std::vector<double> middle(mesh.faces.size(), 0), out(mesh.positions.size(), 0);
@@ -189,7 +189,7 @@ Image contact_sheet(const model::Chart& chart, const std::string& title, const P
             picture = layer_picture(chart, layer.name);
         } catch (const model::Error& error) {
             if (&error.code() != &model::codes::kUnsupported) throw;
-            continue;  // a layer of a newer format, say: the sheet shows what it knows
+            continue;  // a layer of a newer format, say: the sheet shows the known ones
         }
         cells.push_back({fitted(picture.image, side, side), layer.name,
                          fmt::format("{} {}", model::shape_text(layer.shape), model::type_name(layer.type)),

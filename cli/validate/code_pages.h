@@ -20,7 +20,7 @@ namespace dgm::validate {
 /// docs/codes.md, all of it.
 [[nodiscard]] std::string codes_markdown();
 
-/// "container and index" for 1003: what a range of numbers is about.
+/// "container and index" for 1003: subject of a range of numbers.
 [[nodiscard]] const char* subject_of(const model::Code& code);
 
 }  // namespace dgm::validate

@@ -34,8 +34,8 @@ std::vector<fs::path> files_below(const fs::path& folder) {
 }
 
 bool matches(std::string_view pattern, std::string_view text) {
-    // The last star is the only one that has to give way: what an earlier one took can be left to it. A double star
-    // that fails behind a single one gives way instead, since it may cross slashes.
+    // Only the last star has to give way: an earlier one can keep its characters. A double star that fails behind a
+    // single one gives way instead, since it may cross slashes.
     std::size_t p = 0, t = 0;
     constexpr auto kNone = std::string_view::npos;
     std::size_t star = kNone, star_text = 0, wide = kNone, wide_text = 0;

@@ -218,7 +218,7 @@ void check_values(const Layer& layer, std::size_t chart_index, FindingList& find
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const std::size_t before = findings.size();
     check_finite(layer, chart_index, findings);
-    if (findings.size() != before) return;  // ranges of what is not a number say nothing more
+    if (findings.size() != before) return;  // ranges of values that are no numbers add nothing
     const std::string& name = layer.name;
     const auto range = [&](std::size_t channels, std::size_t channel, double low, double high, const char* what) {
         check_range(layer, chart_index, channels, channel, low, high, what, findings);

@@ -43,8 +43,8 @@ RestShape at_rest(Vec2d a, Vec2d b, Vec2d c, double weight) {
 }
 
 /// The triangle abc, up to kWiden times as high over its longest side, but not higher than kFlat sides. Rest shapes as
-/// flat as what they stand for would let the borders on both sides of a gap close in on each other round by round,
-/// until doubles know no gap any more and no step is left.
+/// flat as their triangles would let the borders on both sides of a gap close in on each other round by round, until
+/// doubles resolve no gap any more and no step is left.
 std::array<Vec2d, 3> widened(std::array<Vec2d, 3> q) {
     std::size_t apex = 0;
     double longest = 0;
@@ -121,8 +121,8 @@ class Augmented {
         // Beside a large energy gaps would cost nothing, and close. An isometric map has an energy of 2.
         const double share = kOutsideWeight * std::max(1.0, 0.5 * now);
         const double weight = share * area_ / static_cast<double>(outside.size());
-        // Border vertices are the disk's own, the box and what fills the outside come after them; what fell inside the
-        // chart belongs to no face and gets no number.
+        // Border vertices are the disk's own, the box and the points that fill the outside come after them; points
+        // inside the chart belong to no face and get no number.
         std::vector<std::uint32_t> number(points.size(), kNone);
         for (std::size_t p = 0; p < points.size(); ++p)
             number[p] = p < k ? disk_.border[p] : p < k + box.size() ? box[p - k] : kNone;

@@ -108,7 +108,7 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
 }
 
 constexpr double kGoodStretch = 1.25;  // L2 stretch from which a shorter cut is preferred to a better map
-constexpr double kBetter = 0.95;       // of the stretch so far: what a longer cut must reach to be taken
+constexpr double kBetter = 0.95;       // of the stretch so far: a longer cut must reach it to be taken
 // Loops about so many handles make a cut that is long as it is, and each map of it takes long: no more than two.
 constexpr std::int64_t kManyHandles = 16;
 constexpr int kShrunkPerRound = 2;
@@ -145,7 +145,7 @@ struct Layout {
 Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& tools, const model::Progress& progress,
                std::optional<Error>& failure) {
     Layout out{.disk = std::move(disk)};
-    // A cut of one edge leaves two border edges between the same two vertices, which no map can tell apart.
+    // A cut of one edge leaves two border edges between the same two vertices, which no map can separate.
     if (const std::vector<std::uint32_t> edges = out.disk.border(); edges.size() == 2)
         out.disk.split(edges.front(), 0.5);
     const std::vector<std::uint32_t> border = border_vertices(out.disk);
@@ -163,8 +163,8 @@ Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& too
     return out;
 }
 
-/// Splits edges inside that join two border vertices: what they cut off would lie in a segment of the circle, almost
-/// without height.
+/// Splits edges inside that join two border vertices: the faces that they cut off would lie in a segment of the circle,
+/// almost without height.
 void split_chords(Disk& disk, std::span<const std::uint32_t> border) {
     std::vector<char> on_border(disk.mesh.positions.size(), 0);
     for (const std::uint32_t v : border) on_border[v] = 1;
@@ -250,7 +250,7 @@ CutGraph first_cut(const TriMesh& component) {
     return cut;
 }
 
-/// Longer and longer cuts, and what the method makes of them.
+/// Longer and longer cuts, and the maps that the method makes of them.
 struct CutTrials {
     const Parameterizer& method;
     const FreeChartTools& tools;
@@ -299,9 +299,9 @@ struct CutTrials {
 
 constexpr std::size_t kScoutFaces = 3000;
 
-/// The further rounds of `trials`, whose first map overlaps, on a coarse copy of the component: a map of the
-/// component itself is made of what came out best there, none of cuts that overlap. False if the copy does not take
-/// the first cut as the component does.
+/// The further rounds of `trials`, whose first map overlaps, on a coarse copy of the component: a map of the component
+/// itself is made with the best cut found there, none with cuts that overlap. False if the copy does not take the first
+/// cut as the component does.
 bool run_on_copy(CutTrials& trials, int most) {
     const TriMesh& fine = trials.cut.mesh();
     SimplifyOptions options;

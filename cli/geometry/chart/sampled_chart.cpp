@@ -192,7 +192,7 @@ bool holds_topology(const Topology& welded, const Topology& source) {
 
 SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples) {
     SurfaceErrorOptions options;
-    constexpr std::uint64_t kDense = 4;  // points a sample and a face: more of them tell the same
+    constexpr std::uint64_t kDense = 4;  // points a sample and a face: more of them give the same result
     options.samples = std::min<std::uint64_t>(samples, kDense * (chart.samples.size() + component.faces.size()));
     options.vertices = false;
     return measure_surface_error(component, chart.surface(), options);

@@ -47,7 +47,7 @@ class StretchParameterizer final : public Parameterizer {
             return std::sqrt(stretch_energy(on.positions, on.faces, uv)) > kCrowded * area;
         };
         // The grid has far fewer samples than a large mesh has vertices: where they go is settled on a coarser level.
-        // Levelling itself may stretch a map beyond kCrowded, so what comes before it is looked at.
+        // Levelling itself may stretch a map beyond kCrowded, so the map before it is tested.
         MultilevelOptions options;
         if (disk.faces.size() > options.finish_faces) {
             bool sound = true;

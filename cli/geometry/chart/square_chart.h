@@ -19,7 +19,7 @@ namespace dgm::bake {
                                              BorderShares shares = BorderShares::kByLength);
 
 /// `stretch`: multilevel_map.h, and where that crowds or has no start, stretch_map.h with so many Newton steps for an
-/// ordinary map. The one with the lower stretch is taken, and levelled by a few Newton steps on an energy that minds
+/// ordinary map. The one with the lower stretch is taken, and levelled by a few Newton steps on an energy that counts
 /// shear too, and with `curvature` the bending of the surface (curved_rest_shapes.h). 0 steps: a trial, stretch_map.h
 /// alone.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps,

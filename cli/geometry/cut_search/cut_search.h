@@ -22,8 +22,8 @@ struct CutSearchOptions {
     std::size_t drops = 12;  ///< branches tried without, at most
     std::size_t stars = 0;   ///< octahedra tried on a closed component without handles (star_cut.h), for odd m and n
     bool only_stars = false;
-    /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows to at most so many times what it
-    /// is without. 0: they are not. Nor are stars, nor where trials are measured.
+    /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows by at most this factor. 0: they
+    /// are not. Nor are stars, nor where trials are measured.
     double given_to_hide = 1.01;
     /// If no cut of the simplified mesh can be mapped, fail instead of searching the full mesh: for callers who have
     /// another chart already.

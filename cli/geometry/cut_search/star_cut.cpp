@@ -13,7 +13,7 @@
 namespace dgm::bake {
 namespace {
 
-constexpr double kStray = 8;      // what an edge a radian off its great arc costs, in lengths
+constexpr double kStray = 8;      // cost of an edge a radian off its great arc, in lengths
 constexpr double kBehind = -0.2;  // cosine: farther from the end of its arm than a right angle and some
 
 /// The middle of the star and the ends of its arms, counter-clockwise about it seen from outside.

@@ -209,7 +209,7 @@ double BorderRails::after_sliding(const Stop& stop, double by) const {
         }
     if (to < 0) to += loop.length();
     if (to >= loop.length()) to -= loop.length();
-    // The corner itself, not what is left of it after a turn.
+    // The corner itself, not its rounded place after a turn.
     for (const double corner : loop.corners)
         if (std::abs(to - corner) < 1e-12 * loop.length()) to = corner;
     return to;

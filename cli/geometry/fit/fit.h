@@ -16,7 +16,7 @@ namespace dgm::bake {
 struct FitOptions {
     int rounds = 3;                ///< matches, one least-squares step, diagonals
     int worst_rounds = 0;          ///< further rounds that weigh points by their error, to lower the maximum
-    double worst_price_db = 0.2;   ///< what those may cost in PSNR
+    double worst_price_db = 0.2;   ///< loss of PSNR that those may cause
     bool split_quads = true;       ///< choose diagonals by the error
     bool on_lattice = false;       ///< leave the grid's samples on the places that u16 positions have
     double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes 200,000 at most

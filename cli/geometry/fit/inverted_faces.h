@@ -17,7 +17,7 @@ namespace dgm::bake {
 /// narrowly before may fail after.
 inline constexpr double kSafeTie = 0.5 * kTurnedTie, kSafeCosine = 0.01;
 
-/// Remembers what it has measured: only faces that lie elsewhere than when they were last looked at are measured again.
+/// Remembers its measurements: only faces that have moved since are measured again.
 class InvertedFaces {
  public:
     /// All must outlive the object; `grid` may move and be linked anew in between.

@@ -43,7 +43,7 @@ struct SurfaceHit {
 /// Floods some hundred faces around a start, time and again.
 class NearbyFaces {
  public:
-    /// @param surface  must outlive the object; what it holds may change in between
+    /// @param surface  must outlive the object; its content may change in between
     explicit NearbyFaces(const LinkedSurface& surface) : surface_(surface) {}
 
     template <class Visit>
@@ -77,7 +77,7 @@ class NearbyFaces {
 /// go.
 class NearbySearch {
  public:
-    /// @param surface  must outlive the search; what it holds may change in between
+    /// @param surface  must outlive the search; its content may change in between
     explicit NearbySearch(const LinkedSurface& surface) : surface_(surface), nearby_(surface) {}
     [[nodiscard]] SurfaceHit from(const Vec3d& p, std::uint32_t start);
 

@@ -16,7 +16,7 @@ constexpr double kVertexWeight = 0.25;
 constexpr std::size_t kChunk = 1024;
 
 /// Calls body(k) for each match of `list`, then notes the farthest of every chunk while it is in the cache: the lists
-/// are long, and what is asked of all of them is asked of these.
+/// are long, and all passes need these chunks.
 template <class Body>
 void in_chunks(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
     farthest.assign((list.size() + kChunk - 1) / kChunk, 0.0);

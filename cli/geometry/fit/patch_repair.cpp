@@ -15,14 +15,14 @@ namespace dgm::bake {
 namespace {
 
 constexpr std::array kRings{1, 2, 3, 5, 8};  // of a patch, until one unfolds
-constexpr std::size_t kMostFaces = 200;      // of more the source has no sides to tell (slivers, folds onto itself)
+constexpr std::size_t kMostFaces = 200;      // with more, the source has no distinct sides (slivers, folds onto itself)
 constexpr int kSweeps = 60;
 constexpr double kUpright = 0.15;  // area over that of its shape from which a face is upright
 constexpr double kLeastEpsilon = 1e-3, kEpsilonShare = 0.2;
 constexpr double kThinnest = 0.1;  // of a shape that a face is held to: its height over its longest edge
 constexpr double kSettled = 1e-3;  // of an edge: a sweep that moves none further is the last
 constexpr double kLimit = 1.3;     // largest distance of a patch that lies flat, over the largest of all
-constexpr double kPrice = 0.1;     // what the patches may add to the squared distances of all points, of their sum
+constexpr double kPrice = 0.1;     // most that patches add to the squared distances, of their sum
 constexpr double kProbe = 1e-3;    // of an edge: step of the differences
 
 /// The shape of a face by the products of its edges from its first corner.
@@ -58,7 +58,7 @@ Vec2d newton_step(const Differences& f) {
 
 struct Error {
     double squares = 0;        // of the distances of the source's points over some faces to the grid
-    double fourth_powers = 0;  // of these and of the faces' middles: between what mean and largest error say
+    double fourth_powers = 0;  // of these and of the faces' middles: between mean and largest error
     double largest = 0;        // of both, squared
 };
 

@@ -18,7 +18,7 @@ namespace dgm::bake {
 /// `fixed` stay. `matches` is kept up to date but for the points. Bounded work; deterministic.
 /// @param index    of the source
 /// @param upward   per face of the source: its normal at the scale of the grid
-/// @param effort   how often a sample may be moved; less by what was spent
+/// @param effort   how often a sample may be moved; less by the share spent
 /// @return  true if a sample moved
 bool repair_by_patch(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
                      WeldedGrid& grid, Matches& matches, std::span<const char> fixed,

@@ -18,11 +18,11 @@ namespace dgm::bake {
 namespace {
 
 constexpr int kPasses = 10, kPlainPasses = 3;
-constexpr int kTries = 120, kHeatedTries = 3000;  // places a inverted face, in one pass
+constexpr int kTries = 120, kHeatedTries = 3000;  // places an inverted face, in one pass
 constexpr double kHeat = 0.4;                     // price that a try may cost when an annealing begins
 constexpr std::size_t kMostTries = 40'000;        // in one call: some tenths of a second
-constexpr std::size_t kMostFaces = 1000;  // of more the source has no sides to tell (slivers, folds onto itself)
-constexpr double kInverted = 2;           // price of a inverted face, more the further it is inverted
+constexpr std::size_t kMostFaces = 1000;  // with more, the source has no distinct sides (slivers, folds onto itself)
+constexpr double kInverted = 2;           // price of an inverted face, more the further it is inverted
 constexpr double kWanted = 0.15;          // cosine from which a face counts as upright
 constexpr double kOff = 0.5;              // price of a face whose middle is a spacing away from the source
 constexpr double kCover = 3;              // price of a source vertex a spacing away from the faces that covered it
@@ -143,7 +143,7 @@ class SearchRepair {
         const Vec3d on_ring = q[0] * (1 - a - b) + q[1] * a + q[2] * b, at = grid_.positions[c];
         const Vec3d to = at + (on_ring - at) * (kBeyond * uniform());
         // The nearest of all may be another sheet, and a walk may end on this one's wrong side: by turns. Where the
-        // source itself folds within a spacing, neither serves.
+        // source itself folds within a spacing, neither helps.
         const std::uint32_t kind = below(5);
         if (kind >= 3)
             if (const ClosestPoint hit = index_.query(to, matches_.classes[c].hit.face); hit.face != kNone) {

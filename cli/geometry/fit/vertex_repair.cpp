@@ -20,7 +20,7 @@ constexpr double kCover = 3;       // price of a source vertex one spacing away 
 constexpr double kOff = 0.1;       // price of a face whose middle is a ring's reach away from the source
 constexpr double kLeastGain = 1e-3;
 // Faces looked at, in one call. A few hundred inverted faces take a tenth of it; where thousands are, the source has no
-// sides to tell (slivers, folds onto itself), and the rest of them would be tried in vain.
+// distinct sides (slivers, folds onto itself), and trying the rest of them would fail.
 constexpr std::size_t kMostEffort = 4'000'000;
 
 class VertexRepair {
@@ -134,7 +134,7 @@ class VertexRepair {
     WeldedGrid::Rings rings_;
     std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
     double squared_spacing_ = 1;
-    std::vector<char> settled_;  // per class: nothing it looks at has changed since it stayed where it was
+    std::vector<char> settled_;  // per class: nothing that it depends on has changed since it stayed
     std::size_t effort_ = 0;     // faces looked at
 };
 

@@ -20,7 +20,7 @@ struct GridRow {
     double weight = 1;
 };
 
-/// The symmetric matrix sum_rows weight * w w^T, by unknown: what conjugate gradients multiply by again and again.
+/// The symmetric matrix sum_rows weight * w w^T, by unknown, which conjugate gradients multiply by in each step.
 /// Several points a triangle share its entries, so it is a fraction of the rows' size.
 class GridMatrix {
  public:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/layers/source_match.h
-// Points spread evenly over the source, each with the point of the stored grid surface that stands for it: what the
-// layers of a fitted chart are fitted to.
+// Points spread evenly over the source, each with the point of the stored grid surface that stands for it. The layers
+// of a fitted chart are fitted to them.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -30,7 +30,7 @@ struct MatchedPoint {
 
 /// About `count` points, each at the middle of its equal share of the area, matched to the closest point of the surface
 /// through `positions.local` whose face looks the same way. Points whose match is much farther than the closest point
-/// of all are left out: what they would say belongs to another sheet. Deterministic, whatever the number of threads.
+/// of all are left out: they belong to another sheet. Deterministic, whatever the number of threads.
 [[nodiscard]] std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositions& positions,
                                                      std::size_t count);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/bump_normals.h
-// Shading with the layer `bump`: normals of the displaced surface, beside what the layer `normal` says already.
+// Shading with the layer `bump`: normals of the displaced surface, beside those of the layer `normal`.
 //
 // The plain rule of [Blinn 1978], normal minus gradient of the height, counts the curvature between two samples twice:
 // it is in the interpolated stored normals and in the heights. So the normals of the displaced surface stand beside the

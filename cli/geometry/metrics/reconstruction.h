@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/reconstruction.h
-// The surface that a chart's layers describe, as the runtime would draw it: what every error is measured on.
+// The surface that a chart's layers describe, as the runtime would draw it. Every error is measured on it.
 #pragma once
 #include "model/map_set.h"
 #include "model/tri_mesh.h"

@@ -112,7 +112,7 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
 std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared,
                                     std::size_t tops) {
     constexpr std::size_t kLooked = 8192;
-    constexpr double kRounding = 0x1p-22;  // of the unit: a few times what a position stored as float is off
+    constexpr double kRounding = 0x1p-22;  // of the unit: a few times the rounding of a position stored as float
     std::vector<std::uint32_t> order, out;
     for (std::uint32_t k = 0; k < samples.size(); ++k)
         if (squared[k] > kRounding * kRounding) order.push_back(k);
@@ -204,7 +204,7 @@ class Direction {
                      double progress_to) {
         const std::vector<double> areas = face_areas(from_, unit_);
         const std::vector<Sample> surface = area_samples(from_, areas, options.samples, options.seed);
-        // A mesh without any area has only its vertices to speak for it.
+        // A mesh without any area is measured by its vertices alone.
         const std::vector<Sample> vertices =
             options.vertices || surface.empty() ? vertex_samples(from_) : std::vector<Sample>{};
         const std::vector<Sample> border =

@@ -192,7 +192,7 @@ std::vector<Vec2d> reweighted_stretch_map(const DiskView& disk, const ReweightOp
         try {
             uv = solver.solve(weights, disk.border_uv);
         } catch (const model::Error&) {
-            break;  // reweighted beyond what doubles can factorize; the best map so far stands
+            break;  // reweighted beyond the range that doubles can factorize; the best map so far stands
         }
         const double energy = stretch_energy(disk.positions, disk.faces, uv);
         if (energy < least || (!std::isfinite(least) && k == 0)) {

@@ -15,7 +15,7 @@ namespace dgm::bake {
 /// Weight of a face in the conformal energy.
 enum class LscmWeight {
     kArea,         ///< its area, as the paper has it: the same answer whatever the triangulation, in the limit
-    kSquaredArea,  ///< its squared area: what CGAL 5.5 and programs like it solve, which leave out a normalisation
+    kSquaredArea,  ///< its squared area: CGAL 5.5 and programs like it solve this, since they leave out a normalisation
 };
 
 /// Least squares conformal map [Levy, Petitjean, Ray, Maillot 2002]: least sum over faces of

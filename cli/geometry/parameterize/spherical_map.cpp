@@ -160,7 +160,7 @@ struct Level {
 }
 
 std::vector<Level> build_ladder(const TriMesh& mesh, const model::Progress& progress) {
-    // Small levels are halved: what crowds among a few vertices would crowd all that come after.
+    // Small levels are halved: crowding among a few vertices would crowd all later ones.
     constexpr std::size_t kSmall = 400;
     std::vector<Level> ladder(1);
     ladder[0].mesh.positions = mesh.positions;

@@ -175,8 +175,8 @@ class BorderLayout {
         return t;
     }
 
-    /// A chord on one side of the square would collapse the faces behind it; across a corner it would lock up what lies
-    /// behind it in a triangle, however much that is.
+    /// A chord on one side of the square would collapse the faces behind it; across a corner it would lock up the faces
+    /// behind it in a triangle, however many there are.
     void split_chords() {
         const std::vector<double> t = border_positions();
         const std::size_t old_vertices = t.size();
@@ -275,7 +275,7 @@ std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& pat
             s.intervals = std::max(s.least, static_cast<std::uint32_t>(s.ideal));
             left -= std::int64_t{s.cost} * s.intervals;
         }
-        const auto gain = [](const Share& s) { return s.ideal - s.intervals; };  // what it still lacks
+        const auto gain = [](const Share& s) { return s.ideal - s.intervals; };  // its missing part
         while (left != 0) {
             Share* best = nullptr;
             for (Share& s : shares) {

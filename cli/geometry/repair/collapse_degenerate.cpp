@@ -14,7 +14,7 @@
 namespace dgm::bake {
 namespace {
 
-constexpr std::size_t kMostFaces = 64;  // at a vertex after a move: what is collapsed must not become one large fan
+constexpr std::size_t kMostFaces = 64;  // at a vertex after a move: collapses must not make one large fan
 constexpr std::size_t kLeastFaces = 2;  // of the component
 
 class Collapser {
@@ -58,7 +58,7 @@ class Collapser {
         std::vector<std::uint32_t>&at_v = faces_at_[v], &at_w = faces_at_[w];
         if (at_v.size() + at_w.size() > kMostFaces) return false;
         if (!keeps_surface(v, w) || !keeps_topology(v, w)) return false;
-        std::size_t corner_at_w = 0;  // of a face that goes: what it holds there, corners that move there hold
+        std::size_t corner_at_w = 0;  // of a face that goes: corners that move there take its attributes
         for (const std::uint32_t f : at_v)
             for (std::size_t k = 0; k < 3; ++k)
                 if (mesh_.faces[f][k] == w) corner_at_w = 3 * std::size_t{f} + k;

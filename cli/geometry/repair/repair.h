@@ -20,7 +20,7 @@ struct RepairedMesh {
     /// Connected, oriented, manifold (edges with one or two faces, one fan a vertex, at most one edge between two
     /// vertices), every vertex used; in order of their first face in the source.
     std::vector<model::TriMesh> components;
-    RepairCounts counts;  ///< what was changed
+    RepairCounts counts;  ///< changes made
 };
 
 /// Repairs by gluing rather than by deleting: corners are joined where faces share an edge, so that non-manifold edges

@@ -19,7 +19,7 @@ std::pair<double, double> narrowed(const Vec2d (&p)[3], double x, std::pair<doub
     for (int k = 0; k < 3; ++k) {
         const Vec2d &a = p[k], &b = p[(k + 1) % 3];
         if (std::min(a.x, b.x) > x || std::max(a.x, b.x) < x) continue;
-        if (std::abs(b.x - a.x) < 1e-6) {  // too steep for a crossing to be told
+        if (std::abs(b.x - a.x) < 1e-6) {  // too steep for a certain crossing
             lo = std::min({lo, a.y, b.y});
             hi = std::max({hi, a.y, b.y});
             continue;

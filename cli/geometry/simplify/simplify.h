@@ -26,7 +26,7 @@ struct SimplifyOptions {
 /// The link of `removed` at that moment is Simplified::link(collapse): counter-clockwise seen from outside, closed for
 /// a vertex inside, an open chain (border neighbour first and last) for one on the border. The faces around `removed`
 /// were (removed, link[j], link[j + 1]); afterwards those without `kept` were (kept, link[j], link[j + 1]). Replacing
-/// these by those, last collapse first, gives the finer meshes back.
+/// these by those, last collapse first, restores the finer meshes.
 struct Collapse {
     std::uint32_t removed, kept;
     std::uint32_t first, count;  ///< of `links`
