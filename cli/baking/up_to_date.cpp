@@ -103,7 +103,7 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
         }
         return report;
     } catch (const model::Error&) {
-        return std::nullopt;  // whatever is wrong, the bake will tell
+        return std::nullopt;  // the bake will report the fault
     }
 }
 

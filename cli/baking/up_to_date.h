@@ -17,19 +17,19 @@ namespace dgm::bake {
 /// Name and version of the program, as outputs store it; another version bakes again.
 [[nodiscard]] const char* generator();
 
-/// XXH3-128 in hexadecimal over the names (without folders) and contents of the files that the mesh names, and over
-/// what it names in vain: a texture that turns up later changes it. Empty where only an import could find out.
+/// XXH3-128 in hexadecimal over the names (without folders) and contents of the files that the mesh names, and over the
+/// names of missing files: a texture that appears later changes it. Empty where only an import could find out.
 /// @throws model::Error kReadFailed and the like, for the mesh or a file it names
 [[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file);
 
-/// Every file that a bake of `mesh_file` reads: the mesh, what it names, and the texture of `options`. Where only an
-/// import could find out, the mesh and the texture.
+/// Every file that a bake of `mesh_file` reads: the mesh, the files that it names, and the texture of `options`. Where
+/// only an import could find out, the mesh and the texture.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const std::filesystem::path& mesh_file,
                                                              const BakeOptions& options);
 
 /// The stored report, without times, if each of `outputs` (.dgm, .exr; at least one) is whole and was made by this
 /// version from these contents with these settings. nullopt otherwise, and for whatever cannot be read; always for
-/// formats where only an import tells what they name.
+/// formats whose inputs only an import can find.
 ///
 /// A .dgm is read and checked wholly, of an EXR the headers and whether all rows are there. Not thread-safe: HDF5.
 [[nodiscard]] std::optional<BakeReport> up_to_date(const std::filesystem::path& mesh_file,

@@ -44,7 +44,7 @@ struct BakePoint {
 /// Above 300 a side at most three times, above 600 once.
 [[nodiscard]] unsigned repetitions_of(const BakePoint& point, unsigned asked);
 
-/// Time to be expected, in any unit: what a progress bar counts.
+/// Expected time, in any unit: a progress bar counts it.
 [[nodiscard]] double work_of(const BakePoint& point, unsigned repetitions);
 
 /// Bakes all points of all assets. A point that is refused is a row that says why.

@@ -58,7 +58,7 @@ std::string said_of(const Failure& failure, const std::vector<std::string>& meth
            failure.where;
 }
 
-/// "takes stretch, from 16 on arap"; a level that fails ends the list of what it took before.
+/// "takes stretch, from 16 on arap"; a level that fails ends the list of the methods taken before.
 std::string story_of_auto(const std::vector<Step>& steps) {
     std::string out, last;
     for (const Step& step : steps) {

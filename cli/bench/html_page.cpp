@@ -34,7 +34,7 @@ std::string to_html(const Run& run) {
                                                                               {"@DATA@", data},
                                                                               {"@D3@", page::kD3},
                                                                               {"@SCRIPT@", page::kScript}}};
-    // One pass from left to right: what is put in is not looked at again.
+    // One pass from left to right: inserted text is not searched again.
     std::string out;
     std::string_view left = page::kHtml;
     while (!left.empty()) {

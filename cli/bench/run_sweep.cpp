@@ -113,7 +113,7 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
     Run run;
     run.command = "run";
     run.machine = machine_facts();
-    // A path that cannot be read is told before it is needed.
+    // A path that cannot be read is reported before it is needed.
     if (!options.path.empty()) (void)recorded_path(options.path, {0, 0, 0}, 1);
     run.tables = {tick_table(), tracking_table(), contact_table(), level_table()};
     std::vector<std::uint32_t> sizes = options.sizes;

@@ -36,7 +36,7 @@ struct Subject {
     [[nodiscard]] State state() const;
 };
 
-/// @throws model::Error kInterrupted; what bakes and reads throw
+/// @throws model::Error kInterrupted; exceptions of bakes and reads
 [[nodiscard]] Run sweep_runtime(const RunSweepOptions& options, bool quiet);
 
 /// Where the tool goes.
@@ -48,7 +48,7 @@ inline constexpr Path kPaths[] = {Path::kStroke, Path::kRandom, Path::kRecorded}
 [[nodiscard]] std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options,
                                          std::size_t ticks);
 
-/// The columns that say what was touched, then the rest.
+/// The columns that name the touched asset, then the rest.
 [[nodiscard]] std::vector<Column> subject_columns(const std::vector<Column>& rest);
 /// Those of SubjectRow::set_percentiles().
 [[nodiscard]] std::vector<Column> percentile_columns();

@@ -24,7 +24,7 @@ struct Column {
     double tolerance = 1e-9;  ///< not timed: relative difference that means nothing, such as another sample of points
 };
 
-using Cell = std::variant<std::monostate, std::string, Figure>;  ///< monostate: nothing to tell
+using Cell = std::variant<std::monostate, std::string, Figure>;  ///< monostate: no value
 
 struct Row {
     std::vector<Cell> cells;  ///< one a column

@@ -273,7 +273,7 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
         const std::filesystem::path path = job.substr(newline + 1);
         answer = encode_import(read ? read(path) : formats::read_mesh(path));
     } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {
-        return static_cast<int>(model::ExitCode::kInternal);  // told already
+        return static_cast<int>(model::ExitCode::kInternal);  // reported already
     } catch (const std::exception& error) {
         answer = encode_import(model::Error(codes::kInternal, std::string("unexpected exception: ") + error.what()));
     }

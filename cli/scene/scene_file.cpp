@@ -27,7 +27,7 @@ constexpr std::size_t kMaxAssets = 100'000, kMaxFileBytes = std::size_t{16} << 2
 
 class Table;
 
-/// Ends with what is wrong with a value, and where it stands.
+/// Throws the fault in a value, with its place.
 class Say {
  public:
     Say(const Table& table, const toml::node& at, std::string_view key) : table_(table), at_(at), key_(key) {}

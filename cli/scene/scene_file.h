@@ -56,7 +56,7 @@ struct SceneAsset {
     bool contact = false;                         ///< it is set down on things, or things on it
     bool lit = true;                              ///< normals of the source are needed
     bool textured = true;                         ///< colours are needed
-    bool detail = false;                          ///< bump: what the grid misses, for shading
+    bool detail = false;                          ///< bump: heights that the grid misses, for shading
     std::vector<std::string> layers;              ///< not empty: exactly these, whatever the wishes above say
     std::optional<std::uint64_t> texture_budget;  ///< bytes of the texture layer
     std::filesystem::path fabric;                 ///< picture instead of the source's textures

@@ -37,7 +37,7 @@ AssetOutcome outcome_of(const SceneAsset& asset, const bake::AssetResult& result
     return out;
 }
 
-/// "stomach 1.2 MB, liver 512.0 kB": what takes most.
+/// "stomach 1.2 MB, liver 512.0 kB": the largest assets.
 std::string largest_of(const std::vector<AssetOutcome>& assets) {
     constexpr std::size_t kShown = 3;
     std::vector<const AssetOutcome*> order;

@@ -33,7 +33,7 @@ struct SceneOutcome {
     std::vector<std::string> warnings;        ///< ticks over their budget
 };
 
-/// Reads back what was baked, and times ticks.
+/// Reads the baked files back, and times ticks.
 /// @param results  one for each asset of the scene, in its order
 /// @throws model::Error if an output cannot be read any more
 [[nodiscard]] SceneOutcome scene_outcome(const Scene& scene, const bake::BatchPlan& plan,

@@ -38,8 +38,8 @@ struct DgmReadLimits {
 /// Thread-safe; the part that HDF5 reads is done by one thread at a time.
 [[nodiscard]] model::MapSet read_dgm(const std::filesystem::path& path, const DgmReadLimits& limits = {});
 
-/// Everything that is wrong with the container, at most 100 findings; empty for a good file. Looks at structure and
-/// hashes, not at what the values mean.
+/// Everything that is wrong with the container, at most 100 findings; empty for a good file. Checks structure and
+/// hashes, not the meaning of the values.
 /// @throws model::Error kFileMissing, kReadFailed
 [[nodiscard]] FileFindings check_container(const std::filesystem::path& path, const DgmReadLimits& limits = {});
 

@@ -26,7 +26,7 @@ struct ImportedMesh {
     model::TriMesh mesh;
     std::vector<std::string> warnings;                ///< plain language, one fact each, in file order
     std::vector<std::filesystem::path> dependencies;  ///< MTL files and textures that were found; sorted, no doubles
-    std::vector<std::pair<std::string, std::uint64_t>> dropped;  ///< what was left out, by kind; no zero counts
+    std::vector<std::pair<std::string, std::uint64_t>> dropped;  ///< parts left out, by kind; no zero counts
 };
 
 /// Reads OBJ (with MTL), 3DS and whatever else assimp reads, chosen by extension, or by content where the extension
@@ -38,7 +38,7 @@ struct ImportedMesh {
 /// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE:COLUMN), kTooLarge
 [[nodiscard]] ImportedMesh read_mesh(const std::filesystem::path& path, const MeshReadLimits& limits = {});
 
-/// True if the file name's extension is one that read_mesh reads: what a folder search takes.
+/// True if the file name's extension is one that read_mesh reads: a folder search takes such files.
 [[nodiscard]] bool has_mesh_extension(const std::filesystem::path& path);
 
 }  // namespace dgm::formats

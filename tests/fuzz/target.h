@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-/// Bytes from a stranger. Aborts if a promise is broken.
+/// Untrusted bytes. Aborts if a promise is broken.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace dgm::test {

@@ -22,9 +22,9 @@ enum class CutUse {
 /// for one grid stays chosen for similar grids of its aspect.
 class CutMemory {
  public:
-    /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers what it finds.
-    /// Cuts are compared by measured error on a grid of at most 257 a side.
-    /// @throws what search_cut throws
+    /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers the cuts that it
+    /// finds. Cuts are compared by measured error on a grid of at most 257 a side.
+    /// @throws as search_cut
     [[nodiscard]] CutSearchResult search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
                                          const model::Progress& progress);
 

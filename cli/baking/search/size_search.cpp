@@ -125,7 +125,7 @@ std::optional<Point> neighbour(std::span<const GridSize> ladder, const SizeSearc
 
 GridSize grid_of(std::uint64_t samples, double aspect) {
     const auto total = static_cast<double>(samples);
-    // Either side first, the other takes what is left; the product decides.
+    // Either side first, the other takes the rest; the product decides.
     const std::uint32_t rows = odd_side(std::sqrt(total * aspect)), cols = odd_side(std::sqrt(total / aspect));
     const GridSize rows_first{rows, odd_side(total / rows)}, cols_first{odd_side(total / cols), cols};
     const auto off = [&](GridSize s) { return std::abs(std::log((s.rows - 1.0) / (s.cols - 1.0) / aspect)); };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kPasses = 20;
 constexpr int kDirections = 12;
-constexpr double kInverted = 0.3;  // price of a inverted face without area
+constexpr double kInverted = 0.3;  // price of an inverted face without area
 constexpr double kWanted = 0.3;    // cosine from which a face counts as upright
 constexpr double kCover = 3;       // price of a source vertex one spacing away from the ring that covered it
 constexpr double kOff = 0.1;       // price of a face whose middle is a ring's reach away from the source

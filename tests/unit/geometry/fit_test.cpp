@@ -40,7 +40,7 @@ const std::vector<Freedom> kFirstFree{Freedom::kFree, Freedom::kHeld, Freedom::k
 TEST(NormalEquations, OneUnknownIsTheWeightedMean) {
     const WeldedGrid grid(one_quad());
     NormalEquations equations(grid);
-    // Gaps 3 and 6 with weights 2 and 1, no damping to speak of: (2*3 + 1*6) / 3 = 4.
+    // Gaps 3 and 6 with weights 2 and 1, hardly any damping: (2*3 + 1*6) / 3 = 4.
     equations.add(0, {1, 0, 0}, {3, 0, 0}, {1, 0, 0}, 2);
     equations.add(0, {1, 0, 0}, {6, 0, 0}, {1, 0, 0}, 1);
     const auto step = equations.solve(kFirstFree, {}, 1e-12, 10);

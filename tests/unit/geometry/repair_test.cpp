@@ -222,7 +222,7 @@ TEST(Repair, MixedWindingsAreMadeToAgreeAndClosedBodiesFaceOutward) {
             EXPECT_NEAR(test::volume(out.components[0]) * d * d * d, outward, 1e-9 * outward) << share << " % turned";
             EXPECT_GT(count(out, "faces turned to agree with their neighbours"), 0u);
         }
-        TriMesh inward = body;  // a room seen from inside: all agree, so nobody asked to turn it
+        TriMesh inward = body;  // a room seen from inside: all agree, so it stays as it is
         for (Face& f : inward.faces) std::swap(f[0], f[1]);
         const RepairedMesh room = repair(inward);
         EXPECT_LT(test::volume(room.components[0]), 0);
