@@ -60,7 +60,7 @@ inline void check_points(const State& state, const PointView& points, const char
     }
 }
 inline void check_state(const State& state) {
-    check_points(state, state.positions(), "copies of a seam class are apart", "a position is not finite");
+    check_points(state, state.positions(), "copies of a weld class are apart", "a position is not finite");
 }
 inline void check_normals(const State& state) {
     const PointView normals = state.normals();
