@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/bake_points.cpp
-// Which bakes a sweep makes.
+// Lists the bakes of a sweep.
 #include <algorithm>
 
 #include "baking/methods.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/tool_path.h
-// Where the tool goes in a runtime sweep: local coordinates, a point a tick of a millisecond.
+// The path of the tool in a runtime sweep: local coordinates, a point a tick of a millisecond.
 #pragma once
 #include <dgm/state.h>
 

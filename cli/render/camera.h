@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/render/camera.h
-// Where a picture is taken from.
+// The point of view of a picture.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -15,7 +15,7 @@
 
 namespace dgm::scene {
 
-/// From where assets are looked at. A length L at distance d takes L * rows / (2 d tan(fov / 2)) pixels.
+/// The viewer of the assets. A length L at distance d takes L * rows / (2 d tan(fov / 2)) pixels.
 struct View {
     double fov_degrees = 60;    ///< vertical field of view, 1..170
     std::uint32_t rows = 1080;  ///< pixels of the picture's height

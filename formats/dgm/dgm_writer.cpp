@@ -214,8 +214,8 @@ class H5Writer {
         return set;
     }
 
-    /// Where a dataset stands in the file, counted from its first byte. An empty one stands nowhere: it gets the end of
-    /// the user block, which passes every range check.
+    /// Place of a dataset in the file, counted from its first byte. An empty one has no place: it gets the end of the
+    /// user block, which passes every range check.
     std::uint64_t offset_of(const H5Handle& set, std::uint64_t bytes) const {
         if (bytes == 0) return layout::kUserBlockBytes;
         const haddr_t offset = H5Dget_offset(set);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/search/size_search.h
-// Which grid answers "at most this error", "at most these bytes", "at most so many samples". Nothing here bakes: the
+// Finds the grid for "at most this error", "at most these bytes", "at most so many samples". Nothing here bakes: the
 // callers hand in a function that measures one grid.
 #pragma once
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/cut_search/cut_search.h
-// Which cut and which rotation of the border serve a component best, by measured error.
+// Searches the cut and the rotation of the border that give a component the least error.
 #pragma once
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/cut/cut_graph.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/cut_search/hidden_cut.h
-// Cuts that open a surface as a given one does, along ways that are seen less.
+// Cuts that open a surface as a given one does, along less visible ways.
 #pragma once
 #include <cstdint>
 #include <span>

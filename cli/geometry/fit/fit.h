@@ -33,10 +33,10 @@ struct FitReport {
 };
 
 /// Fits `chart.positions` and `chart.diagonals`; the copies of a class move as one unknown, samples on the source's
-/// real border slide along it and stay on its corners (border_rails.h), and a step is shortened where it would turn a
-/// triangle against the source. Faces that the start turns against the source are mended first, and those that are left
-/// at last; the best state is kept. `chart.samples` are moved to the closest points of the source, for the layers that
-/// are read there. Deterministic, whatever the number of threads.
+/// real border slide along it and stay on its corners (border_rails.h), and a step is shortened where it would invert a
+/// triangle. Faces that are inverted at the start are repaired first, the remaining ones at the end; the best state is
+/// kept. `chart.samples` are moved to the closest points of the source, for the layers that are read there.
+/// Deterministic, whatever the number of threads.
 FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress);
 
 }  // namespace dgm::bake

@@ -89,8 +89,8 @@ class NearbySearch {
 /// The source of a chart with its cut closed: the disk's faces, in their order, over its surface points.
 [[nodiscard]] LinkedSurface link_source(const Disk& disk);
 
-/// Unit face normals at the scale of faces with `area`: smaller faces look where their surroundings do. The sides of a
-/// spike between two samples look everywhere, and would forbid the grid to grow one.
+/// Unit face normals at the scale of faces with `area`: smaller faces take the direction of their surroundings. The
+/// sides of a spike between two samples face all directions, and would keep the grid from growing one.
 [[nodiscard]] std::vector<Vec3d> normals_at_scale(const LinkedSurface& surface, double area);
 
 }  // namespace dgm::bake

@@ -162,7 +162,7 @@ class PatchRepair {
         }
     }
 
-    /// Which way each face should look: as the source does below its corners.
+    /// Direction that each face should have: that of the source below its corners.
     void note_upward() {
         for (std::size_t k = 0; k < faces_.size(); ++k) {
             Vec3d sum;

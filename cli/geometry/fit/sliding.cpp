@@ -127,7 +127,7 @@ bool Sliding::occupy_corners() {
     LinkedSurface& grid = grid_.surface;
     const std::vector<double> ways = rails_.ways_to_corners();
     const WeldedGrid::Rings rings = grid_.rings();
-    // How well a face stands: its cosine to the source below, if it is not thin.
+    // Quality of a face: its cosine to the source below, if it is not thin.
     const auto worst = [&](std::uint32_t c) {
         double least = 1;
         for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {

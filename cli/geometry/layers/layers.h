@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/layers/layers.h
-// From a sampled chart to the layers of the file (docs/design.md section 4, formats/SPEC.md): one .cpp per layer.
+// Turns a sampled chart into the layers of the file (docs/design.md section 4, formats/SPEC.md): one .cpp per layer.
 #pragma once
 #include <cstdint>
 #include <functional>

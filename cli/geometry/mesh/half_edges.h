@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/mesh/half_edges.h
-// Who lies across each edge. Half-edge 3*f+k runs from corner k of face f to corner k+1.
+// Finds the face across each edge. Half-edge 3*f+k runs from corner k of face f to corner k+1.
 #pragma once
 #include <cstdint>
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/surface_error.h
-// How far two surfaces are apart (docs/design.md section 7): rms, hausdorff, normal_rms.
+// Measures the distance of two surfaces (docs/design.md section 7): rms, hausdorff, normal_rms.
 #pragma once
 #include <cstddef>
 #include <cstdint>

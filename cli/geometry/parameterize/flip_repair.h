@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/parameterize/flip_repair.h
-// Turns back a few flipped faces of a map without touching the rest of it.
+// Repairs a few flipped faces of a map without touching the rest of it.
 #pragma once
 #include <optional>
 #include <vector>

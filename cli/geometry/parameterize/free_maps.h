@@ -47,8 +47,8 @@ struct ArapReport {
                                           const model::Progress& progress, ArapReport* report = nullptr);
 
 /// Sum over faces of share of the area * |J - R|^2 with R the rotation nearest to the map's Jacobian J; in singular
-/// values (s1 - 1)^2 + (s2 - 1)^2, the smaller one negative where a face is turned over. Slivers count as at least 1e-6
-/// as high as long.
+/// values (s1 - 1)^2 + (s2 - 1)^2, the smaller one negative where a face is flipped. Slivers count as at least 1e-6 as
+/// high as long.
 [[nodiscard]] double arap_energy(const DiskView& disk, std::span<const Vec2d> uv);
 
 /// A map to start arap_map() from: border on a circle by arc length, inside harmonic with weights clamped to positive

@@ -308,7 +308,7 @@ SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std
 
 namespace {
 
-/// Which border samples of the unrotated cycle are leaves of the cut, and which are corners of the real border.
+/// Marks the border samples of the unrotated cycle that are leaves of the cut, or corners of the real border.
 struct BorderMarks {
     BorderGrid grid;
     std::vector<char> leaf, corner;

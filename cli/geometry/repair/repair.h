@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/repair/repair.h
-// From whatever an importer returned to oriented manifold components in a normalised frame.
+// Turns the mesh of an importer into oriented manifold components in a normalised frame.
 #pragma once
 #include <vector>
 

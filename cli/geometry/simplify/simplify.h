@@ -48,7 +48,7 @@ struct Simplified {
 /// so that genus, borders and manifoldness stay; it must not turn a face by more than `least_cosine` nor make it a
 /// sliver. Border vertices move along their border only.
 ///
-/// @param mesh  an oriented manifold without repeated edges (what repair() returns); attributes are not looked at
+/// @param mesh  an oriented manifold without repeated edges (as repair() returns it); attributes are ignored
 /// @throws model::Error kInterrupted
 /// Deterministic (ties go to the lower vertex), single-threaded, about 2 microseconds a collapse.
 [[nodiscard]] Simplified simplify(const TriMesh& mesh, std::size_t target_faces, const SimplifyOptions& options,

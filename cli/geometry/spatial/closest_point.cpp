@@ -199,7 +199,7 @@ std::array<Vec3d, 3> from_longest_edge(const Triangle& tri) {
     return {tri.c, tri.a, tri.b};
 }
 
-/// How many pieces a triangle is held in.
+/// Number of pieces in which a triangle is stored.
 int piece_count(const Triangle& tri) {
     const auto [p, q, r] = from_longest_edge(tri);
     const double edge = length(q - p);

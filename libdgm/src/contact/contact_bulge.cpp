@@ -164,7 +164,7 @@ void Resolver::part_ring() noexcept {
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
     if (foreseen()) collect(c_.inner, kTileHeld, kTileHeld);  // measured, and not asked for again
     if (shape_.kind == ObstacleKind::Plane) return;
-    // From here on: heights over the obstacle, where they have been asked for.
+    // From here on: heights over the obstacle, where they have been computed.
     heights_ = true;
     for (std::uint32_t e = 0; e < c_.tile_count; ++e)
         if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0)

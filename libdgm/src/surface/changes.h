@@ -65,8 +65,8 @@ struct Changes {
     Array<std::uint64_t> cells;          ///< [rows][across], then the border's
     Array<std::uint64_t> blocks, bands;  ///< latest of eight rows of a column of cells; of eight rows
     std::uint64_t border_latest = 1;
-    /// Who published this state: pairs with SnapshotImpl::source, so that neither is mistaken for another that has
-    /// taken its place in memory.
+    /// Publisher of this state: pairs with SnapshotImpl::source, so that neither is mistaken for another that has taken
+    /// its place in memory.
     static constexpr std::uint32_t kPublishers = 4;
     const void* publishers[kPublishers] = {};
     std::uint32_t next_publisher = 0;

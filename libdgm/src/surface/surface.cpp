@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/surface/surface.cpp
-// From the layers of a chart to its welded surface.
+// Builds the welded surface of a chart from its layers.
 #include "surface/surface.h"
 
 #include <algorithm>

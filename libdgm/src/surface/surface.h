@@ -142,7 +142,7 @@ struct Surface {
     /// Window of half size b - 1 around a grid sample, clipped by the grid.
     [[nodiscard]] Rect window(std::uint32_t sample, std::uint32_t b) const noexcept;
     [[nodiscard]] Rect whole() const noexcept { return {0, tables.rows - 1, 0, tables.cols - 1}; }
-    /// Whoever writes to `now` or `normal` past touch() and update_normals() says where, for changed_rows().
+    /// Code that writes to `now` or `normal` without touch() and update_normals() marks the place, for changed_rows().
     void note(const Rect& r) noexcept { changes.note(r); }
     /// Border samples low .. high.
     void note_border(std::uint32_t low, std::uint32_t high) noexcept { changes.note_border(low, high); }
@@ -173,9 +173,9 @@ struct Surface {
 /// Brings the boxes of moved samples and of the nodes above them up to date.
 void refit(Surface& surface, Pyramid& pyramid) noexcept;
 
-/// Which corners are in the ring of each sample, and which samples need ring_normal(). @return OutOfMemory.
+/// Finds the corners in the ring of each sample, and the samples that need ring_normal(). @return OutOfMemory.
 [[nodiscard, gnu::cold]] Result<void> build_rings(Surface& surface) noexcept;
-/// How far normals lie from those of the faces around them, at rest.
+/// Mean squared differences of normals from those of the faces around them, at rest.
 void measure_roughness(Surface& surface) noexcept;
 /// Twice the area vector of the welded ring of a sample, and its slope as in RingJob.
 struct RingForm {

@@ -135,7 +135,7 @@ void end_fading_tick(StateImpl& state, bool normals) noexcept;
 void settle_all(StateImpl& state) noexcept;
 /// Memory for displacements that fade. @return false if there is none.
 [[nodiscard]] bool make_fading(StateImpl& state) noexcept;
-/// Whoever reads all of `now` or `normal` calls this before.
+/// Call this before reading all of `now` or `normal`.
 inline void settle(StateImpl& state) noexcept {
     if (state.fading.behind) settle_all(state);
 }

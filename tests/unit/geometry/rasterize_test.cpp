@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/rasterize_test.cpp
-// Which triangle a sample gets, against integer arithmetic; where barycentrics put it.
+// The triangle that a sample gets, against integer arithmetic, and the place that barycentrics give it.
 #include "geometry/resample/rasterize.h"
 
 #include <gtest/gtest.h>
