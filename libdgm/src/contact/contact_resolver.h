@@ -35,7 +35,7 @@ class Resolver {
     void find_contact() noexcept;
     /// For a plane, sphere or capsule.
     [[nodiscard]] MarkJob mark_job(const Rect& r) noexcept;
-    /// The loops over rows know the way out, and every sample goes it whole.
+    /// The loops over rows can project it, and every sample moves the whole way.
     [[nodiscard]] bool is_simple() const noexcept {
         return (shape_.kind == ObstacleKind::Plane || is_round()) && s_.tables.mask == nullptr && s_.mobility.empty();
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/rows/rows_impl.h
 // Bodies of rows.h for one number of lanes. Included inside a namespace (and a target region) of the including file,
-// after all other headers: nothing from a header may be compiled for the wider instruction set, or the linker could
-// hand that copy to everybody. Hence no std:: below.
+// after all other headers: nothing from a header may be compiled for the wider instruction set, or the linker could use
+// that copy everywhere. Hence no std:: below.
 //
 // Needs DGM_LANES, Floats (vector of DGM_LANES floats), Ints (of as many ints), Floats4, inverse_root, any and
 // sign_bits (a bit for each true lane); for F in Floats, float: multiply_add (a b + c), multiply_subtract (a b - c),

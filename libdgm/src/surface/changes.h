@@ -2,7 +2,7 @@
 // libdgm/src/surface/changes.h
 // Remembers when samples changed, for any number of readers: a number that grows (the epoch) is stamped on cells of
 // eight samples side by side, and a reader asks for cells stamped after its own number. Rectangles wait in a short list
-// before they are stamped: a tool presses on much the same samples for many ticks between two readers' looks.
+// before they are stamped: a tool presses on nearly the same samples for many ticks between two calls of a reader.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace dgm::detail {
 inline constexpr std::uint32_t kRunSamples = 8;  ///< side by side
 inline constexpr std::uint32_t kBandRows = 8;    ///< rows that share a block of stamps
 
-/// Which cells a grid has, and its border samples: row-major, then the border's.
+/// Cells of a grid and of its border samples: row-major, then the border's.
 struct CellGrid {
     std::uint32_t rows = 0, cols = 0, border = 0;
     [[nodiscard]] std::uint32_t across() const noexcept { return (cols + kRunSamples - 1) / kRunSamples; }

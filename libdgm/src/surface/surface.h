@@ -53,8 +53,8 @@ struct Pyramid {
     RectList dirty;  ///< moved since the last refit
 };
 
-/// The welded surface of one chart: its rest shape, with permanent displacements, and the present one. It knows nothing
-/// of tools and obstacles.
+/// The welded surface of one chart: its rest shape, with permanent displacements, and the present one. It does not
+/// depend on tools and obstacles.
 struct Surface {
     explicit Surface(const Allocator& a) noexcept : allocator(a) {}
     Allocator allocator;
@@ -99,7 +99,7 @@ struct Surface {
     bool open_surface = true;          ///< some edge of the welded surface has one face
 
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
-    /// Some window can reach a seam or a free border, so unfolding is needed.
+    /// Some window can reach a seam or a free border, so touches need unfolding.
     [[nodiscard]] bool classes_or_border() const noexcept { return class_count != 0 || tables.free_domain; }
     // Always inline: files built for size ask for them in inner loops too.
     [[nodiscard]] DGM_INLINE static Vec3 at(const Planes& p, std::uint32_t s) noexcept {
@@ -165,7 +165,7 @@ struct Surface {
 [[nodiscard]] Result<void> fill_surface(Surface& surface, const ChartTables& tables, bool plain_loops) noexcept;
 /// Upper bound of the bytes that it takes.
 [[nodiscard]] std::uint64_t surface_bytes(const ChartTables& tables) noexcept;
-/// Seam classes from the pairs, then links from the border edges that two mates share. @return OutOfMemory.
+/// Weld classes from the pairs, then links from the border edges that two mates share. @return OutOfMemory.
 [[nodiscard]] Result<void> build_classes(Surface& surface) noexcept;
 [[nodiscard]] Result<void> build_links(Surface& surface) noexcept;
 /// Tiles, their border samples and boxes. @return OutOfMemory.

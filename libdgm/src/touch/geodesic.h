@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/geodesic.h
-// Memory for distances on the rest surface: how triangles unfold and hang together, and windows on the way.
+// Memory for distances on the rest surface: unfolded triangles and their links, and waiting windows.
 //
 // A side is an edge as one triangle has it, with a tail and a head. Quad q = i cols + j has the sides
 // 8 (q + cols) + 0 .. 5: a-b, b-c, d-c, a-d with corners as in quad_triangles(), then the diagonal as the first and as

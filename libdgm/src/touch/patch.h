@@ -11,9 +11,9 @@
 // chord from the contact meets the surface at sample x under an angle of sine s to the tangent plane, its length c has
 // a gradient of sqrt(1 - s^2) along the surface. So following it downhill from x leads to the contact, on a way of at
 // most c / sqrt(1 - S^2), S being the largest sine along the way: the distance lies between c and that. The way cannot
-// get lost, since it is only ever inside the part of the surface that was looked at, and open borders that it could run
-// into are looked for. Within these bounds the length of a cubic with the chord as its base and tangent to the surface
-// at both ends is taken, which is right to fourth order.
+// leave the searched part of the surface, and the search finds open borders that the way could meet. Within these
+// bounds the length of a cubic with the chord as its base and tangent to the surface at both ends is taken, which is
+// right to fourth order.
 #pragma once
 #include <cstdint>
 

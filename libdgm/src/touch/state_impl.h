@@ -129,7 +129,7 @@ void add_fading(const StateImpl& state, RectList& to) noexcept;
 /// Brings samples up to the clock: those of a rectangle, one, or all that fade.
 void fade(StateImpl& state, const Rect& rect) noexcept;
 void fade(StateImpl& state, std::uint32_t sample) noexcept;
-/// Ends a tick in which displacements fade: its displacements fade from now on, and a few tiles that have come to rest
+/// Ends a tick in which displacements fade: the new ones fade from now on, and a few tiles that have come to rest
 /// without being read are released.
 void end_fading_tick(StateImpl& state, bool normals) noexcept;
 void settle_all(StateImpl& state) noexcept;
