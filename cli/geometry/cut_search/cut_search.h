@@ -43,10 +43,10 @@ struct CutSearchResult {
 /// the resampled surface falls; then branches are dropped where that lowers it, and rotations are tried.
 ///
 /// The error is predicted (trial_map.h), and a large component is searched in simplified form and the cut carried back
-/// (cut_transfer.h); where that fails, and if `measured` asks for it, every trial is baked on the component
-/// itself. In the end paths that edges make jagged are pulled straight across faces (straight_cut.h), unless the error
-/// predicted grows by more than a quarter of the share that the cut gets shorter, or where trials are measured; the
-/// disk has vertices then that the component has not.
+/// (cut_transfer.h); where that fails, and if `measured` asks for it, every trial is baked on the component itself. In
+/// the end paths that edges make jagged are pulled straight across faces (straight_cut.h), unless the error predicted
+/// grows by more than a quarter of the share that the cut gets shorter, or where trials are measured; the disk has
+/// vertices then that the component has not.
 /// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map; kMethodUnsuited if stars alone are
 /// asked
 ///     of a surface or a grid that has none

@@ -4,7 +4,7 @@
 // [Dey, Edelsbrunner, Guha, Nekhayev 1999] Topology preserving edge contraction. Publ. Inst. Math. 66.
 //
 // Each vertex waits in the heap with its cheapest collapse. Costs are kept up to date; whether a collapse is allowed is
-// only asked when it is its turn, and if it is not, the vertex waits again with its cheapest allowed one.
+// only tested at its turn, and if it is not, the vertex waits again with its cheapest allowed one.
 #include "geometry/simplify/simplify.h"
 
 #include <algorithm>

@@ -199,8 +199,8 @@ void Resolver::put_back_tile(std::uint32_t tile, double beta) noexcept {
     each_sample(tile, [&](std::uint32_t k) { put_back_sample(k, beta); });
 }
 
-// Tiles of copies may differ in whether they are near; their heights may be asked from different places. So one copy is
-// asked for all, and it does not matter whether the loops have bulged it.
+// Tiles of copies may differ in whether they are near; their heights may be computed from different places. So one copy
+// is measured for all, and it does not matter whether the loops have bulged it.
 void Resolver::put_back_classes(double beta) noexcept {
     for (std::uint32_t e = 0; e < class_count_; ++e) {
         const std::uint32_t k = c_.source[e];

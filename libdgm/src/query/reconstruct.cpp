@@ -13,7 +13,7 @@
 #include "query/mesh_indices.h"
 #include "touch/state_impl.h"
 
-// Vectors stay in this file: how a target without SSE would hand them over is no matter.
+// Vectors stay in this file, so the calling convention of a target without SSE does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace dgm {

@@ -2,9 +2,9 @@
 // libdgm/src/touch/frames.cpp
 // The footprint at a seam of a square domain: copies of the whole grid laid around the contact.
 //
-// Across a seam the grid goes on turned by quarter turns. So everything the window holds are rectangles of a few placed
-// copies ("frames") of the grid, and each is done row by row. A sample with several places takes the nearest; a copy
-// is looked at only if it was reached over a seam sample that lay nearest in the copy before.
+// Across a seam the grid goes on turned by quarter turns. So the window consists of rectangles of a few placed copies
+// ("frames") of the grid, and each is done row by row. A sample with several places takes the nearest; a copy is looked
+// at only if it was reached over a seam sample that lay nearest in the copy before.
 #include <algorithm>
 #include <cmath>
 

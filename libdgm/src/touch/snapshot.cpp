@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/snapshot.cpp
-// Sequence locks without fences, which ThreadSanitizer does not know: the writer's data stores are releases, so that
-// whoever sees one of them sees the odd sequence before it; the reader's data loads are acquires, so that the second
-// look at the sequence comes after them. On x86-64 all of these are plain moves. The compilers' __atomic functions take
-// plain memory, as std::atomic_ref does, which clang's C++ library does not have.
+// Sequence locks without fences, which ThreadSanitizer does not know: the writer's data stores are releases, so that a
+// reader that sees one of them sees the odd sequence before it; the reader's data loads are acquires, so that the
+// second look at the sequence comes after them. On x86-64 all of these are plain moves. The compilers' __atomic
+// functions take plain memory, as std::atomic_ref does, which clang's C++ library does not have.
 #include <dgm/snapshot.h>
 
 #include <algorithm>

@@ -86,8 +86,8 @@ Result unfolded(const SampledChart& chart, bool held) {
     return out;
 }
 
-/// A twist of the sheet `start` is laid flat: all faces of a flat sheet look its way and none
-/// overlap, so their areas add up to the sheet's. The border stays.
+/// A twist of the sheet `start` is laid flat: all faces of a flat sheet look its way and none overlap, so their areas
+/// add up to the sheet's. The border stays.
 Result expect_twist_laid_flat(const SampledChart& start, const SampledChart& twisted) {
     Result r = unfolded(twisted, false);
     EXPECT_GT(r.start, 8u);
