@@ -51,7 +51,8 @@ struct BakeOptions {
     Method method = Method::kAuto;
     DomainChoice domain = DomainChoice::kAuto;
     /// Measured (docs/speed-against-error.md): at 257x257 9 to 16 dB less error than kSample for twice the time. kBest
-    /// has 1 to 5 dB less again for twice that, but at times a larger error at the worst spot: not for everybody.
+    /// has 1 to 5 dB less again for twice that, but at times a larger error at the worst spot, so it is not the
+    /// default.
     Fit fit = Fit::kL2;
     /// kAuto: u16 where max_error is at least three times (hausdorff: six times) the error that rounding alone makes,
     /// so that it costs no more than a few samples; f32 elsewhere.
@@ -70,7 +71,7 @@ struct BakeOptions {
     [[nodiscard]] bool ablates(std::string_view part) const;
     /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
     std::filesystem::path scratch;
-    /// Told each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.
+    /// Gets each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.
     std::function<void(const std::string& line)> on_notice;
 };
 

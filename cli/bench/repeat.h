@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/repeat.h
-// Doing the same thing several times, so that something can be said about its time.
+// Runs the same work several times, to measure its time.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -32,7 +32,7 @@ struct DgmReadLimits {
 };
 
 /// Reads a whole file and checks it on the way: header, index, hashes, index against H5Dget_offset, types, shapes,
-/// names. Sizes from the file are believed only after they fit the file's real length. External links, external storage
+/// names. Sizes from the file are trusted only after they fit the file's real length. External links, external storage
 /// and filters are refused, not followed.
 /// @throws model::Error with the code of the first finding of check_container; kFileMissing, kReadFailed
 /// Thread-safe; the part that HDF5 reads is done by one thread at a time.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/search/grid_search.h
-// Asking by error and by file size: size_search.h with the words, the margins and the report around it.
+// Searches by error and by file size: size_search.h with words, margins and the report around it.
 #pragma once
 #include <cstdint>
 #include <functional>
