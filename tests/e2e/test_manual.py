@@ -56,7 +56,7 @@ class Manual(support.Folder):
             self.assertEqual((result.returncode, result.stderr), (0, ""), name)
 
     def complete(self, name, *words, shell="bash"):
-        """What TAB offers at the end of the last word."""
+        """The offers of TAB at the end of the last word."""
         start = "autoload -U compinit bashcompinit; compinit -u -D; bashcompinit; " if shell == "zsh" else ""
         typed = " ".join(f"'{word}'" for word in words)
         script = (f"{start}source '{MANUAL}/{name}.bash'; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _{name.replace('-', '_')} {name} '{words[-1]}' '{words[-2]}'; "

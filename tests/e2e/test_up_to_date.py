@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is done already is not done twice; what has changed is; and build systems are told what that depends on."""
+"""Finished work is not done twice, changed work is, and build systems get the inputs of each output."""
 import json
 import os
 import shutil
