@@ -71,7 +71,7 @@ struct BakeOptions {
     [[nodiscard]] bool ablates(std::string_view part) const;
     /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
     std::filesystem::path scratch;
-    /// Gets each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.
+    /// Told each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.
     std::function<void(const std::string& line)> on_notice;
 };
 

@@ -37,7 +37,7 @@ GridSize choose_shapes(PreparedAsset& asset) {
     return out;
 }
 
-/// Reports the facts known about the mesh before the long part begins.
+/// Tells what is known of the mesh before the long part begins.
 void tell_notices(Repaired& source, const BakeOptions& options) {
     if (source.components.size() > 1)
         source.facts.warnings.push_back(std::to_string(source.components.size()) + " components: one chart each");

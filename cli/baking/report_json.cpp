@@ -198,7 +198,7 @@ struct Writer {
     void operator()(const char* key, const std::optional<T>& v) {
         if (v) object[key] = value(*v);
     }
-    /// A field whose value differs from run to run.
+    /// What differs from run to run.
     template <class T>
     void of_run(const char* key, const T& v) {
         if (with_times) object[key] = value(v);

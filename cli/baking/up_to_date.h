@@ -22,14 +22,14 @@ namespace dgm::bake {
 /// @throws model::Error kReadFailed and the like, for the mesh or a file it names
 [[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file);
 
-/// Every file that a bake of `mesh_file` reads: the mesh, the files that it names, and the texture of `options`. Where
-/// only an import could find out, the mesh and the texture.
+/// Every file that a bake of `mesh_file` reads: the mesh, what it names, and the texture of `options`. Where only an
+/// import would tell, the mesh and the texture.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const std::filesystem::path& mesh_file,
                                                              const BakeOptions& options);
 
 /// The stored report, without times, if each of `outputs` (.dgm, .exr; at least one) is whole and was made by this
 /// version from these contents with these settings. nullopt otherwise, and for whatever cannot be read; always for
-/// formats whose inputs only an import can find.
+/// formats where only an import tells what they name.
 ///
 /// A .dgm is read and checked wholly, of an EXR the headers and whether all rows are there. Not thread-safe: HDF5.
 [[nodiscard]] std::optional<BakeReport> up_to_date(const std::filesystem::path& mesh_file,

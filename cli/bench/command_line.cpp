@@ -104,7 +104,7 @@ int finish(Run run, const Common& common, const std::optional<Run>& then) {
     return static_cast<int>(model::ExitCode::kOk);
 }
 
-/// Finds before the minutes of measuring the faults that would show after them.
+/// Finds out before minutes of measuring what would be found out after them.
 std::optional<Run> prepare(Common& common, const std::string& command, const std::vector<fs::path>& assets) {
     for (const fs::path& asset : assets) {
         std::error_code ignored;

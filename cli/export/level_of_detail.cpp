@@ -35,7 +35,7 @@ std::vector<T> per_vertex(const TriMesh& mesh, const std::vector<T>& corners) {
     for (std::size_t c = 0; c < corners.size(); ++c) out[mesh.faces[c / 3][c % 3]] = corners[c];
     return out;
 }
-/// The layers that triangles need, and nothing else.
+/// What triangles are made of, and nothing else.
 model::MapSet shape_of(const model::MapSet& maps) {
     model::MapSet out;
     out.generator = maps.generator;

@@ -19,7 +19,7 @@ class FileFinder {
     /// The regular file that `name` means: the path as it stands below the mesh's folder, else in another case, else
     /// its last component in the mesh's folder or in a folder beside it called textures, texture, maps, images or
     /// materials, else, for absolute names, that very file. Backslashes are slashes, quotes around the name are
-    /// dropped. If several differ in case, the first in byte order is taken.
+    /// dropped. Of several that differ in case the first in byte order is taken.
     [[nodiscard]] std::optional<std::filesystem::path> find(std::string_view name);
 
  private:

@@ -26,19 +26,19 @@ struct ImportedMesh {
     model::TriMesh mesh;
     std::vector<std::string> warnings;                ///< plain language, one fact each, in file order
     std::vector<std::filesystem::path> dependencies;  ///< MTL files and textures that were found; sorted, no doubles
-    std::vector<std::pair<std::string, std::uint64_t>> dropped;  ///< parts left out, by kind; no zero counts
+    std::vector<std::pair<std::string, std::uint64_t>> dropped;  ///< what was left out, by kind; no zero counts
 };
 
-/// Reads OBJ (with MTL), 3DS and all other formats of assimp, chosen by extension, or by content where the extension
+/// Reads OBJ (with MTL), 3DS and whatever else assimp reads, chosen by extension, or by content where the extension
 /// says nothing. All objects are merged, node transforms applied, polygons triangulated; faces keep the file's order.
-/// Vertices that no face uses stay, and so do those that are not finite: repair counts and drops them. corner_normals,
-/// corner_uvs and corner_colours are empty only if no face has them. Paths in materials are resolved against the mesh's
-/// folder without regard to case; a missing one is a warning and an empty path. Deterministic. May abort or take long
-/// on hostile files of the kinds that assimp reads: run it in a worker process.
+/// Vertices that no face uses stay, and so do those that are not finite: repair counts and drops them.
+/// corner_normals, corner_uvs and corner_colours are empty only if no face has them. Paths in materials are resolved
+/// against the mesh's folder without regard to case; a missing one is a warning and an empty path.
+/// Deterministic. May abort or take long on hostile files of the kinds that assimp reads: run it in a worker process.
 /// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE:COLUMN), kTooLarge
 [[nodiscard]] ImportedMesh read_mesh(const std::filesystem::path& path, const MeshReadLimits& limits = {});
 
-/// True if the file name's extension is one that read_mesh reads: a folder search takes such files.
+/// True if the file name's extension is one that read_mesh reads: what a folder search takes.
 [[nodiscard]] bool has_mesh_extension(const std::filesystem::path& path);
 
 }  // namespace dgm::formats

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/rasterize_test.cpp
-// The triangle that a sample gets, against integer arithmetic, and the place that barycentrics give it.
+// Which triangle a sample gets, against integer arithmetic; where barycentrics put it.
 #include "geometry/resample/rasterize.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/metrics/surface_checks_test.cpp
-// For a square grid the validator measures the topology along the border alone: it equals that of the whole.
+// Of a square grid the validator measures the topology along the border alone: the same as of the whole.
 #include "validate/surface_checks.h"
 
 #include <gtest/gtest.h>
