@@ -36,7 +36,7 @@ struct ChartReport {
     double cut_exposure = 0;           ///< mean over the seams' length of spatial/exposure.h; 0 without seams
     double volume_relative_error = 0;  ///< closed charts: (V_map - V_source) / V_source
     std::uint64_t seam_pairs = 0;
-    std::uint64_t turned_faces = 0;  ///< triangles that look against the source (metrics/turned_faces.h)
+    std::uint64_t turned_faces = 0;  ///< triangles inverted against the source (metrics/turned_faces.h)
     Topology source_topology, map_topology;
     std::vector<CandidateReport> candidates;
 };
