@@ -157,7 +157,7 @@ def resolve(root, relative, kind, header):
 
 
 def include_fault(root, relative, part, angled, quoted):
-    """What is wrong with one include, or None."""
+    """The fault of one include, or None."""
     kind, header = ("<", angled) if angled else ('"', quoted)
     target = resolve(root, relative, kind, header)
     if target is not None:

@@ -6,8 +6,8 @@
     scripts/check_results.py --self-test check lines that must fail, and some that must pass
 
 Result::value() of an error aborts the process that loaded the library. So value() is asked only of a variable, never of
-a call, and only after `if (!x)`, `if (auto x = ...)` or `x ? ...` in the same function. Of a `const auto x = ...` one
-such question is enough: it never changes.
+a call, and only after `if (!x)`, `if (auto x = ...)` or `x ? ...` in the same function. One
+such question is enough for a `const auto x = ...`: it never changes.
 """
 import re
 

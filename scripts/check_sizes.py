@@ -47,7 +47,7 @@ def plain(text):
 
 
 def head_kind(head):
-    """What the text before an opening brace begins: a kind and a name, or None for anything inside a function."""
+    """Kind and name of the block that a brace opens, from the text before it; None for anything inside a function."""
     head = re.sub(r"\[\[.*?\]\]|alignas\s*\([^()]*\)|__attribute__\s*\(\(.*?\)\)", " ", head, flags=re.S)
     without_templates = re.sub(r"^\s*template\s*<.*?>\s*(?=\w)", " ", head, flags=re.S)
     scope = HEAD.search(without_templates)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the scripts that bake whole folders share: results kept from run to run, the meshes of folders, table rows."""
+"""Shared code of the scripts that bake whole folders: results kept from run to run, the meshes of folders, table rows."""
 import hashlib
 import json
 import os
@@ -22,7 +22,7 @@ def meshes_of(folders, only=""):
 
 
 class Results:
-    """What was measured, by key; written at most every ten seconds and at the end, never half."""
+    """Measured results, by key; written at most every ten seconds and at the end, never half."""
 
     def __init__(self, path):
         self.path, self.lock, self.written, self.bakes = path, threading.Lock(), time.monotonic(), {}

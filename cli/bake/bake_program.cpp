@@ -151,7 +151,7 @@ void touch_outputs(const std::vector<AssetResult>& results) {
                                        file.path.string());
 }
 
-/// What was baked or was there already; others have no files that a build could use.
+/// Rules for outputs that exist now; other assets have no files that a build could use.
 std::vector<DependencyRule> rules_of(const BatchPlan& plan, const std::vector<AssetResult>& results) {
     std::vector<DependencyRule> rules;
     for (std::size_t k = 0; k < results.size(); ++k) {
@@ -208,7 +208,7 @@ class Conversation {
         for (const PlannedAsset& asset : plan.assets) out.push_back(printable(asset.source.filename().string()));
         return out;
     }
-    /// What takes memory takes time.
+    /// Memory stands for time.
     static std::vector<double> weights(const BatchPlan& plan) {
         std::vector<double> out;
         for (const PlannedAsset& asset : plan.assets)

@@ -127,7 +127,7 @@ void set_grid(const Raw& raw, BakeOptions& bake) {
         bake.auto_samples = kLargestSearched;
 }
 
-/// What the report is in: as asked, else as the file's extension says.
+/// Format of the report: as asked, else by the file's extension.
 void set_report(const Raw& raw, const std::string& file, CommandLine& out) {
     constexpr std::array kReportFormats{NamedValue<bool>{"json", false}, NamedValue<bool>{"html", true}};
     out.report = file;

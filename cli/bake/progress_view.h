@@ -40,7 +40,7 @@ class ProgressView {
         Clock::time_point said;  ///< plain: when its last line was printed
     };
     [[nodiscard]] std::string bar_line(std::size_t columns) const;
-    /// ", 2:10 to go", or nothing as long as nobody knows.
+    /// ", 2:10 to go", or nothing as long as it is unknown.
     [[nodiscard]] std::string to_go() const;
 
     ProgressStyle style_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bake/raw_options.h
-// What the options of dgm-bake are called and what they are for; options.cpp says what they mean.
+// Names and purposes of the options of dgm-bake; options.cpp defines their meaning.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace dgm::bake {
 
-/// What CLI11 fills in: plain text, checked afterwards with messages of ours.
+/// Values from CLI11: plain text, checked afterwards with messages of ours.
 struct Raw {
     std::vector<std::string> inputs;
     std::string output, size, max_error, max_error_kind, budget,
@@ -26,7 +26,7 @@ struct Raw {
 /// Declares every option, in groups. `raw` must outlive `app`.
 void describe(CLI::App& app, Raw& raw);
 
-/// What the man page says beside the options.
+/// Text of the man page beside the options.
 [[nodiscard]] tool::Manual manual();
 
 }  // namespace dgm::bake

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/bake_options.h
-// What one asset is baked with. Every field but the output formats enters the settings hash.
+// Settings of the bake of one asset. Every field but the output formats enters the settings hash.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -51,7 +51,8 @@ struct BakeOptions {
     Method method = Method::kAuto;
     DomainChoice domain = DomainChoice::kAuto;
     /// Measured (docs/speed-against-error.md): at 257x257 9 to 16 dB less error than kSample for twice the time. kBest
-    /// has 1 to 5 dB less again for twice that, but at times a larger error at the worst spot: not for everybody.
+    /// has 1 to 5 dB less again for twice that, but at times a larger error at the worst spot, so it is not the
+    /// default.
     Fit fit = Fit::kL2;
     /// kAuto: u16 where max_error is at least three times (hausdorff: six times) the error that rounding alone makes,
     /// so that it costs no more than a few samples; f32 elsewhere.
@@ -63,7 +64,7 @@ struct BakeOptions {
     std::optional<std::uint64_t> texture_bytes;  ///< most of all charts' textures together; they get smaller
     std::optional<double> texel_length;          ///< source units; textures are not made finer than this
     std::optional<GridSize> bump_size;           ///< default: (2m-1) x (2n-1)
-    std::vector<std::string> ablate;             ///< of kAblateNames: what is left out, to see what it is worth
+    std::vector<std::string> ablate;             ///< of kAblateNames: steps left out, to measure their worth
     bool write_dgm = true, write_exr = false;
     ExrLayout exr_layout = ExrLayout::kAuto;
 
@@ -78,9 +79,9 @@ struct BakeOptions {
 inline constexpr std::uint32_t kMinSide = 3, kMaxSide = 8193;
 
 /// The settings as one line of stable text, for MapSet::settings_hash: equal texts mean equal layers from equal meshes.
-/// What is asked by error, budget or number of samples stands in it as it was asked, not as it was answered.
-/// Left out: which files are written (a .dgm has the same bytes whether or not an EXR is written beside it) and the
-/// path of `texture`, whose content stands there instead (XXH3-128).
+/// A limit on error, bytes or samples stands in it as it was asked, not as it was answered. Left out: which files are
+/// written (a .dgm has the same bytes whether or not an EXR is written beside it) and the path of `texture`, whose
+/// content stands there instead (XXH3-128).
 /// @throws model::Error kFileMissing, kReadFailed if `texture` cannot be read
 [[nodiscard]] std::string canonical_settings(const BakeOptions& options);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/bake_report.h
-// What a bake tells about itself. The part without times and paths is stored in the file under /report.
+// Report of a bake. The part without times and paths is stored in the file under /report.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -16,7 +16,7 @@
 
 namespace dgm::bake {
 
-/// What repair changed, by kind ("welded vertices", 16) and zero counts left out.
+/// Changes of the repair, counted by kind ("welded vertices", 16). Zero counts are left out.
 using RepairCounts = std::vector<std::pair<std::string, std::uint64_t>>;
 
 struct CandidateReport {
@@ -36,7 +36,7 @@ struct ChartReport {
     double cut_exposure = 0;           ///< mean over the seams' length of spatial/exposure.h; 0 without seams
     double volume_relative_error = 0;  ///< closed charts: (V_map - V_source) / V_source
     std::uint64_t seam_pairs = 0;
-    std::uint64_t turned_faces = 0;  ///< triangles that look against the source (metrics/turned_faces.h)
+    std::uint64_t turned_faces = 0;  ///< triangles inverted against the source (metrics/turned_faces.h)
     Topology source_topology, map_topology;
     std::vector<CandidateReport> candidates;
 };
@@ -93,9 +93,9 @@ struct BakeReport {
     std::uint64_t peak_memory_bytes = 0;  ///< not stored in the file
 };
 
-/// Compact JSON with sorted keys; numbers print shortest round-trip. `with_times` adds what differs from run to run.
-/// Keys are the field names; error objects also hold psnr, rms_percent and hausdorff_percent (of the diagonal). A
-/// number that is not finite is written as null.
+/// Compact JSON with sorted keys; numbers print shortest round-trip. `with_times` adds the fields that differ from run
+/// to run. Keys are the field names; error objects also hold psnr, rms_percent and hausdorff_percent (of the diagonal).
+/// A number that is not finite is written as null.
 [[nodiscard]] std::string to_json(const BakeReport& report, bool with_times);
 
 /// The inverse of to_json: doubles come back to the bit, null as NaN, absent keys as the field's default.

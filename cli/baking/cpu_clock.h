@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/cpu_clock.h
-// CPU time of the process since a moment, all threads together: what speed is compared by, since it hardly depends on
-// what else runs.
+// CPU time of the process since a moment, all threads together: the measure of speed, since it hardly depends on other
+// programs.
 #pragma once
 #include <ctime>
 

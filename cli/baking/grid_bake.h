@@ -33,7 +33,7 @@ struct PreparedAsset {
 /// map alone
 [[nodiscard]] Fitted map_only(PreparedAsset& asset, GridSize largest, CutUse use);
 
-/// What a grid gave.
+/// Layers of a grid and their measures.
 struct MeasuredLayers {
     Layered layered;
     Measured measured;

@@ -13,7 +13,7 @@
 namespace dgm::bake {
 namespace {
 
-// Of thousands of charts none is looked at for itself: a chart gets its share of the points, but for these.
+// Nobody looks at one chart of thousands: a chart gets its share of the points, but at least these.
 constexpr double kLeastSamples = 2000, kLeastTops = 8, kLeastSeamPoints = 64;
 
 /// Six times the signed volume.
@@ -38,7 +38,8 @@ MeasuredChart measure_chart(const TriMesh& component, const SampledChart& chart,
     ChartReport& report = out.report;
     report.method = chart.method;
     report.domain = chart.domain == layout::Domain::kSquare ? "square" : "free";
-    report.rows = chart.m, report.cols = chart.n;
+    report.rows = chart.m;
+    report.cols = chart.n;
     report.source_vertices = component.positions.size();
     report.source_faces = component.faces.size();
     report.seam_gap = reconstruction.seam_gap;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/measure_chart.h
-// What a report says of one chart, measured on its layers as they are stored.
+// Report of one chart, measured on its layers as they are stored.
 #pragma once
 #include <cstdint>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/notices.h
-// What an artist should know about a mesh before the long part of its bake begins.
+// Notices for an artist about a mesh before the long part of its bake begins.
 #pragma once
 #include <string>
 #include <vector>

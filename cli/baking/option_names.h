@@ -32,13 +32,13 @@ inline constexpr std::array kErrorKindNames{NamedValue<ErrorKind>{"rms", ErrorKi
 inline constexpr std::array kExrLayoutNames{NamedValue<ExrLayout>{"auto", ExrLayout::kAuto},
                                             NamedValue<ExrLayout>{"multipart", ExrLayout::kMultipart}};
 
-/// What --layers may name, in file order. `collision` brings `cover`; the tables beside the layers (seams, diagonals,
-/// mask, border_*) belong to the geometry and are always there.
+/// Layers that --layers may name, in file order. `collision` brings `cover`; the tables beside the layers (seams,
+/// diagonals, mask, border_*) belong to the geometry and are always there.
 inline constexpr std::array<std::string_view, 7> kLayerNames{
     model::layers::kGeometry,  model::layers::kNormal,      model::layers::kTexture, model::layers::kBump,
     model::layers::kCollision, model::layers::kDeformation, model::layers::kContact};
 
-/// What --ablate may leave out, for experiments.
+/// Steps that --ablate may leave out, for experiments.
 inline constexpr std::array<std::string_view, 5> kAblateNames{"cut-search", "newton", "diagonals", "curvature",
                                                               "hidden-cuts"};
 

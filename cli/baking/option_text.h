@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/option_text.h
-// How people write sizes, bytes and lengths: the same on the command line and in scene files. `name` is what the value
-// is for, and begins the message of every refusal; all throw model::Error kUsage.
+// Reads sizes, bytes and lengths as users write them, alike on the command line and in scene files. `name` is the
+// purpose of the value, and begins the message of every refusal; all throw model::Error kUsage.
 #pragma once
 #include <cstdint>
 #include <initializer_list>

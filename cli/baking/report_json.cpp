@@ -26,79 +26,127 @@ constexpr std::array kSearchGoalNames{NamedValue<SearchGoal>{"max-error", Search
 
 template <class A, class T>
 void fields(A& a, T& e) requires std::is_same_v<std::remove_const_t<T>, SurfaceError> {
-    a("rms", e.rms), a("hausdorff", e.hausdorff);
-    a("rms_forward", e.rms_forward), a("rms_backward", e.rms_backward);
-    a("hausdorff_forward", e.hausdorff_forward), a("hausdorff_backward", e.hausdorff_backward);
-    a("normal_rms_degrees", e.normal_rms_degrees), a("normal_rms_face_degrees", e.normal_rms_face_degrees);
-    a("normal_rms_bump_degrees", e.normal_rms_bump_degrees), a("diagonal", e.diagonal), a("samples", e.samples);
+    a("rms", e.rms);
+    a("hausdorff", e.hausdorff);
+    a("rms_forward", e.rms_forward);
+    a("rms_backward", e.rms_backward);
+    a("hausdorff_forward", e.hausdorff_forward);
+    a("hausdorff_backward", e.hausdorff_backward);
+    a("normal_rms_degrees", e.normal_rms_degrees);
+    a("normal_rms_face_degrees", e.normal_rms_face_degrees);
+    a("normal_rms_bump_degrees", e.normal_rms_bump_degrees);
+    a("diagonal", e.diagonal);
+    a("samples", e.samples);
 }
 
 template <class A, class T>
 void fields(A& a, T& m) requires std::is_same_v<std::remove_const_t<T>, MapMetrics> {
-    a("stretch_l2", m.stretch_l2), a("stretch_linf", m.stretch_linf);
-    a("symmetric_dirichlet", m.symmetric_dirichlet), a("angle", m.angle), a("area", m.area);
-    a("flips", m.flips), a("degenerate", m.degenerate), a("not_finite", m.not_finite);
+    a("stretch_l2", m.stretch_l2);
+    a("stretch_linf", m.stretch_linf);
+    a("symmetric_dirichlet", m.symmetric_dirichlet);
+    a("angle", m.angle);
+    a("area", m.area);
+    a("flips", m.flips);
+    a("degenerate", m.degenerate);
+    a("not_finite", m.not_finite);
 }
 
 template <class A, class T>
 void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, Topology> {
-    a("components", t.components), a("boundary_loops", t.boundary_loops), a("genus", t.genus);
-    a("manifold", t.manifold), a("oriented", t.oriented), a("degenerate_faces", t.degenerate_faces);
+    a("components", t.components);
+    a("boundary_loops", t.boundary_loops);
+    a("genus", t.genus);
+    a("manifold", t.manifold);
+    a("oriented", t.oriented);
+    a("degenerate_faces", t.degenerate_faces);
 }
 
 template <class A, class T>
 void fields(A& a, T& c) requires std::is_same_v<std::remove_const_t<T>, CandidateReport> {
-    a("method", c.method), a("psnr", c.psnr), a("outcome", c.outcome);
+    a("method", c.method);
+    a("psnr", c.psnr);
+    a("outcome", c.outcome);
     a.of_run("cpu_seconds", c.cpu_seconds);
 }
 
 template <class A, class T>
 void fields(A& a, T& c) requires std::is_same_v<std::remove_const_t<T>, ChartReport> {
-    a("method", c.method), a("domain", c.domain), a("rows", c.rows), a("cols", c.cols);
-    a("source_vertices", c.source_vertices), a("source_faces", c.source_faces);
-    a("error", c.error), a("map", c.map);
-    a("utilisation", c.utilisation), a("seam_gap", c.seam_gap), a("cut_length", c.cut_length);
+    a("method", c.method);
+    a("domain", c.domain);
+    a("rows", c.rows);
+    a("cols", c.cols);
+    a("source_vertices", c.source_vertices);
+    a("source_faces", c.source_faces);
+    a("error", c.error);
+    a("map", c.map);
+    a("utilisation", c.utilisation);
+    a("seam_gap", c.seam_gap);
+    a("cut_length", c.cut_length);
     a("cut_exposure", c.cut_exposure);
-    a("volume_relative_error", c.volume_relative_error), a("seam_pairs", c.seam_pairs);
+    a("volume_relative_error", c.volume_relative_error);
+    a("seam_pairs", c.seam_pairs);
     a("turned_faces", c.turned_faces);
-    a("source_topology", c.source_topology), a("map_topology", c.map_topology);
+    a("source_topology", c.source_topology);
+    a("map_topology", c.map_topology);
     a("candidates", c.candidates);
 }
 
 template <class A, class T>
 void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, StageTime> {
-    a("stage", t.stage), a("seconds", t.seconds), a("cpu_seconds", t.cpu_seconds);
+    a("stage", t.stage);
+    a("seconds", t.seconds);
+    a("cpu_seconds", t.cpu_seconds);
 }
 
 template <class A, class T>
 void fields(A& a, T& t) requires std::is_same_v<std::remove_const_t<T>, GridTrial> {
-    a("rows", t.rows), a("cols", t.cols), a("rms", t.rms), a("hausdorff", t.hausdorff);
-    a("bytes", t.bytes), a("outcome", t.outcome);
+    a("rows", t.rows);
+    a("cols", t.cols);
+    a("rms", t.rms);
+    a("hausdorff", t.hausdorff);
+    a("bytes", t.bytes);
+    a("outcome", t.outcome);
     a.of_run("cpu_seconds", t.cpu_seconds);
 }
 
 template <class A, class T>
 void fields(A& a, T& s) requires std::is_same_v<std::remove_const_t<T>, GridSearch> {
-    a.word("goal", kSearchGoalNames, s.goal), a.word("kind", kErrorKindNames, s.kind), a("asked", s.asked),
-        a("asked_percent", s.asked_percent);
-    a("reached", s.reached), a("reached_percent", s.reached_percent), a("margin", s.margin);
-    a("asked_bytes", s.asked_bytes), a("asked_samples", s.asked_samples), a("rows", s.rows), a("cols", s.cols);
-    a("shapes", s.shapes), a("trials", s.trials), a("next", s.next);
+    a.word("goal", kSearchGoalNames, s.goal);
+    a.word("kind", kErrorKindNames, s.kind);
+    a("asked", s.asked);
+    a("asked_percent", s.asked_percent);
+    a("reached", s.reached);
+    a("reached_percent", s.reached_percent);
+    a("margin", s.margin);
+    a("asked_bytes", s.asked_bytes);
+    a("asked_samples", s.asked_samples);
+    a("rows", s.rows);
+    a("cols", s.cols);
+    a("shapes", s.shapes);
+    a("trials", s.trials);
+    a("next", s.next);
 }
 
 template <class A, class T>
 void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, RepairCounts::value_type> {
-    a("kind", r.first), a("count", r.second);
+    a("kind", r.first);
+    a("count", r.second);
 }
 
 template <class A, class T>
 void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, BakeReport> {
-    a("source_name", r.source_name), a("inputs_hash", r.inputs_hash), a("source_vertices", r.source_vertices),
-        a("source_faces", r.source_faces);
-    a("error", r.error), a("worst_quantisation", r.worst_quantisation), a("repairs", r.repairs),
-        a("warnings", r.warnings), a("charts", r.charts);
+    a("source_name", r.source_name);
+    a("inputs_hash", r.inputs_hash);
+    a("source_vertices", r.source_vertices);
+    a("source_faces", r.source_faces);
+    a("error", r.error);
+    a("worst_quantisation", r.worst_quantisation);
+    a("repairs", r.repairs);
+    a("warnings", r.warnings);
+    a("charts", r.charts);
     a("search", r.search);
-    a.of_run("times", r.times), a.of_run("cpu_seconds", r.cpu_seconds);
+    a.of_run("times", r.times);
+    a.of_run("cpu_seconds", r.cpu_seconds);
     a.of_run("peak_memory_bytes", r.peak_memory_bytes);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/stage_layers.cpp
-// From samples to the layers of the file.
+// Turns samples into the layers of the file.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

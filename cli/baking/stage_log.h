@@ -41,7 +41,7 @@ class StageLog {
     StageLog& operator=(const StageLog&) = delete;
 
     /// body(progress), as the stage `name`.
-    /// @throws model::Error kInterrupted, and what `body` throws, with the stage's name
+    /// @throws model::Error kInterrupted, and the exceptions of `body`, with the stage's name
     template <class Body>
     auto run(std::string_view name, Body&& body) {
         const std::string shown = trial_ + std::string(name);

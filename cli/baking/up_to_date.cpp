@@ -26,7 +26,7 @@ Hash128 hash_text(const std::string& text) {
     return formats::hash_bytes(std::as_bytes(std::span(text)));
 }
 
-/// What an output says about where it came from.
+/// Origin of an output, as its file names it.
 struct Origin {
     std::string generator, report_json;
     Hash128 source_hash{}, settings_hash{};
@@ -103,7 +103,7 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
         }
         return report;
     } catch (const model::Error&) {
-        return std::nullopt;  // whatever is wrong, the bake will tell
+        return std::nullopt;  // the bake will report the fault
     }
 }
 

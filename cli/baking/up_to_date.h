@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/up_to_date.h
-// Is what a bake would write there already? Every output carries what it was made from: the program's version, a hash
-// of the mesh, one of the settings, and one of the files that the mesh names (BakeReport::inputs_hash). Contents count,
-// not paths or times, so nothing is kept beside the outputs and a folder may be moved or copied.
+// Finds out whether an output is up to date. Every output names its origin: the program's version, a hash of the mesh,
+// one of the settings, and one of the files that the mesh names (BakeReport::inputs_hash). Contents count, not paths or
+// times, so nothing is kept beside the outputs and a folder may be moved or copied.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -14,11 +14,11 @@
 
 namespace dgm::bake {
 
-/// What outputs call their maker; another version bakes again.
+/// Name and version of the program, as outputs store it; another version bakes again.
 [[nodiscard]] const char* generator();
 
-/// XXH3-128 in hexadecimal over the names (without folders) and contents of the files that the mesh names, and over
-/// what it names in vain: a texture that turns up later changes it. Empty where only an import would tell.
+/// XXH3-128 in hexadecimal over the names (without folders) and contents of the files that the mesh names, and over the
+/// names of missing files: a texture that appears later changes it. Empty where only an import could find out.
 /// @throws model::Error kReadFailed and the like, for the mesh or a file it names
 [[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/batch/dependency_file.h
-// What a build system needs to know of a bake: which files each output was made from (-MF).
+// Inputs of each output, for build systems (-MF).
 #pragma once
 #include <filesystem>
 #include <string>

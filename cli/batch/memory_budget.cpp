@@ -41,7 +41,7 @@ std::optional<std::uint64_t> field_in(const fs::path& file, const std::string& k
     return std::nullopt;
 }
 
-/// What a control group has, by version of the interface.
+/// Files of a control group, by version of the interface.
 struct GroupFiles {
     const char *root, *limit, *taken, *droppable;
 };
@@ -49,8 +49,8 @@ constexpr GroupFiles kVersion2{"/sys/fs/cgroup", "memory.max", "memory.current",
 constexpr GroupFiles kVersion1{"/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
                                "total_inactive_file"};
 
-/// What the limits of a group and of each above it leave. File pages that the kernel may drop at any time do not count
-/// as taken.
+/// Memory that the limits of a group and of each above it leave. File pages that the kernel may drop at any time do not
+/// count as taken.
 std::uint64_t left_in(const GroupFiles& files, const std::string& own) {
     std::uint64_t left = std::numeric_limits<std::uint64_t>::max();
     const fs::path root = files.root;

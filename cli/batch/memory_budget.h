@@ -15,8 +15,8 @@ namespace dgm::bake {
 /// options allow; rather too much than too little. 0 where the file cannot be looked at.
 [[nodiscard]] std::uint64_t estimate_peak(const std::filesystem::path& mesh_file, const BakeOptions& options);
 
-/// What this process and its children may still take without swapping: the system's available memory, or what the
-/// control groups it is in have left, if that is less (a container, a Slurm job). 0 if the system does not tell.
+/// Memory that this process and its children may still take without swapping: the system's available memory, or what
+/// the control groups it is in have left, if that is less (a container, a Slurm job). 0 if the system does not tell.
 [[nodiscard]] std::uint64_t available_memory();
 
 /// Memory that a process holds now; 0 if it is gone.

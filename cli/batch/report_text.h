@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/batch/report_text.h
-// What people read: results, failures told as one story, the sum of a batch. And the same as JSON for programs.
+// Text for people: results, failures as one sentence each, the sum of a batch. And the same as JSON for programs.
 #pragma once
 #include <cstdint>
 #include <string>

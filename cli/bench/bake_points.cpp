@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/bake_points.cpp
-// Which bakes a sweep makes.
+// Lists the bakes of a sweep.
 #include <algorithm>
 
 #include "baking/methods.h"
@@ -54,8 +54,7 @@ std::vector<BakePoint> plan_points(const BakeSweepOptions& o) {
     } else {
         const std::vector<std::string> centre{default_point().method};
         vary(points, centre, &BakePoint::method, o.sizes);
-        // The second and the third: what a choice is worth at 257 a side is told by these two, for a quarter of the
-        // time.
+        // The second and the third: these two show the worth of a choice at 257 a side, for a quarter of the time.
         const std::size_t first = o.sizes.size() > 1 ? 1 : 0, end = std::min<std::size_t>(first + 2, o.sizes.size());
         std::vector<std::uint32_t> some = o.compared;
         if (some.empty())

@@ -87,7 +87,7 @@ Table empty_table() {
     return t;
 }
 
-/// What sets the point apart from the default, the grid aside: the colour it is drawn in.
+/// Differences of the point from the default, except the grid: they decide its colour.
 std::string series_of(const BakePoint& point) {
     const BakePoint usual = default_point();
     std::string out = point.method;
@@ -121,7 +121,8 @@ class BakeRow : public RowBuilder {
             const double here = static_cast<double>(chart.rows) * chart.cols;
             flips += static_cast<double>(chart.map.flips + chart.map.degenerate);
             turned += static_cast<double>(chart.turned_faces);
-            samples += here, used += here * chart.utilisation;
+            samples += here;
+            used += here * chart.utilisation;
         }
         set("stretch_l2", exactly(worst_stretch(results.front())));
         set("flips", exactly(flips));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/bake_sweep.h
-// dgm-bench bake: what each choice of dgm-bake costs on the user's meshes, and what it is worth.
+// dgm-bench bake: cost and benefit of each choice of dgm-bake on the user's meshes.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -31,7 +31,7 @@ struct BakePoint {
     friend bool operator==(const BakePoint&, const BakePoint&) = default;
 };
 
-/// What every point costs less or more than: the defaults of dgm-bake.
+/// The defaults of dgm-bake, with which every other point is compared.
 [[nodiscard]] BakePoint default_point();
 
 /// The grid of the paper, sampled and not fitted.
@@ -44,7 +44,7 @@ struct BakePoint {
 /// Above 300 a side at most three times, above 600 once.
 [[nodiscard]] unsigned repetitions_of(const BakePoint& point, unsigned asked);
 
-/// Time to be expected, in any unit: what a progress bar counts.
+/// Expected time, in any unit: a progress bar counts it.
 [[nodiscard]] double work_of(const BakePoint& point, unsigned repetitions);
 
 /// Bakes all points of all assets. A point that is refused is a row that says why.

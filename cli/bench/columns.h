@@ -17,7 +17,7 @@ namespace dgm::bench {
     out.identifies = true;
     return out;
 }
-/// Text about what came out.
+/// Text about the result.
 [[nodiscard]] inline Column text_column(std::string key, std::string title) {
     return {std::move(key), std::move(title), ""};
 }
@@ -42,7 +42,7 @@ namespace dgm::bench {
     return out;
 }
 
-/// What a bake takes, for set_bake() (result_figures.h).
+/// Columns for the cost of a bake, which set_bake() fills (result_figures.h).
 [[nodiscard]] inline std::vector<Column> bake_columns() {
     return {time_column("cpu_seconds", "bake CPU", "s"), time_column("wall_seconds", "bake wall", "s"),
             time_column("memory_mib", "peak memory", "MiB")};

@@ -91,7 +91,7 @@ void write_run(const Run& run, const fs::path& folder) {
                    to_csv(table));
 }
 
-/// What the sweep found out, and where the rest is.
+/// Prints the findings of the sweep and the place of its files.
 int finish(Run run, const Common& common, const std::optional<Run>& then) {
     if (then) run.comparison = compare_runs(run, *then);
     write_run(run, common.output);
@@ -203,7 +203,7 @@ void add_repeats(CLI::App& app, BakeRepeats& repeats) {
     add_time_limit(app, repeats.time_limit_seconds);
 }
 
-/// A subcommand: its options, and what it does.
+/// A subcommand: its options, and its action.
 struct BakeCommand {
     Common common;
     BakeSweepOptions sweep;

@@ -8,8 +8,8 @@
 
 namespace dgm::bench {
 
-/// What got faster, slower, better or worse beyond the noise since `then`: a line each, most changed first, and a last
-/// line that counts what stayed within the noise, what was taken too seldom to be told, and points that only one of the
+/// Figures that got faster, slower, better or worse beyond the noise since `then`: a line each, most changed first. A
+/// last line counts the figures within the noise, those with too few repetitions, and the points that only one of the
 /// runs has. Times of different machines are not compared, and a line says so.
 /// @throws model::Error kUsage if the runs are of different commands
 [[nodiscard]] std::vector<std::string> compare_runs(const Run& now, const Run& then);

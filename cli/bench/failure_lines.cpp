@@ -12,7 +12,7 @@
 namespace dgm::bench {
 namespace {
 
-/// Of one method in one family, level by level.
+/// Result of one method at one level of a family.
 struct Step {
     std::string level, outcome, maps;
 };
@@ -29,7 +29,7 @@ bool timed_out(const std::string& outcome) {
     return outcome.starts_with(model::codes::kWorkerTimeout.id());
 }
 
-/// What those with the same failures have in common: "at 16 (DGM3006 GRID_TOO_SMALL), 5 of 6 levels baked".
+/// The part that methods with the same failures share: "at 16 (DGM3006 GRID_TOO_SMALL), 5 of 6 levels baked".
 struct Failure {
     std::string where;  ///< empty: there was none
     bool by_time = false;
@@ -58,7 +58,7 @@ std::string said_of(const Failure& failure, const std::vector<std::string>& meth
            failure.where;
 }
 
-/// "takes stretch, from 16 on arap"; a level that fails ends the list of what it took before.
+/// "takes stretch, from 16 on arap"; a level that fails ends the list of the methods taken before.
 std::string story_of_auto(const std::vector<Step>& steps) {
     std::string out, last;
     for (const Step& step : steps) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/file_times.h
-// What a .dgm costs those who load it.
+// Measures the cost of loading a .dgm.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -34,14 +34,17 @@ std::string to_html(const Run& run) {
                                                                               {"@DATA@", data},
                                                                               {"@D3@", page::kD3},
                                                                               {"@SCRIPT@", page::kScript}}};
-    // One pass from left to right: what is put in is not looked at again.
+    // One pass from left to right: inserted text is not searched again.
     std::string out;
     std::string_view left = page::kHtml;
     while (!left.empty()) {
         std::size_t at = left.size();
         const std::pair<std::string_view, std::string_view>* next = nullptr;
         for (const auto& part : parts)
-            if (const std::size_t found = left.find(part.first); found < at) at = found, next = &part;
+            if (const std::size_t found = left.find(part.first); found < at) {
+                at = found;
+                next = &part;
+            }
         out += left.substr(0, at);
         if (next == nullptr) break;
         out += next->second;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/html_page.h
-// What every page carries with it; embed_page.cmake puts the files' text behind these names.
+// Files that every page carries with it; embed_page.cmake puts the files' text behind these names.
 #pragma once
 
 namespace dgm::bench::page {

@@ -4,8 +4,8 @@
 
 namespace dgm::bench {
 
-/// From now on SIGINT, SIGTERM and SIGHUP are heard by stop_if_interrupted(), so that temporary files are removed.
-/// (While bakes run, run_batch hears them.)
+/// From now on stop_if_interrupted() receives SIGINT, SIGTERM and SIGHUP, so that temporary files are removed. (While
+/// bakes run, run_batch receives them.)
 void listen_for_interrupts();
 
 /// @throws model::Error kInterrupted once such a signal has come

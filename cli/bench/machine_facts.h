@@ -11,7 +11,7 @@ namespace dgm::bench {
 /// True if times of the two may be compared: equal processor, cores, compiler and build.
 [[nodiscard]] bool same_hardware(const Pairs& a, const Pairs& b);
 
-/// Mean number of other runnable threads in the last minute, a core; NaN if the system does not tell.
+/// Mean number of other runnable threads in the last minute, a core; NaN if the system does not report it.
 [[nodiscard]] double load_per_core();
 
 }  // namespace dgm::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/repeat.h
-// Doing the same thing several times, so that something can be said about its time.
+// Runs the same work several times, to measure its time.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -30,8 +30,8 @@ struct BakeTask {
 
 /// Bakes tasks as dgm-bake does: in worker processes, files read back. `repeats.jobs` at a time, those with most work
 /// first, so that no core waits long for the last one; repetitions of a task one after the other.
-/// @param on_share  told the share of the work that is done
-/// @param on_task   told which task is begun; may be empty
+/// @param on_share  gets the share of the work that is done
+/// @param on_task   gets the task that is begun; may be empty
 /// @return for each task the results of its repetitions. The file of the first stays in `folder`; the others' are
 ///         removed, or a sweep would fill the disk.
 /// @throws model::Error kInterrupted when a signal says so

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/result_figures.h
-// What the sweeps read off the result of a bake.
+// Figures that the sweeps read from the result of a bake.
 #pragma once
 #include <algorithm>
 #include <string>

@@ -106,7 +106,8 @@ Table kernel_table() {
         add_row(t, "table, linear", entries, [&](int i, int j) { return table.linear(radius(i, j)); });
     }
     KernelOptions kernel;
-    kernel.sigma = kSigma, kernel.reach = kReach;
+    kernel.sigma = kSigma;
+    kernel.reach = kReach;
     const DeformTable library = take(DeformTable::create(kernel));
     add_row(t, "library, weight", 0,
             [&](int i, int j) { return library.weight(static_cast<float>(i), static_cast<float>(j)); });

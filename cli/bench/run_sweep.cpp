@@ -40,7 +40,7 @@ Subject subject_of(const Asset& asset, const std::string& name) {
             chart.rows() == kPaperSide && chart.cols() == kPaperSide};
 }
 
-/// What the rows of one subject say in a sentence each.
+/// Adds the findings of one subject's rows, a sentence each.
 void add_findings(const Run& run, const Subject& subject, std::vector<std::string>& out) {
     const auto find = [&](const Table& table, const std::string& key, const std::string& value) -> std::ptrdiff_t {
         for (std::size_t row = 0; row < table.rows.size(); ++row)
@@ -113,7 +113,7 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
     Run run;
     run.command = "run";
     run.machine = machine_facts();
-    // A path that cannot be read is told before it is needed.
+    // A path that cannot be read is reported before it is needed.
     if (!options.path.empty()) (void)recorded_path(options.path, {0, 0, 0}, 1);
     run.tables = {tick_table(), tracking_table(), contact_table(), level_table()};
     std::vector<std::uint32_t> sizes = options.sizes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/run_sweep.h
-// dgm-bench run: what each choice of the runtime costs a tick, and how far it is from the exact answer.
+// dgm-bench run: cost of each choice of the runtime in a tick, and its distance from the exact answer.
 #pragma once
 #include <dgm/asset.h>
 #include <dgm/state.h>
@@ -36,7 +36,7 @@ struct Subject {
     [[nodiscard]] State state() const;
 };
 
-/// @throws model::Error kInterrupted; what bakes and reads throw
+/// @throws model::Error kInterrupted; exceptions of bakes and reads
 [[nodiscard]] Run sweep_runtime(const RunSweepOptions& options, bool quiet);
 
 /// Where the tool goes.
@@ -48,7 +48,7 @@ inline constexpr Path kPaths[] = {Path::kStroke, Path::kRandom, Path::kRecorded}
 [[nodiscard]] std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options,
                                          std::size_t ticks);
 
-/// The columns that say what was touched, then the rest.
+/// The columns that name the touched asset, then the rest.
 [[nodiscard]] std::vector<Column> subject_columns(const std::vector<Column>& rest);
 /// Those of SubjectRow::set_percentiles().
 [[nodiscard]] std::vector<Column> percentile_columns();

@@ -63,18 +63,27 @@ std::vector<Setting> settings_for(bool paper_grid) {
         out.push_back(s);
     };
     with("compact end", [](Setting& s) { s.end = KernelEnd::Compact; });
-    with("grid, compact end", [](Setting& s) { s.footprint = Footprint::Grid, s.end = KernelEnd::Compact; });
-    with("geodesic", [](Setting& s) { s.footprint = Footprint::Geodesic, s.end = KernelEnd::Compact; });
+    with("grid, compact end", [](Setting& s) {
+        s.footprint = Footprint::Grid;
+        s.end = KernelEnd::Compact;
+    });
+    with("geodesic", [](Setting& s) {
+        s.footprint = Footprint::Geodesic;
+        s.end = KernelEnd::Compact;
+    });
     for (const std::uint32_t reach : kReaches)
         with(reach < kPaperReach ? "smaller reach" : "larger reach", [&](Setting& s) { s.reach = reach; });
     with("random path", [](Setting& s) { s.path = Path::kRandom; });
-    with("random path, geodesic",
-         [](Setting& s) { s.path = Path::kRandom, s.footprint = Footprint::Geodesic, s.end = KernelEnd::Compact; });
+    with("random path, geodesic", [](Setting& s) {
+        s.path = Path::kRandom;
+        s.footprint = Footprint::Geodesic;
+        s.end = KernelEnd::Compact;
+    });
     with("recorded path", [](Setting& s) { s.path = Path::kRecorded; });
     return out;
 }
 
-/// Largest distance of the table in use from exp(-r^2 / sigma) in double precision, over what a tick reads of it.
+/// Largest distance of the table in use from exp(-r^2 / sigma) in double precision, over the part that a tick reads.
 double table_error(const DeformTable& table, const Setting& s) {
     const double sigma = s.kernel().sigma;
     const auto reach = static_cast<int>(s.reach);
@@ -94,8 +103,8 @@ double table_error(const DeformTable& table, const Setting& s) {
     return worst;
 }
 
-/// Shares of the dent's depth. Of contacts within the reach of a seam or border of the grid, and of the others: the
-/// largest difference. A mean alone hides what tears a surface at its seams.
+/// Largest differences as shares of the dent's depth: of contacts within the reach of a seam or border of the grid, and
+/// of the others. A mean alone hides the errors that tear a surface at its seams.
 struct WeightError {
     double rms = 0;  ///< over samples the dent or the exact one moves, all contacts
     double inside = 0, border = 0;
@@ -136,7 +145,8 @@ class GeodesicReference {
                 const double exact = s < setting.reach ? double{table.profile(static_cast<float>(s))} : 0;
                 const double got = (state.positions()[k].z - state.rest_positions()[k].z) / touch.d_max;
                 if (exact < 1e-4 && got < 1e-4) continue;
-                squares += (got - exact) * (got - exact), count += 1;
+                squares += (got - exact) * (got - exact);
+                count += 1;
                 worst = std::max(worst, std::fabs(got - exact));
             }
         }
@@ -164,7 +174,10 @@ std::uint32_t nearest_of_all(const PointView& points, const State& state, Vec3 t
     float least = 0;
     for (std::uint32_t k = 0; k < state.sample_count(); ++k) {
         const Vec3 d = points[k] - tool;
-        if (state.on_surface(k) && (best == kNone || dot(d, d) < least)) best = k, least = dot(d, d);
+        if (state.on_surface(k) && (best == kNone || dot(d, d) < least)) {
+            best = k;
+            least = dot(d, d);
+        }
     }
     return best;
 }
@@ -178,8 +191,9 @@ double norm(Vec3 v) {
     return std::sqrt(static_cast<double>(dot(v, v)));
 }
 
-/// The part of the force's change in a tick that falls to what twice the tool's own step does not explain of the change
-/// of d, the displacement that the force is a function of: what tick.h promises of ContactRule::Smooth.
+/// Twice the tool's own step explains a part of the change of d, the displacement that the force is a function of. The
+/// rest of that change is a jump; this is its part of the force's change in a tick, for the promise of tick.h about
+/// ContactRule::Smooth.
 double jump(const ToolOutput& before, const ToolOutput& now, Vec3 tool_step) {
     const double moved = norm(now.displacement - before.displacement), explained = 2 * norm(tool_step);
     return moved > explained ? norm(now.force - before.force) * (1 - explained / moved) : 0;
@@ -203,7 +217,8 @@ TickOutcome run_ticks(const Subject& subject, const Setting& setting, const std:
         [&](std::size_t k) {  // looks at the turn before
             if (k > kWarmUp) {
                 result.force_jump = std::max(result.force_jump, jump(before, out, path[k - 1] - path[k - 2]));
-                result.hits += out.hit ? 1 : 0, result.lost += out.lost ? 1 : 0;
+                result.hits += out.hit ? 1 : 0;
+                result.lost += out.lost ? 1 : 0;
                 result.samples = std::max(result.samples, double(report.samples));
                 if (k % kCheckEvery == 0) {
                     checked += 1;
@@ -218,7 +233,9 @@ TickOutcome run_ticks(const Subject& subject, const Setting& setting, const std:
             report = take(tick(state, table, options, {&in, 1}, {&out, 1}));
         });
     const auto ticks = static_cast<double>(path.size() - kWarmUp);
-    result.hits /= ticks, result.lost /= ticks, result.wrong /= std::max(checked, 1.0);
+    result.hits /= ticks;
+    result.lost /= ticks;
+    result.wrong /= std::max(checked, 1.0);
     return result;
 }
 

@@ -41,7 +41,7 @@ constexpr Search kSearches[] = {{"window", Way::kWindow, 1},
                                 {"pyramid", Way::kPyramid},
                                 {"all samples", Way::kAll}};
 
-/// One search after the other along a path; each starts from what it found last.
+/// One search after the other along a path; each starts from its last result.
 class Tracker {
  public:
     Tracker(State& state, const Search& search) : state_(state), search_(search) {}

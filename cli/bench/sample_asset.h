@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/sample_asset.h
-// What is measured where no asset is named.
+// The asset that is measured if none is named.
 #pragma once
 #include <filesystem>
 

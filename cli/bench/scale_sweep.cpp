@@ -139,8 +139,10 @@ void add_exponents(const Table& table, const char* x, const char* y, const char*
     for (const std::string& threads : values_of(table, "threads")) {
         std::vector<double> xs, ys;
         for (std::size_t row = 0; row < table.rows.size(); ++row)
-            if (table.text(row, "threads") == threads && std::isfinite(table.number(row, y)))
-                xs.push_back(table.number(row, x)), ys.push_back(table.number(row, y));
+            if (table.text(row, "threads") == threads && std::isfinite(table.number(row, y))) {
+                xs.push_back(table.number(row, x));
+                ys.push_back(table.number(row, y));
+            }
         if (const auto law = fit_power_law(xs, ys))
             out.push_back(fmt::format("{} grows like {}^({:.2f} +- {:.2f}) on {} thread{}", what, x, law->exponent,
                                       2 * law->error, threads, threads == "1" ? "" : "s"));

@@ -44,7 +44,8 @@ Figure summarize(std::span<const double> times) {
     for (const double t : times) squares += (std::log(t) - mean) * (std::log(t) - mean);
     const double deviation = std::sqrt(squares / (n - 1));
     const double spread = std::exp(std::max(kLeastSpread, student95(times.size() - 1) * deviation * std::sqrt(2 / n)));
-    out.low = out.value / spread, out.high = out.value * spread;
+    out.low = out.value / spread;
+    out.high = out.value * spread;
     return out;
 }
 
@@ -63,11 +64,16 @@ std::optional<PowerLaw> fit_power_law(std::span<const double> x, std::span<const
     if (const auto [least, most] = std::minmax_element(x.begin(), x.end()); *least == *most) return std::nullopt;
     const auto n = static_cast<double>(x.size());
     double mean_x = 0, mean_y = 0;
-    for (std::size_t k = 0; k < x.size(); ++k) mean_x += std::log(x[k]) / n, mean_y += std::log(y[k]) / n;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        mean_x += std::log(x[k]) / n;
+        mean_y += std::log(y[k]) / n;
+    }
     double xx = 0, xy = 0, yy = 0;
     for (std::size_t k = 0; k < x.size(); ++k) {
         const double dx = std::log(x[k]) - mean_x, dy = std::log(y[k]) - mean_y;
-        xx += dx * dx, xy += dx * dy, yy += dy * dy;
+        xx += dx * dx;
+        xy += dx * dy;
+        yy += dy * dy;
     }
     const double slope = xy / xx;
     return PowerLaw{slope, std::sqrt(std::max(0.0, yy - slope * xy) / (n - 2) / xx)};

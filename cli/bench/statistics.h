@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/statistics.h
-// What may be said about a figure that was measured a few times.
+// Statistics of a figure that was measured a few times.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -24,7 +24,9 @@ struct Figure {
 
 /// In another unit.
 [[nodiscard]] constexpr Figure scaled(Figure f, double factor) {
-    f.value *= factor, f.low *= factor, f.high *= factor;
+    f.value *= factor;
+    f.low *= factor;
+    f.high *= factor;
     return f;
 }
 
@@ -46,7 +48,7 @@ struct Ratio {
     [[nodiscard]] bool beyond_noise() const { return low > 1 || high < 1; }
 };
 
-/// nullopt where no ratio may be told: a side taken fewer than kEnoughRepetitions times, not positive or not finite.
+/// nullopt where no ratio can be stated: a side taken fewer than kEnoughRepetitions times, not positive or not finite.
 [[nodiscard]] std::optional<Ratio> ratio(const Figure& now, const Figure& then);
 
 /// y = c x^exponent by least squares on logarithms.

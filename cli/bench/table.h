@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/table.h
-// What a run of dgm-bench found out, as tables that know which of their figures can be compared and how.
+// Results of a run of dgm-bench, as tables that know which of their figures can be compared and how.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -24,7 +24,7 @@ struct Column {
     double tolerance = 1e-9;  ///< not timed: relative difference that means nothing, such as another sample of points
 };
 
-using Cell = std::variant<std::monostate, std::string, Figure>;  ///< monostate: nothing to tell
+using Cell = std::variant<std::monostate, std::string, Figure>;  ///< monostate: no value
 
 struct Row {
     std::vector<Cell> cells;  ///< one a column

@@ -55,7 +55,9 @@ TickTimes time_ticks(std::size_t warm_up, std::size_t ticks, const std::function
         p999.push_back(quantile(times, 0.999));
         longest = std::max(longest, *std::max_element(times.begin(), times.end()));
     }
-    out.median = summarize(median), out.p99 = summarize(p99), out.p999 = summarize(p999);
+    out.median = summarize(median);
+    out.p99 = summarize(p99);
+    out.p999 = summarize(p999);
     out.longest = {longest, longest, longest, 1, false};
     return out;
 }

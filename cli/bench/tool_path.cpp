@@ -130,7 +130,10 @@ std::vector<Vec3> replayed_path(const State& state, std::size_t ticks) {
     std::size_t next = 1;
     for (double now = lines.front().seconds; out.size() < ticks; now += kTickSeconds) {
         while (next < lines.size() && lines[next].seconds <= now) ++next;
-        if (next == lines.size()) { next = 1, now = lines.front().seconds; }
+        if (next == lines.size()) {
+            next = 1;
+            now = lines.front().seconds;
+        }
         const Line &a = lines[next - 1], &b = lines[next];
         const auto t = static_cast<float>((now - a.seconds) / (b.seconds - a.seconds));
         out.push_back((1 - t) * a.position + t * b.position);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/tool_path.h
-// Where the tool goes in a runtime sweep: local coordinates, a point a tick of a millisecond.
+// The path of the tool in a runtime sweep: local coordinates, a point a tick of a millisecond.
 #pragma once
 #include <dgm/state.h>
 
@@ -16,13 +16,13 @@ namespace dgm::bench {
 /// Steps to neighbouring samples at random depths, and every fiftieth tick or so a leap to any sample of the surface.
 [[nodiscard]] std::vector<Vec3> random_path(const State& state, std::size_t ticks);
 
-/// The recording that the program carries with it, of somebody who presses, pokes and pulls a stomach for 3.3 s
+/// The recording that the program carries with it, of a user who presses, pokes and pulls a stomach for 3.3 s
 /// (samples/paths/recorded_touch.csv), put on this chart: at the same place of the map, as high over the surface in
 /// shares of the diagonal, straight between its lines, and again from the start until there are enough.
 [[nodiscard]] std::vector<Vec3> replayed_path(const State& state, std::size_t ticks);
 
-/// Positions recorded by somebody: "x y z" a line in source units, lines that begin with # left out; repeated from the
-/// start until there are enough. `offset` is Chart::offset().
+/// Positions of a recording: "x y z" a line in source units, lines that begin with # left out; repeated from the start
+/// until there are enough. `offset` is Chart::offset().
 /// @throws model::Error kFileMissing, kReadFailed with the line that is none
 [[nodiscard]] std::vector<Vec3> recorded_path(const std::filesystem::path& file, const double (&offset)[3],
                                               std::size_t ticks);

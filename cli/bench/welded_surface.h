@@ -13,7 +13,7 @@ namespace dgm::bench {
 /// representative. @throws model::Error kReadFailed with what the runtime says
 [[nodiscard]] model::TriMesh surface_of(const State& state, std::uint32_t stride, bool weld);
 
-/// The representative of a sample: itself, or the lowest of its seam class.
+/// The representative of a sample: itself, or the lowest of its weld class.
 [[nodiscard]] std::uint32_t representative(const State& state, std::uint32_t sample);
 
 }  // namespace dgm::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/export/export_files.h
-// What dgm-export does with a MapSet: other containers, meshes, pictures.
+// Writes a MapSet for dgm-export: other containers, meshes, pictures.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/info/map_diff.h
-// What two maps differ in: for who changed a setting, a tool or a mesh and wants to see what that did to the file.
+// Differences of two maps: they show the effect of a changed setting, tool or mesh on the file.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -39,7 +39,7 @@ class ByteWriter {
     std::string out_;
 };
 
-/// Reads what ByteWriter wrote. What is not there reads as zero, and `ok` is false from then on.
+/// Reads the bytes of ByteWriter. Missing bytes read as zero, and `ok` is false from then on.
 class ByteReader {
  public:
     explicit ByteReader(std::string_view bytes) : rest_(bytes) {}

@@ -96,8 +96,8 @@ Descriptor job_file(std::string_view job) {
     _exit(kCannotStart);
 }
 
-/// What has arrived, at most one buffer full: a worker that never stops writing must not keep the others' deadlines
-/// waiting. Closes `from` at its end.
+/// Takes the bytes that have arrived, at most one buffer full: a worker that never stops writing must not keep the
+/// others' deadlines waiting. Closes `from` at its end.
 std::string_view take(Descriptor& from, std::array<char, 65536>& buffer) {
     if (!from.is_open()) return {};
     const ssize_t n = read(from.get(), buffer.data(), buffer.size());

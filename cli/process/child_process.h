@@ -36,7 +36,8 @@ struct ChildEnd {
 };
 
 /// Runs /proc/self/exe with `--worker`; see worker_io.h for the descriptors it finds. Killed and reaped with its
-/// owner. Not thread-safe; create it on the thread that lives as long as the batch (the child is told of its death).
+/// owner. Not thread-safe; create it on the thread that lives as long as the batch (the child gets a signal at its
+/// death).
 class ChildProcess {
  public:
     /// @throws model::Error kSystemBusy if the system has no process, memory or descriptor left
@@ -49,10 +50,10 @@ class ChildProcess {
     [[nodiscard]] int messages() const { return messages_.get(); }  ///< -1 once at its end
     [[nodiscard]] int errors() const { return errors_.get(); }      ///< -1 once at its end
 
-    /// Takes some of what has arrived, without waiting, and appends whole message lines (no newline) to `lines`. False
+    /// Takes some of the arrived bytes, without waiting, and appends whole message lines (no newline) to `lines`. False
     /// if a line is longer than `max_line`.
     [[nodiscard]] bool read_messages(std::vector<std::string>& lines, std::size_t max_line);
-    /// Takes some of what has arrived on stderr, keeping the last 16 KiB.
+    /// Takes some of the bytes arrived on stderr, keeping the last 16 KiB.
     void read_errors();
     [[nodiscard]] const std::string& error_text() const { return error_text_; }
 

@@ -29,7 +29,7 @@ using formats::ImportedMesh;
 using Clock = std::chrono::steady_clock;
 
 constexpr char kMesh = 'M', kError = 'E', kEnd = '.';
-/// What a mesh within formats::MeshReadLimits may take, and more.
+/// More than a mesh within formats::MeshReadLimits takes.
 constexpr std::uint64_t kMaxBytes = std::uint64_t{8} << 30;
 constexpr auto kPause = std::chrono::milliseconds(100);
 
@@ -198,7 +198,7 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
         const std::filesystem::path path = job.substr(newline + 1);
         answer = encode_import(read ? read(path) : formats::read_mesh(path));
     } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {
-        return static_cast<int>(model::ExitCode::kInternal);  // told already
+        return static_cast<int>(model::ExitCode::kInternal);  // reported already
     } catch (const std::exception& error) {
         answer = encode_import(model::Error(codes::kInternal, std::string("unexpected exception: ") + error.what()));
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/process/mesh_import.h
-// formats::read_mesh in a disposable process, for programs that read a stranger's mesh beside their real work: what
-// takes an importer down costs them one finding.
+// formats::read_mesh in a disposable process, for programs that read an untrusted mesh beside their real work: a crash
+// of the importer costs them one finding.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace dgm::bake {
 
-/// formats::read_mesh, or what a test puts in its place.
+/// formats::read_mesh, or a test's replacement.
 using MeshReader = std::function<formats::ImportedMesh(const std::filesystem::path&)>;
 
 struct ImportLimits {
@@ -24,16 +24,15 @@ struct ImportLimits {
 };
 
 /// Starts this program again as a worker (ChildProcess), which must call import_worker() first of all, and takes over
-/// the mesh that it reads. Nothing of what it sends is believed: counts and indices are checked. Thread-safe.
-/// @throws model::Error what read_mesh throws; kWorkerCrashed, kWorkerTimeout, kWorkerMemory, kWorkerKilled;
-/// kSystemBusy
+/// the mesh that it reads. Its messages are not trusted: counts and indices are checked. Thread-safe.
+/// @throws model::Error as read_mesh; kWorkerCrashed, kWorkerTimeout, kWorkerMemory, kWorkerKilled; kSystemBusy
 [[nodiscard]] formats::ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits& limits = {});
 
 /// For main() before anything else: nothing, unless the arguments are those of a worker. Then reads the mesh that the
 /// job names, sends it, and gives the exit code.
 [[nodiscard]] std::optional<int> import_worker(int argc, const char* const* argv, const MeshReader& read = {});
 
-/// What a worker sends, as bytes: a mesh or an error.
+/// A worker's answer as bytes: a mesh or an error.
 [[nodiscard]] std::string encode_import(const formats::ImportedMesh& mesh);
 [[nodiscard]] std::string encode_import(const model::Error& error);
 /// nullopt for bytes that are neither, or a mesh whose faces or corners do not fit together.

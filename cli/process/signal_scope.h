@@ -21,7 +21,7 @@ class SignalScope {
     ~SignalScope();
     [[nodiscard]] bool stop_requested() const;
     /// Until a worker has sent something, a signal comes, or it is time to look at clocks and at workers that have
-    /// closed both their pipes: their end follows within milliseconds, and no descriptor tells of it. Not at all if
+    /// closed both their pipes: their end follows within milliseconds, and no descriptor signals it. Not at all if
     /// `more_to_do` or there is no worker.
     void wait(const std::vector<const ChildProcess*>& workers, bool more_to_do) const;
 

@@ -18,7 +18,7 @@
 namespace dgm::bake {
 namespace {
 
-/// Tells the parent before anything else happens: the library that asked may abort, or swallow the exception.
+/// Notifies the parent before anything else happens: the calling library may abort, or swallow the exception.
 void on_allocation_failure() {
     static_cast<void>(send_message(kOutOfMemoryLine));
     std::set_new_handler(nullptr);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/process/worker_io.h
-// What every disposable process does alike, whatever its work: worker.h, mesh_import.h.
+// Steps that all disposable processes share, whatever their work: worker.h, mesh_import.h.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -22,8 +22,8 @@ inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\
 [[nodiscard]] bool has_message_descriptor();
 /// All of descriptor 0.
 [[nodiscard]] std::string read_job_text();
-/// Limits the address space to what the program has now plus `allowed` (0: no limit). From then on a failed allocation
-/// sends kOutOfMemoryLine before it throws.
+/// Limits the address space to its present size plus `allowed` (0: no limit). From then on a failed allocation sends
+/// kOutOfMemoryLine before it throws.
 void limit_worker_memory(std::uint64_t allowed, std::uint32_t threads);
 /// Writes all of it to descriptor 3. False if the parent is gone.
 [[nodiscard]] bool send_message(std::string_view bytes);

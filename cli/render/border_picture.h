@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/render/border_picture.h
-// Pictures of what lies along a chart's border: the seam table and a free domain's border samples (for layer_picture).
+// Pictures of a chart's border: the seam table and a free domain's border samples (for layer_picture).
 #pragma once
 #include "model/map_set.h"
 #include "model/vec.h"

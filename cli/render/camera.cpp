@@ -18,9 +18,21 @@ constexpr double radians(double degrees) {
 
 struct Extent {
     double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-    void add(double x) { low = std::min(low, x), high = std::max(high, x); }
+    void add(double x) {
+        low = std::min(low, x);
+        high = std::max(high, x);
+    }
     [[nodiscard]] double middle() const { return 0.5 * (low + high); }
     [[nodiscard]] double half() const { return 0.5 * (high - low); }
+};
+
+struct Extents {
+    Extent x, y, z;
+    void add(const Vec3d& p) {
+        x.add(p.x);
+        y.add(p.y);
+        z.add(p.z);
+    }
 };
 }  // namespace
 
@@ -44,7 +56,7 @@ Frame view_frame(const View& view) {
 View choose_view(const model::TriMesh& mesh, UpAxis up) {
     constexpr double kYaws[] = {30, -30, 0, 60, -60, 90, -90, 120, -120, 150, -150, 180};
     constexpr double kPitches[] = {20, 50};
-    constexpr double kBackSideWorth = 0.8;  // a back side is drawn, but less often what one wants to see
+    constexpr double kBackSideWorth = 0.8;  // a back side is drawn, but is less often the side of interest
     constexpr double kPreference = 0.03;    // each later candidate has to show so much more than the first
     std::vector<Vec3d> areas;
     areas.reserve(mesh.faces.size());
@@ -65,7 +77,10 @@ View choose_view(const model::TriMesh& mesh, UpAxis up) {
                 const double projected = dot(area, towards);
                 shown += projected > 0 ? projected : -kBackSideWorth * projected;
             }
-            if (shown * worth > best_score) best_score = shown * worth, best = candidate;
+            if (shown * worth > best_score) {
+                best_score = shown * worth;
+                best = candidate;
+            }
             worth *= 1 - kPreference;
         }
     return best;
@@ -88,16 +103,17 @@ Camera fit_camera(std::span<const Vec3d> points, const View& view, std::uint32_t
     const double share = 1 - 2 * std::clamp(options.margin, 0.0, 0.45);
 
     std::vector<Vec3d> local;  // right, up, towards: relative to the box's centre in the camera's frame
-    Extent ex, ey, ez;
+    Extents box;
     for (const Vec3d& p : points) {
         if (!is_finite(p)) continue;
         local.push_back({dot(p, right), dot(p, up), dot(p, towards)});
-        ex.add(local.back().x), ey.add(local.back().y), ez.add(local.back().z);
+        box.add(local.back());
     }
     if (local.empty()) {
         local = {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
-        for (const Vec3d& q : local) ex.add(q.x), ey.add(q.y), ez.add(q.z);
+        for (const Vec3d& q : local) box.add(q);
     }
+    const auto [ex, ey, ez] = box;
     double cx = ex.middle(), cy = ey.middle();
     const double cz = ez.middle();
     const double size = std::max({ex.half(), ey.half(), ez.half()});
@@ -105,12 +121,14 @@ Camera fit_camera(std::span<const Vec3d> points, const View& view, std::uint32_t
 
     if (options.orthographic) {
         const double scale = std::max({ex.half() / (w * share), ey.half() / (h * share), 1e-3 * smallest / w});
-        camera.half_width = scale * w, camera.half_height = scale * h;
+        camera.half_width = scale * w;
+        camera.half_height = scale * h;
         camera.eye = cx * right + cy * up + (cz + 4 * smallest) * towards;
         return camera;
     }
     const double shorter = std::tan(radians(0.5 * options.field_of_view_degrees));
-    camera.half_width = shorter * w / std::min(w, h), camera.half_height = shorter * h / std::min(w, h);
+    camera.half_width = shorter * w / std::min(w, h);
+    camera.half_height = shorter * h / std::min(w, h);
     double distance = 0;
     // Near parts look larger, so the middle of the picture is not that of the box; four rounds settle it to under a
     // pixel.
@@ -125,9 +143,11 @@ Camera fit_camera(std::span<const Vec3d> points, const View& view, std::uint32_t
         Extent px, py;
         for (const Vec3d& q : local) {
             const double depth = distance - (q.z - cz);
-            px.add((q.x - cx) / depth), py.add((q.y - cy) / depth);
+            px.add((q.x - cx) / depth);
+            py.add((q.y - cy) / depth);
         }
-        cx += px.middle() * distance, cy += py.middle() * distance;
+        cx += px.middle() * distance;
+        cy += py.middle() * distance;
     }
     camera.eye = cx * right + cy * up + (cz + distance) * towards;
     return camera;

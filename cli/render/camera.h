@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/render/camera.h
-// Where a picture is taken from.
+// The point of view of a picture.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -18,8 +18,8 @@ struct View {
     UpAxis up = UpAxis::kY;
 };
 
-/// Of a ring of views, the one that shows most surface, front sides before back sides, with a slight preference for
-/// the default view. Depends on nothing but the mesh.
+/// The view in a ring of views that shows most surface, front sides before back sides, with a slight preference for the
+/// default view. Depends on nothing but the mesh.
 [[nodiscard]] View choose_view(const model::TriMesh& mesh, UpAxis up = UpAxis::kY);
 
 struct Frame {

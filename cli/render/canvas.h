@@ -15,7 +15,7 @@ inline constexpr model::Rgba8 kInk{58, 60, 66, 255};
 /// @throws model::Error kTooLarge if a side is 0 or beyond formats::kMaxImageSide
 [[nodiscard]] formats::Image blank(std::uint32_t width, std::uint32_t height, model::Rgba8 colour = kPaper);
 
-/// Lays `top` over `image` with its upper left corner at (x, y); what stands out is cut off. Alpha is blended.
+/// Lays `top` over `image` with its upper left corner at (x, y); parts outside are cut off. Alpha is blended.
 void paste(formats::Image& image, const formats::Image& top, std::int64_t x, std::int64_t y);
 void fill_rectangle(formats::Image& image, std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height,
                     model::Rgba8 colour);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/render/chart_surface.h
-// Charts as one textured mesh: what is drawn and what is exported.
+// Charts as one textured mesh, to draw and to export.
 #pragma once
 #include <span>
 #include <vector>

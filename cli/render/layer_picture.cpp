@@ -58,7 +58,10 @@ Image paint(std::uint32_t rows, std::uint32_t cols, Colour colour) {
 struct Range {
     double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
     void add(double x) {
-        if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+        if (std::isfinite(x)) {
+            low = std::min(low, x);
+            high = std::max(high, x);
+        }
     }
     [[nodiscard]] bool empty() const { return low > high; }
     [[nodiscard]] double share(double x) const {

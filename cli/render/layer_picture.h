@@ -12,7 +12,7 @@ namespace dgm::render {
 
 struct LayerPicture {
     formats::Image image;
-    std::string note;  ///< what the colours mean: "0 .. 0.0132"
+    std::string note;  ///< meaning of the colours: "0 .. 0.0132"
 };
 
 /// The picture of `layer` at the layer's own resolution:

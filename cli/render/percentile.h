@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/render/percentile.h
-// Where a colour scale ends, so that single far values do not take the colour from all others.
+// Finds the end of a colour scale, so that single far values do not take the colour from all others.
 #pragma once
 #include <algorithm>
 #include <cstddef>

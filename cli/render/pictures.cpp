@@ -38,7 +38,10 @@ double diagonal_of(const TriMesh& mesh) {
         for (const std::uint32_t v : face) {
             const Vec3d& p = mesh.positions[v];
             if (!is_finite(p)) continue;
-            for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+            for (int k = 0; k < 3; ++k) {
+                low[k] = std::min(low[k], p[k]);
+                high[k] = std::max(high[k], p[k]);
+            }
         }
     return low.x <= high.x ? length(high - low) : 0;
 }
@@ -60,7 +63,8 @@ View view_of(const TriMesh& mesh, const PictureOptions& options) {
 
 RenderOptions render_options(const PictureOptions& options, std::uint32_t width, std::uint32_t height) {
     RenderOptions out;
-    out.width = width, out.height = height;
+    out.width = width;
+    out.height = height;
     out.samples_per_pixel = options.samples_per_pixel;
     out.background = kPaper;
     return out;
@@ -85,7 +89,7 @@ Surface with_grid(const ChartSurface& charts, double pixel) {
 }
 
 /// Error at every vertex in % of the diagonal: the largest distance to the source among the middles of its faces. The
-/// vertices themselves would tell nothing, a bake puts them on the source. 0 for vertices that no face uses.
+/// vertices themselves would show nothing, since a bake puts them on the source. 0 for vertices that no face uses.
 std::vector<double> face_errors(const TriMesh& source, const TriMesh& mesh, double diagonal) {
     const bake::ClosestPointIndex index(source.positions, source.faces);
     std::vector<double> middle(mesh.faces.size(), 0), out(mesh.positions.size(), 0);
@@ -185,7 +189,7 @@ Image contact_sheet(const model::Chart& chart, const std::string& title, const P
             picture = layer_picture(chart, layer.name);
         } catch (const model::Error& error) {
             if (&error.code() != &model::codes::kUnsupported) throw;
-            continue;  // a layer of a newer format, say: the sheet shows what it knows
+            continue;  // a layer of a newer format, say: the sheet shows the known ones
         }
         cells.push_back({fitted(picture.image, side, side), layer.name,
                          fmt::format("{} {}", model::shape_text(layer.shape), model::type_name(layer.type)),

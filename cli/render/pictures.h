@@ -18,7 +18,7 @@ namespace dgm::render {
 
 struct PictureOptions {
     std::uint32_t width = 1280, height = 960;
-    std::optional<View> view;  ///< default: choose_view() of what is drawn first
+    std::optional<View> view;  ///< default: choose_view() of the first surface
     UpAxis up = UpAxis::kY;    ///< for choose_view()
     std::uint32_t samples_per_pixel = 16;
 };

@@ -91,7 +91,7 @@ class Renderer {
 
  private:
     struct Point {
-        Vec3d position, lifted, normal, facing;  // facing: of the flat face; both normals look at the camera
+        Vec3d position, lifted, normal, facing;  // facing: of the flat face; both normals face the camera
         Rgb colour;
         float shading;
         float gloss = kGloss;
@@ -171,7 +171,7 @@ class Renderer {
         return linear(has_material ? mesh_.materials[material].diffuse : surface_.plain);
     }
 
-    /// Sky and key light that reach a point on the ground or a surface, as shares of what an open field would get.
+    /// Sky and key light that reach a point on the ground or a surface, as shares of the light in an open field.
     struct Light {
         Rgb sky;
         float key = 0;

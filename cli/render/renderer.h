@@ -22,8 +22,8 @@ struct Segment {
 
 inline constexpr float kGloss = 0.15F;
 
-/// What to draw. Per face, the first of these that is there gives the colour: scalars, the texture of its material,
-/// the mesh's corner colours, its material's diffuse colour, `plain`.
+/// A surface to draw. The first of these that a face has gives its colour: scalars, the texture of its material, the
+/// mesh's corner colours, its material's diffuse colour, `plain`.
 struct Surface {
     const model::TriMesh* mesh = nullptr;
     std::vector<formats::Image>

@@ -25,7 +25,11 @@ namespace dgm::render {
 /// Two numbers in [0, 1) that differ from pixel to pixel without pattern.
 [[nodiscard]] inline model::Vec2d pixel_shift(std::uint32_t x, std::uint32_t y, std::uint32_t purpose) {
     std::uint64_t h = (static_cast<std::uint64_t>(x) << 34) ^ (static_cast<std::uint64_t>(y) << 8) ^ purpose;
-    h ^= h >> 31, h *= 0x7fb5d329728ea185u, h ^= h >> 27, h *= 0x81dadef4bc2dd44du, h ^= h >> 33;
+    h ^= h >> 31;
+    h *= 0x7fb5d329728ea185u;
+    h ^= h >> 27;
+    h *= 0x81dadef4bc2dd44du;
+    h ^= h >> 33;
     return {static_cast<double>(h >> 32) * 0x1p-32, static_cast<double>(h & 0xffffffffu) * 0x1p-32};
 }
 

@@ -15,7 +15,7 @@ namespace dgm::report {
 namespace {
 using render::percentile;
 
-/// Of all numbers, without their signs.
+/// All numbers, without their signs.
 std::vector<double> sizes_of(std::span<const SurfaceValues> charts, std::vector<double> SurfaceValues::*field) {
     std::vector<double> out;
     for (const SurfaceValues& chart : charts)

@@ -13,7 +13,7 @@
 
 namespace dgm::report {
 
-/// What a colour scale runs to: -end..end for distance and area, 0..end for angle.
+/// Ends of the colour scales: -end..end for distance and area, 0..end for angle.
 struct Scales {
     double distance = 0;         ///< source units; the 99th percentile of the sizes
     double worst = 0;            ///< the largest size

@@ -126,7 +126,7 @@ std::string setting_text(const json& value) {
     return out;
 }
 
-/// What all assets were baked with; nothing for a batch whose assets differ.
+/// Settings that all assets share; nothing for a batch whose assets differ.
 std::string settings_html(const json& report) {
     const json& assets = report.at("assets");
     if (assets.empty()) return {};

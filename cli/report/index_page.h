@@ -9,7 +9,7 @@
 
 namespace dgm::report {
 
-/// What became of the page of an asset.
+/// State of the page of an asset.
 struct PageState {
     std::string link;                        ///< relative to the index; empty: there is no page
     std::string thumbnail, error_thumbnail;  ///< data URIs; may be empty

@@ -46,7 +46,7 @@ std::string thumbnail_in(std::string_view head, std::string_view name) {
     return good ? uri : std::string();
 }
 
-/// What a page shows: it stays while this does.
+/// Content of a page: the page stays while this does.
 std::string page_key(const AssetPage& page) {
     json asset = page.asset;
     for (const char* of_run : {"seconds", "outcome"}) asset.erase(of_run);

@@ -46,7 +46,7 @@ struct ReportToShow {
 /// that are safe already stay.
 [[nodiscard]] std::string page_name(std::string_view asset_name);
 
-/// What the head of a page says about it; all empty if it is no page of ours.
+/// Data in the head of a page; all empty if it is no page of ours.
 struct PageHead {
     std::string key, thumbnail, error_thumbnail;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/report/surface_values.h
-// What the reconstruction is coloured by: how far it is from the source, and how the map distorts.
+// Values that colour the reconstruction: its distance from the source, and the distortion of the map.
 #pragma once
 #include <vector>
 

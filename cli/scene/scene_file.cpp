@@ -27,7 +27,7 @@ constexpr std::size_t kMaxAssets = 100'000, kMaxFileBytes = std::size_t{16} << 2
 
 class Table;
 
-/// Ends with what is wrong with a value, and where it stands.
+/// Throws the fault in a value, with its place.
 class Say {
  public:
     Say(const Table& table, const toml::node& at, std::string_view key) : table_(table), at_(at), key_(key) {}
@@ -170,7 +170,7 @@ void read_bytes(Table& table, std::string_view key, std::optional<std::uint64_t>
     });
 }
 
-/// What [defaults] and [[asset]] have in common.
+/// Reads the keys that [defaults] and [[asset]] share.
 void read_wishes(Table& table, SceneAsset& asset, const fs::path& folder) {
     read_view(table, asset.view);
     const bake::ErrorKind kind = asset.tolerance.kind;

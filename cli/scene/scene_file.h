@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/scene_file.h
-// What a scene asks of its assets, as written down in a TOML file (docs/scenes.md).
+// A scene file: TOML that states the demands of a scene on its assets (docs/scenes.md).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace dgm::scene {
 
-/// From where assets are looked at. A length L at distance d takes L * rows / (2 d tan(fov / 2)) pixels.
+/// The viewer of the assets. A length L at distance d takes L * rows / (2 d tan(fov / 2)) pixels.
 struct View {
     double fov_degrees = 60;    ///< vertical field of view, 1..170
     std::uint32_t rows = 1080;  ///< pixels of the picture's height
@@ -56,7 +56,7 @@ struct SceneAsset {
     bool contact = false;                         ///< it is set down on things, or things on it
     bool lit = true;                              ///< normals of the source are needed
     bool textured = true;                         ///< colours are needed
-    bool detail = false;                          ///< bump: what the grid misses, for shading
+    bool detail = false;                          ///< bump: heights that the grid misses, for shading
     std::vector<std::string> layers;              ///< not empty: exactly these, whatever the wishes above say
     std::optional<std::uint64_t> texture_budget;  ///< bytes of the texture layer
     std::filesystem::path fabric;                 ///< picture instead of the source's textures

@@ -37,7 +37,7 @@ AssetOutcome outcome_of(const SceneAsset& asset, const bake::AssetResult& result
     return out;
 }
 
-/// "stomach 1.2 MB, liver 512.0 kB": what takes most.
+/// "stomach 1.2 MB, liver 512.0 kB": the largest assets.
 std::string largest_of(const std::vector<AssetOutcome>& assets) {
     constexpr std::size_t kShown = 3;
     std::vector<const AssetOutcome*> order;
@@ -63,7 +63,10 @@ SceneOutcome scene_outcome(const Scene& scene, const bake::BatchPlan& plan,
                                         [&](const SceneAsset& a) { return a.name == plan.assets[k].name; });
         if (asset == scene.assets.end()) continue;
         AssetOutcome one = outcome_of(*asset, results[k]);
-        if (one.there) out.bytes += one.file_bytes, out.one_size += one.savings.one_size;
+        if (one.there) {
+            out.bytes += one.file_bytes;
+            out.one_size += one.savings.one_size;
+        }
         if (one.tick && scene.tick_budget && one.tick->median > *scene.tick_budget)
             out.warnings.push_back(fmt::format(
                 "{}: a tick takes {:.1f} us here, more than {:g}; {} samples are in reach: a smaller reach or a larger "

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/scene_outcome.h
-// What a scene's bake came to: bytes against one size for all, ticks against the budget.
+// Outcome of a scene's bake: bytes against one size for all, ticks against the budget.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -33,7 +33,7 @@ struct SceneOutcome {
     std::vector<std::string> warnings;        ///< ticks over their budget
 };
 
-/// Reads back what was baked, and times ticks.
+/// Reads the baked files back, and times ticks.
 /// @param results  one for each asset of the scene, in its order
 /// @throws model::Error if an output cannot be read any more
 [[nodiscard]] SceneOutcome scene_outcome(const Scene& scene, const bake::BatchPlan& plan,

@@ -204,9 +204,15 @@ Savings savings(const std::vector<BakedChart>& charts) {
         ChartBytes bytes = one_size_bytes(chart.rows, chart.cols, half ? kU16 : kF32);
         at_precision += sum(bytes);
         for (auto& [name, size] : bytes.others)
-            if (chart.find(name) == nullptr) dropped.insert(name), size = 0;
+            if (chart.find(name) == nullptr) {
+                dropped.insert(name);
+                size = 0;
+            }
         const BakedLayer* picture = chart.find(model::layers::kTexture);
-        if (picture == nullptr) dropped.insert(model::layers::kTexture), bytes.texture = 0;
+        if (picture == nullptr) {
+            dropped.insert(model::layers::kTexture);
+            bytes.texture = 0;
+        }
         at_layers += sum(bytes);
         if (chart.rows == largest || chart.cols == largest) {
             grid = size_text(chart.rows, chart.cols);

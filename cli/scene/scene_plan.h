@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/scene_plan.h
-// From what a scene asks to what is baked, and what each choice saves against one size for all.
+// Turns the demands of a scene into bakes, and counts the bytes that each choice saves against one size for all.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -37,8 +37,8 @@ namespace dgm::scene {
 /// Every asset with its wishes, a few lines each.
 [[nodiscard]] std::string plan_text(const Scene& scene);
 
-/// What one step from "everything at 257 x 257, f32" to the asset's file saves. The steps are taken one after the
-/// other, so that they add up.
+/// Bytes that each step from "everything at 257 x 257, f32" to the asset's file saves. The steps are taken one after
+/// the other, so that they add up.
 struct Saving {
     std::string choice;      ///< "grid 65x65", "precision u16", "without bump, contact", "texture 128x128"
     std::int64_t bytes = 0;  ///< negative: it costs
@@ -50,7 +50,7 @@ struct Savings {
     std::vector<Saving> steps;   ///< one_size - bytes in parts; steps of nothing are left out
 };
 
-/// What is baked of a chart, as the file's index has it.
+/// A baked layer of a chart, as the file's index has it.
 struct BakedLayer {
     std::string name;
     layout::ElementType type = layout::ElementType::kU8;

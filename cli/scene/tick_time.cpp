@@ -30,7 +30,7 @@ dgm::Footprint runtime_footprint(Footprint footprint) {
         case Footprint::kGeodesic:
             return dgm::Footprint::Geodesic;
         case Footprint::kSurface:
-        case Footprint::kMetric:  // what it was called once
+        case Footprint::kMetric:  // its earlier name
             break;
     }
     return dgm::Footprint::Surface;
@@ -62,13 +62,16 @@ TickTime measure_tick(const Asset& asset, Footprint footprint, Reach reach) {
     std::uint32_t largest = 0, samples = 0;
     for (std::uint32_t c = 0; c < asset.chart_count(); ++c) {
         const Chart chart = value_of(asset.chart(c));
-        if (chart.sample_count() > samples) samples = chart.sample_count(), largest = c;
+        if (chart.sample_count() > samples) {
+            samples = chart.sample_count();
+            largest = c;
+        }
     }
     const Chart chart = value_of(asset.chart(largest));
     StateOptions options{.max_reach = kMaxReach, .max_tools = 1};
     const auto box = chart.bbox();
     const double diagonal = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
-    // A step's length is a state's to tell, and the memory of the one that is timed follows from the reach in steps.
+    // Only a state knows the length of a step, and the memory of the timed one follows from the reach in steps.
     const double mean_step = value_of(State::create(chart, {.max_reach = 1})).mean_step();
     const double radius = reach.percent ? reach.value / 100 * diagonal : reach.value;
     const double steps = mean_step > 0 ? std::ceil(radius / mean_step) : 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/scene/tick_time.h
-// What touching a baked asset costs a haptic loop.
+// Measures the time that touches of a baked asset take in a haptic loop.
 #pragma once
 #include <dgm/asset.h>
 
@@ -27,8 +27,8 @@ struct TickTime {
 /// Its charts and layers: nothing but the index is read.
 [[nodiscard]] std::vector<BakedChart> charts_of(const Asset& asset);
 
-/// Lets a tool press into the largest chart along a random walk over the samples, 2,000 ticks, the
-/// first 200 not counted. A figure of this machine at this moment, not a verdict.
+/// Lets a tool press into the largest chart along a random walk over the samples, 2,000 ticks, the first 200 not
+/// counted. A figure of this machine at this moment, not a verdict.
 /// @throws model::Error kInternal if the runtime refuses the chart
 [[nodiscard]] TickTime measure_tick(const Asset& asset, Footprint footprint, Reach reach);
 

@@ -63,7 +63,7 @@ std::string codes_markdown() {
         "# Codes\n\n"
         "Every finding and failure of the tools has a number that never changes its meaning. `dgm-validate --explain "
         "CODE`\n"
-        "prints one of them; `dgm-validate --explain all --format markdown` writes this page, and a test holds it to "
+        "prints one of them; `dgm-validate --explain all --format markdown` writes this page, and a test checks "
         "that.\n"
         "The last column is the exit code of a program that ends with it as an error.\n";
     const char* subject = "";

@@ -12,7 +12,7 @@ namespace dgm::validate {
 /// "DGM1003", "1003", "HASH_MISMATCH" or "DGM1003_HASH_MISMATCH", in any case; null if there is no such code.
 [[nodiscard]] const model::Code* find_code(std::string_view name);
 
-/// What --explain prints: what, why it matters, what to do, exit code.
+/// Text of --explain: what, why it matters, what to do, exit code.
 [[nodiscard]] std::string explain(const model::Code& code);
 /// The same of every code.
 [[nodiscard]] std::string explain_all();
@@ -20,7 +20,7 @@ namespace dgm::validate {
 /// docs/codes.md, all of it.
 [[nodiscard]] std::string codes_markdown();
 
-/// "container and index" for 1003: what a range of numbers is about.
+/// "container and index" for 1003: subject of a range of numbers.
 [[nodiscard]] const char* subject_of(const model::Code& code);
 
 }  // namespace dgm::validate

@@ -34,8 +34,8 @@ std::vector<fs::path> files_below(const fs::path& folder) {
 }
 
 bool matches(std::string_view pattern, std::string_view text) {
-    // The last star is the only one that has to give way: what an earlier one took can be left to it. A double star
-    // that fails behind a single one gives way instead, since it may cross slashes.
+    // Only the last star has to give way: an earlier one can keep its characters. A double star that fails behind a
+    // single one gives way instead, since it may cross slashes.
     std::size_t p = 0, t = 0;
     constexpr auto kNone = std::string_view::npos;
     std::size_t star = kNone, star_text = 0, wide = kNone, wide_text = 0;
@@ -46,20 +46,25 @@ bool matches(std::string_view pattern, std::string_view text) {
             // "**/" stands for whole folders, or none.
             wide_folders = p < pattern.size() && pattern[p] == '/' && (p == 2 || pattern[p - 3] == '/');
             if (wide_folders) ++p;
-            wide = p, wide_text = t, star = kNone;
+            wide = p;
+            wide_text = t;
+            star = kNone;
             continue;
         }
         if (p < pattern.size() && pattern[p] == '*') {
-            star = ++p, star_text = t;
+            star = ++p;
+            star_text = t;
             continue;
         }
         if (t < text.size() && p < pattern.size() && (pattern[p] == text[t] || (pattern[p] == '?' && text[t] != '/'))) {
-            ++p, ++t;
+            ++p;
+            ++t;
             continue;
         }
         if (t == text.size() && p == pattern.size()) return true;
         if (star != kNone && star_text < text.size() && text[star_text] != '/') {
-            p = star, t = ++star_text;
+            p = star;
+            t = ++star_text;
         } else if (wide != kNone && wide_text < text.size()) {
             ++wide_text;
             if (wide_folders) {
@@ -67,7 +72,9 @@ bool matches(std::string_view pattern, std::string_view text) {
                 if (slash == kNone) return false;
                 wide_text = slash + 1;
             }
-            p = wide, t = wide_text, star = kNone;
+            p = wide;
+            t = wide_text;
+            star = kNone;
         } else {
             return false;
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/finding_list.h
-// What the checks write into.
+// The list that the checks write into.
 #pragma once
 #include <cstddef>
 #include <optional>

@@ -158,8 +158,8 @@ void check_booleans(const Layer& layer, std::size_t chart_index, FindingList& fi
         [&](std::size_t k) { return static_cast<double>(element<std::uint8_t>(layer, k)); }, 1, findings);
 }
 
-/// Of codes that decode to the same vector one is right: never -32768, and on the border of the square the code whose
-/// other coordinate is not negative.
+/// One of the codes that decode to the same vector is right: never -32768, and on the border of the square the code
+/// whose other coordinate is not negative.
 void check_octahedral(const Layer& layer, std::size_t chart_index, FindingList& findings) {
     constexpr int kEdge = 32767;
     const auto code = [&](std::size_t k) { return int{static_cast<std::int16_t>(element<std::uint16_t>(layer, k))}; };
@@ -218,7 +218,7 @@ void check_values(const Layer& layer, std::size_t chart_index, FindingList& find
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const std::size_t before = findings.size();
     check_finite(layer, chart_index, findings);
-    if (findings.size() != before) return;  // ranges of what is not a number say nothing more
+    if (findings.size() != before) return;  // ranges of values that are no numbers add nothing
     const std::string& name = layer.name;
     const auto range = [&](std::size_t channels, std::size_t channel, double low, double high, const char* what) {
         check_range(layer, chart_index, channels, channel, low, high, what, findings);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/main.cpp
-// dgm-validate: is this file what it says it is, and as near to its source as it claims?
+// dgm-validate: checks that a file keeps its format, and is as near to its source as it claims.
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
@@ -158,8 +158,8 @@ void write_text(const std::string& file, const std::string& text) {
     if (!stream) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", file);
 }
 
-/// Memory of one file serves the next: by default each large block is mapped, filled with zeros page by page and given
-/// back, which takes as long as the checks.
+/// Memory of one file serves the next: by default each large block is mapped, filled with zeros page by page and
+/// released, which takes as long as the checks.
 void keep_memory() {
 #ifdef __GLIBC__
     constexpr int kMany = 1 << 30;

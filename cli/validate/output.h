@@ -32,11 +32,11 @@ struct Counts {
 };
 [[nodiscard]] Counts count(const FileValidation& file);
 
-/// What is listed of a file: at most max_issues findings in their order, errors before others if not all fit.
+/// Listed findings of a file: at most max_issues in their order, errors before others if not all fit.
 [[nodiscard]] std::vector<const formats::Finding*> listed(const FileValidation& file, const OutputOptions& options);
 
 /// One line a finding, `DGM1003 error: FILE: /charts/0/normal: message (measured 3, limit 0) — hint`, then, unless
-/// quiet, one line for the file. Quiet lists errors alone; verbose adds the measured error and what is known. Control
+/// quiet, one line for the file. Quiet lists errors alone; verbose adds the measured error and known findings. Control
 /// characters become `?`.
 [[nodiscard]] std::string to_text(const FileValidation& file, const OutputOptions& options);
 /// The last line of several files: "5 files: 3 ok, 2 failed; 4 errors, 1 warning". Empty for one file, or when quiet.
@@ -55,9 +55,9 @@ struct Counts {
 
 /// "error", "warning", "note"
 [[nodiscard]] const char* severity_name(formats::Severity severity);
-/// Names inside a file are a stranger's: they must not move the cursor of who reads about them.
+/// Names inside a file are untrusted: they must not move the cursor of a reader's terminal.
 [[nodiscard]] std::string printable(std::string_view text);
-/// " (measured 3, limit 0)", or what of it there is.
+/// " (measured 3, limit 0)", or the parts of it that there are.
 [[nodiscard]] std::string figures_text(const formats::Finding& finding);
 
 }  // namespace dgm::validate

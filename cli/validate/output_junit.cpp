@@ -129,12 +129,15 @@ std::string to_junit(std::span<const FileValidation> files, const OutputOptions&
             const bool skipped = found == 0 && subject.first_code == 3000 && !options.has_source;
             const Case made = test_case(subject, file, shown, found, skipped);
             cases += made.text;
-            failures += made.failures, errors += made.errors, skips += made.skipped;
+            failures += made.failures;
+            errors += made.errors;
+            skips += made.skipped;
         }
         suites += fmt::format(
             "  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}  </testsuite>\n",
             escaped(file.path.string()), kSubjects.size(), failures, errors, skips, cases);
-        all_failures += failures, all_errors += errors;
+        all_failures += failures;
+        all_errors += errors;
     }
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"

@@ -16,7 +16,7 @@ namespace {
 using formats::Finding;
 using nlohmann::ordered_json;
 
-/// A path as the reference of a URI: what is not unreserved, or a slash, in percent.
+/// A path as the reference of a URI: all characters in percent but unreserved ones and slashes.
 std::string uri_of(const std::filesystem::path& path) {
     std::string out = path.is_absolute() ? "file://" : "";
     for (const char c : path.lexically_normal().generic_string()) {

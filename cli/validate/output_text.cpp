@@ -34,7 +34,10 @@ std::string line_of(const Finding& f, const std::string& file, const char* kind)
 }  // namespace
 
 Counts& Counts::operator+=(const Counts& other) {
-    errors += other.errors, warnings += other.warnings, notes += other.notes, known += other.known;
+    errors += other.errors;
+    warnings += other.warnings;
+    notes += other.notes;
+    known += other.known;
     return *this;
 }
 

@@ -110,7 +110,7 @@ Baseline Baseline::read(const fs::path& path) {
 
 void Baseline::apply(FileValidation& file) const {
     if (remaining_.empty()) return;
-    std::map<std::string, int> used;  // each file is judged alone: two threads may ask at once
+    std::map<std::string, int> used;  // each file is judged alone: two threads may call at once
     const std::string name = name_from(folder_, file.path);
     std::vector<Finding> fresh;
     for (Finding& finding : file.findings) {

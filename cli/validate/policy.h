@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/policy.h
-// What a project makes of findings: other severities, and a baseline of what is known.
+// A project's rules for findings: other severities, and a baseline of known findings.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -29,7 +29,7 @@ class Baseline {
     Baseline() = default;
     /// @throws model::Error kBadBaseline, kFileMissing, kReadFailed
     static Baseline read(const std::filesystem::path& path);
-    /// Moves what is known from `findings` to `known`.
+    /// Moves known findings from `findings` to `known`.
     void apply(FileValidation& file) const;
 
  private:

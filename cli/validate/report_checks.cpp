@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/report_checks.cpp
-// Written against the report's keys rather than its struct: what stands in a file may be anything.
+// Written against the report's keys rather than its struct: a file may contain anything.
 #include "validate/report_checks.h"
 
 #include <fmt/format.h>
@@ -113,7 +113,7 @@ double utilisation(const Chart& chart) {
     return static_cast<double>(on) / static_cast<double>(mask->bytes.size());
 }
 
-/// What an error object says twice has to agree.
+/// Values that an error object states twice have to agree.
 void compare_error(const json& error, const std::string& place, FindingList& findings) {
     const auto expect = [&](const char* key, std::optional<double> wanted) {
         const std::optional<double> is = magnitude(member(error, key));
@@ -136,8 +136,8 @@ void compare_error(const json& error, const std::string& place, FindingList& fin
         findings.error(codes::kBadReport, place + ".rms", "the mean is above the largest distance", {*rms, *hausdorff});
 }
 
-/// Same input, same bytes: no times of the run and no folders of the machine. A stranger's report may be nested without
-/// end and full of faults: what is deeper than any report of ours is passed over, and a few findings are enough.
+/// Same input, same bytes: no times of the run and no folders of the machine. An untrusted report may be nested without
+/// end and full of faults: levels deeper than any report of ours are skipped, and a few findings are enough.
 void check_reproducible(const json& value, const std::string& place, FindingList& findings, std::size_t most,
                         int depth = 0) {
     constexpr int kDeepest = 12;

@@ -12,7 +12,7 @@
 
 namespace dgm::validate {
 
-/// What the bake measured against its source; the default limits of a later comparison.
+/// Errors that the bake measured against its source: the default limits of a later comparison.
 struct ClaimedError {
     std::optional<double> rms, hausdorff;  ///< source units
 };

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 FileValidation failed_source(const fs::path& path, const model::Error& error) {
     FileValidation out;
     out.path = path;
-    // OBJ readers say FILE:LINE; the file is told already.
+    // OBJ readers say FILE:LINE; the file is named already.
     std::string place = error.place();
     if (place == path.string()) place.clear();
     out.findings.push_back({&error.code(), formats::Severity::kError, error.what(), std::move(place), {}, {}});

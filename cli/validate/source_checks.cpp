@@ -65,7 +65,7 @@ struct Limits {
 
 Limits limits_for(const Options& options, const ClaimedError& claimed, double diagonal) {
     // The bake measured the repaired mesh, from other random points: the mean repeats well within 1 %, the maximum of a
-    // sample less well. The last term is what storing positions as float may move.
+    // sample less well. The last term is the rounding of positions to float.
     constexpr double kRmsMargin = 1.01, kHausdorffMargin = 1.05, kFloatRounding = 2e-7;
     constexpr double kNone = std::numeric_limits<double>::infinity();
     Limits limits{kNone, kNone, "the report", "the report"};

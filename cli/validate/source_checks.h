@@ -23,7 +23,7 @@ struct SourceComparison {
     const ClaimedError& claimed;
 };
 
-/// Hash, distances, topology, turned faces; `options.source` must be there. Fills in out.error and out.turned_faces.
+/// Hash, distances, topology, inverted faces; `options.source` must be there. Fills in out.error and out.turned_faces.
 void check_source(const SourceComparison& file, const Options& options, FileValidation& out, FindingList& findings);
 
 }  // namespace dgm::validate

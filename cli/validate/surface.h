@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/validate/surface.h
-// A chart in its local frame, with what several checks ask for.
+// A chart in its local frame, with values that several checks share.
 #pragma once
 #include <fmt/format.h>
 
@@ -40,7 +40,7 @@ struct Box {
     }
 };
 
-/// The chart in its local frame (position minus offset), with what several checks ask for.
+/// The chart in its local frame (position minus offset), with values that several checks share.
 struct Surface {
     const model::Chart& chart;
     std::size_t chart_index;

@@ -145,7 +145,7 @@ void check_loose_samples(const Surface& s, FindingList& findings) {
                          {static_cast<double>(loose), 0});
 }
 
-/// The strip winds like the lattice, counter-clockwise in (u, v). Slivers may turn by what rounding to float moves.
+/// The strip winds like the lattice, counter-clockwise in (u, v). Slivers may turn by the rounding to float.
 void check_strip(const Surface& s, FindingList& findings) {
     const Layer* faces = s.chart.find("border_faces");
     const Layer* border_uv = s.chart.find("border_uv");
@@ -169,7 +169,7 @@ void check_strip(const Surface& s, FindingList& findings) {
         if (flipped++ == 0) first = t;
         worst = std::min(worst, area / 2);
     }
-    // Space is not folded there, which the topology has told: only what is looked up by (u, v) is off by so much.
+    // Space is not folded there, as the topology has shown: only lookups by (u, v) are off by so much.
     if (flipped > 0)
         findings.warning(
             codes::kFlippedFaces, s.path("border_faces") + fmt::format("[{}]", first),
@@ -206,8 +206,8 @@ bool is_plain_grid(const Surface& s) {
     return true;
 }
 
-/// Of the welded surface. Inside the border a plain grid is a disk, and closing a loop with a disk changes neither
-/// components nor genus: the quads along the border tell all.
+/// Topology of the welded surface. Inside the border a plain grid is a disk, and closing a loop with a disk changes
+/// neither components nor genus: the quads along the border suffice.
 Topology welded_topology(const Surface& s) {
     const std::vector<Face>& faces = s.reconstruction.welded_faces;
     if (!is_plain_grid(s)) return bake::measure_topology(s.local.size(), faces);

@@ -192,7 +192,9 @@ void check_metric(const Surface& s, const Layer& deformation, FindingList& findi
                                          G.outside(element<float>(deformation, 4 * k + 2))});
             ++counted;
             if (off <= slack || bad++ > 0) continue;
-            first = k, measured = off, limit = slack;
+            first = k;
+            measured = off;
+            limit = slack;
         }
     if (bad > 0)
         findings.error(codes::kBadMetric, s.path("deformation") + element_text(deformation.shape, 4 * first),

@@ -29,7 +29,8 @@ namespace codes = model::codes;
 /// The mesh that the file says it was baked from; nothing, with a finding, if it cannot be read.
 std::optional<Source> find_source(const MapSet& maps, const Options& options, FindingList& findings) {
     const std::filesystem::path& folder = options.source_folder;
-    // A name from a file must not lead out of the folder. Of several meshes of that name it is the one that was baked.
+    // A name from a file must not lead out of the folder. Among several meshes of that name it is the one that was
+    // baked.
     std::filesystem::path path = folder / std::filesystem::path(maps.source_name).filename();
     try {
         std::vector<std::filesystem::path> candidates;

@@ -22,7 +22,7 @@ struct Source {
     std::filesystem::path path;
     std::array<std::uint8_t, 16> hash{};  ///< XXH3-128 of the file
     model::TriMesh mesh;
-    model::TriMesh oriented;  ///< repaired, windings made to agree: what a bake sees; empty where repair refuses
+    model::TriMesh oriented;  ///< repaired, windings made to agree, as a bake sees it; empty where repair refuses
     std::vector<bake::Topology> topologies;  ///< of each piece of `oriented`
 };
 /// Reads a mesh file: formats::read_mesh, or the same in a process of its own.
@@ -42,7 +42,7 @@ struct Options {
 struct FileValidation {
     std::filesystem::path path;
     std::vector<formats::Finding> findings;   ///< in the order of the checks; empty for a good file
-    std::vector<formats::Finding> known;      ///< findings that a baseline lists: told, but not counted
+    std::vector<formats::Finding> known;      ///< findings that a baseline lists: printed, but not counted
     std::size_t charts = 0;                   ///< 0 if the container could not be read
     std::optional<bake::SurfaceError> error;  ///< measured, if there was a source
     std::optional<std::size_t> turned_faces;  ///< the same, if its faces can be oriented
@@ -51,14 +51,14 @@ struct FileValidation {
 };
 
 /// Container and hashes, then each layer, the reconstruction, the report, and the distance to the source: each step
-/// only if what it reads passed the one before. Without limits in `options` the distance may be what the report claims,
-/// plus 1 % (rms) or 5 % (hausdorff).
+/// only if its input passed the one before. Without limits in `options` the distance may reach the report's claim plus
+/// 1 % (rms) or 5 % (hausdorff).
 ///
 /// A file that starts like an EXR is read as one. Never throws model::Error: a file that is missing or unreadable is a
 /// finding too. Deterministic. Thread-safe; HDF5 reads one file at a time.
 [[nodiscard]] FileValidation validate_file(const std::filesystem::path& path, const Options& options = {});
 
-/// The same from the layers on, for maps in memory: what a baker asks of its own result. `path` stays empty.
+/// The same from the layers on, for maps in memory: a baker checks its own result by it. `path` stays empty.
 [[nodiscard]] FileValidation validate_maps(const model::MapSet& maps, const Options& options = {});
 
 }  // namespace dgm::validate

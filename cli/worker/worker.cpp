@@ -68,7 +68,7 @@ BakeReport bake_and_write(const WorkerJob& job, const BakeFunction& bake, Progre
     return std::move(result.report);
 }
 
-/// What `work` returns, or how it failed.
+/// Result of `work`, or its failure.
 template <class Work>
 WorkerMessage guarded(std::uint64_t memory_bytes, const ProgressSender& sender, const Work& work) {
     std::optional<model::Error> failure;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/worker/worker_protocol.h
-// What the parent and a worker say to each other: one JSON job in, JSON lines out. The worker reads strangers' meshes
-// with strangers' libraries, so the parent believes nothing it sends: sizes are bounded, types are checked.
+// Messages between the parent and a worker: one JSON job in, JSON lines out. The worker reads strangers' meshes with
+// strangers' libraries, so the parent believes nothing it sends: sizes are bounded, types are checked.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -52,7 +52,7 @@ using WorkerMessage = std::variant<ProgressMessage, NoticeMessage, ResultMessage
 [[nodiscard]] std::string encode_path(const std::filesystem::path& path);
 [[nodiscard]] std::filesystem::path decode_path(std::string_view text);
 
-/// What every job says, whatever it is.
+/// Limits that every job states.
 struct JobLimits {
     std::uint64_t memory_bytes = 0;
     std::uint32_t threads = 1;

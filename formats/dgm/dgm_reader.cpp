@@ -65,7 +65,7 @@ void check_rest(const RawFile& raw, const FileIndex& file, FindingList& findings
     const auto ranges = ranges_beside_layers(file.index, raw.size());
     std::uint64_t bytes = 0;
     for (const auto& [begin, end] : ranges) bytes += end - begin;
-    if (bytes > kMost) {  // a sparse file may claim terabytes that no one wrote
+    if (bytes > kMost) {  // a sparse file may claim terabytes that were never written
         findings.add(codes::kBadIndex, "the file is mostly not layers", "/", static_cast<double>(bytes),
                      static_cast<double>(kMost));
         return;
@@ -103,7 +103,7 @@ void read_hdf5(const fs::path& path, const DgmReadLimits& limits, const FileInde
 }
 
 /// @param throws  the first finding, rather than collecting them
-/// @param maps    gets what the file holds, if given
+/// @param maps    gets the content of the file, if given
 FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws, model::MapSet* maps) {
     const RawFile raw(path);
     FindingList findings(throws);

@@ -55,14 +55,14 @@ using Hdf5Reader = std::function<Hdf5Part(const std::filesystem::path&, const Dg
 void set_hdf5_reader(Hdf5Reader reader);
 
 /// Reads a whole file and checks it on the way: header, index, hashes, index against H5Dget_offset, types, shapes,
-/// names. Sizes from the file are believed only after they fit the file's real length. External links, external storage
+/// names. Sizes from the file are trusted only after they fit the file's real length. External links, external storage
 /// and filters are refused, not followed.
 /// @throws model::Error with the code of the first finding of check_container; kFileMissing, kReadFailed
 /// Thread-safe; the part that HDF5 reads is done by one thread at a time.
 [[nodiscard]] model::MapSet read_dgm(const std::filesystem::path& path, const DgmReadLimits& limits = {});
 
-/// Everything that is wrong with the container, at most 100 findings; empty for a good file. Looks at structure and
-/// hashes, not at what the values mean.
+/// Everything that is wrong with the container, at most 100 findings; empty for a good file. Checks structure and
+/// hashes, not the meaning of the values.
 /// @throws model::Error kFileMissing, kReadFailed
 [[nodiscard]] FileFindings check_container(const std::filesystem::path& path, const DgmReadLimits& limits = {});
 

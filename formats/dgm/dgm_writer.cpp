@@ -33,7 +33,7 @@ using model::MapSet;
 constexpr std::uint64_t kPagesToAlign = 16;
 constexpr std::size_t kMaxPagedLayers = 64;  ///< charts by the thousand are packed, whatever they hold
 
-/// HDF5 takes room for its own structures in blocks; what is left of the last one is lost.
+/// HDF5 takes room for its own structures in blocks; the rest of the last one is lost.
 constexpr hsize_t kMetadataBlock = 16384, kSmallMetadataBlock = 4096;
 
 [[noreturn]] void refuse(const std::string& message, const std::string& place) {
@@ -107,7 +107,8 @@ class H5Writer {
         // times.
         const H5Handle access = check_.handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
         check_.done(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110), "pin the version");
-        // HDF5 aligns what is at least as large as a threshold, metadata too: below the smallest layer it stays packed.
+        // HDF5 aligns objects that are at least as large as a threshold, metadata too: below the smallest layer they
+        // stay packed.
         const bool paged =
             layer_count <= kMaxPagedLayers && all >= kPagesToAlign * layout::kUserBlockBytes * layer_count;
         check_.done(H5Pset_alignment(access, smallest, paged ? layout::kUserBlockBytes : layout::kMinAlignment),
@@ -213,8 +214,8 @@ class H5Writer {
         return set;
     }
 
-    /// Where a dataset stands in the file, counted from its first byte. An empty one stands nowhere: it gets the end of
-    /// the user block, which passes every range check.
+    /// Place of a dataset in the file, counted from its first byte. An empty one has no place: it gets the end of the
+    /// user block, which passes every range check.
     std::uint64_t offset_of(const H5Handle& set, std::uint64_t bytes) const {
         if (bytes == 0) return layout::kUserBlockBytes;
         const haddr_t offset = H5Dget_offset(set);
@@ -261,7 +262,7 @@ std::vector<std::byte> user_block(const MapSet& maps, const std::vector<std::byt
                        path.string());
 }
 
-/// Hash of what HDF5 has written around the layers.
+/// Hash of the bytes that HDF5 has written around the layers.
 Hash128 hash_rest(const fs::path& path, const Index& index, std::uint64_t file_bytes) {
     std::ifstream file(path, std::ios::binary);
     Hasher hasher;

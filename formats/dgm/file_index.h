@@ -21,7 +21,7 @@ struct FileIndex {
 };
 
 /// The index of a file in which every layer lies where its record says and shares no bytes with another. The layers'
-/// values have not been looked at.
+/// values are not checked.
 /// @return nothing if the layers cannot be read; the reason is among the findings
 [[nodiscard]] std::optional<FileIndex> read_file_index(const RawFile& raw, const DgmReadLimits& limits,
                                                        FindingList& findings);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/dgm/h5_comparison.h
-// Compares what HDF5 sees in a file with what the file's index says.
+// Compares the objects that HDF5 sees in a file with the file's index.
 #pragma once
 #include <filesystem>
 

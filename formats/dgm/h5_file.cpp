@@ -19,7 +19,8 @@ std::mutex& h5_mutex() {
 }  // namespace
 
 H5Session::H5Session() : lock_(h5_mutex()) {
-    // Every file is closed here; HDF5's own clean-up at exit complains about what a damaged file left in its tables.
+    // Every file is closed here; HDF5's own clean-up at exit complains about entries that a damaged file left in its
+    // tables.
     static const herr_t no_exit_handler = H5dont_atexit();
     (void)no_exit_handler;
     H5Eget_auto2(H5E_DEFAULT, &report_, &report_data_);

@@ -31,8 +31,8 @@ struct Index {
 /// `bytes` must be index_bytes(charts, layers) long.
 [[nodiscard]] Index decode_records(std::span<const std::byte> bytes, std::uint32_t charts, std::uint32_t layers);
 
-/// What of the file no layer holds, from the end of the user block on: [begin, end) pairs, ascending. HDF5's own
-/// structures, the report, and gaps. Layers must lie in the file and share no bytes.
+/// Parts of the file that belong to no layer, from the end of the user block on: [begin, end) pairs, ascending. HDF5's
+/// own structures, the report, and gaps. Layers must lie in the file and share no bytes.
 [[nodiscard]] std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges_beside_layers(const Index& index,
                                                                                         std::uint64_t file_bytes);
 
@@ -50,7 +50,7 @@ void set_field_text(std::span<char> field, std::string_view text, const std::str
                                           layout::ElementType type, std::span<const std::uint64_t> shape);
 [[nodiscard]] bool is_known_layer(std::string_view name);
 
-/// What is wrong with a chart's own numbers; empty if nothing.
+/// A fault in a chart's own numbers, as a message; empty if there is none.
 [[nodiscard]] std::string chart_complaint(const layout::ChartRecord& chart);
 
 /// HDF5 path of a layer or, without a name, of a chart.

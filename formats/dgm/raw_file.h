@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/dgm/raw_file.h
-// A file as bytes at offsets, for what is checked before HDF5 sees it.
+// A file as bytes at offsets, for the checks before HDF5 sees it.
 #pragma once
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -16,7 +16,7 @@
 
 namespace dgm::formats {
 
-/// What a channel's numbers are.
+/// Meaning of a channel's numbers.
 enum class Coding {
     kExact,     ///< the element itself; integers as UINT (signed ones by their 16 bits)
     kSrgb,      ///< scene-linear half of an 8-bit sRGB code

@@ -20,7 +20,7 @@ struct ExrReadLimits {
 /// kMissingChannel, kHashMismatch (place is the layer's path, or "/"), kBadVersion
 [[nodiscard]] model::MapSet read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
 
-/// What the headers say, without any pixel.
+/// Content of the headers, without any pixel.
 struct ExrHead {
     model::MapSet maps;      ///< no charts
     bool multipart = false;  ///< written with ExrLayout::kMultipart: no part holds several layers

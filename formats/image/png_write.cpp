@@ -25,7 +25,7 @@ void check_size(std::uint32_t width, std::uint32_t height, std::size_t pixels) {
         throw model::Error(codes::kInternal, "pixels do not fit the picture's size");
 }
 
-/// What libpng calls back into.
+/// Target of libpng's callbacks.
 struct Sink {
     std::vector<std::byte>* bytes;
     bool out_of_memory = false;

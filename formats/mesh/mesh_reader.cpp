@@ -19,7 +19,7 @@ namespace {
 namespace codes = model::codes;
 namespace fs = std::filesystem;
 
-/// The start of a file, to see whether it is OBJ where the extension does not tell.
+/// The start of a file, to see whether it is OBJ where the extension does not say so.
 std::string read_head(const fs::path& path) {
     std::string head(std::size_t{1} << 16, '\0');
     std::ifstream file(path, std::ios::binary);

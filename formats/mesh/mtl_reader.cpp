@@ -53,7 +53,7 @@ MapStatement parse_map(std::string_view rest) {
             for (double& value : values) {
                 std::string_view after = ahead;
                 const auto number = parse_number(next_word(after));
-                // A file may be called "1"; what follows an option must leave a name.
+                // A file may be called "1"; the words after an option must leave a name.
                 if (!number || trim(after).empty()) break;
                 value = std::isfinite(*number) ? *number : value;
                 ahead = after;
@@ -111,7 +111,7 @@ class MtlReader {
 
     void read_diffuse(std::string_view line) {
         std::string_view first = next_word(line);
-        // "Kd spectral FILE" and "Kd xyz X Y Z" name colours in ways that nobody writes; they stay white.
+        // "Kd spectral FILE" and "Kd xyz X Y Z" name colours in ways that no exporter writes; they stay white.
         const auto r = parse_number(first);
         if (!r) return;
         const double red = *r;

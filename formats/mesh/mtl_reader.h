@@ -25,13 +25,13 @@ struct MtlMaterial {
 using MtlLibrary = std::map<std::string, MtlMaterial, std::less<>>;
 
 /// Reads `path` into `library`; a material that is there already is kept, as the first of two definitions counts.
-/// Known: newmtl, Kd, d, Tr, map_Kd, map_Bump, bump, norm, map_Kn, with their options. Textures that are
-/// found go to `dependencies`, what is missing or not understood to `warnings`.
+/// Known: newmtl, Kd, d, Tr, map_Kd, map_Bump, bump, norm, map_Kn, with their options. Found textures go to
+/// `dependencies`, missing or misunderstood ones to `warnings`.
 /// @throws model::Error kReadFailed, kTooLarge
 void read_mtl(const std::filesystem::path& path, FileFinder& finder, MtlLibrary& library,
               std::vector<std::string>& warnings, std::vector<std::filesystem::path>& dependencies);
 
-/// Reads what the `mtllib` statements of an OBJ name, each once: the rest of the line as one name with spaces, or
+/// Reads the files of the `mtllib` statements of an OBJ, each once: the rest of the line as one name with spaces, or
 /// several names. Libraries that are found go to `dependencies`, those that are missing to `warnings`.
 /// @throws as read_mtl
 void read_mtl_libraries(std::span<const std::string> statements, FileFinder& finder, MtlLibrary& library,
@@ -40,7 +40,7 @@ void read_mtl_libraries(std::span<const std::string> statements, FileFinder& fin
 /// True if a bump picture's name says that it is a normal map ("..._normal.png", "..._nrm.jpg").
 [[nodiscard]] bool is_normal_map_name(const std::filesystem::path& file);
 
-/// 0..1 to a byte, rounded; what is not a number counts as 1.
+/// 0..1 to a byte, rounded; a word that is not a number counts as 1.
 [[nodiscard]] std::uint8_t byte_of_unit(double value);
 
 }  // namespace dgm::formats

@@ -47,7 +47,7 @@ class Parser {
     }
 
  private:
-    /// Of a word in the line that is being read.
+    /// Place of a word in the current line.
     [[nodiscard]] ObjSpot spot_of(std::string_view word) const {
         return {spot_.line, static_cast<std::uint64_t>(word.data() - line_start_) + 1};
     }

@@ -50,7 +50,7 @@ SourceInputs inputs_of_obj(const fs::path& path) {
 constexpr unsigned kMain = 0x4D4D, kEditor = 0x3D3D, kMaterial = 0xAFFF, kMapName = 0xA300;
 
 /// The maps of a material: texture 1 and 2, opacity, bump, specular, shininess, self-illumination, reflection, and
-/// their masks. They, and what is above them, hold chunks and nothing else before them.
+/// their masks. They, and the chunks above them, contain chunks and nothing else before them.
 bool holds_chunks(unsigned id) {
     return id == kMain || id == kEditor || id == kMaterial || (id >= 0xA200 && id < 0xA250) ||
            (id >= 0xA33A && id < 0xA350);

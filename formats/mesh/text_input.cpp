@@ -61,7 +61,7 @@ std::string utf8_of_utf16(std::string_view bytes, bool big_endian) {
     return out;
 }
 
-/// Decimal exponent of the leading digit of an out-of-range number tells overflow from underflow.
+/// Decimal exponent of the leading digit of an out-of-range number: separates overflow from underflow.
 double out_of_range_value(std::string_view word) {
     const bool negative = !word.empty() && word.front() == '-';
     std::int64_t exponent = 0;

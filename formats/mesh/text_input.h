@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/mesh/text_input.h
-// Text files as strangers write them: any line end, any Unicode encoding with a mark, no locale.
+// Text files of any origin: any line end, any Unicode encoding with a mark, no locale.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/model/codes.h
 // Every finding and failure the tools can report. Numbers are stable and never reused; new rows go to the end of
-// their range. kAll at the bottom is what --explain and docs/codes.md are made of.
+// their range. --explain and docs/codes.md are made of kAll at the bottom.
 #pragma once
 #include "model/error.h"
 
@@ -50,7 +50,7 @@ inline constexpr Code kExrUnreadable{1007,
                                      ExitCode::kInvalid,
                                      "OpenEXR cannot read the file as a geometry map",
                                      "write it again with dgm-bake --format exr or dgm-export",
-                                     "what OpenEXR cannot read cannot become a .dgm again"};
+                                     "without a readable EXR the .dgm cannot be made again"};
 inline constexpr Code kLayersOverlap{1008,
                                      "LAYERS_OVERLAP",
                                      ExitCode::kInvalid,
@@ -69,13 +69,13 @@ inline constexpr Code kForeignStorage{
     ExitCode::kInvalid,
     "a dataset is not plain bytes inside this file",
     "bake it again; links, filters, chunks and external storage are refused, not followed",
-    "the runtime maps plain bytes; a link could lead to any file of whoever opens this one"};
+    "the runtime maps plain bytes; a link could lead to any file of the user who opens this one"};
 inline constexpr Code kIndexDiffers{
     1011,
     "INDEX_DIFFERS",
     ExitCode::kInvalid,
     "HDF5 and the index disagree",
-    "bake it again; tools such as h5repack and h5py move or change what the index describes",
+    "bake it again; tools such as h5repack and h5py move or change data that the index describes",
     "HDF5 tools and the runtime would see two different assets in one file"};
 inline constexpr Code kUnknownLayer{1012,
                                     "UNKNOWN_LAYER",
@@ -92,16 +92,16 @@ inline constexpr Code kBadAttribute{1013,
 inline constexpr Code kUnknownObject{1014,
                                      "UNKNOWN_OBJECT",
                                      ExitCode::kInvalid,
-                                     "the file holds an object that the format does not have",
+                                     "the file contains an object that the format does not define",
                                      "keep notes and other data in files of their own, or bake it again",
-                                     "what no reader checks is where damage and surprises hide"};
+                                     "no reader checks such objects, so damage can hide in them"};
 inline constexpr Code kNotReproducible{
     1015,
     "NOT_REPRODUCIBLE",
     ExitCode::kInvalid,
-    "the file holds what differs from run to run or from machine to machine",
+    "the file contains values that differ from run to run or from machine to machine",
     "bake it again with dgm-bake; other writers must leave out dates, hosts and folders",
-    "same input, same bytes: caches, reviews and signatures rely on it, and paths tell on people"};
+    "same input, same bytes: caches, reviews and signatures rely on it, and paths reveal private names"};
 inline constexpr Code kMissingChannel{1016,
                                       "MISSING_CHANNEL",
                                       ExitCode::kInvalid,
@@ -128,13 +128,13 @@ inline constexpr Code kNotFinite{
     2003,
     "NOT_FINITE",
     ExitCode::kInvalid,
-    "a layer holds NaN or infinity",
+    "a layer contains NaN or infinity",
     "bake it again",
     "one NaN spreads into normals, boxes and forces, and from there into the whole picture"};
 inline constexpr Code kSeamGap{2004,
                                "SEAM_GAP",
                                ExitCode::kInvalid,
-                               "samples of one seam class differ",
+                               "samples of one weld class differ",
                                "bake it again; editors must write every copy of a seam sample",
                                "the surface shows a crack there, and a tool can fall through it"};
 inline constexpr Code kBadSeamTable{
@@ -144,19 +144,18 @@ inline constexpr Code kBadSeamTable{
     "the seam table is inconsistent",
     "bake it again",
     "copies that are not joined to their representative tear apart when they are pressed"};
-inline constexpr Code kBadTopology{
-    2006,
-    "BAD_TOPOLOGY",
-    ExitCode::kInvalid,
-    "the reconstruction is not a manifold with the recorded topology",
-    "bake again with a larger --size",
-    "footprints, strips and volume need a surface that neighbours agree on; a hole is what people see first"};
+inline constexpr Code kBadTopology{2006,
+                                   "BAD_TOPOLOGY",
+                                   ExitCode::kInvalid,
+                                   "the reconstruction is not a manifold with the recorded topology",
+                                   "bake again with a larger --size",
+                                   "footprints, strips and volume need a manifold surface; a hole is visible at once"};
 inline constexpr Code kBadValue{2007,
                                 "BAD_VALUE",
                                 ExitCode::kInvalid,
-                                "a layer holds a value out of its range",
+                                "a layer contains a value out of its range",
                                 "bake it again",
-                                "readers index tables and branch on these values without asking again"};
+                                "readers index tables and branch on these values without another check"};
 inline constexpr Code kBadCollision{
     2008,
     "BAD_COLLISION",
@@ -182,7 +181,7 @@ inline constexpr Code kBadReport{2011,
                                  ExitCode::kInvalid,
                                  "the stored report is missing or contradicts the file",
                                  "bake it again",
-                                 "whoever sorts assets by the numbers in the report sorts them wrongly"};
+                                 "tools that sort assets by the numbers in the report sort them wrongly"};
 inline constexpr Code kBadMetric{2012,
                                  "BAD_METRIC",
                                  ExitCode::kInvalid,
@@ -192,7 +191,7 @@ inline constexpr Code kBadMetric{2012,
 inline constexpr Code kFlippedFaces{2013,
                                     "FLIPPED_FACES",
                                     ExitCode::kInvalid,
-                                    "triangles of the map are turned over",
+                                    "triangles of the map are flipped",
                                     "bake again with --method auto or tutte",
                                     "two places of the surface share one place of the map"};
 inline constexpr Code kLooseSamples{2014,
@@ -204,8 +203,8 @@ inline constexpr Code kLooseSamples{2014,
 inline constexpr Code kBadNormal{2015,
                                  "BAD_NORMAL",
                                  ExitCode::kInvalid,
-                                 "a normal is not an octahedral code, or most normals look against their faces",
-                                 "bake it again; turn normals of the source that look inwards",
+                                 "a normal is not an octahedral code, or most normals point against their faces",
+                                 "bake it again; turn normals of the source that point inwards",
                                  "lighting and the hit test take the side from the normal"};
 
 // 3xxx source mesh and bake
@@ -239,7 +238,7 @@ inline constexpr Code kImportFailed{3005,
                                     ExitCode::kInvalid,
                                     "the mesh file cannot be read",
                                     "open it in a modeller and export it again as OBJ",
-                                    "nothing can be baked from what cannot be read"};
+                                    "a mesh that cannot be read cannot be baked"};
 inline constexpr Code kGridTooSmall{
     3006,
     "GRID_TOO_SMALL",
@@ -268,7 +267,7 @@ inline constexpr Code kErrorNotReached{3009,
 inline constexpr Code kBudgetTooSmall{3010,
                                       "BUDGET_TOO_SMALL",
                                       ExitCode::kInvalid,
-                                      "what was asked for does not fit into the budget",
+                                      "the requested grid and layers do not fit into the budget",
                                       "raise --budget, ask for fewer --layers, or take --precision u16",
                                       "the file would be larger than was asked"};
 
@@ -294,7 +293,7 @@ inline constexpr Code kSourceDiffers{4003,
 inline constexpr Code kTurnedFaces{4004,
                                    "TURNED_FACES",
                                    ExitCode::kInvalid,
-                                   "triangles of the reconstruction look against the source",
+                                   "triangles of the reconstruction are inverted against the source",
                                    "bake again with a larger --size, another --method, or --fit best",
                                    "the surface is folded there: lighting and the hit test see its back"};
 inline constexpr Code kTopologyDiffers{4005,
@@ -316,7 +315,7 @@ inline constexpr Code kReadFailed{5002,
                                   ExitCode::kIo,
                                   "the file cannot be read",
                                   "check its permissions",
-                                  "what cannot be read cannot be judged"};
+                                  "a file that cannot be read cannot be checked"};
 inline constexpr Code kWriteFailed{5003,
                                    "WRITE_FAILED",
                                    ExitCode::kIo,
@@ -334,12 +333,12 @@ inline constexpr Code kImageUnreadable{5005,
                                        ExitCode::kInvalid,
                                        "the picture cannot be decoded",
                                        "save it again as PNG or JPEG",
-                                       "the texture layer would be wrong without a word"};
+                                       "the texture layer would be wrong without a warning"};
 inline constexpr Code kNoSpace{5006,
                                "NO_SPACE",
                                ExitCode::kTransient,
                                "the output's disk is full",
-                               "free some space, then run it again: what is done already is not baked twice",
+                               "free some space, then run it again: finished assets are not baked twice",
                                "nothing half-written is left; the asset is as it was before"};
 inline constexpr Code kIoTrouble{5007,
                                  "IO_TROUBLE",
@@ -347,12 +346,13 @@ inline constexpr Code kIoTrouble{5007,
                                  "the file system failed for the moment",
                                  "run it again; if it stays so, look at the disk or the network share",
                                  "the asset may be good, so a batch system should try it again"};
-inline constexpr Code kReportUnreadable{5008,
-                                        "REPORT_UNREADABLE",
-                                        ExitCode::kInvalid,
-                                        "the report cannot be used",
-                                        "write it again with dgm-bake --report; what is up to date is not baked twice",
-                                        "a merged report that leaves out a part would hide its failures"};
+inline constexpr Code kReportUnreadable{
+    5008,
+    "REPORT_UNREADABLE",
+    ExitCode::kInvalid,
+    "the report cannot be used",
+    "write it again with dgm-bake --report; outputs that are up to date are not baked twice",
+    "a merged report that leaves out a part would hide its failures"};
 
 // 6xxx usage
 inline constexpr Code kUsage{6001,
@@ -360,7 +360,7 @@ inline constexpr Code kUsage{6001,
                              ExitCode::kUsage,
                              "the command line is wrong",
                              "see --help",
-                             "guessing what was meant would do something else than what was meant"};
+                             "a guess could do something else than you meant"};
 inline constexpr Code kUnsupported{6002,
                                    "UNSUPPORTED",
                                    ExitCode::kUnsupported,
@@ -372,13 +372,13 @@ inline constexpr Code kBadBaseline{6003,
                                    ExitCode::kUsage,
                                    "the baseline cannot be read",
                                    "write it again with --write-baseline",
-                                   "without its baseline a run would fail for what is known, or pass what is new"};
+                                   "without its baseline a run would fail for known findings, or pass new ones"};
 inline constexpr Code kSceneInvalid{6004,
                                     "SCENE_INVALID",
                                     ExitCode::kUsage,
                                     "the scene file is wrong",
-                                    "docs/scenes.md has every key; the message tells line and column",
-                                    "a wish that is misread would bake a scene other than the one that was meant"};
+                                    "docs/scenes.md has every key; the message gives line and column",
+                                    "a misread value would bake another scene than the one you meant"};
 
 // 9xxx internal
 inline constexpr Code kInternal{9001,
@@ -410,7 +410,7 @@ inline constexpr Code kInterrupted{9005,
                                    ExitCode::kInterrupted,
                                    "the bake was interrupted",
                                    "run it again",
-                                   "what was not finished was not written"};
+                                   "unfinished outputs were not written"};
 inline constexpr Code kWorkerKilled{9006,
                                     "WORKER_KILLED",
                                     ExitCode::kTransient,

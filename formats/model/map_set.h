@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/model/map_set.h
-// What a .dgm or an EXR holds, in memory: charts of named layers. Nothing about how it was computed.
+// Content of a .dgm or an EXR in memory: charts of named layers. Nothing about how it was computed.
 #pragma once
 #include <array>
 #include <cstddef>

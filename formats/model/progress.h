@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/model/progress.h
-// How a long computation tells where it is and hears that it should stop.
+// Lets a long computation report its progress and learn that it should stop.
 #pragma once
 #include <atomic>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/model/tri_mesh.h
-// A triangle mesh with per-corner attributes, as every reader, the geometry and every writer speak it.
+// A triangle mesh with per-corner attributes, shared by every reader, the geometry and every writer.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -47,7 +47,10 @@ std::vector<int> components(const std::vector<int>& label, const Neighbours& nex
             const std::size_t f = stack.back();
             stack.pop_back();
             for (const std::size_t g : next[f])
-                if (id[g] < 0 && label[g] == label[f]) id[g] = count, stack.push_back(g);
+                if (id[g] < 0 && label[g] == label[f]) {
+                    id[g] = count;
+                    stack.push_back(g);
+                }
         }
         ++count;
     }
@@ -107,7 +110,11 @@ bool pack(std::vector<Chart>& charts, double scale, int size) {
     double x = gap, y = gap, shelf = 0;
     for (const std::size_t c : order) {
         const Vec2d extent = (charts[c].high - charts[c].low) * scale;
-        if (x + extent.x + gap > size) x = gap, y += shelf + gap, shelf = 0;
+        if (x + extent.x + gap > size) {
+            x = gap;
+            y += shelf + gap;
+            shelf = 0;
+        }
         if (x + extent.x + gap > size || y + extent.y + gap > size) return false;
         charts[c].origin = {x, y};
         x += extent.x + gap;
@@ -186,7 +193,10 @@ Picture paint_atlas(const PolyMesh& mesh, int size, const std::function<Shade(co
                     beyond = std::max(beyond, -weight * std::abs(twice_area) / length(b - a));
                 }
                 beyond = std::max(beyond, 0.0);
-                if (beyond < outside[out.at(x, y)]) outside[out.at(x, y)] = beyond, where[out.at(x, y)] = point;
+                if (beyond < outside[out.at(x, y)]) {
+                    outside[out.at(x, y)] = beyond;
+                    where[out.at(x, y)] = point;
+                }
             }
     }
     Colour mean;

@@ -176,7 +176,11 @@ double padding(double x, double y, double softness) {
 
 PolyMesh make_chair_seat() {
     Box box;
-    box.half_x = 24, box.half_y = 22.5, box.corner = 6, box.height = 6.5, box.tile = 50;
+    box.half_x = 24;
+    box.half_y = 22.5;
+    box.corner = 6;
+    box.height = 6.5;
+    box.tile = 50;
     box.top = [](double x, double y) {
         const double dish = std::exp(-(x * x + (y + 0.1) * (y + 0.1)) / 0.32);
         return padding(x, y, 7) * (2.9 - 2.1 * dish + 0.15 * noise3({2.5 * x, 2.5 * y, 0}, 141));
@@ -189,7 +193,11 @@ PolyMesh make_chair_seat() {
 
 PolyMesh make_chair_back() {
     Box box;
-    box.half_x = 23, box.half_y = 26, box.corner = 8, box.height = 4.5, box.tile = 54;
+    box.half_x = 23;
+    box.half_y = 26;
+    box.corner = 8;
+    box.height = 4.5;
+    box.tile = 54;
     box.top = [](double x, double y) {
         constexpr std::array<std::array<double, 2>, 5> kButtons{
             {{0, 0}, {-0.42, 0.44}, {0.42, 0.44}, {-0.42, -0.44}, {0.42, -0.44}}};

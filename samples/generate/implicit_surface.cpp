@@ -158,9 +158,11 @@ PolyMesh mesh_zero_set(const Field& field, const Lattice& lattice) {
                           mesh.positions[q[static_cast<std::size_t>(b)]]);
         };
         if (span(0, 2) <= span(1, 3)) {
-            add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
+            add(q[0], q[1], q[2]);
+            add(q[0], q[2], q[3]);
         } else {
-            add(q[0], q[1], q[3]), add(q[1], q[2], q[3]);
+            add(q[0], q[1], q[3]);
+            add(q[1], q[2], q[3]);
         }
     }
     return mesh;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // samples/generate/implicit_surface.h
-// From a function of space that is negative inside to a closed mesh of well-shaped triangles.
+// Turns a function of space that is negative inside into a closed mesh of well-shaped triangles.
 #pragma once
 #include <functional>
 

@@ -97,14 +97,33 @@ class ChunkWriter {
         for (std::size_t k = 0; k < 4; ++k) bytes_[start + 2 + k] = static_cast<char>((size >> (8 * k)) & 0xffU);
     }
     void u8(unsigned v) { bytes_.push_back(static_cast<char>(v & 0xffU)); }
-    void u16(unsigned v) { u8(v), u8(v >> 8U); }
-    void u32(std::uint32_t v) { u16(v & 0xffffU), u16(v >> 16U); }
-    void f32(double v) { u32(std::bit_cast<std::uint32_t>(static_cast<float>(v))); }
-    void string(std::string_view s) { bytes_.append(s), u8(0); }
-    void colour(std::uint16_t id, unsigned level) {
-        open(id), open(0x0011), u8(level), u8(level), u8(level), close(), close();
+    void u16(unsigned v) {
+        u8(v);
+        u8(v >> 8U);
     }
-    void percent(unsigned value) { open(0x0030), u16(value), close(); }
+    void u32(std::uint32_t v) {
+        u16(v & 0xffffU);
+        u16(v >> 16U);
+    }
+    void f32(double v) { u32(std::bit_cast<std::uint32_t>(static_cast<float>(v))); }
+    void string(std::string_view s) {
+        bytes_.append(s);
+        u8(0);
+    }
+    void colour(std::uint16_t id, unsigned level) {
+        open(id);
+        open(0x0011);
+        u8(level);
+        u8(level);
+        u8(level);
+        close();
+        close();
+    }
+    void percent(unsigned value) {
+        open(0x0030);
+        u16(value);
+        close();
+    }
     [[nodiscard]] const std::string& bytes() const { return bytes_; }
 
  private:
@@ -114,13 +133,20 @@ class ChunkWriter {
 
 void append_material(ChunkWriter& w, const MaterialText& m) {
     w.open(0xAFFF);
-    w.open(0xA000), w.string(m.name), w.close();
+    w.open(0xA000);
+    w.string(m.name);
+    w.close();
     w.colour(0xA010, 0);    // ambient
     w.colour(0xA020, 255);  // diffuse
     w.colour(0xA030, 51);   // specular
     const auto map = [&w](std::uint16_t id, const std::string& file) {
         if (file.empty()) return;
-        w.open(id), w.percent(100), w.open(0xA300), w.string(file), w.close(), w.close();
+        w.open(id);
+        w.percent(100);
+        w.open(0xA300);
+        w.string(file);
+        w.close();
+        w.close();
     };
     map(0xA200, m.colour_map);
     map(0xA230, m.bump_map);
@@ -158,25 +184,46 @@ void append_object(ChunkWriter& w, const Part& part, const std::string& material
     const SplitMesh m = split_for_3ds(part.mesh);
     if (m.positions.size() > 65535 || m.faces.size() > 65535)
         throw model::Error(codes::kTooLarge, "3DS holds 65535 vertices and faces an object", part.name);
-    w.open(0x4000), w.string(part.name);
+    w.open(0x4000);
+    w.string(part.name);
     w.open(0x4100);
-    w.open(0x4110), w.u16(static_cast<unsigned>(m.positions.size()));
-    for (const Vec3d& p : m.positions) w.f32(p.x), w.f32(p.y), w.f32(p.z);
+    w.open(0x4110);
+    w.u16(static_cast<unsigned>(m.positions.size()));
+    for (const Vec3d& p : m.positions) {
+        w.f32(p.x);
+        w.f32(p.y);
+        w.f32(p.z);
+    }
     w.close();
-    w.open(0x4140), w.u16(static_cast<unsigned>(m.uvs.size()));
-    for (const Vec2d& t : m.uvs) w.f32(t.x), w.f32(t.y);
+    w.open(0x4140);
+    w.u16(static_cast<unsigned>(m.uvs.size()));
+    for (const Vec2d& t : m.uvs) {
+        w.f32(t.x);
+        w.f32(t.y);
+    }
     w.close();
     w.open(0x4160);  // local frame: the identity
     for (const double v : {1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.}) w.f32(v);
     w.close();
-    w.open(0x4120), w.u16(static_cast<unsigned>(m.faces.size()));
-    for (const auto& f : m.faces) w.u16(f[0]), w.u16(f[1]), w.u16(f[2]), w.u16(7);  // 7: all three edges visible
-    w.open(0x4130), w.string(material), w.u16(static_cast<unsigned>(m.faces.size()));
+    w.open(0x4120);
+    w.u16(static_cast<unsigned>(m.faces.size()));
+    for (const auto& f : m.faces) {
+        w.u16(f[0]);
+        w.u16(f[1]);
+        w.u16(f[2]);
+        w.u16(7);  // all three edges visible
+    }
+    w.open(0x4130);
+    w.string(material);
+    w.u16(static_cast<unsigned>(m.faces.size()));
     for (unsigned f = 0; f < m.faces.size(); ++f) w.u16(f);
     w.close();
     w.open(0x4150);
     for (const auto& f : m.faces) w.u32(1U << (f[3] - 1U));
-    w.close(), w.close(), w.close(), w.close();
+    w.close();
+    w.close();
+    w.close();
+    w.close();
 }
 }  // namespace
 
@@ -193,13 +240,20 @@ void write_obj(const std::vector<Part>& parts, const MaterialText& material, con
 void write_3ds(const std::vector<Part>& parts, const MaterialText& material, const std::filesystem::path& path) {
     ChunkWriter w;
     w.open(0x4D4D);
-    w.open(0x0002), w.u32(3), w.close();
+    w.open(0x0002);
+    w.u32(3);
+    w.close();
     w.open(0x3D3D);
-    w.open(0x3D3E), w.u32(3), w.close();
+    w.open(0x3D3E);
+    w.u32(3);
+    w.close();
     append_material(w, material);
-    w.open(0x0100), w.f32(1), w.close();  // one unit a unit
+    w.open(0x0100);
+    w.f32(1);  // one unit a unit
+    w.close();
     for (const Part& part : parts) append_object(w, part, material.name);
-    w.close(), w.close();
+    w.close();
+    w.close();
     write_file(path, w.bytes());
 }
 

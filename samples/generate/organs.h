@@ -31,7 +31,7 @@ Picture dress_stomach(const PolyMesh& stomach, const Picture& cloth, int texture
 /// ligament.
 Textured make_liver(int texture_size);
 
-/// What write_organ() says of the surface.
+/// Material that write_organ() writes for the surface.
 MaterialText organ_material(const Textured& organ);
 
 /// Writes NAME.obj, NAME.mtl, colour.png and bump.png into `folder`, which is there. The same bytes on every run.

@@ -32,7 +32,7 @@ struct Part {
     PolyMesh mesh;
 };
 
-/// What the material of a file says. Image names are relative to the mesh file; an empty one is left out.
+/// Material of a file. Image names are relative to the mesh file; an empty one is left out.
 struct MaterialText {
     std::string name;
     std::string colour_map, bump_map;
@@ -41,8 +41,9 @@ struct MaterialText {
 };
 
 /// Adds cell (i, j) of a cells x cells grid; `quad` starts at the cell's lowest corner. A quad in a corner of the grid
-/// has three vertices on the grid's border; it is split through the corner. Split the other way by whoever triangulates
-/// it, it would give a sliver where the border is rounded, and two grids sewn together would share that diagonal.
+/// has three vertices on the grid's border; it is split through the corner. Split the other way by another
+/// triangulation, it would give a sliver where the border is rounded, and two grids sewn together would share that
+/// diagonal.
 void add_cell(PolyMesh& mesh, const Polygon& quad, int i, int j, int cells);
 
 /// Rounds positions and UVs to 1e-5 so that a last-bit difference between two maths libraries does not reach the files.

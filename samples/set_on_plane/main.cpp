@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // samples/set_on_plane/main.cpp
-// Paper, Fig. 12: a stomach is laid on its back on a table by a recorded path (in its own frame the table rises). What
-// the table takes comes out again around the contact: the volume stays.
+// Paper, Fig. 12: a stomach is laid on its back on a table by a recorded path (in its own frame the table rises). The
+// volume below the table bulges out around the contact: the volume of the stomach stays.
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -22,7 +22,8 @@ std::vector<Vertex> lying(std::vector<Vertex> vertices, float table) {
     for (Vertex& v : vertices) {
         for (float* p : {v.position, v.normal}) {
             const float y = p[1];
-            p[1] = p[2], p[2] = -y;
+            p[1] = p[2];
+            p[2] = -y;
         }
         v.position[2] += table;
     }

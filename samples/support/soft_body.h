@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // samples/support/soft_body.h
-// What every sample does with libdgm at its start and its end: open a map, make its shape touchable, hand out vertices.
+// Steps with libdgm that all samples share: open a map, make its shape touchable, hand out vertices.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -42,7 +42,7 @@ class SoftBody {
     [[nodiscard]] Chart chart() const { return asset_.chart(0).value(); }
     /// From the mesh's frame to the state's, which may have its origin elsewhere.
     [[nodiscard]] Vec3 local(Vec3 source) const { return source - origin_; }
-    /// What a recorded tool does, for tick().
+    /// Input of a recorded tool for tick().
     [[nodiscard]] ToolInput input(const Knot& knot) const {
         return {.kind = knot.kind, .position = local(knot.position), .engaged = knot.engaged};
     }

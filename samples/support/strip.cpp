@@ -29,7 +29,10 @@ std::uint32_t height_for(std::span<const model::Vec3d> points, const render::Vie
     const render::Frame frame = render::view_frame(view);
     const auto extent = [&](const model::Vec3d& axis) {
         double low = 1e300, high = -1e300;
-        for (const model::Vec3d& p : points) low = std::min(low, dot(p, axis)), high = std::max(high, dot(p, axis));
+        for (const model::Vec3d& p : points) {
+            low = std::min(low, dot(p, axis));
+            high = std::max(high, dot(p, axis));
+        }
         return points.empty() ? 1 : high - low;
     };
     const double aspect = 1.1 * extent(frame.up) / std::max(extent(frame.right), 1e-9);

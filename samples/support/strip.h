@@ -26,7 +26,7 @@ struct Look {
     float gloss = 0.15F;
 };
 
-/// What stands in one picture.
+/// Contents of one picture.
 class Scene {
  public:
     void add(std::span<const Vertex> vertices, std::span<const std::uint32_t> triangles, const Look& look);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/bench/dgm_changed_bench.cpp
-// What a renderer pays to learn what to upload: changed_rows() beside comparing all floats with a copy of its own, at
-// rest and while a tool presses and slides, 16 ticks a frame; and how much more than what changed is named.
+// Cost for a renderer to learn which samples to upload: changed_rows() beside comparing all floats with a copy of its
+// own, at rest and while a tool presses and slides, 16 ticks a frame; and how much more than what changed is named.
 // Usage: dgm_changed_bench [FRAMES]
 #include <dgm/changed.h>
 #include <dgm/snapshot.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/bench/dgm_pick_bench.cpp
-// How long pick_ray() takes: least, middle, 99th percentile and worst of many single calls, and what the worst ray met.
+// Times of pick_ray(): least, middle, 99th percentile and worst of many single calls, and the hit of the worst ray.
 // Usage: dgm_pick_bench [RAYS]
 #include <dgm/pick.h>
 

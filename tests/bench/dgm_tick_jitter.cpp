@@ -34,7 +34,7 @@ long preemptions() {
     return u.ru_nivcsw;
 }
 
-/// Of ticks during which the thread kept its processor: what is asked for is time of computing, not of waiting.
+/// Times of the ticks during which the thread kept its processor: time of computing, not of waiting.
 struct Times {
     std::vector<double> us;
     long preempted = 0;

@@ -93,7 +93,7 @@ class MapScene {
         return std::move(asset).value();
     }
     [[nodiscard]] std::uint32_t samples(std::uint32_t k) const { return asset_.chart(k).value().sample_count(); }
-    /// Of the rest shape: a state's own normal() is that of the present one.
+    /// Normal of the rest shape: a state's own normal() is that of the present one.
     [[nodiscard]] static Vec3 state_normal(const State& state, std::uint32_t a) {
         const PointView p = state.rest_positions();
         const Vec3 u = p[a + state.cols()] - p[a], v = p[a + 1] - p[a];

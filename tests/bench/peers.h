@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/bench/peers.h
-// What an engineer would write instead: a triangle mesh with a brush, its vertices found by a kd-tree over the rest
-// pose or by looking at all of them; nearest vertex, hit, force, Gaussian brush, normals of the touched part.
+// The alternative that an engineer would write: a triangle mesh with a brush, its vertices found by a kd-tree over the
+// rest pose or by looking at all of them; nearest vertex, hit, force, Gaussian brush, normals of the touched part.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -94,7 +94,10 @@ class Brush {
         } else {
             for (std::uint32_t v = 0; v < mesh_.rest.size(); ++v) {
                 const Vec d = mesh_.rest[v] - tool;
-                if (dot(d, d) < best) best = dot(d, d), nearest = v;
+                if (dot(d, d) < best) {
+                    best = dot(d, d);
+                    nearest = v;
+                }
             }
         }
         const Vec at = mesh_.rest[nearest], d = tool - at;

@@ -107,7 +107,10 @@ void bench(const std::string& path, int tips) {
 
 int main(int argc, char** argv) {
     int tips = 0, failed = 0, first = 1;
-    if (argc > 3 && std::string(argv[1]) == "--tips") tips = std::clamp(std::atoi(argv[2]), 0, 100), first = 3;
+    if (argc > 3 && std::string(argv[1]) == "--tips") {
+        tips = std::clamp(std::atoi(argv[2]), 0, 100);
+        first = 3;
+    }
     if (first >= argc) {
         fmt::print(stderr, "usage: dgm-bench-solvers [--tips N] MESH...\n");
         return 1;

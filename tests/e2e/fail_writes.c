@@ -39,7 +39,10 @@ ssize_t write(int fd, const void* data, size_t size) {
     static ssize_t (*next)(int, const void*, size_t);
     if (!next) next = (ssize_t(*)(int, const void*, size_t))dlsym(RTLD_NEXT, "write");
     const ssize_t n = take(fd, size);
-    if (n < 0) return errno = ENOSPC, -1;
+    if (n < 0) {
+        errno = ENOSPC;
+        return -1;
+    }
     return next(fd, data, (size_t)n);
 }
 
@@ -47,7 +50,10 @@ ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
     static ssize_t (*next)(int, const void*, size_t, off_t);
     if (!next) next = (ssize_t(*)(int, const void*, size_t, off_t))dlsym(RTLD_NEXT, "pwrite");
     const ssize_t n = take(fd, size);
-    if (n < 0) return errno = ENOSPC, -1;
+    if (n < 0) {
+        errno = ENOSPC;
+        return -1;
+    }
     return next(fd, data, (size_t)n, at);
 }
 

@@ -177,13 +177,19 @@ class Measured {
             if (w > 0.5) half = std::max(half, distance(rest[s], rest[contact]) / half_radius);
         }
         worst.errors.push_back(error);
-        if (half > worst.half) worst.half = half, worst.half_at = contact;
+        if (half > worst.half) {
+            worst.half = half;
+            worst.half_at = contact;
+        }
         worst.beyond_two += half > 2;
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             const std::uint32_t a = triangles_[t], b = triangles_[t % 3 == 2 ? t - 2 : t + 1];
             const double length = distance(rest[a], rest[b]) / step;
             const double jump = std::fabs(weight(a) - weight(b)) / (slope_ * length + 1e-5);
-            if (jump > worst.jump) worst.jump = jump, worst.jump_at = contact;
+            if (jump > worst.jump) {
+                worst.jump = jump;
+                worst.jump_at = contact;
+            }
         }
     }
 
@@ -203,8 +209,14 @@ std::set<std::uint32_t> contacts_of(const dgm::State& state, std::uint32_t count
     for (std::uint32_t k = 0; k < count; ++k) {
         const std::uint32_t row = static_cast<std::uint32_t>((k + 0.5) / count * m);
         found.insert(row * n + static_cast<std::uint32_t>(0.618034 * n * k) % n);
-        if (k % 4 == 0) found.insert(row * n), found.insert(row * n + n - 1);
-        if (k % 4 == 1) found.insert(row % n), found.insert(grid - n + row % n);
+        if (k % 4 == 0) {
+            found.insert(row * n);
+            found.insert(row * n + n - 1);
+        }
+        if (k % 4 == 1) {
+            found.insert(row % n);
+            found.insert(grid - n + row % n);
+        }
         if (k % 4 == 2) found.insert((1 + k % 5) * n + row % n);
         if (state.sample_count() > grid && k % 4 == 3)
             found.insert(grid + static_cast<std::uint32_t>((k + 0.5) / count * (state.sample_count() - grid)));

@@ -17,7 +17,7 @@ SCHEMA = os.environ.get("DGM_REPORT_SCHEMA", "")
 
 
 def timeless(report):
-    """What two runs of the same batch have in common."""
+    """The part that two runs of the same batch have in common."""
     report = json.loads(json.dumps(report))
     for asset in report["assets"]:
         asset["seconds"] = 0

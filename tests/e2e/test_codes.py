@@ -121,7 +121,7 @@ class Codes(support.Folder):
         self.assertEqual(sorted(tried - set(codes)), [], "fixtures of codes that are gone")
 
     def test_files_that_other_tools_wrote_again(self):
-        """What h5repack does: every object copied into a new file behind the old user block."""
+        """Does as h5repack: every object copied into a new file behind the old user block."""
         import h5py
         good = self.folder / "good.dgm"
         for name, options in (("plain", {}), ("gzip", {"compression": "gzip", "chunks": True})):

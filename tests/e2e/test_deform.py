@@ -20,7 +20,7 @@ INWARD = {"top": (1, 0), "bottom": (-1, 0), "left": (0, 1), "right": (0, -1)}
 
 
 class Chart:
-    """What h5py reads of chart 0, and the straight parts of its cut paths."""
+    """The layers of chart 0 as h5py reads them, and the straight parts of its cut paths."""
 
     def __init__(self, path):
         with h5py.File(path, "r") as file:

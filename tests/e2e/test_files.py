@@ -73,7 +73,7 @@ class Files(support.Folder):
                 self.assertIsNone(content, f"kill {k}: a file that is not the new one")
                 seen["none"] += 1
             for stray in self.strays():
-                # A killed parent cannot clean up. What it leaves is not named like a result, so no one takes it for one.
+                # A killed parent cannot clean up. Its files are not named like results, so no one takes them for some.
                 self.assertNotRegex(stray, r"\.(dgm|exr)$")
                 (self.folder / stray).unlink()
         self.assertGreater(seen["old"], 0, seen)

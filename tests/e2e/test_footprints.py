@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What deform.h promises of footprints, on baked maps of several kinds: beside exact geodesics (CGAL), worst case first."""
+"""Promises of deform.h about footprints, on baked maps of several kinds: beside exact geodesics (CGAL), worst case first."""
 import json
 import unittest
 

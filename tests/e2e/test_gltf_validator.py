@@ -20,7 +20,7 @@ validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1])))
 
 
 def missing():
-    """What is not there, or None."""
+    """The missing part, or None."""
     if shutil.which("node") is None:
         return "there is no node"
     if node_finds_it():

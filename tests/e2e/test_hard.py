@@ -111,7 +111,7 @@ class Hard(support.Folder):
         self.assert_valid([re.split(r"[/.]", asset["source"])[-2] for asset in baked])
 
 
-# What a change of frame may do to PSNR, in dB. A power of two changes no bit of any mantissa. Another factor, or a shift,
+# Largest change of PSNR by a change of frame, in dB. A power of two changes no bit of any mantissa. Another factor, or a shift,
 # rounds the coordinates of the mesh itself. A rotation moves the bounding box, which the work is normalised by. A shuffle
 # changes the order of everything, and with it which of two equally short cuts is taken.
 INVARIANCE_DB = {"scale_2^30": 1e-9, "scale_2^-30": 1e-9, "scale_1e9": 0.5, "scale_1e-9": 0.5, "shift_1e7": 0.7,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What happens in a worker stays in it: crash, hang, memory, nonsense. Runs dgm-bake-faulty (faulty_bake.cpp)."""
+"""Faults in a worker stay in it: crash, hang, memory, nonsense. Runs dgm-bake-faulty (faulty_bake.cpp)."""
 import os
 import signal
 import subprocess

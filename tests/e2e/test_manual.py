@@ -56,13 +56,13 @@ class Manual(support.Folder):
             self.assertEqual((result.returncode, result.stderr), (0, ""), name)
 
     def complete(self, name, *words, shell="bash"):
-        """What TAB offers at the end of the last word."""
+        """The offers of TAB at the end of the last word."""
         start = "autoload -U compinit bashcompinit; compinit -u -D; bashcompinit; " if shell == "zsh" else ""
         typed = " ".join(f"'{word}'" for word in words)
         script = (f"{start}source '{MANUAL}/{name}.bash'; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _{name.replace('-', '_')} {name} '{words[-1]}' '{words[-2]}'; "
                   "printf '%s\\n' \"${COMPREPLY[@]}\"")
         result = subprocess.run([shell, "-c", script], cwd=self.folder, capture_output=True, text=True, check=False)
-        # Of what it is offered, zsh itself drops what does not begin with the word.
+        # zsh itself drops the offers that do not begin with the word.
         return [word.strip() for word in result.stdout.splitlines()
                 if word.strip() and (shell == "bash" or word.startswith(words[-1]))]
 

@@ -23,7 +23,7 @@ TIMES = re.compile(r"<!-- of this run: times -->.*?<!-- end of this run -->", re
 
 
 def complaints(console):
-    """What the page itself said: taking the picture stalls the software renderer, which remarks on it."""
+    """The messages of the page itself: taking the picture stalls the software renderer, which remarks on it."""
     return [line for line in console if "GPU stall due to ReadPixels" not in line]
 
 

@@ -25,7 +25,7 @@ class Schemas(support.Folder):
         self.assertGreater(len(self.maps), 20)
 
     def reports(self, form):
-        """Of all fixtures; of a good file alone; with a mesh, with a bad one, with a baseline, with nothing listed."""
+        """Outputs of all fixtures; of a good file alone; with a mesh, with a bad one, with a baseline, with nothing listed."""
         self.run_program(support.VALIDATE, *self.maps[::2], "--write-baseline", "known.json")
         for arguments in ([*self.maps, "absent.dgm"], ["good.dgm"], ["DGM4001_shifted.dgm", "--source", "DGM4001_shifted.obj"],
                           ["good.dgm", "--source", "bad mesh.obj"], [*self.maps, "--baseline", "known.json"],

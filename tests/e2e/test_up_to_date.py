@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is done already is not done twice; what has changed is; and build systems are told what that depends on."""
+"""Finished work is not done twice, changed work is, and build systems get the inputs of each output."""
 import json
 import os
 import shutil
@@ -259,7 +259,7 @@ class BuildTools(support.Folder):
         self.assertEqual(baked(), count)
         self.assertEqual(baked(), count)
         self.assertEqual((self.folder / f"{self.NAME}.dgm").read_bytes(), content)
-        # What is deleted does not stop the build.
+        # A deleted file does not stop the build.
         (self.folder / "sk in.png").unlink()
         self.assertEqual(baked(), count + 1)
 

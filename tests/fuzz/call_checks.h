@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/fuzz/call_checks.h
-// What must hold of a state after every call, whatever the call was.
+// Laws that a state obeys after every call, whatever the call was.
 #pragma once
 #include <cmath>
 #include <cstdio>
@@ -19,7 +19,7 @@ inline void promise(bool kept, const char* what) {
     std::abort();
 }
 
-/// Tells each call on stderr if the variable DGM_FUZZ_SAY is set: what to read when a program broke a promise.
+/// Prints each call on stderr if the variable DGM_FUZZ_SAY is set: read it when a program broke a promise.
 inline bool is_saying() {
     static const bool saying = std::getenv("DGM_FUZZ_SAY") != nullptr;
     return saying;
@@ -60,7 +60,7 @@ inline void check_points(const State& state, const PointView& points, const char
     }
 }
 inline void check_state(const State& state) {
-    check_points(state, state.positions(), "copies of a seam class are apart", "a position is not finite");
+    check_points(state, state.positions(), "copies of a weld class are apart", "a position is not finite");
 }
 inline void check_normals(const State& state) {
     const PointView normals = state.normals();

@@ -135,7 +135,7 @@ class Program {
     void check_unchanged(const Shape& before) const {
         if (watched_) promise(same_bits(before, shape_of(state_.positions())), "a call that failed changed the shape");
     }
-    /// What release() is to come back to after a plastic call.
+    /// Notes the shape to which release() must return after a plastic call.
     void note_base(bool plastic) {
         if (!plastic) return;
         state_.release();

@@ -131,7 +131,7 @@ class CProgram {
         promise(std::fabs(dgm_table_weight(table_, dice_.real(-9, 9), dice_.absurd())) <= 1, "a weight is beyond 1");
         promise(std::fabs(dgm_table_profile(table_, dice_.absurd())) <= 1, "a profile is beyond 1");
     }
-    /// What needs no state.
+    /// Calls that need no state.
     void look_at(std::uint32_t chart) {
         dgm_chart_info info{};
         info.struct_size = size_of(info);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/fuzz/fuzz_message.cpp
-// What a worker may say to its parent after a stranger's mesh took it over. Promises: nonsense is nullopt; what is
-// understood can be said again and is understood alike; paths that make no sense throw model::Error, nothing else does.
+// Messages that a worker may send to its parent after an untrusted mesh took it over. Promises: nonsense is nullopt;
+// an understood message can be written again and is understood alike; paths that make no sense throw model::Error,
+// nothing else does.
 #include <string_view>
 
 #include "target.h"

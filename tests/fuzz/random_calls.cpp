@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     if (argc != 3 && argc != 4) return 1;
     const std::uint64_t first = std::strtoull(argv[1], nullptr, 10), count = std::strtoull(argv[2], nullptr, 10);
     const double limit = argc == 4 ? std::strtod(argv[3], nullptr) : 1e18;
-    // Faults too, unless a sanitizer tells of them first (ASAN_OPTIONS=abort_on_error=1 ends with an abort).
+    // Faults too, unless a sanitizer reports them first (ASAN_OPTIONS=abort_on_error=1 ends with an abort).
     if (!kSanitized)
         for (const int signal : {SIGSEGV, SIGFPE, SIGBUS}) std::signal(signal, say_which);
     std::signal(SIGABRT, say_which);

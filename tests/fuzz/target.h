@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/fuzz/target.h
-// What every fuzz_*.cpp offers: to libFuzzer under DGM_FUZZ, to replay.cpp in all other builds.
+// Interface of every fuzz_*.cpp: to libFuzzer under DGM_FUZZ, to replay.cpp in all other builds.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
-/// Bytes from a stranger. Aborts if a promise is broken.
+/// Untrusted bytes. Aborts if a promise is broken.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace dgm::test {

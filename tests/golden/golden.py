@@ -62,8 +62,8 @@ def measure(bake, samples, method):
 
 
 def this_platform():
-    """What the bytes of a bake may depend on: the processor's instructions (libraries choose their loops by them), the
-    compiler and the maths library."""
+    """The platform on which the bytes of a bake may depend: the processor's instructions (libraries choose their loops
+    by them), the compiler and the maths library."""
     flags = set()
     for line in Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").splitlines():
         if line.startswith("flags"):

@@ -29,7 +29,8 @@ Outcome bake_with(std::size_t threads, const TriMesh& mesh) {
     const RepairedMesh repaired = repair(mesh);
     const TriMesh& component = repaired.components.at(0);
     CutSearchOptions options;
-    options.m = 33, options.n = 29;
+    options.m = 33;
+    options.n = 29;
     options.samples = 3000;
     options.max_extremities = 5;
     const CutSearchResult cut = search_cut(component, options, {});

@@ -63,7 +63,7 @@ TEST(FreeChartCornerCases, CutOfASingleEdge) {
     }
 }
 
-/// A slit in a flat sheet has both its sides in one place in an isometric map: it must be told from a simple border.
+/// A slit in a flat sheet has both its sides in one place in an isometric map: it must not count as a simple border.
 TEST(FreeChartCornerCases, CutOfAFlatSheet) {
     const TriMesh sheet = repair(test::grid_sheet(5, 5)).components.at(0);
     for (std::uint32_t v = 0; v < sheet.positions.size(); ++v)

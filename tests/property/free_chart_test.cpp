@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/property/free_chart_test.cpp
-// What holds of a free chart of any surface: one to one, a watertight strip, and slits that stay slits.
+// Laws of a free chart of any surface: one to one, a watertight strip, and slits that stay slits.
 #include "geometry/chart/free_chart.h"
 
 #include <gtest/gtest.h>
@@ -120,7 +120,9 @@ TEST(FreeChartSlit, ASlitStaysASlit) {
             double lo = 9, hi = -9, right = -9;
             for (std::uint32_t s : f) {
                 const Vec3d p = repaired.frame.centre + chart.positions[s] * repaired.frame.diagonal;
-                lo = std::min(lo, p.y - 0.5), hi = std::max(hi, p.y - 0.5), right = std::max(right, p.x);
+                lo = std::min(lo, p.y - 0.5);
+                hi = std::max(hi, p.y - 0.5);
+                right = std::max(right, p.x);
             }
             if (right < 0.45) { EXPECT_FALSE(lo < -1e-9 && hi > 1e-9); }
         }

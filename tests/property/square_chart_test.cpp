@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/property/square_chart_test.cpp
-// What holds of a square chart of any surface: one to one, watertight, of the source's topology, better when finer.
+// Laws of a square chart of any surface: one to one, watertight, of the source's topology, better when finer.
 #include "geometry/chart/square_chart.h"
 
 #include <gtest/gtest.h>

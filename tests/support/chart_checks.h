@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/support/chart_checks.h
-// What must hold of every sampled chart, counted here rather than asked of the code under test.
+// Laws of every sampled chart, counted here rather than asked of the code under test.
 #pragma once
 #include <gtest/gtest.h>
 

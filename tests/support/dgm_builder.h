@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/support/dgm_builder.h
-// Byte images of .dgm files by layout.h, without HDF5: what the runtime maps, and every way to break it.
+// Byte images of .dgm files by layout.h, without HDF5: files that the runtime maps, and every way to break them.
 #pragma once
 #define XXH_INLINE_ALL
 #include <xxhash.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/support/disk_checks.h
-// What must hold of every opened surface, counted here rather than asked of the code under test.
+// Laws of every opened surface, counted here rather than asked of the code under test.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -61,8 +61,10 @@ inline void expect_disk(const bake::Disk& disk) {
         const std::uint32_t f = stack.back();
         stack.pop_back();
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
-            if (disk.opposite[h] != kNone && !reached[disk.opposite[h] / 3])
-                reached[disk.opposite[h] / 3] = 1, stack.push_back(disk.opposite[h] / 3);
+            if (disk.opposite[h] != kNone && !reached[disk.opposite[h] / 3]) {
+                reached[disk.opposite[h] / 3] = 1;
+                stack.push_back(disk.opposite[h] / 3);
+            }
     }
     EXPECT_EQ(std::count(reached.begin(), reached.end(), 0), 0) << "faces cut off";
     const std::vector<std::uint32_t> border = disk.border();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/support/platform.h
-// Tells tests of the runtime apart that cannot run everywhere. docs/platforms.md lists them with the reasons.
+// Marks the tests of the runtime that cannot run everywhere. docs/platforms.md lists them with the reasons.
 #pragma once
 #include <cstddef>
 #include <cstdlib>
@@ -16,7 +16,7 @@
 #define DGM_TEST_FILES 1
 #endif
 #if defined(__linux__)
-#define DGM_TEST_PAGES 1  // mincore() tells which pages of a file are in memory
+#define DGM_TEST_PAGES 1  // mincore() lists the pages of a file that are in memory
 #else
 #define DGM_TEST_PAGES 0
 #endif

@@ -22,7 +22,7 @@ struct Candidate {
     Method method = Method::kAuto;
     CandidateOutcome outcome = CandidateOutcome::kHigherError;
     double psnr = 0;         ///< 0 if it failed
-    std::string note;        ///< kFailed: why; kChosen: what the chart says of itself, may be empty
+    std::string note;        ///< kFailed: why; kChosen: the chart's note about itself, may be empty
     double cpu_seconds = 0;  ///< map and measurement, without the cut that candidates share
 };
 

@@ -9,10 +9,10 @@
 
 namespace dgm::bake {
 
-/// Calls work(k, progress) for k = 0 .. count - 1, on several threads; each call may change what belongs to k alone, so
+/// Calls work(k, progress) for k = 0 .. count - 1, on several threads; each call may change the data of k alone, so
 /// that results do not depend on the order. The progress handed on counts 0..1 of component k and may be used by its
-/// call alone; `progress` hears of all of them, one at a time, with the stage that the call named.
-/// @throws what the failed call of the lowest k threw; later components may then not have been started
+/// call alone; `progress` gets all of them, one at a time, with the stage that the call named.
+/// @throws the exception of the failed call of the lowest k; later components may then not have been started
 void for_each_component(std::size_t count, const model::Progress& progress,
                         const std::function<void(std::size_t, const model::Progress&)>& work);
 

@@ -32,7 +32,8 @@ double free_chart_aspect(const SampledChart& chart) {
         const Vec3d s = (q[0] * (b.y - c.y) + q[1] * (c.y - a.y) + q[2] * (a.y - b.y)) / twice;
         const Vec3d t = (q[0] * (c.x - b.x) + q[1] * (a.x - c.x) + q[2] * (b.x - a.x)) / twice;
         const double area = face_area(q);
-        along_rows += area * dot(s, s), along_cols += area * dot(t, t);
+        along_rows += area * dot(s, s);
+        along_cols += area * dot(t, t);
     }
     return along_cols > 0 ? std::sqrt(along_rows / along_cols) : 1;
 }

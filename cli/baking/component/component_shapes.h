@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/component/component_shapes.h
-// Which m : n the components of an asset ask for, by cheap bakes (--size auto:N).
+// Finds the m : n that suits each component of an asset, by cheap bakes (--size auto:N).
 #pragma once
 #include <cstdint>
 #include <span>

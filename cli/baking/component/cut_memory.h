@@ -17,14 +17,14 @@ enum class CutUse {
     kBest,    ///< search, and take a cut known from a similar grid if it is better here
 };
 
-/// A cut serves grids of similar size about equally well, and what one search misses another finds: so taking the best
-/// of those known is both cheaper and, over a series of grids, steadier than searching for each. What was chosen for
-/// one grid stays chosen for similar ones of its aspect.
+/// A cut serves grids of similar size about equally well, and one search finds cuts that another misses. So taking the
+/// best known cut is cheaper than a search for each grid and, over a series of grids, steadier. The cut that was chosen
+/// for one grid stays chosen for similar grids of its aspect.
 class CutMemory {
  public:
-    /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers what it finds.
-    /// Cuts are compared by measured error on a grid of at most 257 a side.
-    /// @throws what search_cut throws
+    /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers the cuts that it
+    /// finds. Cuts are compared by measured error on a grid of at most 257 a side.
+    /// @throws as search_cut
     [[nodiscard]] CutSearchResult search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
                                          const model::Progress& progress);
 

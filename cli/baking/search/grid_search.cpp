@@ -55,10 +55,11 @@ class Record {
         return measured;
     }
 
-    /// Takes over what was found, and what was measured beside it.
+    /// Takes over the result and the other measured grids.
     void answer(const SizeSearch& found, std::size_t beside) {
         const GridSize size = ladder_[*found.found];
-        search.rows = size.rows, search.cols = size.cols;
+        search.rows = size.rows;
+        search.cols = size.cols;
         for (std::size_t k = 0; k < found.trials.size(); ++k)
             if (found.trials[k].step == beside) search.next = search.trials[k];
     }
@@ -97,7 +98,8 @@ GridSearch search_by_error(const ErrorGoal& goal, double diagonal, const std::ve
     GridSearch& out = record.search;
     out.goal = SearchGoal::kMaxError;
     out.kind = goal.kind;
-    out.asked = asked, out.asked_percent = 100 * asked / diagonal;
+    out.asked = asked;
+    out.asked_percent = 100 * asked / diagonal;
     out.margin = error_margin(goal.kind);
     if (found.found) {
         record.answer(found, *found.found - 1);  // no such step before the first: nothing beside it

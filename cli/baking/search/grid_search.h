@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/search/grid_search.h
-// Asking by error and by file size: size_search.h with the words, the margins and the report around it.
+// Searches by error and by file size: size_search.h with words, margins and the report around it.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -14,8 +14,8 @@ namespace dgm::bake {
 
 /// How the search has grids baked. Both are called in turn, on the caller's thread.
 struct GridTries {
-    /// Bakes one grid and measures what the search is about: rms and hausdorff in source units, or bytes.
-    /// The failures kGridTooSmall and kMapInvalid count against the grid; others end the search.
+    /// Bakes one grid and measures the quantity of the search: rms and hausdorff in source units, or bytes. The
+    /// failures kGridTooSmall and kMapInvalid count against the grid; others end the search.
     std::function<Attempt<GridTrial>(GridSize)> measure;
     /// The grid measured last is the best answer so far.
     std::function<void(GridSize)> keep;

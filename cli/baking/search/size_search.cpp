@@ -50,8 +50,14 @@ class Bracket {
         return it->second;
     }
 
-    void set_low(std::size_t step) { low_ = static_cast<std::ptrdiff_t>(step), narrowed(); }
-    void set_high(std::size_t step) { high_ = static_cast<std::ptrdiff_t>(step), narrowed(); }
+    void set_low(std::size_t step) {
+        low_ = static_cast<std::ptrdiff_t>(step);
+        narrowed();
+    }
+    void set_high(std::size_t step) {
+        high_ = static_cast<std::ptrdiff_t>(step);
+        narrowed();
+    }
 
     [[nodiscard]] bool has_low() const { return low_ >= 0; }
     [[nodiscard]] bool has_high() const { return high_ < static_cast<std::ptrdiff_t>(ladder_.size()); }
@@ -76,7 +82,10 @@ class Bracket {
             return;
         }
         ++tries_;
-        if (2 * (high_ - low_) <= width_) width_ = high_ - low_, tries_ = 0;
+        if (2 * (high_ - low_) <= width_) {
+            width_ = high_ - low_;
+            tries_ = 0;
+        }
     }
 
     std::span<const GridSize> ladder_;
@@ -116,7 +125,7 @@ std::optional<Point> neighbour(std::span<const GridSize> ladder, const SizeSearc
 
 GridSize grid_of(std::uint64_t samples, double aspect) {
     const auto total = static_cast<double>(samples);
-    // Either side first, the other takes what is left; the product decides.
+    // Either side first, the other takes the rest; the product decides.
     const std::uint32_t rows = odd_side(std::sqrt(total * aspect)), cols = odd_side(std::sqrt(total / aspect));
     const GridSize rows_first{rows, odd_side(total / rows)}, cols_first{odd_side(total / cols), cols};
     const auto off = [&](GridSize s) { return std::abs(std::log((s.rows - 1.0) / (s.cols - 1.0) / aspect)); };
@@ -136,7 +145,10 @@ std::vector<GridSize> grid_ladder(GridSize largest, bool coarse) {
         };
         const GridSize size{side(largest.rows), side(largest.cols)};
         out.push_back(size);
-        if (coarse && intervals == octave) step *= 2, octave *= 2;
+        if (coarse && intervals == octave) {
+            step *= 2;
+            octave *= 2;
+        }
     }
     out.push_back(largest);
     return out;
@@ -258,7 +270,8 @@ AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure) 
     const auto consider = [&](int step) {
         if (try_step(step) < (best == 0 ? kGain : 1.0) * rms[best]) best = step;
     };
-    consider(-2), consider(2);
+    consider(-2);
+    consider(2);
     if (best != 0) consider(2 * best);
     const int centre = best;
     for (const int step : {centre - 1, centre + 1})

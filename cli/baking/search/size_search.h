@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/search/size_search.h
-// Which grid answers "at most this error", "at most these bytes", "at most so many samples". Nothing here bakes: the
-// callers hand in what measures one grid.
+// Finds the grid for "at most this error", "at most these bytes", "at most so many samples". Nothing here bakes: the
+// callers hand in a function that measures one grid.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -22,7 +22,7 @@ namespace dgm::bake {
 /// search by measurement ends). Ends with `largest` itself, whatever its intervals.
 [[nodiscard]] std::vector<GridSize> grid_ladder(GridSize largest, bool coarse);
 
-/// What one grid of a ladder gave.
+/// Result of one grid of a ladder.
 struct SizeTrial {
     std::size_t step = 0;  ///< index into the ladder
     double value = 0;      ///< infinity: there is no valid map on this grid

@@ -43,13 +43,16 @@ RestShape at_rest(Vec2d a, Vec2d b, Vec2d c, double weight) {
 }
 
 /// The triangle abc, up to kWiden times as high over its longest side, but not higher than kFlat sides. Rest shapes as
-/// flat as what they stand for would let the borders on both sides of a gap close in on each other round by round,
-/// until doubles know no gap any more and no step is left.
+/// flat as their triangles would let the borders on both sides of a gap close in on each other round by round, until
+/// doubles resolve no gap any more and no step is left.
 std::array<Vec2d, 3> widened(std::array<Vec2d, 3> q) {
     std::size_t apex = 0;
     double longest = 0;
     for (std::size_t k = 0; k < 3; ++k)
-        if (const double side = length(q[(k + 2) % 3] - q[(k + 1) % 3]); side > longest) longest = side, apex = k;
+        if (const double side = length(q[(k + 2) % 3] - q[(k + 1) % 3]); side > longest) {
+            longest = side;
+            apex = k;
+        }
     const Vec2d base = q[(apex + 1) % 3], along = (q[(apex + 2) % 3] - base) * (1 / longest), up{-along.y, along.x};
     const double height = dot(q[apex] - base, up);
     if (height > 0 && height < kFlat * longest)
@@ -102,13 +105,7 @@ class Augmented {
         };
         for (const std::uint32_t v : disk_.border) points.push_back(uv[v]);
         close(0);
-        Vec2d lo = points[0], hi = lo;
-        for (const Vec2d& p : points) {
-            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
-            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
-        }
-        const Vec2d margin = Vec2d{1, 1} * (kMargin * std::max(hi.x - lo.x, hi.y - lo.y));
-        lo = lo - margin, hi = hi + margin;
+        const auto [lo, hi] = box_around(points);
         std::vector<std::uint32_t> box;
         for (const Vec2d& p : points_of_box(lo, hi)) {
             box.push_back(static_cast<std::uint32_t>(x.size()));
@@ -124,8 +121,8 @@ class Augmented {
         // Beside a large energy gaps would cost nothing, and close. An isometric map has an energy of 2.
         const double share = kOutsideWeight * std::max(1.0, 0.5 * now);
         const double weight = share * area_ / static_cast<double>(outside.size());
-        // Border vertices are the disk's own, the box and what fills the outside come after them; what fell inside the
-        // chart belongs to no face and gets no number.
+        // Border vertices are the disk's own, the box and the points that fill the outside come after them; points
+        // inside the chart belong to no face and get no number.
         std::vector<std::uint32_t> number(points.size(), kNone);
         for (std::size_t p = 0; p < points.size(); ++p)
             number[p] = p < k ? disk_.border[p] : p < k + box.size() ? box[p - k] : kNone;
@@ -133,7 +130,10 @@ class Augmented {
             Face face;
             for (std::size_t c = 0; c < 3; ++c) {
                 std::uint32_t& v = number[f[c]];
-                if (v == kNone) v = static_cast<std::uint32_t>(x.size()), x.push_back(points[f[c]]);
+                if (v == kNone) {
+                    v = static_cast<std::uint32_t>(x.size());
+                    x.push_back(points[f[c]]);
+                }
                 face[c] = v;
             }
             faces_.push_back(face);
@@ -149,6 +149,17 @@ class Augmented {
     }
 
  private:
+    /// Two corners of a box that holds all points with a margin.
+    static std::pair<Vec2d, Vec2d> box_around(const std::vector<Vec2d>& points) {
+        Vec2d lo = points[0], hi = lo;
+        for (const Vec2d& p : points) {
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+        const Vec2d margin = Vec2d{1, 1} * (kMargin * std::max(hi.x - lo.x, hi.y - lo.y));
+        return {lo - margin, hi + margin};
+    }
+
     /// Adds points between the border (the first `border` points) and the box, as far apart as they are from the
     /// border: without them the triangles outside are needles that hold the border where it is.
     static void fill_outside(Vec2d lo, Vec2d hi, std::size_t border, std::vector<Vec2d>& points) {
@@ -190,7 +201,8 @@ class Augmented {
             for (const Vec2d& p : points) points_[fill[bucket(p)]++] = p;
         }
 
-        /// Of the points within reach, or of some farther off; infinity if there are none.
+        /// Squared distance to the nearest of the points within reach, or of some farther off; infinity if there are
+        /// none.
         [[nodiscard]] double nearest_squared(Vec2d at) const {
             const std::size_t row = index(at.y - lo_.y, rows_), column = index(at.x - lo_.x, columns_);
             double squared = kInfinity;
@@ -232,7 +244,9 @@ std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv
     for (Vec2d& p : uv) p = p * std::sqrt(augmented.area() / map);
     // A crowded start spreads inside first, where there is no gap to close: loops about many handles need that most.
     SlimOptions inside;
-    inside.border_fixed = true, inside.iterations = kStepsInside, inside.tolerance = kIdle;
+    inside.border_fixed = true;
+    inside.iterations = kStepsInside;
+    inside.tolerance = kIdle;
     if (flip_free_energy(disk, uv, inside) > kCrowded)
         uv = descend_flip_free(disk, std::move(uv), inside, {.on_update = {}, .cancelled = progress.cancelled});
     for (const auto& [energy, tolerance] : energies) {
@@ -263,7 +277,9 @@ std::optional<std::vector<Vec2d>> descend_coarsely(const DiskView& disk, const s
     for (const std::uint32_t v : disk.border) outline.push_back(start[v]);
     MultilevelOptions options;
     options.coarsest_faces = kCoarseFaces;
-    options.coarsest_sweeps = 0, options.sweeps = 3, options.power = 1;
+    options.coarsest_sweeps = 0;
+    options.sweeps = 3;
+    options.power = 1;
     options.map_coarsest = [&](const DiskView& coarse) -> std::optional<std::vector<Vec2d>> {
         ConvexMapSolver solver(coarse.positions.size(), coarse.faces, coarse.border);
         std::vector<Vec2d> uv =
@@ -290,7 +306,7 @@ std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> st
     if (disk.faces.size() > 2 * (kWorthCoarse + 2 * disk.border.size()))
         if (auto coarse = descend_coarsely(disk, start, steps, triangulate, progress)) {
             start = std::move(*coarse);
-            // The long way is behind it. Of the energy that is 2 where isometric, a tenth of the share is as much.
+            // The long way is behind it. A tenth of the share is as much for the energy that is 2 where isometric.
             steps = {{energy, energy == FlipFreeEnergy::kSymmetricDirichlet ? kTolerance : kOnceMore}};
         }
     return descend_in_rounds(disk, std::move(start), steps, triangulate, progress);

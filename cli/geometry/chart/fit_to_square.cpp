@@ -39,7 +39,10 @@ void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border
     double least = kInfinity;
     const auto extent = [&](Vec2d d) {
         double lo = kInfinity, hi = -kInfinity;
-        for (const Vec2d& p : hull) lo = std::min(lo, dot(p, d)), hi = std::max(hi, dot(p, d));
+        for (const Vec2d& p : hull) {
+            lo = std::min(lo, dot(p, d));
+            hi = std::max(hi, dot(p, d));
+        }
         return std::pair(lo, hi);
     };
     const auto consider = [&](Vec2d d) {

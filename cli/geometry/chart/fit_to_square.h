@@ -10,10 +10,11 @@
 
 namespace dgm::bake {
 
-/// Which of a chart's upright bounding rectangles is stretched over the square, by its sides in steps of m x n samples.
+/// Rule that chooses the bounding rectangle of a chart to be stretched over the square, by its sides in steps of m x n
+/// samples.
 enum class Box {
     kLeastArea,
-    kLeastSquares,  ///< of the sides: what an isometric chart is stretched least in
+    kLeastSquares,  ///< of the sides: an isometric chart is stretched least in it
 };
 
 /// Turns the chart and stretches its bounding rectangle over the unit square.

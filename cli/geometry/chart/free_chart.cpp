@@ -70,7 +70,8 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
     if (!tools.is_simple(outline)) throw Error(codes::kMapInvalid, method + ": the chart overlaps itself");
 
     SampledChart chart;
-    chart.m = m, chart.n = n;
+    chart.m = m;
+    chart.n = n;
     chart.domain = layout::Domain::kFree;
     chart.method = std::move(method);
     const SampleGrid fine = rasterize(disk.mesh.faces, uv, 2 * m - 1, 2 * n - 1);
@@ -107,7 +108,7 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
 }
 
 constexpr double kGoodStretch = 1.25;  // L2 stretch from which a shorter cut is preferred to a better map
-constexpr double kBetter = 0.95;       // of the stretch so far: what a longer cut must reach to be taken
+constexpr double kBetter = 0.95;       // of the stretch so far: a longer cut must reach it to be taken
 // Loops about so many handles make a cut that is long as it is, and each map of it takes long: no more than two.
 constexpr std::int64_t kManyHandles = 16;
 constexpr int kShrunkPerRound = 2;
@@ -144,7 +145,7 @@ struct Layout {
 Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& tools, const model::Progress& progress,
                std::optional<Error>& failure) {
     Layout out{.disk = std::move(disk)};
-    // A cut of one edge leaves two border edges between the same two vertices, which no map can tell apart.
+    // A cut of one edge leaves two border edges between the same two vertices, which no map can separate.
     if (const std::vector<std::uint32_t> edges = out.disk.border(); edges.size() == 2)
         out.disk.split(edges.front(), 0.5);
     const std::vector<std::uint32_t> border = border_vertices(out.disk);
@@ -162,8 +163,8 @@ Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& too
     return out;
 }
 
-/// Splits edges inside that join two border vertices: what they cut off would lie in a segment of the circle, almost
-/// without height.
+/// Splits edges inside that join two border vertices: the faces that they cut off would lie in a segment of the circle,
+/// almost without height.
 void split_chords(Disk& disk, std::span<const std::uint32_t> border) {
     std::vector<char> on_border(disk.mesh.positions.size(), 0);
     for (const std::uint32_t v : border) on_border[v] = 1;
@@ -212,8 +213,10 @@ bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::vector<std:
         const double area = face_area({q[f[0]], q[f[1]], q[f[2]]});
         const double mapped = signed_area(layout.uv[f[0]], layout.uv[f[1]], layout.uv[f[2]]);
         for (const std::uint32_t v : f)
-            if (const std::uint32_t point = layout.disk.weld[v]; point < points)
-                surface[point] += area, map[point] += mapped;
+            if (const std::uint32_t point = layout.disk.weld[v]; point < points) {
+                surface[point] += area;
+                map[point] += mapped;
+            }
     }
     for (int k = 0; k < kShrunkPerRound; ++k) {
         const std::vector<double> distance = cut.distance_to_cut();
@@ -223,7 +226,10 @@ bool lengthen_where_shrunk(CutGraph& cut, const Layout& layout, std::vector<std:
         for (std::uint32_t v = 0; v < points; ++v) {
             if (!(distance[v] > kLeastBranch * far)) continue;
             const double shrunk = surface[v] / std::max(map[v], std::numeric_limits<double>::min());
-            if (shrunk > most) most = shrunk, worst = v;
+            if (shrunk > most) {
+                most = shrunk;
+                worst = v;
+            }
         }
         if (worst == kNone) return k > 0;
         joined.push_back(worst);
@@ -244,7 +250,7 @@ CutGraph first_cut(const TriMesh& component) {
     return cut;
 }
 
-/// Longer and longer cuts, and what the method makes of them.
+/// Longer and longer cuts, and the maps that the method makes of them.
 struct CutTrials {
     const Parameterizer& method;
     const FreeChartTools& tools;
@@ -270,7 +276,10 @@ struct CutTrials {
         if (last->overlaps && last->stretch < kGoodStretch) return false;
         const bool gains = !last->overlaps && last->stretch < (best ? kBetter * best->stretch : kInfinity);
         if (best && !gains && ++idle > 1) return false;
-        if (gains) best = last, idle = 0;
+        if (gains) {
+            best = last;
+            idle = 0;
+        }
         return !best || best->stretch >= kGoodStretch;
     }
 
@@ -290,9 +299,9 @@ struct CutTrials {
 
 constexpr std::size_t kScoutFaces = 3000;
 
-/// The further rounds of `trials`, whose first map overlaps, on a coarse copy of the component: a map of the
-/// component itself is made of what came out best there, none of cuts that overlap. False if the copy does not take
-/// the first cut as the component does.
+/// The further rounds of `trials`, whose first map overlaps, on a coarse copy of the component: a map of the component
+/// itself is made with the best cut found there, none with cuts that overlap. False if the copy does not take the first
+/// cut as the component does.
 bool run_on_copy(CutTrials& trials, int most) {
     const TriMesh& fine = trials.cut.mesh();
     SimplifyOptions options;
@@ -353,7 +362,7 @@ SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uin
     // Loops about handles need not run alike on a copy.
     const bool large = component.faces.size() > 2 * kScoutFaces && cut.genus() == 0;
     trials.lay_out();
-    // What a cut gains beyond a valid map is told by maps of the component alone.
+    // Only maps of the component show the gain of a cut beyond a valid map.
     const bool scouts = large && rounds > 1 && trials.last->overlaps && trials.judge();
     if (!scouts || !run_on_copy(trials, rounds)) trials.run(rounds);
     std::optional<Layout>&best = trials.best, &last = trials.last;

@@ -130,7 +130,8 @@ class Joiner {
     void flip_repeated_edges() {
         using Edge = std::pair<std::uint32_t, std::uint32_t>;
         const auto welded = [&](std::uint32_t a, std::uint32_t b) {
-            a = chart_.representative[a], b = chart_.representative[b];
+            a = chart_.representative[a];
+            b = chart_.representative[b];
             return Edge{std::min(a, b), std::max(a, b)};
         };
         bool convex = true;
@@ -153,7 +154,8 @@ class Joiner {
                 if (touched.count(faces[0]) || touched.count(faces[1])) continue;
                 if (!flip(faces[0], faces[1], edge.first, edge.second, uses, welded, convex)) continue;
                 flipped = true;
-                touched.insert(faces[0]), touched.insert(faces[1]);
+                touched.insert(faces[0]);
+                touched.insert(faces[1]);
                 uses[w] -= 2;
             }
             if (!flipped && !convex) return;
@@ -183,7 +185,8 @@ class Joiner {
         if (w.first == w.second || uses.count(w) != 0) return false;
         const Face one{c, from, d}, other{d, to, c};
         if (convex && !(doubled_area(one) > 0 && doubled_area(other) > 0)) return false;
-        first = one, second = other;
+        first = one;
+        second = other;
         return true;
     }
 

@@ -7,7 +7,7 @@
 namespace dgm::bake {
 
 /// Needs mask (samples covered by the map), border_uv and representative; thins the mask to the samples that quads may
-/// use, and fills `strip`. Quads that a border edge enters, and samples within 0.15 cells of the border, are given up.
+/// use, and fills `strip`. Quads that a border edge enters, and samples within 0.15 cells of the border, are left out.
 /// @throws model::Error kMapInvalid if the region cannot be triangulated
 void join_lattice_to_border(SampledChart& chart, const Triangulate& triangulate);
 

@@ -78,7 +78,10 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
             for (std::uint32_t j = 0; j + 1 < n; ++j) {
                 if (!on_border(i, j)) continue;
                 const std::size_t a = std::size_t{i} * n + j, b = a + n, c = b + 1, d = a + 1;
-                edges.add(a, b), edges.add(b, c), edges.add(c, d), edges.add(d, a);
+                edges.add(a, b);
+                edges.add(b, c);
+                edges.add(c, d);
+                edges.add(d, a);
             }
     const auto squared = [](const Vec3d& v) { return dot(v, v); };
     for (std::uint32_t i = 0; i + 1 < m; ++i)
@@ -189,7 +192,7 @@ bool holds_topology(const Topology& welded, const Topology& source) {
 
 SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples) {
     SurfaceErrorOptions options;
-    constexpr std::uint64_t kDense = 4;  // points a sample and a face: more of them tell the same
+    constexpr std::uint64_t kDense = 4;  // points a sample and a face: more of them give the same result
     options.samples = std::min<std::uint64_t>(samples, kDense * (chart.samples.size() + component.faces.size()));
     options.vertices = false;
     return measure_surface_error(component, chart.surface(), options);

@@ -42,7 +42,7 @@ struct SampledChart {
     std::vector<Face> strip;                    ///< free domain only: triangles between lattice and border
     std::optional<Lattice> lattice;             ///< that the positions of the grid lie on, if they were put on one
     double cut_length = 0;
-    std::string note;  ///< what the method had to give up, in plain words; usually empty
+    std::string note;  ///< losses that the method had to accept, in plain words; usually empty
 
     [[nodiscard]] std::size_t grid_count() const { return std::size_t{m} * n; }
     [[nodiscard]] bool on_surface(std::size_t sample) const {
@@ -69,8 +69,8 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres);
 /// The smallest lattice around all samples on the surface.
 [[nodiscard]] Lattice lattice_around(const SampledChart& chart);
 
-/// Triangles of the grid that look against the surface at all their corners: what shear in the map does to quads on a
-/// bent surface. A quick stand-in for turned_faces.h while samples lie where the map put them.
+/// Triangles of the grid that face against the surface at all their corners: shear in the map inverts quads on a bent
+/// surface. A quick stand-in for turned_faces.h while samples lie where the map put them.
 [[nodiscard]] std::size_t count_folded(const SampledChart& chart);
 
 /// Positions of all samples from their surface points, classes from their representative.
@@ -79,13 +79,13 @@ void place_samples(SampledChart& chart);
 /// Every second sample of a (2m-1) x (2n-1) rasterization: the m x n grid itself.
 [[nodiscard]] std::vector<SurfaceSample> coarsen(const SampleGrid& fine, std::uint32_t m, std::uint32_t n);
 
-/// Topology of the chart's surface with its seams closed: what must be that of the component.
+/// Topology of the chart's surface with its seams closed: it must be that of the component.
 [[nodiscard]] Topology welded_topology(const SampledChart& chart);
 
-/// True if a welded surface is the oriented manifold that its source is: what a chart must hold before it is believed.
+/// True if a welded surface is the oriented manifold that its source is: a chart must pass this before it is used.
 [[nodiscard]] bool holds_topology(const Topology& welded, const Topology& source);
 
-/// Error of the chart's surface against its component with few samples: what candidates are compared by.
+/// Error of the chart's surface against its component with few samples, by which candidates are compared.
 [[nodiscard]] SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples);
 
 }  // namespace dgm::bake

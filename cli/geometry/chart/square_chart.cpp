@@ -47,7 +47,7 @@ class StretchParameterizer final : public Parameterizer {
             return std::sqrt(stretch_energy(on.positions, on.faces, uv)) > kCrowded * area;
         };
         // The grid has far fewer samples than a large mesh has vertices: where they go is settled on a coarser level.
-        // Levelling itself may stretch a map beyond kCrowded, so what comes before it is looked at.
+        // Levelling itself may stretch a map beyond kCrowded, so the map before it is tested.
         MultilevelOptions options;
         if (disk.faces.size() > options.finish_faces) {
             bool sound = true;
@@ -166,13 +166,14 @@ SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std:
                                const Parameterizer& method, const model::Progress& progress, BorderShares shares) {
     const SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
     SampledChart chart;
-    chart.m = m, chart.n = n;
+    chart.m = m;
+    chart.n = n;
     chart.method = method.name();
     chart.disk = std::move(disk);
     const DiskView view{chart.disk.mesh.positions, chart.disk.mesh.faces, border.vertices, border.uv};
     chart.uv = method.solve(view, progress);
     sample_map(chart, border);
-    // What few folds are left the fit mends.
+    // The fit mends the few folds that are left.
     const std::size_t few = kFewFolds * 2 * std::size_t{m - 1} * (n - 1) / 1000;
     std::size_t folded = count_folded(chart);
     for (std::size_t step = 0; folded > few; ++step) {

@@ -11,22 +11,22 @@
 namespace dgm::bake {
 
 /// Lays the border, solves, checks and resamples. Every map is checked for finite values, flips and degenerate faces
-/// (exact predicates) and coverage before it is believed.
-/// A map of which more than a few quads fold is levelled, as far as the method can.
-/// @throws model::Error kMapInvalid with what was wrong, kGridTooSmall, kInterrupted, and what lay_square_border throws
+/// (exact predicates) and coverage before it is used.
+/// If more than a few quads fold, the map is levelled as far as the method can.
+/// @throws model::Error kMapInvalid with the fault, kGridTooSmall, kInterrupted, and as lay_square_border
 [[nodiscard]] SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                              const Parameterizer& method, const model::Progress& progress,
                                              BorderShares shares = BorderShares::kByLength);
 
 /// `stretch`: multilevel_map.h, and where that crowds or has no start, stretch_map.h with so many Newton steps for an
-/// ordinary map. The one with the lower stretch is taken, and levelled by a few Newton steps on an energy that minds
+/// ordinary map. The one with the lower stretch is taken, and levelled by a few Newton steps on an energy that counts
 /// shear too, and with `curvature` the bending of the surface (curved_rest_shapes.h). 0 steps: a trial, stretch_map.h
 /// alone.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps,
                                                                         bool curvature = true);
 
-/// The reweighted convex map [Yoshizawa 2004] alone: crowds limbs about as the named convex methods do, so that a cut
-/// found by it serves those.
+/// The reweighted convex map [Yoshizawa 2004] alone: crowds limbs about as the named convex methods do, so a cut found
+/// with it suits them too.
 [[nodiscard]] std::unique_ptr<Parameterizer> make_reweighted_parameterizer();
 
 /// @throws model::Error kMapInvalid unless every vertex is finite and every face positively oriented, by exact

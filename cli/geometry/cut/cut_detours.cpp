@@ -46,7 +46,7 @@ struct OpenedView {
 
 }  // namespace
 
-/// What a search for another way needs, kept from path to path: numbers per half-edge, valid where `stamp` is current.
+/// Memory of a search for another way, kept from path to path: numbers per half-edge, valid where `stamp` is current.
 struct CutGraph::Detours {
     explicit Detours(std::size_t half_edges)
         : distance(half_edges), arc(half_edges), from(half_edges), stamp(half_edges, 0), goal(half_edges, 0) {}

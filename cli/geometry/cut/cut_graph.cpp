@@ -19,7 +19,10 @@ VertexGraph build_graph(const TriMesh& mesh, std::span<const std::uint32_t> oppo
         for (std::uint32_t h = 0; h < opposite.size(); ++h)
             if (opposite[h] == kNone || h < opposite[h]) visit(h, origin(mesh.faces, h), target(mesh.faces, h));
     };
-    each_edge([&](std::uint32_t, std::uint32_t a, std::uint32_t b) { ++g.first[a + 1], ++g.first[b + 1]; });
+    each_edge([&](std::uint32_t, std::uint32_t a, std::uint32_t b) {
+        ++g.first[a + 1];
+        ++g.first[b + 1];
+    });
     for (std::size_t v = 1; v < g.first.size(); ++v) g.first[v] += g.first[v - 1];
     g.arcs.resize(g.first.back());
     std::vector<std::uint32_t> fill(g.first.begin(), g.first.end() - 1);
@@ -52,7 +55,10 @@ std::uint32_t CutGraph::search(std::span<const std::uint32_t> sources, Stop stop
     out.arc.assign(mesh_->positions.size(), kNone);
     using Entry = std::pair<double, std::uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    for (std::uint32_t s : sources) out.distance[s] = 0, queue.emplace(0.0, s);
+    for (std::uint32_t s : sources) {
+        out.distance[s] = 0;
+        queue.emplace(0.0, s);
+    }
     while (!queue.empty()) {
         const auto [d, v] = queue.top();
         queue.pop();
@@ -131,7 +137,10 @@ std::uint32_t CutGraph::middle() const {
     double best = kInfinity;
     for (std::uint32_t v = 0; v < n; ++v) {
         const double worse = std::max(tree.distance[v], other.distance[v]);
-        if (worse < best) best = worse, root = v;
+        if (worse < best) {
+            best = worse;
+            root = v;
+        }
     }
     return root;
 }
@@ -188,11 +197,15 @@ void CutGraph::join_boundary_loops() {
     std::vector<char> joined(loops_.size(), 0), on(mesh_->positions.size(), 0);
     std::vector<std::uint32_t> sources;
     const auto add_vertex = [&](std::uint32_t v) {
-        if (!on[v]) on[v] = 1, sources.push_back(v);
+        if (!on[v]) {
+            on[v] = 1;
+            sources.push_back(v);
+        }
     };
     std::size_t open = loops_.size();
     const auto add_loop = [&](std::uint32_t k) {
-        joined[k] = 1, --open;
+        joined[k] = 1;
+        --open;
         for (std::uint32_t v : members[k]) add_vertex(v);
     };
     // Start from the longest loop: it is the one that should face the square's border most.
@@ -218,7 +231,10 @@ void CutGraph::join_boundary_loops() {
 std::vector<std::uint32_t> CutGraph::cut_degrees() const {
     std::vector<std::uint32_t> degree(mesh_->positions.size(), 0);
     for (std::uint32_t h = 0; h < cut_.size(); ++h)
-        if (cut_[h] && h < opposite_[h]) ++degree[origin(mesh_->faces, h)], ++degree[target(mesh_->faces, h)];
+        if (cut_[h] && h < opposite_[h]) {
+            ++degree[origin(mesh_->faces, h)];
+            ++degree[target(mesh_->faces, h)];
+        }
     return degree;
 }
 
@@ -248,7 +264,8 @@ void CutGraph::prune() {
             const auto& arc = graph_.arcs[a];
             if (!cut_[arc.half_edge]) continue;
             mark(arc.half_edge, false);
-            --degree[v], --degree[arc.to];
+            --degree[v];
+            --degree[arc.to];
             if (is_leaf(arc.to)) leaves.push_back(arc.to);
         }
     }

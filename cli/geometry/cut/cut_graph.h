@@ -19,7 +19,7 @@ struct VertexGraph {
     struct Arc {
         std::uint32_t to, half_edge;  ///< a half-edge between the two, either direction
         double length;
-        double cost;  ///< what shortest paths add up: the length, unless CutGraph::weigh() was told otherwise
+        double cost;  ///< the cost that shortest paths add up: the length, unless CutGraph::weigh() has changed it
     };
     std::vector<std::uint32_t> first;  ///< arcs of vertex v: arcs[first[v]] .. arcs[first[v + 1] - 1]
     std::vector<Arc> arcs;
@@ -52,12 +52,12 @@ class CutGraph {
     /// Per vertex, nonzero where a dead end of the cut ends.
     [[nodiscard]] std::vector<char> tips() const;
 
-    /// True if what is left of the surface without the cut and the border is one open disk.
+    /// True if the surface without the cut and the border is one open disk.
     [[nodiscard]] bool opens_to_disk() const;
     [[nodiscard]] Disk open() const;
     [[nodiscard]] double length() const;
     [[nodiscard]] double edge_cost(std::uint32_t half_edge) const;
-    /// Of weigh(); 1 without.
+    /// Factor of an edge by weigh(); 1 without.
     [[nodiscard]] double factor(std::uint32_t half_edge) const {
         // kNone is the largest number.
         return factors_.empty() ? 1 : factors_[std::min(half_edge, opposite_[half_edge])];

@@ -249,8 +249,8 @@ class ComponentSearch {
                                  options_.n);
     }
 
-    /// Pulls paths of the best cut across faces where they are jagged along edges, unless that costs more accuracy than
-    /// they were jagged: where the grid shows each face of a coarse mesh, seams along its edges spare samples.
+    /// Pulls paths of the best cut across faces where they are jagged along edges, unless that costs too much accuracy:
+    /// where the grid shows each face of a coarse mesh, seams along its edges spare samples.
     bool pull_straight() {
         constexpr double kJagged = 0.03;  // share of the length that is lost
         constexpr double kWorth = 0.25;   // of that share: how much the error may grow

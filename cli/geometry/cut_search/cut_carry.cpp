@@ -54,7 +54,10 @@ class Network {
     }
 
  private:
-    void add(std::uint32_t a, std::uint32_t b) { at_[a].push_back(b), at_[b].push_back(a); }
+    void add(std::uint32_t a, std::uint32_t b) {
+        at_[a].push_back(b);
+        at_[b].push_back(a);
+    }
     void move(std::uint32_t w, const Collapse& c) {
         std::erase(at_[c.kept], w);
         std::replace(at_[w].begin(), at_[w].end(), c.kept, c.removed);

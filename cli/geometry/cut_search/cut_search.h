@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/cut_search/cut_search.h
-// Which cut and which rotation of the border serve a component best, by measured error.
+// Searches the cut and the rotation of the border that give a component the least error.
 #pragma once
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/cut/cut_graph.h"
@@ -22,8 +22,8 @@ struct CutSearchOptions {
     std::size_t drops = 12;  ///< branches tried without, at most
     std::size_t stars = 0;   ///< octahedra tried on a closed component without handles (star_cut.h), for odd m and n
     bool only_stars = false;
-    /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows to at most so many times what it
-    /// is without. 0: they are not. Nor are stars, nor where trials are measured.
+    /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows by at most this factor. 0: they
+    /// are not. Nor are stars, nor where trials are measured.
     double given_to_hide = 1.01;
     /// If no cut of the simplified mesh can be mapped, fail instead of searching the full mesh: for callers who have
     /// another chart already.
@@ -43,10 +43,10 @@ struct CutSearchResult {
 /// the resampled surface falls; then branches are dropped where that lowers it, and rotations are tried.
 ///
 /// The error is predicted (trial_map.h), and a large component is searched in simplified form and the cut carried back
-/// (cut_transfer.h); where that fails, and if `measured` asks for it, every trial is baked on the component
-/// itself. In the end paths that edges make jagged are pulled straight across faces (straight_cut.h), unless the error
-/// predicted grows by more than a quarter of the share that the cut gets shorter, or where trials are measured; the
-/// disk has vertices then that the component has not.
+/// (cut_transfer.h); where that fails, and if `measured` asks for it, every trial is baked on the component itself. In
+/// the end paths that edges make jagged are pulled straight across faces (straight_cut.h), unless the error predicted
+/// grows by more than a quarter of the share that the cut gets shorter, or where trials are measured; the disk has
+/// vertices then that the component has not.
 /// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map; kMethodUnsuited if stars alone are
 /// asked
 ///     of a surface or a grid that has none

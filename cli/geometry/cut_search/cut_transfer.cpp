@@ -55,7 +55,10 @@ class LocalSearch {
         reached_.clear();
         using Entry = std::pair<double, std::uint32_t>;
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-        for (std::uint32_t v : from) reached_[v] = {0, kNone}, queue.emplace(0.0, v);
+        for (std::uint32_t v : from) {
+            reached_[v] = {0, kNone};
+            queue.emplace(0.0, v);
+        }
         while (!queue.empty()) {
             const auto [d, v] = queue.top();
             queue.pop();
@@ -143,7 +146,10 @@ class Transfer {
         double length = 0;
         std::size_t edges = 0;
         for (const BorderPath& path : coarse_paths)
-            if (path.mate != kNone) length += path.length, edges += path.half_edges.size();
+            if (path.mate != kNone) {
+                length += path.length;
+                edges += path.half_edges.size();
+            }
         const double step = edges > 0 ? length / static_cast<double>(edges) : 0;
         const Disk disk = fine_.open();
         const std::vector<BorderPath> paths = disk.paths();
@@ -319,7 +325,10 @@ std::optional<std::uint32_t> transfer_rotation(const Disk& coarse, std::uint32_t
         const std::vector<std::uint32_t> there = points_of(fine, paths[p]);
         if (there.front() != from || there.back() != to) continue;
         const double off = std::abs(paths[p].length - coarse_paths.front().length);
-        if (off < least) least = off, best = p;
+        if (off < least) {
+            least = off;
+            best = p;
+        }
     }
     if (best == paths.size()) return std::nullopt;
     const std::uint32_t total = BorderGrid{m, n}.count();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/cut_search/cut_trial.h
-// Maps a component along a cut and says how good that is.
+// Maps a component along a cut and measures the result.
 #pragma once
 #include <cstdint>
 #include <memory>

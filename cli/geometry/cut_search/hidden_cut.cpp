@@ -16,7 +16,7 @@ Vec3d face_normal(const TriMesh& mesh, std::uint32_t half_edge) {
     return unit_normal(mesh.corners(half_edge / 3));
 }
 
-/// The cut along another way, and what that costs: infinity if there is none.
+/// The cut along another way, and its cost: infinity if there is none.
 double exchange(CutGraph& cut, const CutWay& way) {
     for (const std::uint32_t h : way.half_edges) cut.mark(h, false);
     return cut.connect(way.from, way.to);

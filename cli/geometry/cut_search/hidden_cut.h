@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/cut_search/hidden_cut.h
-// Cuts that open a surface as a given one does, along ways that are seen less.
+// Cuts that open a surface as a given one does, along less visible ways.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -23,8 +23,8 @@ struct CutWay {
     double saved;  ///< by the cheapest way between the same nodes
 };
 
-/// Paths of the cut that have a way cheaper by a few percent, as CutGraph::weigh() said what edges cost; the greatest
-/// saving first. Paths about handles and from border to border are left out: another way need not open the surface.
+/// Paths of the cut that have a way cheaper by a few percent, by the costs of CutGraph::weigh(); the greatest saving
+/// first. Paths about handles and from border to border are left out: another way need not open the surface.
 [[nodiscard]] std::vector<CutWay> hideable_ways(const CutGraph& cut);
 
 /// Cuts the cheapest way between the same nodes instead, if it is cheaper and crosses nothing; the surface stays one
@@ -34,7 +34,7 @@ void hide_way(CutGraph& cut, const CutWay& way);
 inline constexpr int kSeamPoints = 1000;
 
 /// Mean exposure along the seams of `disk`, by length, from evenly spaced points; 0 without seams.
-/// @param component  that the disk was cut from: what hides the seams
+/// @param component  that the disk was cut from, whose parts hide the seams
 /// @param points  at least 1
 [[nodiscard]] double seam_exposure(const Disk& disk, const TriMesh& component, int points = kSeamPoints);
 

@@ -13,7 +13,7 @@
 namespace dgm::bake {
 namespace {
 
-constexpr double kStray = 8;      // what an edge a radian off its great arc costs, in lengths
+constexpr double kStray = 8;      // cost of an edge a radian off its great arc, in lengths
 constexpr double kBehind = -0.2;  // cosine: farther from the end of its arm than a right angle and some
 
 /// The middle of the star and the ends of its arms, counter-clockwise about it seen from outside.
@@ -64,7 +64,9 @@ bool mark_arm(CutGraph& cut, const std::vector<Vec3d>& sphere, std::uint32_t fro
             const double off = 0.5 * std::abs(dot(sphere[v] + sphere[w], side));
             const double there = d + length(sphere[w] - sphere[v]) * (1 + kStray * off);
             if (there < distance[w]) {
-                distance[w] = there, arc[w] = a, before[w] = v;
+                distance[w] = there;
+                arc[w] = a;
+                before[w] = v;
                 queue.emplace(there, w);
             }
         }

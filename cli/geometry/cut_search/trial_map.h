@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/cut_search/trial_map.h
-// What a cut would be worth, at a small part of the cost of baking it.
+// Predicts the worth of a cut at a small part of the cost of baking it.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -43,7 +43,8 @@ void BorderRails::find_loops() {
         double length_so_far = 0;
         for (std::uint32_t h = first; !seen[h];) {
             seen[h] = 1;
-            loop.half_edges.push_back(h), loop.starts.push_back(length_so_far);
+            loop.half_edges.push_back(h);
+            loop.starts.push_back(length_so_far);
             const auto q = source_.corners(h / 3);
             length_so_far += length(q[(h % 3 + 1) % 3] - q[h % 3]);
             // Round the end of the edge to the next one on the border.
@@ -208,7 +209,7 @@ double BorderRails::after_sliding(const Stop& stop, double by) const {
         }
     if (to < 0) to += loop.length();
     if (to >= loop.length()) to -= loop.length();
-    // The corner itself, not what is left of it after a turn.
+    // The corner itself, not its rounded place after a turn.
     for (const double corner : loop.corners)
         if (std::abs(to - corner) < 1e-12 * loop.length()) to = corner;
     return to;
@@ -288,7 +289,8 @@ SurfaceSample BorderRails::sample(std::uint32_t c) const {
     const std::uint32_t h = loop.half_edges[k];
     const double along = loop.starts[k + 1] - loop.starts[k], x = along > 0 ? (places_[s] - loop.starts[k]) / along : 0;
     SurfaceSample out{h / 3, {0, 0, 0}};
-    out.b[h % 3] = 1 - x, out.b[(h % 3 + 1) % 3] = x;
+    out.b[h % 3] = 1 - x;
+    out.b[(h % 3 + 1) % 3] = x;
     return out;
 }
 
@@ -322,7 +324,8 @@ void BorderRails::add_rows(NormalEquations& equations, double weight,
         const Stop& stop = stops_[g.stop];
         const std::uint32_t h = leaving[stop.class_id];
         std::array<double, 3> b{0, 0, 0};
-        b[h % 3] = 1 - g.x, b[(h % 3 + 1) % 3] = g.x;
+        b[h % 3] = 1 - g.x;
+        b[(h % 3 + 1) % 3] = g.x;
         // Both directions across the chord: where there is no gap, none shall come.
         const Vec3d along = normalized(g.chord, Vec3d{}),
                     n = normalized(g.gap - along * dot(along, g.gap), any_perpendicular(along));

@@ -13,11 +13,10 @@
 namespace dgm::bake {
 
 /// Each class on the source's real border is a stop on one of its loops, at an arc length. Between two stops that are
-/// neighbours the grid's border is a chord; the part of the loop between them is what the chord stands for, so no
-/// search is needed to compare the two. A stop on a corner of the border stays there, and so does a stop that reaches
-/// one: where the border turns by 30 degrees over half a chord to each side, or at one vertex alone by 6. Loops whose
-/// stops are not in the order of the grid's border keep theirs where they are. Thread-safe but for `slide` and
-/// `set_places`.
+/// neighbours the grid's border is a chord; the chord stands for the part of the loop between them, so comparing the
+/// two needs no search. A stop on a corner of the border stays there, and so does a stop that reaches one: where the
+/// border turns by 30 degrees over half a chord to each side, or at one vertex alone by 6. Loops whose stops are not in
+/// the order of the grid's border keep theirs where they are. Thread-safe but for `slide` and `set_places`.
 class BorderRails {
  public:
     /// The references must outlive the object. Diagonals may change later, the grid's border must not.

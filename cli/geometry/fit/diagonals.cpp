@@ -73,7 +73,8 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
                 const Vec3d middle = (chart.positions[from] + chart.positions[to]) * 0.5;
                 return kMiddleWeight * walk_to_closest(source, middle, start).squared;
             };
-            sums[quad][0] += off(a, a + n + 1), sums[quad][1] += off(a + n, a + 1);
+            sums[quad][0] += off(a, a + n + 1);
+            sums[quad][1] += off(a + n, a + 1);
             const std::uint8_t old = chart.diagonals[quad];
             const bool old_folds = folds(chart, i, j, old), other_folds = folds(chart, i, j, !old);
             if (old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old]) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/fit/diagonals.h
-// Which way the quads of a chart are split, while it is fitted.
+// Chooses how the quads of a chart are split while it is fitted.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -16,7 +16,7 @@ namespace dgm::bake {
 struct FitOptions {
     int rounds = 3;                ///< matches, one least-squares step, diagonals
     int worst_rounds = 0;          ///< further rounds that weigh points by their error, to lower the maximum
-    double worst_price_db = 0.2;   ///< what those may cost in PSNR
+    double worst_price_db = 0.2;   ///< loss of PSNR that those may cause
     bool split_quads = true;       ///< choose diagonals by the error
     bool on_lattice = false;       ///< leave the grid's samples on the places that u16 positions have
     double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes 200,000 at most
@@ -33,10 +33,10 @@ struct FitReport {
 };
 
 /// Fits `chart.positions` and `chart.diagonals`; the copies of a class move as one unknown, samples on the source's
-/// real border slide along it and stay on its corners (border_rails.h), and a step is shortened where it would turn a
-/// triangle against the source. Faces that the start turns against the source are mended first, and those that are left
-/// at last; the best state is kept. `chart.samples` are moved to the closest points of the source, for the layers that
-/// are read there. Deterministic, whatever the number of threads.
+/// real border slide along it and stay on its corners (border_rails.h), and a step is shortened where it would invert a
+/// triangle. Faces that are inverted at the start are repaired first, the remaining ones at the end; the best state is
+/// kept. `chart.samples` are moved to the closest points of the source, for the layers that are read there.
+/// Deterministic, whatever the number of threads.
 FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress);
 
 }  // namespace dgm::bake

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/fit/fit_rows.h
-// What a round of the fit asks of the grid: the rows of its normal equations.
+// Rows of the normal equations in a round of the fit.
 #pragma once
 #include <array>
 #include <span>
@@ -16,13 +16,13 @@ namespace dgm::bake {
 class FitRows {
  public:
     /// All must outlive the object.
-    /// @param points_per_sample  of the source, area-uniform: what a row of the border is weighed by
+    /// @param points_per_sample  of the source, area-uniform: weight of a row of the border
     FitRows(const LinkedSurface& source, const WeldedGrid& grid, const Matches& matches, const BorderRails& rails,
             double points_per_sample)
         : source_(source), grid_(grid), matches_(matches), rails_(rails), points_per_sample_(points_per_sample) {}
 
     /// @param worst_only  pull hardest where the error is near the largest, and not much less where it was a round ago:
-    /// otherwise what one round brings closer, the next gives back for what stands off on the other side [Lawson 1961]
+    /// otherwise the next round loses the gain of this one to points on the other side [Lawson 1961]
     /// @param near  per face of the grid: rows of these alone; all if empty
     void assemble(NormalEquations& equations, bool worst_only, std::span<const char> near = {});
 

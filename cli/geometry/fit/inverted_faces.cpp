@@ -20,12 +20,16 @@ std::vector<std::uint32_t> InvertedFaces::faces(std::span<const char> among, boo
     std::vector<std::uint32_t> number, out;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
         if (const auto q = grid_.corners(f); (among.empty() || among[f]) && q != judged_[f].corners) {
-            surface.faces.push_back(grid_.faces[f]), number.push_back(f);
+            surface.faces.push_back(grid_.faces[f]);
+            number.push_back(f);
             judged_[f] = {q, false, false};
         }
     const std::vector<std::uint32_t> found = find_turned_faces(source_index(), surface, kSafeTie, kSafeCosine);
     std::vector<Face> close;
-    for (const std::uint32_t k : found) judged_[number[k]].nearly = true, close.push_back(surface.faces[k]);
+    for (const std::uint32_t k : found) {
+        judged_[number[k]].nearly = true;
+        close.push_back(surface.faces[k]);
+    }
     surface.faces = std::move(close);
     for (const std::uint32_t k : find_turned_faces(source_index(), surface, kTurnedTie))
         judged_[number[found[k]]].inverted = true;

@@ -13,11 +13,11 @@
 
 namespace dgm::bake {
 
-/// What the measure is asked with while the grid moves: its positions are rounded yet, and a face that passes by a hair
-/// may not pass then.
+/// Stricter limits of the measure while the grid moves: its positions are still to be rounded, and a face that passes
+/// narrowly before may fail after.
 inline constexpr double kSafeTie = 0.5 * kTurnedTie, kSafeCosine = 0.01;
 
-/// Remembers what it has measured: only faces that lie elsewhere than when they were last looked at are measured again.
+/// Remembers its measurements: only faces that have moved since are measured again.
 class InvertedFaces {
  public:
     /// All must outlive the object; `grid` may move and be linked anew in between.
@@ -25,7 +25,7 @@ class InvertedFaces {
     InvertedFaces(const LinkedSurface& source, const LinkedSurface& grid, const ClosestPointIndex* source_index)
         : source_(source), grid_(grid), source_index_(source_index) {}
 
-    /// Of the source; built when it is first asked for, if there was none.
+    /// Index of the source; built at the first call if there was none.
     [[nodiscard]] const ClosestPointIndex& source_index();
 
     /// Inverted by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.

@@ -60,7 +60,10 @@ void snap_to_lattice(const Lattice& lattice, const NormalEquations& equations, s
             for (int k = 0; k < 125; ++k) {
                 const Vec3d by{k % 5 - 2.0, k / 5 % 5 - 2.0, k / 25 - 2.0};
                 grid.positions[c] = lattice.nearest(old + by * lattice.step);
-                if (const double now = least(); now > most) most = now, best = grid.positions[c];
+                if (const double now = least(); now > most) {
+                    most = now;
+                    best = grid.positions[c];
+                }
             }
             grid.positions[c] = best;
         }

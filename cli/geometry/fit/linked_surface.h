@@ -43,13 +43,16 @@ struct SurfaceHit {
 /// Floods some hundred faces around a start, time and again.
 class NearbyFaces {
  public:
-    /// @param surface  must outlive the object; what it holds may change in between
+    /// @param surface  must outlive the object; its content may change in between
     explicit NearbyFaces(const LinkedSurface& surface) : surface_(surface) {}
 
     template <class Visit>
     void visit(std::uint32_t start, Visit visit_face) {
         constexpr std::size_t kMost = 400;
-        if (++turn_ == 0 || seen_.size() != surface_.faces.size()) seen_.assign(surface_.faces.size(), 0), turn_ = 1;
+        if (++turn_ == 0 || seen_.size() != surface_.faces.size()) {
+            seen_.assign(surface_.faces.size(), 0);
+            turn_ = 1;
+        }
         reached_.assign(1, start);
         seen_[start] = turn_;
         for (std::size_t k = 0; k < reached_.size(); ++k) {
@@ -57,8 +60,10 @@ class NearbyFaces {
             visit_face(face);
             if (reached_.size() == kMost) continue;
             for (const std::uint32_t next : surface_.neighbours[face])
-                if (next != kNone && reached_.size() < kMost && seen_[next] != turn_)
-                    seen_[next] = turn_, reached_.push_back(next);
+                if (next != kNone && reached_.size() < kMost && seen_[next] != turn_) {
+                    seen_[next] = turn_;
+                    reached_.push_back(next);
+                }
         }
     }
 
@@ -72,7 +77,7 @@ class NearbyFaces {
 /// go.
 class NearbySearch {
  public:
-    /// @param surface  must outlive the search; what it holds may change in between
+    /// @param surface  must outlive the search; its content may change in between
     explicit NearbySearch(const LinkedSurface& surface) : surface_(surface), nearby_(surface) {}
     [[nodiscard]] SurfaceHit from(const Vec3d& p, std::uint32_t start);
 
@@ -84,8 +89,8 @@ class NearbySearch {
 /// The source of a chart with its cut closed: the disk's faces, in their order, over its surface points.
 [[nodiscard]] LinkedSurface link_source(const Disk& disk);
 
-/// Unit face normals at the scale of faces with `area`: smaller faces look where their surroundings do. The sides of a
-/// spike between two samples look everywhere, and would forbid the grid to grow one.
+/// Unit face normals at the scale of faces with `area`: smaller faces take the direction of their surroundings. The
+/// sides of a spike between two samples face all directions, and would keep the grid from growing one.
 [[nodiscard]] std::vector<Vec3d> normals_at_scale(const LinkedSurface& surface, double area);
 
 }  // namespace dgm::bake

@@ -12,9 +12,9 @@
 
 namespace dgm::bake {
 
-/// Sampling and fitting leave a few faces that look against the source. The cheapest means come first: samples one by
-/// one (vertex_repair.h), then patches (patch_repair.h) and a search (search_repair.h), as the measure of inverted
-/// faces (metrics/turned_faces.h) finds them. Remembers the faces that no means could repair, and the effort spent.
+/// Sampling and fitting leave a few inverted faces. The cheapest means come first: samples one by one
+/// (vertex_repair.h), then patches (patch_repair.h) and a search (search_repair.h), as the measure of inverted faces
+/// (metrics/turned_faces.h) finds them. Remembers the faces that no means could repair, and the effort spent.
 class LocalRepair {
  public:
     /// @param fit  must outlive the object

@@ -16,14 +16,17 @@ constexpr double kVertexWeight = 0.25;
 constexpr std::size_t kChunk = 1024;
 
 /// Calls body(k) for each match of `list`, then notes the farthest of every chunk while it is in the cache: the lists
-/// are long, and what is asked of all of them is asked of these.
+/// are long, and all passes need these chunks.
 template <class Body>
 void in_chunks(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
     farthest.assign((list.size() + kChunk - 1) / kChunk, 0.0);
     tbb::parallel_for(std::size_t{0}, farthest.size(), [&](std::size_t chunk) {
         const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
         double squared = 0;
-        for (std::size_t k = begin; k < end; ++k) body(k), squared = std::max(squared, list[k].hit.squared);
+        for (std::size_t k = begin; k < end; ++k) {
+            body(k);
+            squared = std::max(squared, list[k].hit.squared);
+        }
         farthest[chunk] = squared;
     });
 }
@@ -52,7 +55,10 @@ void Matches::spread(const SampledChart& chart, std::size_t count) {
     std::vector<char> seen(source_.positions.size(), 0);
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
         const std::uint32_t point = chart.disk.weld[v];
-        if (!seen[point]) seen[point] = 1, add(mesh.positions[v], grid_.face_at(chart, chart.uv[v]), kVertexWeight);
+        if (!seen[point]) {
+            seen[point] = 1;
+            add(mesh.positions[v], grid_.face_at(chart, chart.uv[v]), kVertexWeight);
+        }
     }
 }
 
@@ -110,7 +116,10 @@ void Matches::update(bool with_edges, std::span<const char> near) {
     in_chunks(middles, farthest_[2], [&](std::size_t f) {
         if (near.empty() || near[f]) update_middle(f);
     });
-    if (!with_edges || edges.size() != grid_.edges.size()) edges.clear(), farthest_[3].clear();
+    if (!with_edges || edges.size() != grid_.edges.size()) {
+        edges.clear();
+        farthest_[3].clear();
+    }
     if (with_edges) update_edges(edges.empty() ? std::span<const char>{} : near);
     look_again_far_off(near);
     weigh_and_measure();
@@ -234,7 +243,8 @@ void Matches::weigh_and_measure() {
     double total = 0;
     for (std::size_t f = 0; f < grid.faces.size(); ++f) {
         const double area = face_area(grid.corners(f));
-        middles[f].weight = area, total += area;
+        middles[f].weight = area;
+        total += area;
         for (const std::uint32_t c : grid.faces[f]) classes[c].weight += area / 3;
     }
     const double mean = 2 * total / static_cast<double>(classes.size() + middles.size());
@@ -243,7 +253,8 @@ void Matches::weigh_and_measure() {
     for (auto* list : {&classes, &middles})
         for (Match& m : *list) {
             m.weight = std::max(m.weight, 0.05 * mean) * scale;
-            backward += m.weight * m.hit.squared, weight += m.weight;
+            backward += m.weight * m.hit.squared;
+            weight += m.weight;
         }
     for (std::size_t k = 0; k < area_points; ++k) forward += points[k].hit.squared;
     const double mean_forward = area_points > 0 ? forward / static_cast<double>(area_points) : 0;

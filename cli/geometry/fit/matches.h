@@ -32,16 +32,15 @@ class Matches {
 
     /// Looks everything up for the grid's present shape. `with_edges`: the middles of the edges too, where a chord
     /// across a fold is farthest from it; they have no weight, but count for `largest`.
-    /// @param near  per face of the grid: look up only what is matched there, since no other face has moved; all if
+    /// @param near  per face of the grid: look up only the points matched there, since no other face has moved; all if
     /// empty
     void update(bool with_edges, std::span<const char> near = {});
     /// After `update` with edges: the farthest matches once more, against all faces of the other surface. Walks stop in
-    /// local minima, and what they say is far off may lie on another fold; `largest` is then the distance of a place
-    /// that nothing can bring closer. Where only a wall that looks the other way is closer, the match stays with its
-    /// own.
+    /// local minima, and their farthest points may lie on another fold; `largest` is then the distance of a place that
+    /// nothing can bring closer. Where only a wall that looks the other way is closer, the match stays with its own.
     /// @param source_index  of the source
     void settle_farthest(const ClosestPointIndex& source_index);
-    /// Of the source, where it has more faces than the grid; else null.
+    /// Index of the source if it has more faces than the grid; else null.
     [[nodiscard]] const ClosestPointIndex* source_index() const { return source_index_.get(); }
     /// The middle of one face again, after a corner of it has moved.
     void update_middle(std::size_t face);

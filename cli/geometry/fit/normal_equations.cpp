@@ -9,6 +9,29 @@ namespace {
 
 using Block = std::array<double, 6>;
 
+/// The edges at each class: entries first[c] .. first[c + 1] of `list`.
+struct EdgesByClass {
+    std::vector<std::uint32_t> first;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> list;  ///< edge, class across
+};
+
+EdgesByClass edges_by_class(std::span<const std::pair<std::uint32_t, std::uint32_t>> edges, std::uint32_t count) {
+    EdgesByClass out{std::vector<std::uint32_t>(count + 1, 0), {}};
+    for (const auto& [a, b] : edges) {
+        ++out.first[a + 1];
+        ++out.first[b + 1];
+    }
+    for (std::uint32_t c = 0; c < count; ++c) out.first[c + 1] += out.first[c];
+    out.list.resize(out.first.back());
+    std::vector<std::uint32_t> next(out.first.begin(), out.first.end() - 1);
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+        const auto [a, b] = edges[e];
+        out.list[next[a]++] = {e, b};
+        out.list[next[b]++] = {e, a};
+    }
+    return out;
+}
+
 Vec3d multiply(const Block& a, const Vec3d& v) {
     return {a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z,
             a[2] * v.x + a[4] * v.y + a[5] * v.z};
@@ -77,7 +100,10 @@ void NormalEquations::add(std::uint32_t face, const std::array<double, 3>& b, co
         const double own = b[k] * b[k], pair = b[k] * b[(k + 1) % 3];
         Block& d = diagonal_[f[k]];
         Block& o = off_[edges[k]];
-        for (std::size_t e = 0; e < 6; ++e) d[e] += own * m[e], o[e] += pair * m[e];
+        for (std::size_t e = 0; e < 6; ++e) {
+            d[e] += own * m[e];
+            o[e] += pair * m[e];
+        }
     }
 }
 
@@ -145,21 +171,13 @@ void NormalEquations::snap(std::vector<Vec3d>& positions, const Lattice& lattice
                            const std::function<int(std::uint32_t)>& spoilt) const {
     constexpr int kPasses = 6;
     const auto count = static_cast<std::uint32_t>(diagonal_.size());
-    std::vector<std::uint32_t> first(count + 1, 0);
-    for (const auto& [a, b] : grid_.edges) ++first[a + 1], ++first[b + 1];
-    for (std::uint32_t c = 0; c < count; ++c) first[c + 1] += first[c];
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> around(first.back());  // edge, class across
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::uint32_t e = 0; e < grid_.edges.size(); ++e) {
-        const auto [a, b] = grid_.edges[e];
-        around[next[a]++] = {e, b}, around[next[b]++] = {e, a};
-    }
+    const EdgesByClass edges = edges_by_class(grid_.edges, count);
     std::vector<Vec3d> residual = right_;
     const auto go = [&](std::uint32_t c, const Vec3d& to) {
         const Vec3d by = to - positions[c];
         residual[c] -= multiply(diagonal_[c], by);
-        for (std::uint32_t k = first[c]; k < first[c + 1]; ++k)
-            residual[around[k].second] -= multiply(off_[around[k].first], by);
+        for (std::uint32_t k = edges.first[c]; k < edges.first[c + 1]; ++k)
+            residual[edges.list[k].second] -= multiply(off_[edges.list[k].first], by);
         positions[c] = to;
     };
     std::vector<Vec3d> nearest(count);
@@ -181,10 +199,14 @@ void NormalEquations::snap(std::vector<Vec3d>& positions, const Lattice& lattice
                 if (!lattice.holds(at) || (!tight[c] && !(change < least))) continue;
                 int now = 0;
                 if (tight[c]) {
-                    positions[c] = at, now = spoilt(c), positions[c] = old;
+                    positions[c] = at;
+                    now = spoilt(c);
+                    positions[c] = old;
                     if (now > least_spoilt || (now == least_spoilt && !(change < least))) continue;
                 }
-                best = at, least = change, least_spoilt = now;
+                best = at;
+                least = change;
+                least_spoilt = now;
             }
             if (best == old) continue;
             go(c, lattice.nearest(best));

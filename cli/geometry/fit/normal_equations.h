@@ -12,7 +12,7 @@
 
 namespace dgm::bake {
 
-/// What a class may do: anything, nothing, or go along its rail.
+/// Freedom of a class: it moves anywhere, nowhere, or along its rail.
 enum class Freedom : char { kFree, kHeld, kSlides };
 
 /// Sums rows "the surface point at b on this face should move by n . gap along n" into 3x3 blocks per class and per

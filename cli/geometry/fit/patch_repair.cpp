@@ -15,14 +15,14 @@ namespace dgm::bake {
 namespace {
 
 constexpr std::array kRings{1, 2, 3, 5, 8};  // of a patch, until one unfolds
-constexpr std::size_t kMostFaces = 200;      // of more the source has no sides to tell (slivers, folds onto itself)
+constexpr std::size_t kMostFaces = 200;      // with more, the source has no distinct sides (slivers, folds onto itself)
 constexpr int kSweeps = 60;
 constexpr double kUpright = 0.15;  // area over that of its shape from which a face is upright
 constexpr double kLeastEpsilon = 1e-3, kEpsilonShare = 0.2;
 constexpr double kThinnest = 0.1;  // of a shape that a face is held to: its height over its longest edge
 constexpr double kSettled = 1e-3;  // of an edge: a sweep that moves none further is the last
 constexpr double kLimit = 1.3;     // largest distance of a patch that lies flat, over the largest of all
-constexpr double kPrice = 0.1;     // what the patches may add to the squared distances of all points, of their sum
+constexpr double kPrice = 0.1;     // most that patches add to the squared distances, of their sum
 constexpr double kProbe = 1e-3;    // of an edge: step of the differences
 
 /// The shape of a face by the products of its edges from its first corner.
@@ -58,7 +58,7 @@ Vec2d newton_step(const Differences& f) {
 
 struct Error {
     double squares = 0;        // of the distances of the source's points over some faces to the grid
-    double fourth_powers = 0;  // of these and of the faces' middles: between what mean and largest error say
+    double fourth_powers = 0;  // of these and of the faces' middles: between mean and largest error
     double largest = 0;        // of both, squared
 };
 
@@ -67,7 +67,8 @@ struct Patch {
     std::vector<std::uint32_t> classes;
     std::vector<Match> places;
     void take(const std::vector<std::uint32_t>& from, const Matches& matches) {
-        classes = from, places.clear();
+        classes = from;
+        places.clear();
         for (const std::uint32_t c : classes) places.push_back(matches.classes[c]);
     }
 };
@@ -123,15 +124,16 @@ class PatchRepair {
 
     /// The free classes around a face, and the faces around those.
     void gather(std::uint32_t face, int rings) {
-        patch_.clear(), faces_.clear();
-        for (const std::uint32_t c : grid_.faces[face]) in_patch_[c] = 1, patch_.push_back(c);
+        patch_.clear();
+        faces_.clear();
+        for (const std::uint32_t c : grid_.faces[face]) add_to_patch(c);
         std::size_t from = 0;
         for (int k = 0; k < rings; ++k) {
             const std::size_t end = patch_.size();
             for (; from < end; ++from)
                 for (const std::uint32_t f : ring(patch_[from]))
                     for (const std::uint32_t c : grid_.faces[f])
-                        if (!in_patch_[c]) in_patch_[c] = 1, patch_.push_back(c);
+                        if (!in_patch_[c]) add_to_patch(c);
         }
         for (const std::uint32_t c : patch_) in_patch_[c] = 0;
         std::erase_if(patch_, [&](std::uint32_t c) { return fixed_[c] != 0; });
@@ -140,9 +142,15 @@ class PatchRepair {
         faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
     }
 
+    void add_to_patch(std::uint32_t c) {
+        in_patch_[c] = 1;
+        patch_.push_back(c);
+    }
+
     /// Each face is held to the shape that it has, but none to a thin one.
     void note_shapes() {
-        shapes_.clear(), up_.resize(faces_.size());
+        shapes_.clear();
+        up_.resize(faces_.size());
         for (std::uint32_t k = 0; k < faces_.size(); ++k) {
             number_[faces_[k]] = k;
             const auto q = grid_.corners(faces_[k]);
@@ -154,7 +162,7 @@ class PatchRepair {
         }
     }
 
-    /// Which way each face should look: as the source does below its corners.
+    /// Direction that each face should have: that of the source below its corners.
     void note_upward() {
         for (std::size_t k = 0; k < faces_.size(); ++k) {
             Vec3d sum;
@@ -206,7 +214,8 @@ class PatchRepair {
             const SurfaceHit hit = walk_to_closest(source_, old + step, match.hit.face);
             grid_.positions[c] = point_at(source_, hit);
             if (energy(c) < start) {
-                match.hit = hit, match.position = grid_.positions[c];
+                match.hit = hit;
+                match.position = grid_.positions[c];
                 return length(match.position - old) / reach;
             }
         }
@@ -275,7 +284,9 @@ class PatchRepair {
                 better = (left < fewest || error.fourth_powers < least) && error.largest <= limit_ &&
                          error.squares - squares <= purse_;
                 if (better) {
-                    fewest = left, least = error.fourth_powers, price = error.squares - squares;
+                    fewest = left;
+                    least = error.fourth_powers;
+                    price = error.squares - squares;
                     best.take(patch_, matches_);
                 }
             }
@@ -287,7 +298,10 @@ class PatchRepair {
         if (best.classes.empty()) return false;
         put(best);
         purse_ -= price;
-        for (const std::uint32_t f : all) grid_.update_normal(f), matches_.update_middle(f);
+        for (const std::uint32_t f : all) {
+            grid_.update_normal(f);
+            matches_.update_middle(f);
+        }
         return true;
     }
 

@@ -12,13 +12,13 @@ namespace dgm::bake {
 /// and no place for one or two samples turns it back: the patch has to give way as a whole. The samples some rings
 /// around each inverted face slide along the source together, to the least of an energy that has a barrier where a face
 /// turns [Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, Foldover-free maps in 50 lines of code] and
-/// holds each face to the shape that it has, with its right side up. A patch stays as it was unless fewer of its faces
+/// keeps each face near its present shape, with its right side up. A patch stays as it was unless fewer of its faces
 /// are inverted then by the measure (metrics/turned_faces.h), no point is left farther off than a little beyond the
 /// farthest of all, and all patches together add at most a tenth to the sum of squared distances. Classes marked
 /// `fixed` stay. `matches` is kept up to date but for the points. Bounded work; deterministic.
 /// @param index    of the source
 /// @param upward   per face of the source: its normal at the scale of the grid
-/// @param effort   how often a sample may be moved; less by what was spent
+/// @param effort   how often a sample may be moved; less by the share spent
 /// @return  true if a sample moved
 bool repair_by_patch(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
                      WeldedGrid& grid, Matches& matches, std::span<const char> fixed,

@@ -18,11 +18,11 @@ namespace dgm::bake {
 namespace {
 
 constexpr int kPasses = 10, kPlainPasses = 3;
-constexpr int kTries = 120, kHeatedTries = 3000;  // places a inverted face, in one pass
+constexpr int kTries = 120, kHeatedTries = 3000;  // places an inverted face, in one pass
 constexpr double kHeat = 0.4;                     // price that a try may cost when an annealing begins
 constexpr std::size_t kMostTries = 40'000;        // in one call: some tenths of a second
-constexpr std::size_t kMostFaces = 1000;  // of more the source has no sides to tell (slivers, folds onto itself)
-constexpr double kInverted = 2;           // price of a inverted face, more the further it is inverted
+constexpr std::size_t kMostFaces = 1000;  // with more, the source has no distinct sides (slivers, folds onto itself)
+constexpr double kInverted = 2;           // price of an inverted face, more the further it is inverted
 constexpr double kWanted = 0.15;          // cosine from which a face counts as upright
 constexpr double kOff = 0.5;              // price of a face whose middle is a spacing away from the source
 constexpr double kCover = 3;              // price of a source vertex a spacing away from the faces that covered it
@@ -69,7 +69,7 @@ class SearchRepair {
         return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
     }
 
-    /// Of a face as it lies, from memory where it lies as before.
+    /// Price of a face in its present place, from memory if it has not moved.
     const Price& judge(std::uint32_t f) {
         if (std::isnan(price_[f].value)) price_[f] = measure(f);
         return price_[f];
@@ -136,11 +136,14 @@ class SearchRepair {
         constexpr double kBeyond = 1.3;
         const auto q = grid_.corners(ring(c)[below(ring(c).size())]);
         double a = uniform(), b = uniform();
-        if (a + b > 1) a = 1 - a, b = 1 - b;
+        if (a + b > 1) {
+            a = 1 - a;
+            b = 1 - b;
+        }
         const Vec3d on_ring = q[0] * (1 - a - b) + q[1] * a + q[2] * b, at = grid_.positions[c];
         const Vec3d to = at + (on_ring - at) * (kBeyond * uniform());
         // The nearest of all may be another sheet, and a walk may end on this one's wrong side: by turns. Where the
-        // source itself folds within a spacing, neither serves.
+        // source itself folds within a spacing, neither helps.
         const std::uint32_t kind = below(5);
         if (kind >= 3)
             if (const ClosestPoint hit = index_.query(to, matches_.classes[c].hit.face); hit.face != kNone) {
@@ -172,17 +175,21 @@ class SearchRepair {
         }
         const double before = total(affected_);
         known_.clear();
-        for (const std::uint32_t f : affected_) known_.push_back(price_[f]), forget(f);
+        for (const std::uint32_t f : affected_) {
+            known_.push_back(price_[f]);
+            forget(f);
+        }
         for (std::size_t k = 0; k < count; ++k) grid_.positions[moving[k]] = fresh[k].position;
         if (const double change = total(affected_) - before; change < allowed) {
             change_ += change;
             for (std::size_t k = 0; k < count; ++k) {
                 log_.push_back({moving[k], old[k]});
-                matches_.classes[moving[k]].position = fresh[k].position,
+                matches_.classes[moving[k]].position = fresh[k].position;
                 matches_.classes[moving[k]].hit = fresh[k].hit;
             }
             for (const std::uint32_t f : affected_) {
-                grid_.update_normal(f), matches_.update_middle(f);
+                grid_.update_normal(f);
+                matches_.update_middle(f);
                 if (judge(f).inverted) reached_.push_back(f);
             }
             return true;
@@ -232,7 +239,10 @@ class SearchRepair {
             for (const std::uint32_t f : ring(c)) forget(f);
         }
         for (const Step& step : log_)
-            for (const std::uint32_t f : ring(step.c)) grid_.update_normal(f), matches_.update_middle(f);
+            for (const std::uint32_t f : ring(step.c)) {
+                grid_.update_normal(f);
+                matches_.update_middle(f);
+            }
         return false;
     }
 

@@ -8,10 +8,10 @@
 
 namespace dgm::bake {
 
-/// Where `repair_by_vertex` stands still, because no single sample's step helps or because a walk along the source ends
-/// on the wrong sheet: samples of each inverted face and of the faces around it, alone and by twos, are tried at many
-/// places around them on the source, and stay where less is wrong by the measure (metrics/turned_faces.h), no source
-/// vertex is uncovered and no face leaves the source. Classes marked `fixed` stay. `matches` is kept up to date.
+/// Where `repair_by_vertex` makes no progress, because no single sample's step helps or because a walk along the source
+/// ends on the wrong sheet: samples of each inverted face and of the faces around it, alone and by twos, are tried at
+/// many places around them on the source, and stay where the measure (metrics/turned_faces.h) finds fewer faults, no
+/// source vertex is uncovered and no face leaves the source. Classes marked `fixed` stay. `matches` is kept up to date.
 /// Bounded work; deterministic.
 /// @param index  of the source
 /// @return  true if a sample moved

@@ -16,9 +16,9 @@ namespace {
 // Chosen by measurement on organs and busts: how far a sample may slide, and how thin and how tilted a face may become
 // on the way.
 constexpr double kMaxSlide = 0.4;     // tangential step a round, of the shortest edge at the sample
-constexpr double kThinnest = 0.02;    // twice the area over the longest edge squared, or what it was
+constexpr double kThinnest = 0.02;    // twice the area over the longest edge squared, or its earlier value
 constexpr double kShrink = 0.1;       // area after a round over the area before
-constexpr double kUpright = 0.3;      // cosine to the source below, or what it was ...
+constexpr double kUpright = 0.3;      // cosine to the source below, or its earlier value ...
 constexpr double kUprightLoss = 0.1;  // ... less this a round, while it is positive
 constexpr double kCornerUpright = 0.6, kCornerThinnest = 0.1;  // of faces whose sample goes to a corner of the border
 
@@ -42,9 +42,11 @@ Sliding::Step Sliding::clamped(std::span<const Vec3d> step, std::vector<double> 
     for (const auto& [a, b] : grid_.edges) {
         if (!moves[a] && !moves[b]) continue;
         const double l = length(grid.positions[b] - grid.positions[a]);
-        edge[a] = std::min(edge[a], l), edge[b] = std::min(edge[b], l);
+        edge[a] = std::min(edge[a], l);
+        edge[b] = std::min(edge[b], l);
     }
-    out.along.resize(count), out.across.resize(count);
+    out.along.resize(count);
+    out.across.resize(count);
     for (std::size_t c = 0; c < count; ++c) {
         if (!moves[c] || fixed_[c]) continue;
         const Vec3d n = normalized(normal[c], Vec3d{});
@@ -113,7 +115,7 @@ bool Sliding::allows(std::uint32_t f, const std::array<Vec3d, 3>& was, const std
     if (thin < kThinnest && thin < before / longest_edge_squared(was)) return false;
     Vec3d below = upward_[matches_.middles[f].hit.face];
     if (dot(n1, below) >= kUpright * after) return true;
-    // Over a fold the middle's closest wall is a matter of chance; what all corners lie on is not.
+    // Over a fold the middle's closest wall is a matter of chance; the walls under the corners are not.
     for (const std::uint32_t c : grid_.surface.faces[f]) below += upward_[matches_.classes[c].hit.face];
     below = normalized(below, Vec3d{});
     const double start = before > 0 ? dot(n0, below) / before : 0;
@@ -125,7 +127,7 @@ bool Sliding::occupy_corners() {
     LinkedSurface& grid = grid_.surface;
     const std::vector<double> ways = rails_.ways_to_corners();
     const WeldedGrid::Rings rings = grid_.rings();
-    // How well a face stands: its cosine to the source below, if it is not thin.
+    // Quality of a face: its cosine to the source below, if it is not thin.
     const auto worst = [&](std::uint32_t c) {
         double least = 1;
         for (std::uint32_t k = rings.first[c]; k < rings.first[c + 1]; ++k) {

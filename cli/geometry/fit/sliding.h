@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/fit/sliding.h
-// How samples move without turning, flattening or shrinking the faces around them.
+// Moves samples without inverting, flattening or shrinking the faces around them.
 #pragma once
 #include <array>
 #include <cstdint>

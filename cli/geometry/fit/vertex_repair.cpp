@@ -14,13 +14,13 @@ namespace {
 
 constexpr int kPasses = 20;
 constexpr int kDirections = 12;
-constexpr double kInverted = 0.3;  // price of a inverted face without area
+constexpr double kInverted = 0.3;  // price of an inverted face without area
 constexpr double kWanted = 0.3;    // cosine from which a face counts as upright
 constexpr double kCover = 3;       // price of a source vertex one spacing away from the ring that covered it
 constexpr double kOff = 0.1;       // price of a face whose middle is a ring's reach away from the source
 constexpr double kLeastGain = 1e-3;
 // Faces looked at, in one call. A few hundred inverted faces take a tenth of it; where thousands are, the source has no
-// sides to tell (slivers, folds onto itself), and the rest of them would be tried in vain.
+// distinct sides (slivers, folds onto itself), and trying the rest of them would fail.
 constexpr std::size_t kMostEffort = 4'000'000;
 
 class VertexRepair {
@@ -106,7 +106,10 @@ class VertexRepair {
         const auto attempt = [&](const Vec3d& to) {
             grid_.positions[c] = point_at(source_, walk_to_closest(source_, to, matches_.classes[c].hit.face));
             const double now = penalty(c, reach);
-            if (now < least) least = now, best = grid_.positions[c];
+            if (now < least) {
+                least = now;
+                best = grid_.positions[c];
+            }
         };
         for (const double t : {0.25, 0.5, 1.0}) attempt(old + inward * t);
         for (int k = 0; k < kDirections; ++k) {
@@ -117,7 +120,8 @@ class VertexRepair {
         if (best == old) return false;
         matches_.classes[c].hit = walk_to_closest(source_, best, matches_.classes[c].hit.face);
         for (const std::uint32_t f : ring(c)) {
-            grid_.update_normal(f), matches_.update_middle(f);
+            grid_.update_normal(f);
+            matches_.update_middle(f);
             for (const std::uint32_t o : grid_.faces[f]) settled_[o] = 0;
         }
         return true;
@@ -130,7 +134,7 @@ class VertexRepair {
     WeldedGrid::Rings rings_;
     std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
     double squared_spacing_ = 1;
-    std::vector<char> settled_;  // per class: nothing it looks at has changed since it stayed where it was
+    std::vector<char> settled_;  // per class: nothing that it depends on has changed since it stayed
     std::size_t effort_ = 0;     // faces looked at
 };
 

@@ -8,10 +8,10 @@
 
 namespace dgm::bake {
 
-/// Sampling leaves a few faces that look against the source, where the map is sheared and beside cuts. The samples of
-/// each face with  normal . source normal < upright  try places around them on the source, and take one where the faces
-/// around them look better and cover the source's vertices as well. Classes marked `fixed` stay. Repeats while it
-/// helps, some rounds at most; `matches` is kept up to date.
+/// Sampling leaves a few inverted faces, where the map is sheared and beside cuts. The samples of each face with
+/// normal . source normal < upright  try places around them on the source, and take one where the faces around them
+/// look better and cover the source's vertices as well. Classes marked `fixed` stay. Repeats while it helps, some
+/// rounds at most; `matches` is kept up to date.
 /// @return  true if a sample moved
 bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
                       double upright);

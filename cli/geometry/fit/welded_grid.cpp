@@ -55,7 +55,10 @@ WeldedGrid::WeldedGrid(const SampledChart& chart) {
     std::uint32_t next = 0;
     for (std::uint32_t i = 0; i + 1 < chart.m; ++i)
         for (std::uint32_t j = 0; j + 1 < chart.n; ++j)
-            if (chart.has_quad(i, j)) face_of_quad[std::size_t{i} * (chart.n - 1) + j] = next, next += 2;
+            if (chart.has_quad(i, j)) {
+                face_of_quad[std::size_t{i} * (chart.n - 1) + j] = next;
+                next += 2;
+            }
     link(chart);
 }
 
@@ -76,7 +79,8 @@ void WeldedGrid::link(const SampledChart& chart) {
         for (std::size_t e = k; e < end; ++e) edge_of[uses[e].half_edge / 3][uses[e].half_edge % 3] = id;
         if (end - k == 2) {
             const std::uint32_t a = uses[k].half_edge, b = uses[k + 1].half_edge;
-            surface.neighbours[a / 3][a % 3] = b / 3, surface.neighbours[b / 3][b % 3] = a / 3;
+            surface.neighbours[a / 3][a % 3] = b / 3;
+            surface.neighbours[b / 3][b % 3] = a / 3;
         } else if (end - k == 1) {
             on_border[edges.back().first] = on_border[edges.back().second] = 1;
         }

@@ -16,9 +16,15 @@ namespace {
 struct Box {
     Vec3d lo{INFINITY, INFINITY, INFINITY}, hi{-INFINITY, -INFINITY, -INFINITY};
     void add(const Vec3d& p) {
-        for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
+        for (int k = 0; k < 3; ++k) {
+            lo[k] = std::min(lo[k], p[k]);
+            hi[k] = std::max(hi[k], p[k]);
+        }
     }
-    void add(const Box& b) { add(b.lo), add(b.hi); }
+    void add(const Box& b) {
+        add(b.lo);
+        add(b.hi);
+    }
     [[nodiscard]] bool empty() const { return lo.x > hi.x; }
 };
 
@@ -35,7 +41,8 @@ std::size_t strip_tile(const SampledChart& chart, const Face& face, std::uint32_
     const std::uint32_t lowest = *std::min_element(face.begin(), face.end());
     double i, j;
     if (lowest < chart.grid_count()) {
-        i = lowest / chart.n, j = lowest % chart.n;
+        i = lowest / chart.n;
+        j = lowest % chart.n;
     } else {
         const Vec2d uv = chart.border_uv[lowest - chart.grid_count()];
         i = std::floor(static_cast<float>(uv.x) * static_cast<float>(chart.m - 1));
@@ -71,8 +78,11 @@ model::Layer make_collision(const SampledChart& chart, std::span<const Vec3d> lo
                 const Box child = boxes[first + std::size_t{r} * cols + c];
                 if (!child.empty()) boxes[next + std::size_t{r / 2} * up_cols + c / 2].add(child);
             }
-        first = next, rows = up_rows, cols = up_cols;
-        levels.push_back(rows), levels.push_back(cols);
+        first = next;
+        rows = up_rows;
+        cols = up_cols;
+        levels.push_back(rows);
+        levels.push_back(cols);
     }
     model::Layer layer = empty_layer(model::layers::kCollision, model::ElementType::kF32, {boxes.size(), 6});
     layer.attributes["levels"] = levels;

@@ -25,7 +25,10 @@ model::Layer make_contact(const SampledChart& chart, std::span<const Vec3d> loca
         for (const Face& f : chart.strip)
             for (std::uint32_t s : f)
                 for (std::uint32_t to : f)
-                    if (owner[s] == kNone && owner[to] != kNone) owner[s] = owner[to], changed = true;
+                    if (owner[s] == kNone && owner[to] != kNone) {
+                        owner[s] = owner[to];
+                        changed = true;
+                    }
     }
     model::Layer layer = empty_layer(model::layers::kContact, model::ElementType::kF32, {chart.m, chart.n, 2});
     const auto out = values<float>(layer);

@@ -30,7 +30,7 @@ void average_classes(std::span<const std::uint32_t> classes, std::span<double> h
     for (std::size_t t = 0; t < heights.size(); ++t) heights[t] = sum[classes[t]] / members[classes[t]];
 }
 
-/// What a matched point asks of the four texels about it, and where it lies from the grid.
+/// A matched point: the height it asks of the four texels around it, and its place beside the grid.
 struct Gap {
     Vec3d to_source, normal;
 };
@@ -73,7 +73,7 @@ BumpRows rows_of(const LayerInput& in, std::span<const MatchedPoint> points, con
     return out;
 }
 
-/// A texel that points touch by a hair of weight may be sent anywhere: none goes farther than twice the gap there.
+/// A texel that points touch with a tiny weight could move anywhere: none moves farther than twice the gap there.
 void take_step(const BumpRows& rows, std::span<const std::array<double, 1>> step,
                std::span<const std::uint32_t> classes, std::span<double> heights) {
     std::vector<double> reach(heights.size(), 0.0);

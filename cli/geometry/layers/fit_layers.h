@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/layers/fit_layers.h
-// Layers of a fitted chart, each least-squares fitted at its own resolution from where sampling left it: what readers
-// interpolate between samples or texels comes closest to the source, in the mean over its area.
+// Layers of a fitted chart, each least-squares fitted at its own resolution from where sampling left it: so that values
+// interpolated between samples or texels come closest to the source, in the mean over its area.
 #pragma once
 #include <span>
 #include <vector>
@@ -16,9 +16,9 @@ namespace dgm::bake {
 /// degrees at most, is left to rounding. Kept only where the points agree that it is better.
 void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, StoredNormals& normals);
 
-/// RGBA texels, `colours` per point. In the encoded sRGB values, since that is what readers of a u8 picture
-/// interpolate; a texel stays within the range of the colours around it, so edges do not ring, and keeps what
-/// sampling gave where no point falls.
+/// RGBA texels, `colours` per point. In the encoded sRGB values, since readers of a u8 picture interpolate those; a
+/// texel stays within the range of the colours around it, so edges do not ring, and keeps its sampled value where no
+/// point falls.
 void fit_texture(const LayerInput& in, std::span<const MatchedPoint> points,
                  std::span<const std::array<double, 4>> colours, std::uint32_t rows, std::uint32_t cols,
                  std::span<std::uint8_t> rgba);

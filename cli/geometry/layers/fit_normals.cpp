@@ -44,7 +44,10 @@ void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, Sto
             if (l < 0.1 || dot(g, truth[k]) <= 0 || truth[k] == Vec3d{}) continue;
             const Vec3d gap = truth[k] * l - g;
             GridRow<3>& row = rows.emplace_back();
-            for (std::size_t c = 0; c < 3; ++c) row.unknown[c] = chart.representative[p.sample[c]], row.w[c] = p.b[c];
+            for (std::size_t c = 0; c < 3; ++c) {
+                row.unknown[c] = chart.representative[p.sample[c]];
+                row.w[c] = p.b[c];
+            }
             row.unknown[3] = row.unknown[0];
             row.value = {gap.x, gap.y, gap.z};
             row.weight = 1 / (l * l);
@@ -59,7 +62,9 @@ void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, Sto
         }
         const double now = normal_deviation(points, truth, next);
         if (!(now < error)) break;
-        n = std::move(next), error = now, better = true;
+        n = std::move(next);
+        error = now;
+        better = true;
     }
     if (!better) return;
     const std::size_t grid = chart.grid_count();
@@ -68,7 +73,8 @@ void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, Sto
         const model::OctahedralCode code = model::encode_octahedral(n[chart.representative[s]]);
         auto codes = s < grid ? values<std::int16_t>(normals.normal).subspan(2 * s, 2)
                               : values<std::int16_t>(*normals.border_normal).subspan(2 * (s - grid), 2);
-        codes[0] = code[0], codes[1] = code[1];
+        codes[0] = code[0];
+        codes[1] = code[1];
         normals.decoded[s] = model::decode_octahedral(code);
     }
 }

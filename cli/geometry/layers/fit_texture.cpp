@@ -25,7 +25,8 @@ void fit_texture(const LayerInput& in, std::span<const MatchedPoint> points,
         const Vec2d at = grid_coordinates(in.chart, points[k]);
         const TexelTaps taps = texel_taps(at.x * down, at.y * across, rows, cols);
         GridRow<4>& row = equations[k];
-        row.unknown = taps.texel, row.w = taps.weight;
+        row.unknown = taps.texel;
+        row.w = taps.weight;
         row.value = colours[k];
         for (std::size_t tap = 0; tap < 4; ++tap)
             for (std::size_t c = 0; c < 4; ++c) {

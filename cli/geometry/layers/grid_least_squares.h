@@ -20,7 +20,7 @@ struct GridRow {
     double weight = 1;
 };
 
-/// The symmetric matrix sum_rows weight * w w^T, by unknown: what conjugate gradients multiply by again and again.
+/// The symmetric matrix sum_rows weight * w w^T, by unknown, which conjugate gradients multiply by in each step.
 /// Several points a triangle share its entries, so it is a fraction of the rows' size.
 class GridMatrix {
  public:
@@ -62,8 +62,10 @@ class GridMatrix {
         value.reserve(entries.size());
         for (const std::uint32_t from : head) {
             first.push_back(static_cast<std::uint32_t>(column.size()));
-            for (std::uint32_t e = from; e != kEnd; e = entries[e].next)
-                column.push_back(entries[e].column), value.push_back(entries[e].value);
+            for (std::uint32_t e = from; e != kEnd; e = entries[e].next) {
+                column.push_back(entries[e].column);
+                value.push_back(entries[e].value);
+            }
         }
         first.push_back(static_cast<std::uint32_t>(column.size()));
     }

@@ -22,7 +22,8 @@ struct BilinearTaps {
         if (!std::isfinite(t)) t = 0;
         const double x = (t - std::floor(t)) * size - 0.5, lo = std::floor(x);
         const auto wrap = [&](double k) { return static_cast<std::uint32_t>(std::fmod(k + size, size)); };
-        out[0] = std::min(wrap(lo), size - 1), out[1] = std::min(wrap(lo + 1), size - 1);
+        out[0] = std::min(wrap(lo), size - 1);
+        out[1] = std::min(wrap(lo + 1), size - 1);
         return x - lo;
     };
     BilinearTaps taps{};

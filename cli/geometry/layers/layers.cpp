@@ -27,7 +27,10 @@ std::vector<model::Layer> make_tables(const SampledChart& chart) {
     std::vector<model::Layer> out;
     std::vector<std::uint32_t> pairs;
     for (std::uint32_t s = 0; s < chart.representative.size(); ++s)
-        if (chart.representative[s] != s) pairs.push_back(chart.representative[s]), pairs.push_back(s);
+        if (chart.representative[s] != s) {
+            pairs.push_back(chart.representative[s]);
+            pairs.push_back(s);
+        }
     if (!pairs.empty()) {
         // Ordered by class, then by copy.
         std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;
@@ -36,7 +39,10 @@ std::vector<model::Layer> make_tables(const SampledChart& chart) {
         model::Layer& seams =
             out.emplace_back(empty_layer(model::layers::kSeams, model::ElementType::kU32, {sorted.size(), 2}));
         const auto to = values<std::uint32_t>(seams);
-        for (std::size_t k = 0; k < sorted.size(); ++k) to[2 * k] = sorted[k].first, to[2 * k + 1] = sorted[k].second;
+        for (std::size_t k = 0; k < sorted.size(); ++k) {
+            to[2 * k] = sorted[k].first;
+            to[2 * k + 1] = sorted[k].second;
+        }
         seams.required = true;
     }
     model::Layer& diagonals =
@@ -111,7 +117,8 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
     const SampledChart& sampled = in.chart;
     ChartLayers out;
     model::Chart& chart = out.chart;
-    chart.rows = sampled.m, chart.cols = sampled.n;
+    chart.rows = sampled.m;
+    chart.cols = sampled.n;
     chart.domain = sampled.domain;
     chart.method = sampled.method;
     chart.offset = in.stored.offset;
@@ -124,12 +131,16 @@ ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked
     if (!points.empty()) fit_normals(in, points, normals);
     tell(0.5);
     out.worst_quantisation = positions.worst_quantisation;
-    for (int k = 0; k < 3; ++k) chart.bbox[k] = INFINITY, chart.bbox[k + 3] = -INFINITY;
+    for (int k = 0; k < 3; ++k) {
+        chart.bbox[k] = INFINITY;
+        chart.bbox[k + 3] = -INFINITY;
+    }
     for (std::size_t s = 0; s < positions.local.size(); ++s) {
         if (!sampled.on_surface(s)) continue;
         for (int k = 0; k < 3; ++k) {
             const double x = in.stored.offset[k] + positions.local[s][k];
-            chart.bbox[k] = std::min(chart.bbox[k], x), chart.bbox[k + 3] = std::max(chart.bbox[k + 3], x);
+            chart.bbox[k] = std::min(chart.bbox[k], x);
+            chart.bbox[k + 3] = std::max(chart.bbox[k + 3], x);
         }
     }
     std::vector<model::Layer>& layers = chart.layers;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/layers/layers.h
-// From a sampled chart to the layers of the file (docs/design.md section 4, formats/SPEC.md): one .cpp per layer.
+// Turns a sampled chart into the layers of the file (docs/design.md section 4, formats/SPEC.md): one .cpp per layer.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -49,7 +49,7 @@ struct LayerInput {
     std::optional<std::pair<std::uint32_t, std::uint32_t>> bump_size = std::nullopt;  ///< default: that of `fine`
 };
 
-/// Stored positions of all samples, and what they decode to: local coordinates, source units, equal bits within a
+/// Stored positions of all samples, and their decoded values: local coordinates, source units, equal bits within a
 /// class.
 struct StoredPositions {
     model::Layer geometry;                        ///< [m][n][3]
@@ -92,7 +92,7 @@ struct StoredNormals {
 /// f32 [m][n][2]: area (a third of each triangle to each corner; border samples hand theirs to a grid sample) and
 /// mobility.
 [[nodiscard]] model::Layer make_contact(const SampledChart& chart, std::span<const Vec3d> local);
-/// seams, diagonals, and for a free domain mask, border_uv, border_faces: what every reader of geometry needs.
+/// seams, diagonals, and for a free domain mask, border_uv, border_faces. Every reader of geometry needs them.
 [[nodiscard]] std::vector<model::Layer> make_tables(const SampledChart& chart);
 
 /// A layer of the given type and shape with its bytes zeroed.
@@ -110,7 +110,7 @@ struct ChartLayers {
     model::Chart chart;
     double worst_quantisation = 0;
 };
-/// Tells its share of stage "layers". @throws model::Error kInterrupted
+/// Reports its share of stage "layers". @throws model::Error kInterrupted
 [[nodiscard]] ChartLayers make_layers(const LayerInput& in, std::span<const std::string> asked,
                                       const model::Progress& progress = {});
 

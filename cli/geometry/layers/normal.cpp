@@ -48,7 +48,8 @@ StoredNormals store_normals(const LayerInput& in) {
         const model::OctahedralCode code = model::encode_octahedral(length(own) > 0.1 ? own : smooth);
         auto codes = s < grid ? values<std::int16_t>(out.normal).subspan(2 * s, 2)
                               : values<std::int16_t>(*out.border_normal).subspan(2 * (s - grid), 2);
-        codes[0] = code[0], codes[1] = code[1];
+        codes[0] = code[0];
+        codes[1] = code[1];
         out.decoded[s] = model::decode_octahedral(code);
     }
     return out;

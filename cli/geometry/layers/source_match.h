@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/layers/source_match.h
-// Points spread evenly over the source, each with the point of the stored grid surface that stands for it: what the
-// layers of a fitted chart are fitted to.
+// Points spread evenly over the source, each with the point of the stored grid surface that stands for it. The layers
+// of a fitted chart are fitted to them.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,7 +22,7 @@ struct MatchedPoint {
 [[nodiscard]] Vec3d local_position(const LayerInput& in, const SurfaceSample& at);
 /// The source's unit normal there: its corners' interpolated, else the face's; zero where there is none.
 [[nodiscard]] Vec3d source_normal(const TriMesh& mesh, const SurfaceSample& at);
-/// Of the face alone.
+/// The unit normal of the face alone.
 [[nodiscard]] Vec3d normal_of_face(const TriMesh& mesh, std::uint32_t face);
 
 /// Row and column of a matched point in units of samples; for strip triangles by `border_uv`.
@@ -30,7 +30,7 @@ struct MatchedPoint {
 
 /// About `count` points, each at the middle of its equal share of the area, matched to the closest point of the surface
 /// through `positions.local` whose face looks the same way. Points whose match is much farther than the closest point
-/// of all are left out: what they would say belongs to another sheet. Deterministic, whatever the number of threads.
+/// of all are left out: they belong to another sheet. Deterministic, whatever the number of threads.
 [[nodiscard]] std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositions& positions,
                                                      std::size_t count);
 

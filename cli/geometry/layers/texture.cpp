@@ -32,7 +32,9 @@ Rgba8 colour_at(const LayerInput& in, const SurfaceSample& at) {
         double sum[4] = {0, 0, 0, 0};
         for (int k = 0; k < 3; ++k) {
             const Rgba8 c = mesh.corner_colours[3 * at.face + k];
-            sum[0] += at.b[k] * c.r, sum[1] += at.b[k] * c.g, sum[2] += at.b[k] * c.b;
+            sum[0] += at.b[k] * c.r;
+            sum[1] += at.b[k] * c.g;
+            sum[2] += at.b[k] * c.b;
         }
         return {to_byte(sum[0]), to_byte(sum[1]), to_byte(sum[2]), 255};  // alpha is paint for stiffness
     }
@@ -90,7 +92,10 @@ std::optional<model::Layer> make_texture(const LayerInput& in, std::span<const M
     model::Layer layer = empty_layer(model::layers::kTexture, model::ElementType::kU8, {rows, cols, 4});
     const auto rgba = values<std::uint8_t>(layer);
     const auto put = [&](std::size_t t, Rgba8 c) {
-        rgba[4 * t] = c.r, rgba[4 * t + 1] = c.g, rgba[4 * t + 2] = c.b, rgba[4 * t + 3] = c.a;
+        rgba[4 * t] = c.r;
+        rgba[4 * t + 1] = c.g;
+        rgba[4 * t + 2] = c.b;
+        rgba[4 * t + 3] = c.a;
     };
     if (in.images.fabric) {
         for (std::uint32_t i = 0; i < rows; ++i)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/mesh/half_edges.cpp
-// Who lies across each edge: the directed edges sorted by their ends, no hashing, so the order is the same everywhere.
+// Finds the face across each edge: sorts directed edges by their ends, without hashing, so the order is the same
+// everywhere.
 #include "geometry/mesh/half_edges.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/mesh/half_edges.h
-// Who lies across each edge. Half-edge 3*f+k runs from corner k of face f to corner k+1.
+// Finds the face across each edge. Half-edge 3*f+k runs from corner k of face f to corner k+1.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -31,7 +31,7 @@ inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max()
 }
 
 /// Opposite half-edge of each half-edge, kNone on a border. The faces must be an oriented manifold without two edges
-/// between the same vertices (what repair() returns).
+/// between the same vertices, as repair() returns them.
 [[nodiscard]] std::vector<std::uint32_t> opposite_half_edges(std::span<const Face> faces);
 
 /// The border half-edge that follows border half-edge `h` along its loop, surface on the left.

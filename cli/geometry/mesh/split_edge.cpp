@@ -84,8 +84,10 @@ NewVertices split_edge(TriMesh& mesh, std::vector<std::uint32_t>& opposite, std:
     const FaceSplit second = split_side(other, across_cut ? out.twin : out.vertex, 1 - t);
     const std::uint32_t here = out.first = h == second.moved_from ? second.moved_to : h;
     std::vector<std::uint32_t>& links = across_cut ? *mate : opposite;
-    links[here] = second.second, links[second.second] = here;
-    links[other] = first.second, links[first.second] = other;
+    links[here] = second.second;
+    links[second.second] = here;
+    links[other] = first.second;
+    links[first.second] = other;
     return out;
 }
 
@@ -100,7 +102,7 @@ std::uint64_t split_repeated_edges(TriMesh& mesh, std::vector<std::uint32_t>& pa
     std::uint64_t splits = 0;
     for (std::size_t k = 1; k < edges.size(); ++k) {
         if (edges[k].first != edges[k - 1].first) continue;
-        // A split before this one may have moved the half-edge into another face; its ends tell.
+        // A split before this one may have moved the half-edge into another face; its ends decide.
         const auto lo = static_cast<std::uint32_t>(edges[k].first >> 32),
                    hi = static_cast<std::uint32_t>(edges[k].first);
         const auto joins = [&](std::uint32_t h) {

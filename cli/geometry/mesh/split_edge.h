@@ -9,7 +9,7 @@
 
 namespace dgm::bake {
 
-/// What splitting the face of half-edge h = (a -> b) at vertex n did: h is now a -> n; `second` is n -> b in the new
+/// Result of splitting the face of half-edge h = (a -> b) at vertex n: h is now a -> n; `second` is n -> b in the new
 /// face; the half-edge that was b -> c has moved to the new face.
 struct FaceSplit {
     std::uint32_t second, moved_from, moved_to;

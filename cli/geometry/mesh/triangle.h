@@ -53,8 +53,8 @@ inline double closest_on_segment(const Vec3d& p, const Vec3d& a, const Vec3d& e,
 }
 
 /// Squared distance from p to a triangle and the barycentric coordinates of the closest point; faces without area count
-/// as their edges. Exact enough for triangles of ordinary shape; ClosestPointIndex (spatial/closest_point.h) serves
-/// needles too.
+/// as their edges. Exact enough for triangles of ordinary shape; ClosestPointIndex (spatial/closest_point.h) is exact
+/// for needles too.
 inline double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& q, std::array<double, 3>& b) {
     const Vec3d e0 = q[1] - q[0], e1 = q[2] - q[0], d = p - q[0];
     const double g00 = dot(e0, e0), g01 = dot(e0, e1), g11 = dot(e1, e1), r0 = dot(e0, d), r1 = dot(e1, d);
@@ -68,7 +68,10 @@ inline double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& q,
     // Outside: on an edge that has p on its outer side (any of the three without area).
     double best = INFINITY, x = 0;
     const auto offer = [&](double squared, const std::array<double, 3>& at) {
-        if (squared < best) best = squared, b = at;
+        if (squared < best) {
+            best = squared;
+            b = at;
+        }
     };
     if (!(t > 0) || !(det > 0)) {
         const double squared = closest_on_segment(p, q[0], e0, x);

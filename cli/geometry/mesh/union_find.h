@@ -18,7 +18,8 @@ class UnionFind {
     }
     /// Returns false if they were already one set.
     bool unite(std::uint32_t a, std::uint32_t b) {
-        a = find(a), b = find(b);
+        a = find(a);
+        b = find(b);
         if (a == b) return false;
         if (b < a) std::swap(a, b);
         parent_[b] = a;

@@ -57,8 +57,14 @@ std::vector<std::uint32_t> texel_classes(std::uint32_t m, std::uint32_t n, std::
         const std::uint32_t from = i / down * n + j / across;
         std::uint32_t a = sample_class[from], b = a;
         double share = 0;
-        if (i % down != 0) b = sample_class[from + n], share = static_cast<double>(i % down) / down;
-        if (j % across != 0) b = sample_class[from + 1], share = static_cast<double>(j % across) / across;
+        if (i % down != 0) {
+            b = sample_class[from + n];
+            share = static_cast<double>(i % down) / down;
+        }
+        if (j % across != 0) {
+            b = sample_class[from + 1];
+            share = static_cast<double>(j % across) / across;
+        }
         if (b < a) std::swap(a, b), share = 1 - share;
         classes[t] = first.try_emplace({a, b, std::lround(share * 1e6)}, t).first->second;
     }
@@ -70,7 +76,8 @@ BumpNormals::BumpNormals(const Chart& chart, const Reconstruction& surface)
     const Layer& bump = *chart.find(model::layers::kBump);
     const Layer* diagonals = chart.find(model::layers::kDiagonals);
     const Layer* mask = chart.find(model::layers::kMask);
-    rows_ = static_cast<std::uint32_t>(bump.shape[0]), cols_ = static_cast<std::uint32_t>(bump.shape[1]);
+    rows_ = static_cast<std::uint32_t>(bump.shape[0]);
+    cols_ = static_cast<std::uint32_t>(bump.shape[1]);
     const auto number = [&](const char* name, double otherwise) {
         const auto found = bump.attributes.find(name);
         if (found == bump.attributes.end()) return otherwise;
@@ -140,7 +147,8 @@ BumpNormals::Both BumpNormals::both(std::uint32_t face, const double (&barycentr
     for (std::size_t k = 0; k < 3; ++k) {
         out.stored += surface_.mesh.corner_normals[3 * face + k] * barycentric[k];
         strip = strip || f[k] >= m_ * n_;
-        x += barycentric[k] * (f[k] / n_), y += barycentric[k] * (f[k] % n_);
+        x += barycentric[k] * (f[k] / n_);
+        y += barycentric[k] * (f[k] % n_);
     }
     out.stored = normalized(out.stored, Vec3d{});
     if (strip || out.stored == Vec3d{}) return out;

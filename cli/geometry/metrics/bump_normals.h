@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/bump_normals.h
-// Shading with the layer `bump`: normals of the displaced surface, beside what the layer `normal` says already.
+// Shading with the layer `bump`: normals of the displaced surface, beside those of the layer `normal`.
 //
 // The plain rule of [Blinn 1978], normal minus gradient of the height, counts the curvature between two samples twice:
 // it is in the interpolated stored normals and in the heights. So the normals of the displaced surface stand beside the
-// stored ones, and the file says how much each is worth:
+// stored ones, and the file stores the weight of each:
 //
 //     n(u, v) = normalize( (1 - w) n_stored + w n_fine ),   w = attribute `shading` of the layer
 //
 // n_fine are the vertex normals of the displaced texel lattice, weighted as [Max 1999] (exact on spheres, whatever the
 // spacing) and summed over all copies of a seam point, interpolated bilinearly. The baker chooses the w in [0, 1] that
 // comes closest to the source's normals: near 1 where the grid is coarser than the source's detail, near 0 where the
-// source itself is a smoothly shaded polyhedron, whose facets the heights know and its normals hide.
+// source itself is a smoothly shaded polyhedron, whose facets are in the heights but not in its normals.
 #pragma once
 #include <cstdint>
 #include <optional>

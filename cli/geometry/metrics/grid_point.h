@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/grid_point.h
-// Where a point of the grid's (u, v) lies: on a triangle of a quad, or among four texels of a layer.
+// Finds the place of a point (u, v) of the grid: on a triangle of a quad, or among four texels of a layer.
 #pragma once
 #include <dgm/grid.h>
 

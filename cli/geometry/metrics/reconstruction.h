@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/reconstruction.h
-// The surface that a chart's layers describe, as the runtime would draw it: what every error is measured on.
+// The surface that a chart's layers describe, as the runtime would draw it. Every error is measured on it.
 #pragma once
 #include "model/map_set.h"
 #include "model/tri_mesh.h"
@@ -14,7 +14,7 @@ struct Reconstruction {
     double seam_gap = 0;                    ///< largest distance between copies of a class; must be exactly 0
 };
 
-/// What of the corners to fill in: positions and faces alone are had in a third of the time.
+/// Are attributes of corners filled in? Positions and faces alone take a third of the time.
 enum class Corners { kFill, kSkip };
 
 /// Vertices are grid samples (i*n+j), then border samples (m*n+b). Faces are the quads' triangles (split by

@@ -112,7 +112,7 @@ std::vector<Sample> area_samples(const TriMesh& mesh, std::span<const double> ar
 std::vector<std::uint32_t> farthest(std::span<const Sample> samples, std::span<const double> squared,
                                     std::size_t tops) {
     constexpr std::size_t kLooked = 8192;
-    constexpr double kRounding = 0x1p-22;  // of the unit: a few times what a position stored as float is off
+    constexpr double kRounding = 0x1p-22;  // of the unit: a few times the rounding of a position stored as float
     std::vector<std::uint32_t> order, out;
     for (std::uint32_t k = 0; k < samples.size(); ++k)
         if (squared[k] > kRounding * kRounding) order.push_back(k);
@@ -147,7 +147,10 @@ std::vector<Sample> border_samples(const TriMesh& mesh, std::uint64_t at_most) {
     std::vector<Face> faces;
     std::vector<std::uint32_t> named;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-        if (usable(mesh, mesh.faces[f])) faces.push_back(mesh.faces[f]), named.push_back(static_cast<std::uint32_t>(f));
+        if (usable(mesh, mesh.faces[f])) {
+            faces.push_back(mesh.faces[f]);
+            named.push_back(static_cast<std::uint32_t>(f));
+        }
     const std::vector<std::uint32_t> opposite = opposite_half_edges(faces);
     const auto edges = static_cast<std::uint64_t>(std::count(opposite.begin(), opposite.end(), kNone));
     std::vector<Sample> samples;
@@ -160,7 +163,8 @@ std::vector<Sample> border_samples(const TriMesh& mesh, std::uint64_t at_most) {
         for (std::uint64_t k = 0; k < each; ++k) {
             const double t = (static_cast<double>(k) + 0.5) / static_cast<double>(each);
             std::array<double, 3> at{};
-            at[h % 3] = 1 - t, at[(h + 1) % 3] = t;
+            at[h % 3] = 1 - t;
+            at[(h + 1) % 3] = t;
             const double r1 = at[1] + at[2];
             samples.push_back(
                 {corners[h % 3] * (1 - t) + corners[(h + 1) % 3] * t, named[h / 3], r1, r1 > 0 ? at[2] / r1 : 0});
@@ -200,7 +204,7 @@ class Direction {
                      double progress_to) {
         const std::vector<double> areas = face_areas(from_, unit_);
         const std::vector<Sample> surface = area_samples(from_, areas, options.samples, options.seed);
-        // A mesh without any area has only its vertices to speak for it.
+        // A mesh without any area is measured by its vertices alone.
         const std::vector<Sample> vertices =
             options.vertices || surface.empty() ? vertex_samples(from_) : std::vector<Sample>{};
         const std::vector<Sample> border =
@@ -244,7 +248,8 @@ class Direction {
             result.rms = std::sqrt(pairwise_sum(weighted) / static_cast<double>(weighted.size())) * unit_;
         if (with_normals_) {
             std::erase(angles_squared_, kNoAngles);
-            result.normals = rms_of(0), result.face_normals = rms_of(1);
+            result.normals = rms_of(0);
+            result.face_normals = rms_of(1);
             if (*shading_) result.bump_normals = rms_of(2);
         }
         return result;
@@ -284,7 +289,11 @@ class Direction {
                     const ClosestPoint found = index_.query(point, hint);
                     hint = found.face;
                     const double d = found.distance / unit_;
-                    if (d * d > squared) squared = d * d, at = to, up = true;
+                    if (d * d > squared) {
+                        squared = d * d;
+                        at = to;
+                        up = true;
+                    }
                 }
             if (!up) step /= 2;
         }

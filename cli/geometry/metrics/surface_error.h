@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/surface_error.h
-// How far two surfaces are apart (docs/design.md section 7): rms, hausdorff, normal_rms.
+// Measures the distance of two surfaces (docs/design.md section 7): rms, hausdorff, normal_rms.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +27,7 @@ struct SurfaceError {
     [[nodiscard]] double psnr() const;  ///< 20 log10(diagonal / rms), capped at 300 dB for identical surfaces
 };
 
-/// What baker and validator measure with; of one and the same seed, so that they look at the same points.
+/// Number of points with which baker and validator measure; the same seed gives them the same points.
 inline constexpr std::uint64_t kSurfaceSamples = 400'000;
 inline constexpr std::size_t kSurfaceTops = 256;
 

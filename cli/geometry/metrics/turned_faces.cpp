@@ -44,7 +44,10 @@ std::size_t count_turned_faces(const TriMesh& source, const TriMesh& map, const 
     Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
     for (const Vec3d& p : source.positions) {
         if (!is_finite(p)) continue;
-        for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], p[k]);
+            high[k] = std::max(high[k], p[k]);
+        }
     }
     if (!is_finite(low)) return 0;
     std::optional<ClosestPointIndex> own;

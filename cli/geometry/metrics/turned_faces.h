@@ -12,16 +12,16 @@
 namespace dgm::bake {
 
 /// As near as the nearest: distances to two source faces within this much of each other, in diagonals of the source,
-/// are one (100 dB). On a crease, and between the sides of a sheet thinner than that, any of them may speak.
+/// are one (100 dB). On a crease, and between the sides of a sheet thinner than that, any of them counts.
 inline constexpr double kTurnedTie = 1e-5;
 
-/// Faces of `map` that are turned against `source`, ascending.
+/// Faces of `map` that are inverted against `source`, ascending.
 ///
-/// A triangle with unit normal n and centre c is turned if no source face with unit normal N, n . N > 0, comes as near
-/// to c as the nearest source face of all (within `tie`, in the units of the meshes). Source faces without area do not
-/// count, nor do map triangles without area or with corners that are not finite: the former have no side, the latter
-/// are reported elsewhere. `index` must be built of the source. Deterministic whatever the number of threads.
-/// @param least_cosine  asks for n . N > this instead
+/// A triangle with unit normal n and centre c is inverted if no source face with unit normal N, n . N > 0, comes as
+/// near to c as the nearest source face of all (within `tie`, in the units of the meshes). Source faces without area do
+/// not count, nor do map triangles without area or with corners that are not finite: the former have no side, the
+/// latter are reported elsewhere. `index` must be built of the source. Deterministic whatever the number of threads.
+/// @param least_cosine  requires n . N > this instead
 [[nodiscard]] std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const model::TriMesh& map,
                                                            double tie, double least_cosine = 0);
 

@@ -26,14 +26,17 @@ bool is_border_of_faces(const DiskView& disk) {
         if (next[v] != kNobody) return false;
         next[v] = disk.border[(k + 1) % disk.border.size()];
     }
-    // Of the edges that join consecutive border vertices, each stands once, in the right direction, if it is a border
-    // edge; a chord between them stands both ways.
+    // An edge that joins consecutive border vertices stands once, in the right direction, if it is a border edge; a
+    // chord between them stands both ways.
     std::vector<std::uint8_t> forth(n, 0), back(n, 0);
     std::size_t edges_once = 0;
     for (const Face& f : disk.faces)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = f[k], b = f[(k + 1) % 3];
-            if (next[a] == b) forth[a] = 1, ++edges_once;
+            if (next[a] == b) {
+                forth[a] = 1;
+                ++edges_once;
+            }
             if (next[b] == a) back[b] = 1;
         }
     if (edges_once != disk.border.size()) return false;

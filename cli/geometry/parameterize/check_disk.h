@@ -5,9 +5,9 @@
 
 namespace dgm::bake {
 
-/// Refuses what is no disk, before a solver meets it: one component, one border that is the border of the faces with
-/// the surface on its left, genus 0, manifold, oriented, finite, every vertex used; with `needs_border_uv`, one point
-/// of the unit square per border vertex.
+/// Refuses a mesh that is no disk, before a solver gets it: one component, one border that is the border of the faces
+/// with the surface on its left, genus 0, manifold, oriented, finite, every vertex used; with `needs_border_uv`, one
+/// point of the unit square per border vertex.
 /// @throws model::Error kMapInvalid, kTooLarge
 void check_disk(const DiskView& disk, bool needs_border_uv);
 

@@ -89,12 +89,17 @@ std::vector<Vec2d> ConvexMapSolver::solve(std::span<const double> weights, std::
         if (i != kNone && j != kNone) {
             values[s.off[e]] -= w;
         } else if (i != kNone) {
-            rhs(i, 0) += w * uv[b].x, rhs(i, 1) += w * uv[b].y;
+            rhs(i, 0) += w * uv[b].x;
+            rhs(i, 1) += w * uv[b].y;
         } else if (j != kNone) {
-            rhs(j, 0) += w * uv[a].x, rhs(j, 1) += w * uv[a].y;
+            rhs(j, 0) += w * uv[a].x;
+            rhs(j, 1) += w * uv[a].y;
         }
     }
-    if (!s.analysed) s.ldlt.analyzePattern(s.matrix), s.analysed = true;
+    if (!s.analysed) {
+        s.ldlt.analyzePattern(s.matrix);
+        s.analysed = true;
+    }
     s.ldlt.factorize(s.matrix);
     if (s.ldlt.info() != Eigen::Success)
         throw model::Error(model::codes::kMapInvalid, "the weights of the convex map could not be factorized");
@@ -169,8 +174,12 @@ std::vector<Vec2d> reweighted_stretch_map(const DiskView& disk, const ReweightOp
             const std::array<Vec3d, 3> q{disk.positions[f[0]], disk.positions[f[1]], disk.positions[f[2]]};
             const double a = face_area(q);
             const double s = std::min(squared_stretch(q, uv[f[0]], uv[f[1]], uv[f[2]]), 1e12);
-            for (std::uint32_t v : f) stretch[v] += a * s, area[v] += a;
-            total += a * s, total_area += a;
+            for (std::uint32_t v : f) {
+                stretch[v] += a * s;
+                area[v] += a;
+            }
+            total += a * s;
+            total_area += a;
         }
         const double mean = std::sqrt(total / total_area);
         for (std::size_t v = 0; v < stretch.size(); ++v)
@@ -183,12 +192,14 @@ std::vector<Vec2d> reweighted_stretch_map(const DiskView& disk, const ReweightOp
         try {
             uv = solver.solve(weights, disk.border_uv);
         } catch (const model::Error&) {
-            break;  // reweighted beyond what doubles can factorize; the best map so far stands
+            break;  // reweighted beyond the range that doubles can factorize; the best map so far stands
         }
         const double energy = stretch_energy(disk.positions, disk.faces, uv);
-        if (energy < least || (!std::isfinite(least) && k == 0))
-            least = energy, best = uv, worse = 0;
-        else
+        if (energy < least || (!std::isfinite(least) && k == 0)) {
+            least = energy;
+            best = uv;
+            worse = 0;
+        } else
             ++worse;
     }
     return best;

@@ -19,7 +19,10 @@ std::vector<RestShape> curved_rest_shapes(const DiskView& disk) {
         const Face& t = disk.faces[f];
         const Vec3d normal =
             cross(disk.positions[t[1]] - disk.positions[t[0]], disk.positions[t[2]] - disk.positions[t[0]]);
-        for (std::uint32_t v : t) normals[v] = normals[v] + normal, around[v] += rest[f].area;
+        for (std::uint32_t v : t) {
+            normals[v] = normals[v] + normal;
+            around[v] += rest[f].area;
+        }
         total += rest[f].area;
     }
     for (Vec3d& normal : normals) normal = normalized(normal, Vec3d{});

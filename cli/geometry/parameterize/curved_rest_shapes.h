@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/parameterize/curved_rest_shapes.h
-// Rest shapes that ask a map for more room where the surface bends.
+// Rest shapes that give curved places more room in the map.
 #pragma once
 #include <vector>
 

@@ -95,7 +95,9 @@ std::vector<Vec2d> damped_stretch_map(const DiskView& disk, int solves, const mo
         }
         const bool last = now > kEnoughGain * energy;
         energy = now;
-        uv = std::move(moved), weights = std::move(trial), relative = stretch.relative();
+        uv = std::move(moved);
+        weights = std::move(trial);
+        relative = stretch.relative();
         if (last) break;
     }
     return uv;

@@ -208,7 +208,7 @@ std::optional<std::vector<Vec2d>> flip_free_start(const DiskView& disk, const mo
         const double s = 0.5 + std::min(depths.behind[v], depths.behind[w]);
         return 1 + kKappa * s * s;
     };
-    // Which of the two crowds less is seen afterwards; where one underflows both cures together may still do.
+    // The caller sees which of the two crowds less; where one underflows, both cures together may still work.
     std::optional<std::vector<Vec2d>> best;
     double least = std::numeric_limits<double>::infinity();
     const SlimOptions stretch{.energy = FlipFreeEnergy::kStretch, .border_fixed = true};

@@ -46,7 +46,10 @@ std::vector<std::vector<std::uint32_t>> patches(const DiskView& disk, const Fans
     std::vector<std::uint32_t> ring, all;
     std::vector<std::uint8_t> inside(disk.faces.size(), 0), seen(disk.positions.size(), 0);
     for (std::uint32_t f = 0; f < disk.faces.size(); ++f)
-        if (!is_positive(uv, disk.faces[f])) inside[f] = 1, ring.push_back(f);
+        if (!is_positive(uv, disk.faces[f])) {
+            inside[f] = 1;
+            ring.push_back(f);
+        }
     all = ring;
     const double wanted = faces_per_flip * static_cast<double>(ring.size());
     for (int r = 0; r < kLeastRings || static_cast<double>(all.size()) < wanted; ++r) {
@@ -95,7 +98,10 @@ class Patch {
         std::sort(vertices.begin(), vertices.end());
         std::vector<std::uint32_t> uses;
         for (const std::uint32_t v : vertices) {
-            if (vertices_.empty() || vertices_.back() != v) vertices_.push_back(v), uses.push_back(0);
+            if (vertices_.empty() || vertices_.back() != v) {
+                vertices_.push_back(v);
+                uses.push_back(0);
+            }
             ++uses.back();
         }
         // Free are the vertices whose faces are all in the patch.
@@ -163,7 +169,10 @@ class Patch {
             const int u = unknown_[3 * g + k];
             const Vec2d p = u >= 0 ? point(x, static_cast<std::size_t>(u)) : uv_[disk_.faces[group_[g]][k]];
             const Vec2d& h = rest_[g].hat[k];
-            j.a += p.x * h.x, j.b += p.x * h.y, j.c += p.y * h.x, j.d += p.y * h.y;
+            j.a += p.x * h.x;
+            j.b += p.x * h.y;
+            j.c += p.y * h.x;
+            j.d += p.y * h.y;
         }
         return j;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/parameterize/flip_repair.h
-// Turns back a few flipped faces of a map without touching the rest of it.
+// Repairs a few flipped faces of a map without touching the rest of it.
 #pragma once
 #include <optional>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace dgm::bake {
 
-/// What the surroundings of a flip are drawn towards.
+/// Shape towards which the surroundings of a flip are drawn.
 enum class RepairShape {
     kConformal,  ///< any scale, angles kept: for conformal maps
     kIsometric,  ///< the size of the surface, too

@@ -87,7 +87,7 @@ Pins choose_pins(const DiskView& disk) {
     const Vec3d size = hi - lo;
     const int shortest = size[0] < size[1] && size[0] < size[2] ? 0 : size[1] < size[0] && size[1] < size[2] ? 1 : 2;
     const int a = shortest == 0 ? 1 : 0, b = shortest == 2 ? 1 : 2;
-    // Of two equal axes CGAL takes the later one, but for (x, y) when z is shortest: there, too, the second.
+    // CGAL takes the later of two equal axes, except for (x, y) when z is shortest: there, too, the second.
     const int longest = size[a] > size[b] ? a : b, second = longest == a ? b : a;
     const auto place = [&](const Vec3d& p) {
         const auto along = [&](int axis) { return size[axis] > 0 ? (p[axis] - lo[axis]) / size[axis] : 0.0; };
@@ -97,8 +97,14 @@ Pins choose_pins(const DiskView& disk) {
     pins.at_low = pins.at_high = place(disk.positions[0]);
     for (std::uint32_t v = 1; v < disk.positions.size(); ++v) {
         const Vec2d p = place(disk.positions[v]);
-        if (p.x < pins.at_low.x || (p.x == pins.at_low.x && p.y < pins.at_low.y)) pins.low = v, pins.at_low = p;
-        if (p.x > pins.at_high.x || (p.x == pins.at_high.x && p.y > pins.at_high.y)) pins.high = v, pins.at_high = p;
+        if (p.x < pins.at_low.x || (p.x == pins.at_low.x && p.y < pins.at_low.y)) {
+            pins.low = v;
+            pins.at_low = p;
+        }
+        if (p.x > pins.at_high.x || (p.x == pins.at_high.x && p.y > pins.at_high.y)) {
+            pins.high = v;
+            pins.at_high = p;
+        }
     }
     return pins;
 }
@@ -184,7 +190,11 @@ class LocalGlobal {
 /// Anderson's extrapolation of a fixed-point iteration x -> g(x) from the last few pairs (x, g).
 class Anderson {
  public:
-    void restart() { count_ = 0, next_ = 0, has_last_ = false; }
+    void restart() {
+        count_ = 0;
+        next_ = 0;
+        has_last_ = false;
+    }
 
     /// @param x  in: the iterate; out: the next one
     void advance(Eigen::VectorXd& x, const Eigen::VectorXd& g) {
@@ -389,7 +399,10 @@ double arap_energy(const DiskView& disk, std::span<const Vec2d> uv) {
     double sum = 0, total = 0;
     const std::vector<RestShape> rest = rest_shapes(disk);
     std::vector<double> u, v;
-    for (const Vec2d& p : uv) u.push_back(p.x), v.push_back(p.y);
+    for (const Vec2d& p : uv) {
+        u.push_back(p.x);
+        v.push_back(p.y);
+    }
     for (std::size_t f = 0; f < rest.size(); ++f) {
         const Jacobian j = jacobian(rest[f], disk.faces[f], u.data(), v.data());
         sum += rest[f].area *

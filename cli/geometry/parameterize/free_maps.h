@@ -12,10 +12,10 @@
 
 namespace dgm::bake {
 
-/// What a face counts in the conformal energy.
+/// Weight of a face in the conformal energy.
 enum class LscmWeight {
     kArea,         ///< its area, as the paper has it: the same answer whatever the triangulation, in the limit
-    kSquaredArea,  ///< its squared area: what CGAL 5.5 and programs like it solve, which leave out a normalisation
+    kSquaredArea,  ///< its squared area: CGAL 5.5 and programs like it solve this, since they leave out a normalisation
 };
 
 /// Least squares conformal map [Levy, Petitjean, Ray, Maillot 2002]: least sum over faces of
@@ -47,8 +47,8 @@ struct ArapReport {
                                           const model::Progress& progress, ArapReport* report = nullptr);
 
 /// Sum over faces of share of the area * |J - R|^2 with R the rotation nearest to the map's Jacobian J; in singular
-/// values (s1 - 1)^2 + (s2 - 1)^2, the smaller one negative where a face is turned over. Slivers count as at least 1e-6
-/// as high as long.
+/// values (s1 - 1)^2 + (s2 - 1)^2, the smaller one negative where a face is flipped. Slivers count as at least 1e-6 as
+/// high as long.
 [[nodiscard]] double arap_energy(const DiskView& disk, std::span<const Vec2d> uv);
 
 /// A map to start arap_map() from: border on a circle by arc length, inside harmonic with weights clamped to positive

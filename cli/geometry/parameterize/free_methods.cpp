@@ -63,8 +63,8 @@ class FreeParameterizer final : public Parameterizer {
     }
 
  private:
-    /// The symmetric Dirichlet energy unfolds the crowded start quickly; the ARAP energy, which hardly minds what is
-    /// small, would stay near it.
+    /// The symmetric Dirichlet energy unfolds the crowded start quickly; the ARAP energy, which hardly counts small
+    /// faces, would stay near it.
     [[nodiscard]] std::vector<Vec2d> descend(const DiskView& disk, std::vector<Vec2d> start,
                                              const model::Progress& progress) const {
         SlimOptions options;

@@ -16,7 +16,7 @@ struct MultilevelOptions {
     std::size_t newton_steps = 25;      ///< on the coarsest level, at most
     int coarsest_sweeps = 100;          ///< of vertex relaxation after them
     int sweeps = 30;                    ///< of vertex relaxation on every finer level
-    /// Of the squared stretch that is summed by area. 1 is the L2 norm of [Sander 2001]. The error of a piecewise
+    /// Power of the squared stretch that is summed by area. 1 is the L2 norm of [Sander 2001]. The error of a piecewise
     /// linear surface grows with the square of the step, its square with the fourth power: 2. On the corpus' heads,
     /// animals and organs at 257 a side, 2 reconstructs 0.1 to 1.6 dB better than 1.
     double power = 2;
@@ -33,7 +33,7 @@ struct MultilevelOptions {
 /// Simplifies the disk level by level with its border untouched (simplify.h), maps the coarsest level by reweighting
 /// and projected Newton (slim.h), then puts the vertices back, each inside the kernel of its ring in the map, and
 /// relaxes them one at a time by Newton steps on the stretch of their ring [Hormann, Labsik, Greiner 1999; Sander
-/// 2001]. No step turns a face over. What a sweep cannot move (long waves) the coarser levels have moved already, so
+/// 2001]. No step turns a face over. A sweep cannot move long waves, but the coarser levels have moved them already, so
 /// the cost is linear in the number of faces.
 ///
 /// @param disk  with a fixed border

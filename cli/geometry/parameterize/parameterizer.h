@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/parameterize/parameterizer.h
-// What a parameterization method promises. dgm_cgal and dgm_geometry implement it; the pipeline introduces the two.
+// Interface and promises of a parameterization method. dgm_cgal and dgm_geometry implement it; the pipeline introduces
+// the two.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -69,7 +69,7 @@ enum class FlipFreeStart {
 
 /// A map without flips to start from: border on `disk.border_uv` if there is one, else on the unit circle by arc length
 /// (no edge shorter than a tenth of its equal share). Tutte's theorem holds for all weights tried, in exact arithmetic;
-/// what doubles make of it is checked exactly.
+/// its result in doubles is checked exactly.
 ///
 /// @return nothing if no try is flip-free
 /// @throws model::Error kInterrupted

@@ -86,7 +86,9 @@ class SphereRing {
                 const Vec3d y = at(sx, sy);
                 const double now = energy(y);
                 if (!(now < e)) continue;
-                x = y, e = now, moved = true;
+                x = y;
+                e = now;
+                moved = true;
             }
             if (!moved) return x;
         }
@@ -107,7 +109,10 @@ class SphereRing {
         const auto consider = [&](const Vec3d& x) {
             if (!(squared(x) > 0)) return;
             const Vec3d y = unit(x);
-            if (const double e = energy(y); e < least) least = e, best = y;
+            if (const double e = energy(y); e < least) {
+                least = e;
+                best = y;
+            }
         };
         if (squared(middle) > 1e-24)
             for (double share = 1; share > 1e-3; share *= 0.5) consider(kept + (unit(middle) - kept) * share);
@@ -155,7 +160,7 @@ struct Level {
 }
 
 std::vector<Level> build_ladder(const TriMesh& mesh, const model::Progress& progress) {
-    // Small levels are halved: what crowds among a few vertices would crowd all that come after.
+    // Small levels are halved: crowding among a few vertices would crowd all later ones.
     constexpr std::size_t kSmall = 400;
     std::vector<Level> ladder(1);
     ladder[0].mesh.positions = mesh.positions;
@@ -168,7 +173,8 @@ std::vector<Level> build_ladder(const TriMesh& mesh, const model::Progress& prog
         options.regularity = 1e-2;  // round rings matter, detail does not
         if (count > kSmall) fine.coarser = simplify(fine.mesh, wanted, options, progress);
         if (count <= kSmall || fine.coarser.faces.size() > wanted) {
-            options.least_cosine = -1, options.max_valence = 1000;
+            options.least_cosine = -1;
+            options.max_valence = 1000;
             fine.coarser = simplify(fine.mesh, wanted, options, progress);
         }
         if (fine.coarser.faces.size() == count) fail("the surface could not be simplified to a tetrahedron");

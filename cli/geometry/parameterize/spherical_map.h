@@ -26,7 +26,7 @@ struct SphericalOptions {
                                                const model::Progress& progress);
 
 /// True if det(a, b, c) > 0 for certain: the triangle is counter-clockwise seen from outside the sphere. A filter, not
-/// an exact sign: triangles too thin to tell are refused.
+/// an exact sign: triangles too thin for it are refused.
 [[nodiscard]] bool surely_outward(const Vec3d& a, const Vec3d& b, const Vec3d& c);
 
 }  // namespace dgm::bake

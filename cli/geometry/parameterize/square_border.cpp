@@ -93,7 +93,8 @@ class BorderLayout {
         std::vector<std::uint32_t> intervals;
         if (shares == BorderShares::kEqualArms) {
             const Shares arms = equal_arms(paths, grid);
-            intervals = arms.intervals, start = arms.start;
+            intervals = arms.intervals;
+            start = arms.start;
         } else if (has_four_real_sides(paths)) {
             intervals = {grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1};
         } else {
@@ -174,8 +175,8 @@ class BorderLayout {
         return t;
     }
 
-    /// A chord on one side of the square would collapse the faces behind it; across a corner it would lock up what lies
-    /// behind it in a triangle, however much that is.
+    /// A chord on one side of the square would collapse the faces behind it; across a corner it would lock up the faces
+    /// behind it in a triangle, however many there are.
     void split_chords() {
         const std::vector<double> t = border_positions();
         const std::size_t old_vertices = t.size();
@@ -274,7 +275,7 @@ std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& pat
             s.intervals = std::max(s.least, static_cast<std::uint32_t>(s.ideal));
             left -= std::int64_t{s.cost} * s.intervals;
         }
-        const auto gain = [](const Share& s) { return s.ideal - s.intervals; };  // what it still lacks
+        const auto gain = [](const Share& s) { return s.ideal - s.intervals; };  // its missing part
         while (left != 0) {
             Share* best = nullptr;
             for (Share& s : shares) {
@@ -307,7 +308,7 @@ SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std
 
 namespace {
 
-/// Which border samples of the unrotated cycle are leaves of the cut, and which are corners of the real border.
+/// Marks the border samples of the unrotated cycle that are leaves of the cut, or corners of the real border.
 struct BorderMarks {
     BorderGrid grid;
     std::vector<char> leaf, corner;

@@ -52,7 +52,7 @@ enum class BorderShares {
 /// surface is locked up behind a straight edge.
 ///
 /// Changes `disk` by those splits. `rotation` moves the first path's start to border sample `rotation`; equal arms have
-/// but one, and do not look at it.
+/// only one, and ignore it.
 /// @throws model::Error kGridTooSmall if the paths need more intervals than the grid has; kMethodUnsuited if equal arms
 ///     are asked of another cut than a star of four, or of even m or n
 [[nodiscard]] SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,

@@ -14,7 +14,7 @@
 namespace dgm::bake {
 namespace {
 
-constexpr std::size_t kMostFaces = 64;  // at a vertex after a move: what is collapsed must not become one large fan
+constexpr std::size_t kMostFaces = 64;  // at a vertex after a move: collapses must not make one large fan
 constexpr std::size_t kLeastFaces = 2;  // of the component
 
 class Collapser {
@@ -58,7 +58,7 @@ class Collapser {
         std::vector<std::uint32_t>&at_v = faces_at_[v], &at_w = faces_at_[w];
         if (at_v.size() + at_w.size() > kMostFaces) return false;
         if (!keeps_surface(v, w) || !keeps_topology(v, w)) return false;
-        std::size_t corner_at_w = 0;  // of a face that goes: what it holds there, corners that move there hold
+        std::size_t corner_at_w = 0;  // of a face that goes: corners that move there take its attributes
         for (const std::uint32_t f : at_v)
             for (std::size_t k = 0; k < 3; ++k)
                 if (mesh_.faces[f][k] == w) corner_at_w = 3 * std::size_t{f} + k;
@@ -84,7 +84,9 @@ class Collapser {
         const auto copy = [&](auto& of_corners) {
             if (!of_corners.empty()) of_corners[to] = of_corners[from];
         };
-        copy(mesh_.corner_normals), copy(mesh_.corner_uvs), copy(mesh_.corner_colours);
+        copy(mesh_.corner_normals);
+        copy(mesh_.corner_uvs);
+        copy(mesh_.corner_colours);
     }
 
     [[nodiscard]] bool keeps_surface(std::uint32_t v, std::uint32_t w) const {
@@ -134,7 +136,7 @@ class Collapser {
         return shared == 1 || !is_tetrahedron(v, w);
     }
 
-    /// Of an inner edge that meets the link condition: may both v and w have a face with the two vertices across it?
+    /// For an inner edge that meets the link condition: may both v and w have a face with the two vertices across it?
     [[nodiscard]] bool is_tetrahedron(std::uint32_t v, std::uint32_t w) const {
         return faces_at_[v].size() == 3 && faces_at_[w].size() == 3;
     }
@@ -148,7 +150,9 @@ class Collapser {
             const auto take = [&](auto& of_corners) {
                 if (!of_corners.empty()) std::copy_n(of_corners.begin() + 3 * f, 3, of_corners.begin() + 3 * n);
             };
-            take(mesh_.corner_normals), take(mesh_.corner_uvs), take(mesh_.corner_colours);
+            take(mesh_.corner_normals);
+            take(mesh_.corner_uvs);
+            take(mesh_.corner_colours);
             ++n;
         }
         mesh_.faces.resize(n);
@@ -156,13 +160,18 @@ class Collapser {
         const auto shorten = [&](auto& of_corners) {
             if (!of_corners.empty()) of_corners.resize(3 * n);
         };
-        shorten(mesh_.corner_normals), shorten(mesh_.corner_uvs), shorten(mesh_.corner_colours);
+        shorten(mesh_.corner_normals);
+        shorten(mesh_.corner_uvs);
+        shorten(mesh_.corner_colours);
         std::vector<std::uint32_t> place(mesh_.positions.size(), kNone);
         for (const Face& face : mesh_.faces)
             for (const std::uint32_t v : face) place[v] = 0;
         std::uint32_t used = 0;
         for (std::size_t v = 0; v < place.size(); ++v)
-            if (place[v] != kNone) mesh_.positions[used] = mesh_.positions[v], place[v] = used++;
+            if (place[v] != kNone) {
+                mesh_.positions[used] = mesh_.positions[v];
+                place[v] = used++;
+            }
         mesh_.positions.resize(used);
         for (Face& face : mesh_.faces)
             for (std::uint32_t& v : face) v = place[v];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/repair/face_height.h
-// Which faces count as being without height.
+// Defines the faces without height.
 #pragma once
 #include <algorithm>
 #include <array>

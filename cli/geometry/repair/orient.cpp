@@ -21,7 +21,7 @@ struct Component {
     bool closed = true;
 };
 
-/// Walks from `seed` over glued edges; each face gets the component's number, and is turned if its neighbour asks for
+/// Walks from `seed` over glued edges; each face gets the component's number, and is reversed if its neighbour requires
 /// it.
 Component walk_component(const FaceSoup& soup, std::span<const std::uint32_t> partner, std::uint32_t seed,
                          Orientation& out) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/repair/repair.h
-// From whatever an importer returned to oriented manifold components in a normalised frame.
+// Turns the mesh of an importer into oriented manifold components in a normalised frame.
 #pragma once
 #include <vector>
 
@@ -20,7 +20,7 @@ struct RepairedMesh {
     /// Connected, oriented, manifold (edges with one or two faces, one fan a vertex, at most one edge between two
     /// vertices), every vertex used; in order of their first face in the source.
     std::vector<model::TriMesh> components;
-    RepairCounts counts;  ///< what was changed
+    RepairCounts counts;  ///< changes made
 };
 
 /// Repairs by gluing rather than by deleting: corners are joined where faces share an edge, so that non-manifold edges

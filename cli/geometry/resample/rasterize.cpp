@@ -19,17 +19,19 @@ std::pair<double, double> narrowed(const Vec2d (&p)[3], double x, std::pair<doub
     for (int k = 0; k < 3; ++k) {
         const Vec2d &a = p[k], &b = p[(k + 1) % 3];
         if (std::min(a.x, b.x) > x || std::max(a.x, b.x) < x) continue;
-        if (std::abs(b.x - a.x) < 1e-6) {  // too steep for a crossing to be told
-            lo = std::min({lo, a.y, b.y}), hi = std::max({hi, a.y, b.y});
+        if (std::abs(b.x - a.x) < 1e-6) {  // too steep for a certain crossing
+            lo = std::min({lo, a.y, b.y});
+            hi = std::max({hi, a.y, b.y});
             continue;
         }
         const double y = a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x));
-        lo = std::min(lo, y), hi = std::max(hi, y);
+        lo = std::min(lo, y);
+        hi = std::max(hi, y);
     }
     return {std::max(range.first, std::floor(lo)), std::min(range.second, std::ceil(hi))};
 }
 
-/// Of a number that is not negative.
+/// Fraction of a number that is not negative.
 double fraction(double x) {
     return x - std::floor(x);
 }
@@ -84,7 +86,10 @@ std::vector<SurfaceSample> spread_by_area(const TriMesh& mesh, std::size_t count
         while (f + 1 < mesh.faces.size() && upto[f + 1] <= at) ++f;
         double s = fraction(0.5 + 0.7548776662466927 * static_cast<double>(k));
         double t = fraction(0.5 + 0.5698402909980532 * static_cast<double>(k));
-        if (s + t > 1) s = 1 - s, t = 1 - t;
+        if (s + t > 1) {
+            s = 1 - s;
+            t = 1 - t;
+        }
         out.push_back({f, {1 - s - t, s, t}});
     }
     return out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/resample/rasterize.h
-// Which point of the surface each sample of an m x n grid stands on.
+// Finds the point of the surface on which each sample of an m x n grid stands.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -15,13 +15,22 @@ struct Quadric {
     /// Adds the plane through `p` with unit normal `n`.
     void add_plane(const model::Vec3d& n, const model::Vec3d& p, double weight) {
         const double d = -dot(n, p);
-        xx += weight * n.x * n.x, xy += weight * n.x * n.y, xz += weight * n.x * n.z;
-        yy += weight * n.y * n.y, yz += weight * n.y * n.z, zz += weight * n.z * n.z;
+        xx += weight * n.x * n.x;
+        xy += weight * n.x * n.y;
+        xz += weight * n.x * n.z;
+        yy += weight * n.y * n.y;
+        yz += weight * n.y * n.z;
+        zz += weight * n.z * n.z;
         b += n * (weight * d);
         c += weight * d * d;
     }
     Quadric& operator+=(const Quadric& q) {
-        xx += q.xx, xy += q.xy, xz += q.xz, yy += q.yy, yz += q.yz, zz += q.zz;
+        xx += q.xx;
+        xy += q.xy;
+        xz += q.xz;
+        yy += q.yy;
+        yz += q.yz;
+        zz += q.zz;
         b += q.b;
         c += q.c;
         return *this;

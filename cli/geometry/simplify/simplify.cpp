@@ -4,7 +4,7 @@
 // [Dey, Edelsbrunner, Guha, Nekhayev 1999] Topology preserving edge contraction. Publ. Inst. Math. 66.
 //
 // Each vertex waits in the heap with its cheapest collapse. Costs are kept up to date; whether a collapse is allowed is
-// only asked when it is its turn, and if it is not, the vertex waits again with its cheapest allowed one.
+// only tested at its turn, and if it is not, the vertex waits again with its cheapest allowed one.
 #include "geometry/simplify/simplify.h"
 
 #include <algorithm>
@@ -125,7 +125,10 @@ class Simplifier {
         std::uint32_t best = kNone;
         const auto visit = [&](std::uint32_t v) {
             const double c = cost(u, v);
-            if ((c < least || (c == least && v < best)) && (!checked || allowed(u, v))) least = c, best = v;
+            if ((c < least || (c == least && v < best)) && (!checked || allowed(u, v))) {
+                least = c;
+                best = v;
+            }
         };
         if (checked)
             for (std::size_t k = 0; k < link_.size(); ++k) visit(link_[k]);
@@ -151,7 +154,10 @@ class Simplifier {
         const bool bars = !options_.allow_chords && !border && on_border(v);
         ++stamp_;
         std::size_t valence = 0;
-        each_neighbour(v, [&](std::uint32_t w) { seen_[w] = stamp_, ++valence; });
+        each_neighbour(v, [&](std::uint32_t w) {
+            seen_[w] = stamp_;
+            ++valence;
+        });
         for (std::uint32_t w : link_)
             if (w != before && w != after && w != v && (seen_[w] == stamp_ || (bars && on_border(w)))) return false;
         if (valence + count > options_.max_valence + 4) return false;
@@ -164,7 +170,10 @@ class Simplifier {
     [[nodiscard]] bool would_hang(std::uint32_t u, std::uint32_t v, std::uint32_t w) const {
         std::size_t valence = 0;
         bool stranger = false;
-        each_neighbour(w, [&](std::uint32_t x) { ++valence, stranger |= x != u && x != v; });
+        each_neighbour(w, [&](std::uint32_t x) {
+            ++valence;
+            stranger |= x != u && x != v;
+        });
         return !stranger || (!on_border(w) && valence < 4);
     }
 
@@ -225,7 +234,7 @@ class Simplifier {
         for (std::uint32_t w : fan_) refresh(w, u, v);
     }
 
-    /// Of w's collapses only that into v has another cost, and that into u is gone.
+    /// Among w's collapses only that into v has another cost, and that into u is gone.
     void refresh(std::uint32_t w, std::uint32_t u, std::uint32_t v) {
         if (target_[w] == kNone || target_[w] == u || target_[w] == v) return queue(w, false);
         if (!options_.locked.empty() && options_.locked[w]) return;

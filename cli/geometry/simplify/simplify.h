@@ -26,7 +26,7 @@ struct SimplifyOptions {
 /// The link of `removed` at that moment is Simplified::link(collapse): counter-clockwise seen from outside, closed for
 /// a vertex inside, an open chain (border neighbour first and last) for one on the border. The faces around `removed`
 /// were (removed, link[j], link[j + 1]); afterwards those without `kept` were (kept, link[j], link[j + 1]). Replacing
-/// these by those, last collapse first, gives the finer meshes back.
+/// these by those, last collapse first, restores the finer meshes.
 struct Collapse {
     std::uint32_t removed, kept;
     std::uint32_t first, count;  ///< of `links`
@@ -48,7 +48,7 @@ struct Simplified {
 /// so that genus, borders and manifoldness stay; it must not turn a face by more than `least_cosine` nor make it a
 /// sliver. Border vertices move along their border only.
 ///
-/// @param mesh  an oriented manifold without repeated edges (what repair() returns); attributes are not looked at
+/// @param mesh  an oriented manifold without repeated edges (as repair() returns it); attributes are ignored
 /// @throws model::Error kInterrupted
 /// Deterministic (ties go to the lower vertex), single-threaded, about 2 microseconds a collapse.
 [[nodiscard]] Simplified simplify(const TriMesh& mesh, std::size_t target_faces, const SimplifyOptions& options,

@@ -17,7 +17,7 @@ class VertexHeap {
 
     [[nodiscard]] bool empty() const { return heap_.empty(); }
     [[nodiscard]] std::uint32_t top() const { return heap_.front().vertex; }
-    /// Of a vertex in the heap.
+    /// Key of a vertex in the heap.
     [[nodiscard]] double key(std::uint32_t vertex) const { return heap_[place_[vertex]].key; }
 
     /// Inserts the vertex or changes its key.

@@ -17,10 +17,10 @@ struct SolveStatistics {
 /// Solves A x = b for a square A, for a caller that passes the same A again and again, as CGAL's parameterizers do.
 ///
 /// The matrix is compared with the last one entry by entry; only a different one is factorized. Rows that are those of
-/// the identity (pinned vertices) are eliminated first. What is left is solved by LDL^T if it is symmetric up to
-/// rounding, else, or if LDL^T breaks down, by LU; both with iterative refinement on the caller's own entries.
-/// Eigen's solvers and not SuiteSparse's, because those call the BLAS of the machine, whose rounding may depend on the
-/// thread count. Not thread-safe.
+/// the identity (pinned vertices) are eliminated first. The rest is solved by LDL^T if it is symmetric up to rounding,
+/// else, or if LDL^T breaks down, by LU; both with iterative refinement on the caller's own entries. Eigen's solvers
+/// and not SuiteSparse's, because those call the BLAS of the machine, whose rounding may depend on the thread count.
+/// Not thread-safe.
 class FactorOnce {
  public:
     FactorOnce();

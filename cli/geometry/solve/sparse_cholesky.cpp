@@ -53,7 +53,10 @@ Graph node_graph(const SparseMatrix& lower, Index block) {
                     visit(static_cast<Wide>(i), static_cast<Wide>(j));
                 }
     };
-    each_pair([&](Wide i, Wide j) { ++g.first[i + 1], ++g.first[j + 1]; });
+    each_pair([&](Wide i, Wide j) {
+        ++g.first[i + 1];
+        ++g.first[j + 1];
+    });
     for (Wide k = 0; k < static_cast<Wide>(nodes); ++k) g.first[k + 1] += g.first[k];
     g.neighbour.resize(static_cast<Wide>(g.first.back()));
     std::vector<Index> fill(g.first.begin(), g.first.end() - 1);
@@ -422,7 +425,8 @@ bool SparseCholesky::factorize(const SparseMatrix& lower) {
     State& s = *state_;
     const Wide width = s.width();
     std::vector<double>&front = s.front_buffer, &stack = s.stack_buffer;
-    front.resize(s.largest_front * s.largest_front), stack.resize(s.largest_stack);
+    front.resize(s.largest_front * s.largest_front);
+    stack.resize(s.largest_stack);
     std::vector<Wide> local(static_cast<Wide>(s.columns)), place;
     std::vector<Index> waiting;  // supernodes whose update is on the stack
     Wide top = 0;

@@ -24,11 +24,11 @@ using model::Vec3d;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// So few triangles are looked at one by one: a hierarchy of them costs more, to build and to ask.
+// So few triangles are visited one by one: a hierarchy of them costs more, to build and to search.
 constexpr std::size_t kFewTriangles = 48;
 
-// Beyond this many diagonals from the centre, float boxes say nothing (and their squares may overflow): search them
-// all.
+// Beyond this many diagonals from the centre, float boxes are useless (and their squares may overflow): search all
+// faces.
 constexpr double kFarDiagonals = 1e15;
 
 // Rounding of the query point to float and of Embree's box distance: a few units of 2^-24, relative to the distance and
@@ -199,7 +199,7 @@ std::array<Vec3d, 3> from_longest_edge(const Triangle& tri) {
     return {tri.c, tri.a, tri.b};
 }
 
-/// How many pieces a triangle is held in.
+/// Number of pieces in which a triangle is stored.
 int piece_count(const Triangle& tri) {
     const auto [p, q, r] = from_longest_edge(tri);
     const double edge = length(q - p);
@@ -208,7 +208,7 @@ int piece_count(const Triangle& tri) {
     return static_cast<int>(std::min<double>(kMaxPieces, std::ceil(edge / (kPieceLength * height))));
 }
 
-/// What the scene's functions see.
+/// Data that the scene's functions see.
 struct Held {
     const Triangle* triangles;
     const Piece* pieces;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/spatial/exposure.h
-// How much of a surface is in plain view: the complement of its ambient occlusion.
+// Measures how much of a surface is in plain view: the complement of its ambient occlusion.
 #pragma once
 #include <cstdint>
 #include <memory>

@@ -667,7 +667,7 @@ typedef struct dgm_ray_hit {
 } dgm_ray_hit;
 
 /* Finds the first triangle of the present shape along a ray, border strips included. The test is watertight: no ray
- * slips through an edge, a corner or a seam of a closed surface. Of equally near triangles the first one wins: quads
+ * slips through an edge, a corner or a seam of a closed surface. Among equally near triangles the first one wins: quads
  * row by row, then the border strip.
  *
  * origin     x, y, z, local; any finite numbers

@@ -9,7 +9,7 @@
 
 namespace dgm::detail {
 namespace {
-#if defined(_WIN32)  // has no aligned_alloc, and free() does not know what _aligned_malloc gave
+#if defined(_WIN32)  // has no aligned_alloc, and free() does not know memory of _aligned_malloc
 void* take(std::size_t bytes, std::size_t alignment) noexcept {
     return ::_aligned_malloc(bytes, alignment);
 }
@@ -33,7 +33,7 @@ bool is_valid(const Allocator& allocator) noexcept {
 void* allocate(const Allocator& allocator, std::size_t bytes, std::size_t alignment) noexcept {
     if (allocator.allocate != nullptr) return allocator.allocate(allocator.user, bytes, alignment);
     if (alignment < sizeof(void*)) alignment = sizeof(void*);
-    const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;  // what aligned_alloc asks for
+    const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;  // as aligned_alloc requires
     return rounded < bytes ? nullptr : take(rounded, alignment);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/base/memory.h
-// Arrays that take memory from the caller's allocator and say when there is none: nothing here throws.
+// Arrays that take memory from the caller's allocator and report when there is none: nothing here throws.
 #pragma once
 #include <cstddef>
 #include <cstdint>

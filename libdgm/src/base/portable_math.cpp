@@ -38,8 +38,8 @@ std::uint32_t word_at(int at) noexcept {
     return static_cast<std::uint32_t>(pair << shift >> 32);
 }
 
-/// Of a positive finite angle m 2^e, m a whole number of 24 bits: m times those 96 bits of 2^e 2/pi that are worth
-/// 2 .. 2^-94. Bits above them make whole turns, those below less than 2^-70.
+/// Reduces a positive finite angle m 2^e, where m is an integer of 24 bits: multiplies m by the 96 bits of 2^e 2/pi
+/// that are worth 2 .. 2^-94. Bits above them make whole turns, those below less than 2^-70.
 Reduced reduce(float angle) noexcept {
     if (angle < 0.785f) return {static_cast<double>(angle), 0};
     const auto bits = __builtin_bit_cast(std::uint32_t, angle);

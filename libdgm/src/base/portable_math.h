@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/base/portable_math.h
 // Exponential, logarithm, power and sine that give the same bits on every target. C libraries round theirs each in its
-// own way; these are built from IEEE 754 operations (+ - * / and conversions), which leave no choice. So whatever feeds
-// a shape goes through here, and never through <cmath>'s transcendental functions.
+// own way; these are built from IEEE 754 operations (+ - * / and conversions), which leave no choice. So all values of
+// a shape use these functions, never <cmath>'s transcendental functions.
 //
 // It takes binary64 arithmetic rounded operation by operation: no contraction (-ffp-contract=off), no fast-math, no
 // x87 registers. An x87 build works, but its last bits are its own.
@@ -32,7 +32,7 @@ namespace dgm::detail {
 struct SineCosine {
     double sine, cosine;
 };
-/// Of any finite angle in radians.
+/// Sine and cosine of any finite angle in radians.
 [[nodiscard]] SineCosine portable_sine(float angle) noexcept;
 
 }  // namespace dgm::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/c_api/c_api_impl.h
-// Handles, sized structs and null checks: what the files behind dgm.h share.
+// Handles, sized structs and null checks, which the files behind dgm.h share.
 #pragma once
 #include <dgm/dgm.h>
 
@@ -19,7 +19,7 @@
 
 namespace dgm::c_api {
 
-/// What a handle points to: an object and where its memory came from.
+/// A handle points to this: an object and where its memory came from.
 template <class T>
 struct Held {
     Held(const dgm::Allocator& a, T&& v) noexcept : allocator(a), value(std::move(v)) {}
@@ -57,7 +57,7 @@ template <class E>
     return number == static_cast<int>(value);
 }
 
-/// Writes what both sides know of an answer; the caller's struct_size stays.
+/// Writes the fields of an answer that both sides know; the caller's struct_size stays.
 template <class T>
 void put(T* to, T from) noexcept {
     if (to == nullptr || to->struct_size < sizeof(std::uint32_t)) return;
@@ -70,7 +70,7 @@ inline dgm_code finish(const Error& e, dgm_error* error) noexcept {
     return static_cast<dgm_code>(e.code);
 }
 
-/// Reads what both sides know of the options; the rest is 0. Null: all defaults.
+/// Reads the fields of the options that both sides know; the rest is 0. Null: all defaults.
 template <class T>
 Result<void> get(const T* from, T& to) noexcept {
     to = T{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/c_api/c_api_pick.cpp
-// dgm.h: rays, and what changed.
+// dgm.h: rays and changed samples.
 #include <dgm/changed.h>
 #include <dgm/pick.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact/contact.cpp
-// Paper section 6: what lies beyond the obstacle is found, measured and projected, or all is left as it was.
+// Paper section 6: samples beyond the obstacle are found, measured and projected, or all is left as it was.
 #include <dgm/contact.h>
 
 #include <algorithm>
@@ -135,7 +135,7 @@ void Resolver::mark_tile(std::uint32_t tile) noexcept {
     if (any) c_.add_tile(tile, kTilePhi);
 }
 
-// Copies of a class take the verdict, and the place to go to, of the representative: nobody else is asked.
+// Copies of a class take the verdict and the target of the representative, which alone is tested.
 bool Resolver::mark_sample(std::uint32_t k) noexcept {
     if (s_.representative(k) != k) return (c_.marks[k] & kInside) != 0;
     const Double3 p = widen(s_.point(k));
@@ -259,8 +259,8 @@ void Resolver::project() noexcept {
 
 void Resolver::keep() noexcept {
     const Planes from = c_.before();
-    // What did not move keeps its bits: a copy of it may be in a tile that is not listed. The sign of a zero is a bit,
-    // too: what moved by less than floats can tell may have turned it.
+    // A sample that did not move keeps its bits: a copy of it may be in a tile that is not listed. The sign of a zero
+    // is a bit, too, and a move below the precision of float may have changed it.
     const auto bits = [](float v) { return __builtin_bit_cast(std::uint32_t, v); };
     const auto move = [&](float* base, const float* now, const float* old, std::size_t k) {
         if (bits(base[k]) == bits(old[k]))

@@ -6,8 +6,8 @@
 // Samples that this takes beyond the obstacle are put back on it, and the volume that costs grows about as a power of
 // beta: its coefficient and exponent are found by measuring the bulged volume. Most of the ring is too far from the
 // obstacle for that to happen; there the cubic holds, and only the rest is moved and measured again at every step, all
-// of it at the last. What rounding to float leaves is put on a few samples one after another, the volume being linear
-// in each.
+// of it at the last. The error that rounding to float leaves is put on a few samples one after another: the volume is
+// linear in each.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +18,8 @@
 
 namespace dgm::detail {
 namespace {
-// Of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can take.
+// Shares of the removed volume. From an error of kForeseen the next step is good to some 1e-5, which a few samples can
+// take.
 constexpr double kForeseen = 4e-3, kSolved = 3e-4;
 constexpr std::uint32_t kMaxPasses = 10;
 constexpr double kPower = 1.8;  // of beta, to which the volume put back grows, before it is measured
@@ -139,7 +140,7 @@ void Resolver::part_ring() noexcept {
                                 : std::numeric_limits<double>::infinity();
     for (std::uint32_t e = 0, listed = c_.tile_count; e < listed; ++e) {
         const std::uint32_t tile = c_.tiles[e], ti = tile / s_.tile_cols, tj = tile % s_.tile_cols;
-        // What quads gained by sinking already is measured with what they gain by bulging.
+        // Volume that quads gained by sinking is measured together with their gain by bulging.
         constexpr std::uint8_t kBoth = kTileSinking | kTileBulging;
         if ((c_.tile_bits[tile] & kBoth) == kBoth) c_.tile_bits[tile] |= kTileNear;
         if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
@@ -163,7 +164,7 @@ void Resolver::part_ring() noexcept {
     collect(c_.ring, kTileBulging | kTileNear, kTileBulging);
     if (foreseen()) collect(c_.inner, kTileHeld, kTileHeld);  // measured, and not asked for again
     if (shape_.kind == ObstacleKind::Plane) return;
-    // From here on: heights over the obstacle, where they have been asked for.
+    // From here on: heights over the obstacle, where they have been computed.
     heights_ = true;
     for (std::uint32_t e = 0; e < c_.tile_count; ++e)
         if ((c_.tile_bits[c_.tiles[e]] & kTilePsi) != 0)
@@ -198,8 +199,8 @@ void Resolver::put_back_tile(std::uint32_t tile, double beta) noexcept {
     each_sample(tile, [&](std::uint32_t k) { put_back_sample(k, beta); });
 }
 
-// Tiles of copies may differ in whether they are near; their heights may be asked from different places. So one copy is
-// asked for all, and it does not matter whether the loops have bulged it.
+// Tiles of copies may differ in whether they are near; their heights may be computed from different places. So one copy
+// is measured for all, and it does not matter whether the loops have bulged it.
 void Resolver::put_back_classes(double beta) noexcept {
     for (std::uint32_t e = 0; e < class_count_; ++e) {
         const std::uint32_t k = c_.source[e];
@@ -259,7 +260,7 @@ void Resolver::apply(const Runs& runs, double beta) noexcept {
         if ((c_.tile_bits[tile] & kTilePsi) == 0) continue;
         const bool near = (c_.tile_bits[tile] & kTileNear) != 0;
         if (near == all) continue;
-        // Of a surface the box costs a search, and its samples mostly know their heights.
+        // For a surface the box costs a search, and most of its samples know their heights.
         const bool asked = near && searches();
         if (asked || box_distance(shape_, s_.now_boxes.boxes[tile]) < std::fabs(beta) * double{c_.tile_top[tile]})
             put_back_tile(tile, beta);
@@ -332,7 +333,7 @@ class HeightSearch {
         if (!(next > low_ && next < high_)) next = std::isinf(high_) ? 2 * low_ : 0.5 * (low_ + high_);
         return next > 64 * std::fabs(first_) || next == std::fabs(beta) ? 0 : next;
     }
-    /// What was measured before took other samples to be near.
+    /// Earlier measurements took other samples to be near.
     void restart() noexcept {
         low_ = 0;
         high_ = best_error_ = std::numeric_limits<double>::infinity();
@@ -341,7 +342,7 @@ class HeightSearch {
     [[nodiscard]] double best_error() const noexcept { return best_error_; }
 
  private:
-    /// Of the error where |beta| is too high, times that of beta.
+    /// Sign of the error where |beta| is too high, times the sign of beta.
     [[nodiscard]] double sign() const noexcept { return removed_ * first_ > 0 ? 1 : -1; }
     void fit_power(double beta, double cost) noexcept {
         if (older_ == 0 || !(cost * older_cost_ > 0) || older_ == beta) return;
@@ -359,7 +360,7 @@ class HeightSearch {
 
 double Resolver::first_height(const Cubic& volume, double first) const noexcept {
     double beta = solve(volume, removed_, 0, first, 0);
-    // A ring too small for what it has to take may have no root near by: then the gradient's answer, and its error.
+    // A ring too small for the removed volume may have no root near by: then the gradient's answer and its error count.
     if (!(beta * first > 0) || std::fabs(beta) > 4 * std::fabs(first)) beta = first;
     if (held_ == 0) return beta;
     const double next = solve(volume, removed_, held_, std::copysign(highest_, first), kPower);
@@ -406,7 +407,7 @@ void Resolver::bulge() noexcept {
 void Resolver::search_height(const Cubic& all, Cubic rest, double first) noexcept {
     double beta = first_height(all, first);
     HeightSearch search(all, removed_, first, beta);
-    // What a plane costs is known as well, without a sample moved, but for border faces.
+    // The cost of a plane is known without moving a sample, too, except for border faces.
     bool known = foreseen();
     double aim = known ? kSolved : kForeseen;
     const auto measure = [&] {

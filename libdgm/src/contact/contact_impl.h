@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact/contact_impl.h
-// What a ContactSolver holds, and the steps of a contact.
+// Memory of a ContactSolver, and the steps of a contact.
 #pragma once
 #include <dgm/contact.h>
 
@@ -41,7 +41,7 @@ struct Double3 {
 inline constexpr std::uint64_t kNoTriangle = ~std::uint64_t{0};
 
 /// All tiles of an obstacle's surface whose boxes meet a box that many searches stay inside of, and the boxes of their
-/// quads: laid along the surface once, asked by each search.
+/// quads: found once, used by each search.
 struct NearTiles {
     static constexpr std::uint32_t kMost = 32;
     bool wanted = false, listed = false;
@@ -62,7 +62,7 @@ struct Shape {
     Double3 axis[3];  ///< columns of the rotation: own axes in the state's frame
     StateImpl* surface = nullptr;
     double reach = 0;     ///< surface; infinity: none
-    double slack = 0;     ///< surface: longest edge of its border faces, which may stand out of their tiles' boxes
+    double slack = 0;     ///< surface: longest edge of its border faces, which may reach out of their tiles' boxes
     double rounding = 0;  ///< surface: of gaps to its samples in float
     bool open = false;
     /// Surface: where the last search ended. The next one mostly ends near by, and is quicker for it; its answer does
@@ -77,7 +77,7 @@ struct Probe {
 };
 /// Checks and refits. @return BadArgument, Unsupported.
 [[nodiscard]] Result<Shape> make_shape(const Obstacle& obstacle) noexcept;
-/// A function of the point alone: copies of a class get the same bits.
+/// Depends on the point alone: copies of a class get the same bits.
 [[nodiscard]] Probe probe(const Shape& shape, Double3 point) noexcept;
 /// The next searches are in or near a box (local frame).
 void look_into(const Shape& shape, const Box& box) noexcept;
@@ -86,10 +86,10 @@ void look_into(const Shape& shape, const Box& box) noexcept;
 [[nodiscard]] bool is_apart(const Shape& shape, const StateImpl& state, const Rect& samples) noexcept;
 /// Distance from the plane of a facet that probe() found near by.
 [[nodiscard]] Probe facet_probe(const Shape& shape, std::uint32_t facet, Double3 point) noexcept;
-/// What one search of a surface says about points near by: distances change by no more than the way gone.
+/// Bounds from one search of a surface for points near by: distances change by no more than the way gone.
 class Surroundings {
  public:
-    /// At least this far before the obstacle; says nothing where negative.
+    /// At least this far before the obstacle; no bound where negative.
     [[nodiscard]] double clearance(const Shape& shape, Double3 point) const noexcept {
         if (shape.kind != ObstacleKind::Surface) return -1;  // quicker asked than remembered
         const Double3 way = point - at_;
@@ -221,8 +221,8 @@ void each_tile(const Pyramid& y, Meets meets, F f) noexcept {
 /// Open surfaces: averages the displacement of contact and ring with the neighbours', staying out of the obstacle.
 void smooth_contact(StateImpl& state, ContactImpl& contact, const Shape& shape, std::uint32_t rounds) noexcept;
 
-/// Squared surface distances from the rim of the marked samples, up to `reach`, into contact.square; lists tiles. Of
-/// open surfaces only samples within `steps` edges of the contact need to be met: no displacement gets farther.
+/// Squared surface distances from the rim of the marked samples, up to `reach`, into contact.square; lists tiles. On
+/// open surfaces only samples within `steps` edges of the contact count: no displacement gets farther.
 void grow_ring(const StateImpl& state, ContactImpl& contact, const Shape& shape, double reach,
                std::uint32_t steps) noexcept;
 

@@ -23,9 +23,9 @@ Double3 Resolver::volume_gradient(std::uint32_t k) const noexcept {
     return (1.0 / 6) * g;
 }
 
-// What the rounding to float has left: single coordinates by a few units in the last place. Of small contacts one such
-// unit along the normal is more than a millionth of what was removed; along the surface it is less, and the difference
-// of two may be as small as one likes.
+// Removes the error of rounding to float: moves single coordinates by a few units in the last place. In small contacts
+// one such unit along the normal is more than a millionth of the removed volume. Along the surface it is less, and the
+// difference of two may be arbitrarily small.
 double Resolver::nudge(std::span<const std::uint32_t> samples, double left) noexcept {
     constexpr double kUnits = 16;
     struct Coordinate {

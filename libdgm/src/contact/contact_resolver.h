@@ -12,7 +12,7 @@
 
 namespace dgm::detail {
 
-inline constexpr double kKept = 1e-6;   ///< of the removed volume: what volume_kept says
+inline constexpr double kKept = 1e-6;   ///< of the removed volume: the limit of volume_kept
 inline constexpr double kAimed = 1e-8;  ///< of the removed volume: an error that is left as it is
 
 /// Six times the volume as a function of the height of the bulge.
@@ -33,9 +33,9 @@ class Resolver {
  private:
     // --- Phi ---
     void find_contact() noexcept;
-    /// Of a plane, sphere or capsule.
+    /// For a plane, sphere or capsule.
     [[nodiscard]] MarkJob mark_job(const Rect& r) noexcept;
-    /// The loops over rows know the way out, and every sample goes it whole.
+    /// The loops over rows can project it, and every sample moves the whole way.
     [[nodiscard]] bool is_simple() const noexcept {
         return (shape_.kind == ObstacleKind::Plane || is_round()) && s_.tables.mask == nullptr && s_.mobility.empty();
     }
@@ -60,7 +60,7 @@ class Resolver {
         r.j1 = std::min(r.j1, s_.tables.cols - 2);
         return {r, s_.tables.cols, StateImpl::fixed(s_.now), c_.kind.data(), {0, 0, 0}};
     }
-    /// What quads, and border faces, gained by the call so far.
+    /// Volume that quads and border faces gained by the call so far.
     [[nodiscard]] double swept(const Rect& r) const noexcept;
     [[nodiscard]] double swept(const Runs& runs) const noexcept;
     [[nodiscard]] double swept_faces() const noexcept;
@@ -68,7 +68,7 @@ class Resolver {
     struct Face {
         Double3 at[3], by[3];
     };
-    /// Adds to c[0..2] what a face sweeps by beta, beta^2, beta^3 of its move.
+    /// Adds to c[0..2] the volume that a face sweeps by beta, beta^2, beta^3 of its move.
     static void add_face(const Face& f, double* c) noexcept;
     void cubic(const Runs& runs, double* c) const noexcept;
     void cubic_faces(double* c) const noexcept;
@@ -79,7 +79,7 @@ class Resolver {
         for (const Runs* runs : {&c_.inner, &c_.ring, &c_.near})
             for (const Rect& r : *runs) f(r);
     }
-    /// What find_contact() left in c_.before() for samples beyond the obstacle goes to `now`, and `now` goes there.
+    /// Exchanges `now` and the positions that find_contact() left in c_.before() for samples beyond the obstacle.
     void project() noexcept;
     void put(std::uint32_t k, Double3 p) noexcept {
         const Vec3 v = narrow(p);
@@ -99,7 +99,7 @@ class Resolver {
 
     /// Parts the ring by whether its samples can come to rest on the obstacle.
     void part_ring() noexcept;
-    /// Of a run's quads those at its end reach into the tiles beyond.
+    /// The quads at the end of a run reach into the tiles beyond.
     [[nodiscard]] Rect with_corners(const Rect& r) const noexcept {
         return {r.i0, std::min(r.i1 + 1, s_.tables.rows - 1), r.j0, std::min(r.j1 + 1, s_.tables.cols - 1)};
     }
@@ -119,12 +119,12 @@ class Resolver {
     /// Six times the volume it costs to keep the bulge out of a plane. Before anything is bulged.
     [[nodiscard]] double held_back(double beta) const noexcept;
     [[nodiscard]] double held_back(const Rect& r, double beta) const noexcept;
-    /// Tells whether held_back() is all there is to measure.
+    /// True if held_back() is all that must be measured.
     [[nodiscard]] bool foreseen() const noexcept {
         return shape_.kind == ObstacleKind::Plane && o_.bulge == Bulge::Exact && s_.faces.empty();
     }
     void bulge() noexcept;
-    /// From the height to first order to the one that keeps the volume. `all`: volume without what is held back,
+    /// From the height to first order to the one that keeps the volume. `all`: volume without the part held back,
     /// `rest`: the part of it that need not be measured.
     void search_height(const Cubic& all, Cubic rest, double first) noexcept;
     [[nodiscard]] double first_height(const Cubic& volume, double first) const noexcept;
@@ -136,9 +136,9 @@ class Resolver {
     /// Bulges all and measures it. @return the error.
     double settle(double beta) noexcept;
 
-    /// Of a sample that lies inside the grid, off seams.
+    /// For a sample inside the grid and off seams.
     [[nodiscard]] Double3 volume_gradient(std::uint32_t k) const noexcept;
-    /// Spends single units in the last place on `left`, a volume. @return what is left then.
+    /// Spends single units in the last place on `left`, a volume. @return the volume still missing.
     double nudge(std::span<const std::uint32_t> samples, double left) noexcept;
     /// Puts a small remaining error on a few samples that are free to move, one after another.
     void polish(double error) noexcept;
@@ -158,7 +158,7 @@ class Resolver {
     double tolerance_ = 0, total_ = 0;
     bool heights_ = false;           ///< c_.square holds heights over the obstacle
     std::uint32_t class_count_ = 0;  ///< of those in c_.source
-    double held_ = 0;                ///< what is held back of a bulge of highest_
+    double held_ = 0;                ///< volume held back of a bulge of highest_
     double highest_ = 0;             ///< bulge up to which samples outside kTileNear keep clear of the obstacle
     double area_ = 0;                ///< of the contact, by its quads
     double weights_ = 0;             ///< sum over the ring

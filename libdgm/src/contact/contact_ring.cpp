@@ -9,7 +9,7 @@
 //
 // Nodes are all samples, or every fourth one of wide rings on a square domain: there the distance, negative beyond the
 // rim, is bilinear between nodes, wrong by about a sixteenth of a grid step where the rim bends with a radius of 32.
-// Copies of a seam class take the value of their representative.
+// Copies of a weld class take the value of their representative.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -81,7 +81,7 @@ class Walk {
     }
 
  private:
-    // Most offers come to nothing: what there is to do about the others stays out of the loops.
+    // Most offers are rejected: the work for the others stays out of the loops.
     DGM_INLINE void offer(std::uint32_t k, std::uint32_t r) noexcept { offer(k, r, c_.rim[r]); }
     DGM_INLINE void offer(std::uint32_t k, std::uint32_t r, Vec3 rim) noexcept {
         const float d = square_between(s_.point(k), rim);
@@ -244,7 +244,7 @@ bool fill_tile(const StateImpl& s, ContactImpl& c, const Walk& walk, float limit
             job.nodes[a] = walk.signed_square(first + kStride * (a / 3 * cols + a % 3));
         c.rows_of->spread(job);
     }
-    // What is left of the last row and column of tiles.
+    // The rest of the last row and column of tiles.
     for (std::uint32_t i = r.i0; i <= r.i1; ++i)
         for (std::uint32_t j = i < r.i0 + 8 && r.i0 + 8 < s.tables.rows && r.j0 + 8 < cols ? r.j0 + 8 : r.j0;
              j <= r.j1;) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact/obstacle.cpp
-// How far a point is from an obstacle, and the nearest point of its border.
+// Measures the distance of a point from an obstacle, and finds the nearest point of its border.
 //
 // The nearest triangle of a surface (surface_search.h) says on which side a point lies; where several share the
 // nearest point, the one that faces the point most.

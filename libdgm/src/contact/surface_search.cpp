@@ -266,8 +266,8 @@ class SurfaceSearch {
             nearest_.offer(b, c, d, name + 1);
         }
     }
-    /// Steps to the quad under the point as the plane of each quad met foresees it: mostly that is the one, and what is
-    /// left to search is small. No answer depends on it.
+    /// Steps to the quad under the point as the plane of each quad met foresees it: mostly that is the quad, and little
+    /// is left to search. No answer depends on it.
     void walk_from(std::uint32_t i, std::uint32_t j) noexcept {
         const ChartTables& t = s_.tables;
         for (int step = 0; step < 3; ++step) {

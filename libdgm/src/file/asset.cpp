@@ -31,7 +31,7 @@ LayerView view_of(const AssetImpl& asset, const detail::LayerInfo& info) noexcep
     return view;
 }
 
-/// What every reader needs to understand a chart.
+/// Is this a table that every reader needs to understand a chart?
 bool is_table(const char* name) noexcept {
     for (const char* table : {"seams", "diagonals", "mask"})
         if (std::strcmp(name, table) == 0) return true;

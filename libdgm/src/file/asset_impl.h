@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/file/asset_impl.h
-// What an opened asset knows: checked copies of the records, and where the bytes are.
+// An opened asset: checked copies of the records, and the place of the bytes.
 #pragma once
 #include <array>
 #include <span>

@@ -29,7 +29,7 @@ Vec3 scaled(const double* scale, const PositionLayer& layer, std::size_t k) noex
         // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): asked only of a layer that is there
         const double stored = layer.u16 != nullptr ? static_cast<double>(layer.u16[e]) : double{layer.f32[e]};
         const double local = scale[axis] * stored;
-        // The cast of a double beyond float is undefined; infinity is what validate_chart looks for.
+        // The cast of a double beyond float is undefined; validate_chart looks for infinity.
         return local > 3.4028234663852886e38 || local < -3.4028234663852886e38 ? __builtin_inff()
                                                                                : static_cast<float>(local);
     };

@@ -11,7 +11,7 @@
 
 namespace dgm::detail {
 
-/// A layer of triples or pairs in one of its stored types; both null if the chart does not hold it.
+/// A layer of triples or pairs in one of its stored types; both null if the chart does not have it.
 struct PositionLayer {
     const float* f32 = nullptr;
     const std::uint16_t* u16 = nullptr;
@@ -21,8 +21,8 @@ struct PositionLayer {
     }
 };
 
-/// A value of the mapped file, loaded once: whoever overwrites the file may do so between two loads, and a compiler is
-/// free to load twice what is checked and then used.
+/// A value of the mapped file, loaded once: the file may be overwritten between two loads, and a compiler is free to
+/// load a value twice, for the check and for the use.
 template <class T>
 [[nodiscard]] T load_once(const T* from) noexcept {
     return *static_cast<const volatile T*>(from);

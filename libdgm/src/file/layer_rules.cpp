@@ -11,7 +11,7 @@ namespace dgm::detail {
 namespace {
 using layout::ElementType;
 
-/// What one entry of a shape must be.
+/// Rule for one entry of a shape.
 enum class Side : std::uint8_t { kRows, kCols, kQuadRows, kQuadCols, kBorder, kNodes, kSome, kAny, k2, k3, k4, k6 };
 
 struct LayerRule {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/file/mapped_file_none.cpp
-// Targets without mapped files: WebAssembly, and whoever defines DGM_NO_FILES (see mapped_file.h).
+// Targets without mapped files: WebAssembly, and builds that define DGM_NO_FILES (see mapped_file.h).
 #include "file/mapped_file.h"
 
 #if defined(DGM_NO_FILES) || defined(__wasm__)

@@ -15,7 +15,7 @@
 namespace dgm::detail {
 
 Result<MappedFile> MappedFile::open(const char* path, std::uint64_t max_bytes) noexcept {
-    // O_NONBLOCK: opening a pipe by mistake must answer, not wait for a writer.
+    // O_NONBLOCK: opening a pipe by mistake must return, not wait for a writer.
     const int file = ::open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) {
         if (errno == ENOENT || errno == ENOTDIR)

@@ -53,7 +53,7 @@ Result<void> check_copies(const ChartTables& t, const Array<std::uint32_t>& weld
         const Vec3 a = t.position(representative), b = t.position(copy);
         // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the same bits, as the format has it
         if (std::memcmp(&a, &b, sizeof a) != 0)
-            return Error{ErrorCode::SeamGap, t.position_offset(copy), "copies of a seam class differ"};
+            return Error{ErrorCode::SeamGap, t.position_offset(copy), "copies of a weld class differ"};
     }
     return {};
 }
@@ -62,7 +62,7 @@ Result<void> check_seams(const ChartTables& t, const Allocator& allocator) noexc
     Array<std::uint32_t> weld;  // representative of each sample
     if (t.seams.empty()) return {};
     if (!weld.allocate(allocator, t.total))
-        return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the seam classes"};
+        return Error{ErrorCode::OutOfMemory, kNoOffset, "no memory for the weld classes"};
     for (std::uint32_t s = 0; s < t.total; ++s) weld[s] = s;
     for (std::size_t k = 0; k + 1 < t.seams.size(); k += 2) {
         const std::uint32_t representative = load_once(t.seams.data() + k), copy = load_once(t.seams.data() + k + 1);

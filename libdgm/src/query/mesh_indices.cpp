@@ -152,7 +152,7 @@ Result<void> check_tables(const ChartTables& t) noexcept {
 }
 }  // namespace
 
-// What was checked may have been overwritten since: the file is mapped.
+// Checked values may have been overwritten since: the file is mapped.
 std::uint32_t corner_of_face(const ChartTables& t, std::size_t place) noexcept {
     const std::uint32_t v = load_once(t.faces.data() + place);
     return v < t.total ? v : 0;

@@ -10,7 +10,7 @@
 
 namespace dgm::detail {
 
-/// Writes indices to `out` and counts them; an empty span only counts. `out` must hold what was counted.
+/// Writes indices to `out` and counts them; an empty span only counts. `out` has room for the counted indices.
 /// @return BadValue for a diagonal that is neither 0 nor 1 or a border face that names no sample.
 [[nodiscard]] Result<std::uint64_t> make_indices(const ChartTables& tables, const ReconstructOptions& options,
                                                  std::span<std::uint32_t> out) noexcept;

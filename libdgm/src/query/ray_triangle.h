@@ -67,7 +67,7 @@ inline double edge(const Sheared& p, const Sheared& q) noexcept {
     return std::fma(p.x, q.y, -a) - std::fma(p.y, q.x, -b);
 }
 
-/// What the test says of a triangle that is hit.
+/// Result of the test for a triangle that is hit.
 struct TriangleHit {
     double distance;   ///< local units
     double weight[3];  ///< barycentric coordinates

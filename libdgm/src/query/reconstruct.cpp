@@ -13,7 +13,7 @@
 #include "query/mesh_indices.h"
 #include "touch/state_impl.h"
 
-// Vectors stay in this file: how a target without SSE would hand them over is no matter.
+// Vectors stay in this file, so the calling convention of a target without SSE does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace dgm {
@@ -262,7 +262,7 @@ Result<void> write_indices(const ChartTables& t, const ReconstructOptions& optio
 
 /// Triangles of all quads and border faces, as make_indices() has them. `out` is as long as was counted.
 Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t> out) noexcept {
-    const ChartTables t = tables;  // what is written could be in the caller's for all the compiler knows
+    const ChartTables t = tables;  // for all the compiler knows, writes could go to the caller's
     unsigned all = 0;
     if (t.diagonals != nullptr)
         for (std::size_t k = 0; k < std::size_t{t.rows - 1} * (t.cols - 1); ++k) all |= t.diagonals[k];
@@ -275,7 +275,7 @@ Result<void> write_triangles(const ChartTables& tables, std::span<std::uint32_t>
         for (std::uint32_t j = 0; j + 1 < t.cols; ++j) {
             if (!t.has_quad(i, j) || left < 6) continue;
             const std::uint32_t a = i * t.cols + j, b = a + t.cols;
-            const std::uint32_t turned = (t.diagonal(i, j) & 1) * t.cols;  // nobody can foresee diagonals
+            const std::uint32_t turned = (t.diagonal(i, j) & 1) * t.cols;  // diagonals cannot be predicted
             to[0] = a;
             to[1] = b;
             to[2] = b + 1 - turned;
@@ -355,7 +355,7 @@ void write_normals(const StateImpl& s, const VertexWriter& out) noexcept {
     }
 }
 
-/// Counts, sizes and indices: what baked and deformed surfaces share. `write` fills the vertices.
+/// Counts, sizes and indices, which baked and deformed surfaces share. `write` fills the vertices.
 template <class Write>
 Result<MeshCounts> write_mesh(const ChartTables& t, const VertexTarget& vertices, std::span<std::uint32_t> indices,
                               const ReconstructOptions& options, Write write) noexcept {

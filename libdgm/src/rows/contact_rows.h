@@ -116,7 +116,7 @@ struct ContactRows {
                      std::uint32_t cols) noexcept;
     /// Samples of positive weight that are inside a round obstacle go to the nearest point of its border.
     void (*put_back)(const MarkJob& job, const float* weight, Planes at) noexcept;
-    /// Marks with bit 3 what moves, has moved, or is marked with bit 0.
+    /// Marks with bit 3 the samples that move, have moved, or are marked with bit 0.
     void (*smooth)(const SmoothJob& job) noexcept;
     WeightSums (*weights)(const WeightJob& job) noexcept;
     void (*spread)(const SpreadJob& job) noexcept;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/rows/contact_rows_avx2.cpp
-// Built for AVX2 function by function, as rows_avx2.cpp. Sums may be
-// fused; projecting, weights and bulging are not, and round alike.
+// Built for AVX2 function by function, as rows_avx2.cpp. Sums may be fused; projecting, weights and bulging are not,
+// and round alike.
 #include <cstddef>
 
 #include "rows/contact_rows.h"

@@ -16,7 +16,7 @@ namespace dgm::detail {
 
 typedef float FourFloats __attribute__((vector_size(16)));
 
-/// In place: how a target without SSE would hand a vector over is no matter.
+/// In place, so that the calling convention of a target without SSE does not matter.
 static DGM_INLINE void take_roots(FourFloats& v) {
 #if defined(__SSE__)
     v = static_cast<FourFloats>(_mm_sqrt_ps(static_cast<__m128>(v)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/rows/rect_list.h
-// What was touched: a bounded list of rectangles of grid samples and one interval of border samples. When it is full it
-// holds more than was asked for, never less.
+// Touched samples: a bounded list of rectangles of grid samples and one interval of border samples. When it is full it
+// covers more than was added, never less.
 #pragma once
 #include <algorithm>
 #include <cstdint>

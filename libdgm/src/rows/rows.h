@@ -12,8 +12,8 @@
 #include "base/inline.h"
 
 // Loops for AVX2 and AVX-512 come with the library. GCC's own code for Windows keeps such vectors at places of the
-// stack that are not aligned as its instructions ask (GCC bug 54412), and crashes. An assembler that makes every vector
-// move an unaligned one mends that: -Wa,-muse-unaligned-vector-move. Whoever builds with it defines
+// stack that are not aligned as its instructions require (GCC bug 54412), and crashes. An assembler that makes every
+// vector move an unaligned one mends that: -Wa,-muse-unaligned-vector-move. A build that uses it defines
 // DGM_UNALIGNED_MOVES, as our CMakeLists.txt does; without it, GCC on Windows gets the plain loops.
 #if (defined(__x86_64__) || defined(__i386__)) && \
     (!defined(_WIN32) || defined(__clang__) || defined(DGM_UNALIGNED_MOVES))
@@ -24,7 +24,7 @@
 
 namespace dgm::detail {
 
-/// Of normals between variants, where the ring's corners are not sharper than 1e-3 of a full turn.
+/// Largest difference of a normal between variants, where the ring's corners are not sharper than 1e-3 of a full turn.
 inline constexpr float kNormalTolerance = 4e-6f;
 
 /// Samples of rows i0..i1, columns j0..j1 of the grid, ends included; empty if i0 > i1.
@@ -97,7 +97,7 @@ struct NearestJob {
     float tool[3];
 };
 
-/// Boxes along axes of the caller's choice, over places from `centre` on: flat ones, along the surface, say most.
+/// Boxes along axes of the caller's choice, over places from `centre` on: flat ones, along the surface, bound best.
 struct BoxFrame {
     float centre[3];
     float axis[3][3];  ///< unit vectors, square to each other
@@ -154,13 +154,13 @@ struct ChordJob {
     const float* rough;        ///< as StateImpl::rough
     float centre[3], axis[3];  ///< the contact and its normal
     float reach2;              ///< squared
-    bool sharp;                ///< the contact lies on a crease or tip: its normal says nothing of the way's beginning
+    bool sharp;                ///< the contact lies on a crease or tip: its normal does not bound the way's beginning
     float slant2;              ///< squared sine of the angle between line and surface that is certain enough
 };
 struct ChordResult {
     std::uint64_t reach;
     float doubtful;  ///< square of the shortest line in reach that is too slanted; infinite if none is
-    bool steep;      ///< a line is so slanted that even who is in reach is uncertain
+    bool steep;      ///< a line is so slanted that the samples in reach are uncertain
 };
 inline constexpr float kSteep = 0.6f;    ///< sine: the way along the surface is at most 1.25 lines long
 inline constexpr float kTurned = 0.25f;  ///< cosine of the largest angle between the normals at both ends
@@ -173,8 +173,8 @@ struct ProfileJob {
     float per_step, spacing, end;  ///< 0 from distance `end` on
 };
 
-/// Twice the area vector of the ring of each sample, and what it gains with a displacement d times the weights:
-/// area(base + w d) = area(base) + d x slope. Samples on the border of the grid, and beyond it, are left out.
+/// Twice the area vector of the ring of each sample, and its gain by a displacement d times the weights: area(base + w
+/// d) = area(base) + d x slope. Samples on the border of the grid, and beyond it, are left out.
 struct RingJob {
     const PatchRow* rows;
     std::uint32_t count, first, last, cols;  ///< rows that start at samples first .. last - 1 are done
@@ -233,7 +233,7 @@ struct RowKernels {
     bool (*press)(const PressJob& job) noexcept;
 };
 
-/// The plain loops: what the compiler makes of four lanes on any target.
+/// The plain loops: the compiler's code for four lanes on any target.
 extern const RowKernels kPlainRows;
 /// The fastest loops this processor runs; `plain` forces kPlainRows.
 [[nodiscard]] const RowKernels& choose_rows(bool plain) noexcept;

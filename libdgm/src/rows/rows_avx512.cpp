@@ -2,9 +2,9 @@
 // libdgm/src/rows/rows_avx512.cpp
 // Normals of grids whose diagonals are all 0, which are most of a tick, with sixteen lanes.
 //
-// What bounds the eight-lane loop is loading: six of the ring's samples for each normal. Here a strip of columns is
-// gone down row by row, and two of the three rows stay in registers: 32 of them hold what 16 would not. kRows rows at a
-// time stay in the first cache.
+// The eight-lane loop is bound by its loads: six of the ring's samples for each normal. This loop goes down a strip of
+// columns row by row and keeps two of the three rows in registers: 32 registers are enough for that, 16 are not. kRows
+// rows at a time stay in the first cache.
 #include <cstddef>
 
 #include "rows/rows.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/rows/rows_impl.h
 // Bodies of rows.h for one number of lanes. Included inside a namespace (and a target region) of the including file,
-// after all other headers: nothing from a header may be compiled for the wider instruction set, or the linker could
-// hand that copy to everybody. Hence no std:: below.
+// after all other headers: nothing from a header may be compiled for the wider instruction set, or the linker could use
+// that copy everywhere. Hence no std:: below.
 //
 // Needs DGM_LANES, Floats (vector of DGM_LANES floats), Ints (of as many ints), Floats4, inverse_root, any and
 // sign_bits (a bit for each true lane); for F in Floats, float: multiply_add (a b + c), multiply_subtract (a b - c),
@@ -342,12 +342,12 @@ void merge(const MergeJob& job) noexcept {
     for (; k < j.count; ++k) merge_block<float, int>(j, k, static_cast<float>(k));
 }
 
-/// Of one coordinate: extremes of pairs of samples side by side.
+/// One coordinate: extremes of pairs of samples side by side.
 template <class F>
 struct Span {
     F low, high;
 };
-/// Of all three, along the axes.
+/// All three coordinates, along the axes.
 template <class F>
 struct Spans {
     Span<F> of[3];

@@ -6,7 +6,8 @@
 #include "rows/four_roots.h"
 #include "rows/rows.h"
 
-// Vectors go by value between functions of this file alone: how a target without SSE would hand them over is no matter.
+// Vectors go by value between functions of this file alone, so the calling convention of a target without SSE does not
+// matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace dgm::detail {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/rows/unfused.h
-// What rows_impl.h and contact_rows_impl.h fuse where the processor can, for targets that cannot. Included inside a
-// namespace.
+// Multiplies and adds in two steps, for targets without the fused operation of rows_impl.h and contact_rows_impl.h.
+// Included inside a namespace.
 template <class F>
 inline F multiply_add(const F& a, const F& b, const F& c) {
     return a * b + c;

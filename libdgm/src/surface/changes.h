@@ -2,7 +2,7 @@
 // libdgm/src/surface/changes.h
 // Remembers when samples changed, for any number of readers: a number that grows (the epoch) is stamped on cells of
 // eight samples side by side, and a reader asks for cells stamped after its own number. Rectangles wait in a short list
-// before they are stamped: a tool presses on much the same samples for many ticks between two readers' looks.
+// before they are stamped: a tool presses on nearly the same samples for many ticks between two calls of a reader.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace dgm::detail {
 inline constexpr std::uint32_t kRunSamples = 8;  ///< side by side
 inline constexpr std::uint32_t kBandRows = 8;    ///< rows that share a block of stamps
 
-/// Which cells a grid has, and its border samples: row-major, then the border's.
+/// Cells of a grid and of its border samples: row-major, then the border's.
 struct CellGrid {
     std::uint32_t rows = 0, cols = 0, border = 0;
     [[nodiscard]] std::uint32_t across() const noexcept { return (cols + kRunSamples - 1) / kRunSamples; }
@@ -29,7 +29,8 @@ struct CellGrid {
     [[nodiscard]] std::size_t cells() const noexcept { return std::size_t{rows} * across() + border_cells(); }
 };
 
-/// Gathers cells into the caller's ranges. Runs come row by row; what does not fit is joined to what is there.
+/// Gathers cells into the caller's ranges. Runs come row by row; a rectangle that does not fit is joined to another
+/// one.
 class RangeWriter {
  public:
     RangeWriter(const CellGrid& grid, std::span<ChangedRange> out) noexcept : grid_(grid), out_(out) {}
@@ -60,12 +61,12 @@ struct Changes {
     Waiting waiting[kWaiting];
     std::uint32_t count = 0;
     bool stamped = false;                ///< some stamps are epoch + 1
-    std::uint64_t epoch = 1;             ///< what readers' cursors are set to
+    std::uint64_t epoch = 1;             ///< value that readers' cursors are set to
     Array<std::uint64_t> cells;          ///< [rows][across], then the border's
     Array<std::uint64_t> blocks, bands;  ///< latest of eight rows of a column of cells; of eight rows
     std::uint64_t border_latest = 1;
-    /// Who published this state: pairs with SnapshotImpl::source, so that neither is mistaken for another that has
-    /// taken its place in memory.
+    /// Publisher of this state: pairs with SnapshotImpl::source, so that neither is mistaken for another that has taken
+    /// its place in memory.
     static constexpr std::uint32_t kPublishers = 4;
     const void* publishers[kPublishers] = {};
     std::uint32_t next_publisher = 0;
@@ -79,7 +80,7 @@ struct Changes {
     /// Border samples low .. high (sample indices).
     void note_border(std::uint32_t low, std::uint32_t high) noexcept;
     void note_sample(std::uint32_t sample) noexcept;
-    /// Stamps what waits. The epoch is then that of the latest change.
+    /// Stamps the waiting rectangles. The epoch is then that of the latest change.
     void bring_up() noexcept;
     /// f(row, first cell, last cell) of every run stamped after `cursor`, then border(first cell, last cell).
     template <class Row, class Border>

@@ -10,7 +10,7 @@
 namespace dgm::detail {
 
 /// Calls leaf(tile) for the tiles of the boxes that are not too far, nearer ones of a node first. `distance(box)` is a
-/// lower bound, of any unit; `too_far(distance)` may come to hold for more of them as leaves are searched.
+/// lower bound, of any unit; `too_far(distance)` may become true for more of them as leaves are searched.
 template <class Distance, class TooFar, class Leaf>
 void descend(const Pyramid& p, Distance distance, TooFar too_far, Leaf leaf) noexcept {
     struct Entry {

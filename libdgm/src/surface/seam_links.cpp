@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/surface/seam_links.cpp
-// Seam classes from the table of pairs, and how the grid continues across them.
+// Weld classes from the table of pairs, and how the grid continues across them.
 //
 // A cut path stands twice on the border, run through in opposite directions. So a directed border edge (a -> b),
 // surface on its left, has its mate in the border edge whose ends are the same classes the other way round. Laid side

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/surface/surface.cpp
-// From the layers of a chart to its welded surface.
+// Builds the welded surface of a chart from its layers.
 #include "surface/surface.h"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ std::uint64_t plane_floats(std::uint64_t total) noexcept {
     return (total + 1023) / 1024 * 1024 + 112;
 }
 
-/// Checked before, but where the file has been overwritten since: what is kept is bounded whatever it holds.
+/// Checked before, but the file may have been overwritten since: the kept values are bounded in any case.
 bool copy_positions(Surface& s, const ChartTables& t) noexcept {
     s.plane = static_cast<std::size_t>(plane_floats(t.total));
     if (!s.planes.allocate(s.allocator, 16 * std::uint64_t{s.plane})) return false;
@@ -113,7 +113,7 @@ Result<void> copy_share(Surface& s, const float* layer, std::uint64_t offset, st
     return {};
 }
 
-/// Copies of a class take what their representative holds.
+/// Copies of a class take the values of their representative.
 void weld_share(const Surface& s, Array<float>& values) noexcept {
     if (values.empty()) return;
     for (std::uint32_t id = 0; id < s.class_count; ++id) {
@@ -151,7 +151,7 @@ std::uint64_t surface_bytes(const ChartTables& t) noexcept {
 
 Result<void> fill_surface(Surface& s, const ChartTables& t, bool plain_loops) noexcept {
     s.rows_of = &choose_rows(plain_loops);
-    // Tables first, values after: what is checked is what is kept.
+    // Tables first, values after: the checked values are the kept ones.
     ChartTables own = t;
     if (!copy_tables(s, t)) return kNoStateMemory;
     own.mask = s.tables.mask;

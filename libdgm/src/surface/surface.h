@@ -53,8 +53,8 @@ struct Pyramid {
     RectList dirty;  ///< moved since the last refit
 };
 
-/// The welded surface of one chart: its rest shape, with permanent displacements, and the present one. It knows nothing
-/// of tools and obstacles.
+/// The welded surface of one chart: its rest shape, with permanent displacements, and the present one. It does not
+/// depend on tools and obstacles.
 struct Surface {
     explicit Surface(const Allocator& a) noexcept : allocator(a) {}
     Allocator allocator;
@@ -99,7 +99,7 @@ struct Surface {
     bool open_surface = true;          ///< some edge of the welded surface has one face
 
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
-    /// Some window can reach a seam or a free border, so unfolding is needed.
+    /// Some window can reach a seam or a free border, so touches need unfolding.
     [[nodiscard]] bool classes_or_border() const noexcept { return class_count != 0 || tables.free_domain; }
     // Always inline: files built for size ask for them in inner loops too.
     [[nodiscard]] DGM_INLINE static Vec3 at(const Planes& p, std::uint32_t s) noexcept {
@@ -142,7 +142,7 @@ struct Surface {
     /// Window of half size b - 1 around a grid sample, clipped by the grid.
     [[nodiscard]] Rect window(std::uint32_t sample, std::uint32_t b) const noexcept;
     [[nodiscard]] Rect whole() const noexcept { return {0, tables.rows - 1, 0, tables.cols - 1}; }
-    /// Whoever writes to `now` or `normal` past touch() and update_normals() says where, for changed_rows().
+    /// Code that writes to `now` or `normal` without touch() and update_normals() marks the place, for changed_rows().
     void note(const Rect& r) noexcept { changes.note(r); }
     /// Border samples low .. high.
     void note_border(std::uint32_t low, std::uint32_t high) noexcept { changes.note_border(low, high); }
@@ -165,7 +165,7 @@ struct Surface {
 [[nodiscard]] Result<void> fill_surface(Surface& surface, const ChartTables& tables, bool plain_loops) noexcept;
 /// Upper bound of the bytes that it takes.
 [[nodiscard]] std::uint64_t surface_bytes(const ChartTables& tables) noexcept;
-/// Seam classes from the pairs, then links from the border edges that two mates share. @return OutOfMemory.
+/// Weld classes from the pairs, then links from the border edges that two mates share. @return OutOfMemory.
 [[nodiscard]] Result<void> build_classes(Surface& surface) noexcept;
 [[nodiscard]] Result<void> build_links(Surface& surface) noexcept;
 /// Tiles, their border samples and boxes. @return OutOfMemory.
@@ -173,9 +173,9 @@ struct Surface {
 /// Brings the boxes of moved samples and of the nodes above them up to date.
 void refit(Surface& surface, Pyramid& pyramid) noexcept;
 
-/// Which corners are in the ring of each sample, and which samples need ring_normal(). @return OutOfMemory.
+/// Finds the corners in the ring of each sample, and the samples that need ring_normal(). @return OutOfMemory.
 [[nodiscard, gnu::cold]] Result<void> build_rings(Surface& surface) noexcept;
-/// How far normals lie from those of the faces around them, at rest.
+/// Mean squared differences of normals from those of the faces around them, at rest.
 void measure_roughness(Surface& surface) noexcept;
 /// Twice the area vector of the welded ring of a sample, and its slope as in RingJob.
 struct RingForm {
@@ -185,12 +185,12 @@ struct RingForm {
                                  std::uint32_t sample) noexcept;
 /// Area-weighted unit normal of a shape over the welded ring; 0 without area.
 [[nodiscard]] Vec3 ring_normal(const Surface& surface, const ConstPlanes& shape, std::uint32_t sample) noexcept;
-/// Of `count` regular samples side by side. @return false if one was left at 0: float would not do.
+/// Normals of `count` regular samples side by side. @return false if one was left at 0: float would not do.
 [[nodiscard]] bool normals_inside(const Surface& surface, const ConstPlanes& shape, std::uint32_t first,
                                   std::uint32_t count, const Planes& to) noexcept;
 /// The normal that update_normals() stores for `now`.
 [[nodiscard]] Vec3 sample_normal(const Surface& surface, const ConstPlanes& shape, std::uint32_t sample) noexcept;
-/// Brings `normal` up to date around what moved.
+/// Brings `normal` up to date around moved samples.
 void update_normals(Surface& surface) noexcept;
 
 /// Marks samples of open borders (kRingRim). @return whether the welded surface has two faces at every edge;

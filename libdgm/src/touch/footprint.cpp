@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/footprint.cpp
-// Which samples a contact moves, and how much: keys and weights in StateImpl::footprint.
+// Finds the samples that a contact moves, and how much: keys and weights in StateImpl::footprint.
 #include <algorithm>
 #include <cmath>
 

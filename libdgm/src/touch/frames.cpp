@@ -2,9 +2,9 @@
 // libdgm/src/touch/frames.cpp
 // The footprint at a seam of a square domain: copies of the whole grid laid around the contact.
 //
-// Across a seam the grid goes on turned by quarter turns. So everything the window holds are rectangles of a few placed
-// copies ("frames") of the grid, and each is done row by row. A sample with several places takes the nearest; a copy
-// is looked at only if it was reached over a seam sample that lay nearest in the copy before.
+// Across a seam the grid goes on turned by quarter turns. So the window consists of rectangles of a few placed copies
+// ("frames") of the grid, and each is done row by row. A sample with several places takes the nearest; a copy is looked
+// at only if it was reached over a seam sample that lay nearest in the copy before.
 #include <algorithm>
 #include <cmath>
 
@@ -80,8 +80,8 @@ class Placer {
     [[nodiscard]] float b() const noexcept { return table_ == nullptr ? 0 : static_cast<float>(table_->b); }
     [[nodiscard]] float c() const noexcept { return table_ == nullptr ? 1 : static_cast<float>(table_->c); }
 
-    /// Keys and weights of the frame's rectangle where it is nearer than what is there. Kernels are even, so a row that
-    /// runs backwards through the kernel is the row of the opposite offset forwards.
+    /// Keys and weights of the frame's rectangle where it is nearer than the frames so far. Kernels are even, so a row
+    /// that runs backwards through the kernel is the row of the opposite offset forwards.
     void place(const Frame& f) noexcept {
         const std::uint32_t cols = s_.tables.cols;
         const auto j0 = static_cast<std::int32_t>(f.rect.j0);

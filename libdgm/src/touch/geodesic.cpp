@@ -5,9 +5,9 @@
 // [Chen, Han 1990] Shortest paths on a polyhedron. SoCG 1990.
 // [Xin, Wang 2009] Improving Chen and Han's algorithm on the discrete geodesic problem. ACM TOG 28(4).
 // A window holds straight lines from one source through an edge. Crossing a triangle it measures the corner beyond and
-// splits there; corners that bend shortest ways become sources of their own [Chen, Han]. What is nearer by way of a
-// corner is left out [Xin, Wang]. This alone is exact; joining windows (window_queue.h) costs up to 1.6 % of the peak
-// of a weight, measured on sixteen surfaces from organs to an octopus.
+// splits there; corners that bend shortest ways become sources of their own [Chen, Han]. A window whose points are
+// nearer by way of a corner is left out [Xin, Wang]. This alone is exact; joining windows (window_queue.h) costs up to
+// 1.6 % of the peak of a weight, measured on sixteen surfaces from organs to an octopus.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -159,7 +159,7 @@ class Fan {
         if ((corners_[v] & kCornerBends) == 0) return;
         complete_ &= queue_.put_at(d, {a.x, a.y, e.x, e.y, ray.x, ray.y, d, way | kBend, kNone});
     }
-    /// A corner becomes a source for what lies between the ways straight on around its right and around its left.
+    /// A corner becomes a source for the region between the ways straight on around its right and around its left.
     [[gnu::noinline]] void bend(const Window& w) noexcept {
         const Across in = surface_.across(w.way & ~kBend);
         const float d = w.offset;

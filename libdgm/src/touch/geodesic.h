@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/geodesic.h
-// Memory for distances on the rest surface: how triangles unfold and hang together, and windows on the way.
+// Memory for distances on the rest surface: unfolded triangles and their links, and waiting windows.
 //
 // A side is an edge as one triangle has it, with a tail and a head. Quad q = i cols + j has the sides
 // 8 (q + cols) + 0 .. 5: a-b, b-c, d-c, a-d with corners as in quad_triangles(), then the diagonal as the first and as
@@ -61,7 +61,7 @@ inline constexpr Way kBend = 1u << 31;
 
 inline constexpr std::uint8_t kCornerDiagonal = 1;  ///< the quad that starts here is split by diagonal 1
 inline constexpr std::uint8_t kCornerLoose = 2;     ///< it has links, or lies beside no quad
-inline constexpr std::uint8_t kCornerClass = 4;     ///< in a seam class
+inline constexpr std::uint8_t kCornerClass = 4;     ///< in a weld class
 inline constexpr std::uint8_t kCornerRim = 8;       ///< of a representative: on an open border
 inline constexpr std::uint8_t kCornerBends = 16;    ///< of a representative: shortest ways bend here
 inline constexpr std::uint8_t kCornerShort = 32;    ///< of a representative: at the end of a short edge

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/geodesic_tables.cpp
-// How triangles unfold, which sides share an edge, and where shortest ways bend: worked out once for the rest surface.
+// Tables of unfolded triangles, of sides that share an edge and of corners where shortest ways bend: once for the rest
+// surface.
 //
 // [Hastings 1955] Approximations for digital computers. Sheet 13: the arc tangent, the same bits on every machine.
 #include <algorithm>
@@ -191,7 +192,7 @@ bool link_sides(StateImpl& s) noexcept {
     return true;
 }
 
-/// Ends of edges so short that what joining windows costs would be a step from one to the other.
+/// Ends of edges so short that the error of joining windows would be a step from one to the other.
 void mark_short_edges(StateImpl& s) noexcept {
     constexpr double kShort = 0.15;  // mean steps
     const double most = kShort * double{s.mean_step};

@@ -133,7 +133,7 @@ bool fill_profile(TableImpl& t) noexcept {
     }
     return true;
 }
-/// A chord c tells a distance in c .. c (1 + e), e = 1 / sqrt(1 - slant^2) - 1. Weights change by at most |r w'(r)| e.
+/// A chord c means a distance in c .. c (1 + e), e = 1 / sqrt(1 - slant^2) - 1. Weights change by at most |r w'(r)| e.
 void fill_tolerances(TableImpl& t) noexcept {
     const std::size_t last = t.entries.size() - 1;
     double steepest = 0;

@@ -93,7 +93,7 @@ void touch_copies(StateImpl& s, Patch& p) noexcept {
     s.footprint.class_count = 0;
 }
 
-/// Of a cell its touched rows; their weights close up, which never overtakes those still to come.
+/// Keeps the touched rows of a cell. Their weights move up, which never overwrites those still to come.
 void keep_rows(const StateImpl& s, Patch& p, std::uint32_t k, PatchCell& c) noexcept {
     c.row = p.row_count;
     for (std::uint32_t row = 0; row < c.height; ++row) {

@@ -7,13 +7,13 @@
 // the contact is another one.
 //
 // Distances come from the straight lines in space ("chords") between the contact and the samples where these are
-// certain to tell the distance on the surface, else from windows that run over the triangles (geodesic.cpp). Where a
+// certain to give the distance on the surface, else from windows that run over the triangles (geodesic.cpp). Where a
 // chord from the contact meets the surface at sample x under an angle of sine s to the tangent plane, its length c has
 // a gradient of sqrt(1 - s^2) along the surface. So following it downhill from x leads to the contact, on a way of at
 // most c / sqrt(1 - S^2), S being the largest sine along the way: the distance lies between c and that. The way cannot
-// get lost, since it is only ever inside the part of the surface that was looked at, and open borders that it could
-// run into are looked for. Within these bounds the length of a cubic with the chord as its base and tangent to the
-// surface at both ends is taken, which is right to fourth order.
+// leave the searched part of the surface, and the search finds open borders that the way could meet. Within these
+// bounds the length of a cubic with the chord as its base and tangent to the surface at both ends is taken, which is
+// right to fourth order.
 #pragma once
 #include <cstdint>
 
@@ -29,7 +29,7 @@ struct StateImpl;
 struct TableImpl;
 struct Contact;
 
-/// What a patch depends on.
+/// All inputs that a patch depends on.
 struct PatchKey {
     std::uint32_t sample = 0xFFFFFFFFu;  ///< representative
     float step = 0;
@@ -46,7 +46,7 @@ struct Patch {
     std::uint32_t count = 0, row_count = 0;
     std::uint32_t samples = 0;  ///< in reach, copies counted
     bool crossed_seam = false;
-    RectList moved;          ///< around what is in reach
+    RectList moved;          ///< around the samples in reach
     RectList touched;        ///< and around those whose normals turn
     std::uint64_t used = 0;  ///< StateImpl::patch_clock when it was last asked for
     /// While the patch is made.
@@ -60,12 +60,12 @@ struct PatchScratch {
     std::uint32_t rows = 0, cols = 0;  ///< of cells
     [[nodiscard]] std::uint32_t grid_cells() const noexcept { return rows * cols; }
 };
-inline constexpr std::uint8_t kCellSeams = 1;      ///< holds samples of seam classes
+inline constexpr std::uint8_t kCellSeams = 1;      ///< contains samples of weld classes
 inline constexpr std::uint8_t kCellRim = 2;        ///< holds samples of an open border
 inline constexpr std::uint8_t kCellFree = 4;       ///< holds samples off the surface or corners of a strip
 inline constexpr std::uint8_t kCellIrregular = 8;  ///< holds samples whose normals are summed one by one
 
-/// Cells a side of what a press can hold: a window of the largest reach.
+/// Cells a side of the largest press: a window of the largest reach.
 [[nodiscard]] constexpr std::uint64_t press_cells(std::uint32_t max_reach) noexcept {
     return std::uint64_t{max_reach} / 4 + 3;
 }
@@ -102,7 +102,7 @@ inline constexpr float kSharp = 0.02f;
 /// The same by windows over the triangles, anywhere.
 void fill_by_front(StateImpl& state, const TableImpl& table, const Contact& contact, Patch& patch) noexcept;
 
-/// Kernels with a direction, and stiffness: what turns the distance to a sample into its weight.
+/// Kernels with a direction, and stiffness: they turn the distance to a sample into its weight.
 class Weigher {
  public:
     Weigher(const StateImpl& state, const TableImpl& table, const Contact& contact) noexcept;
@@ -119,7 +119,7 @@ class Weigher {
     Vec3 u_{}, v_{};  ///< tangents at the contact
 };
 
-/// An elastic touch by one patch, told to the normals at once: area vectors are linear in the displacement
+/// An elastic touch by one patch, applied to the normals at once: area vectors are linear in the displacement
 /// (RingJob), so a tick at the same contact looks at no neighbours.
 struct PatchPress {
     bool active = false;  ///< now = base + weight d of `patch`, and nothing else is elastic

@@ -110,7 +110,7 @@ bool press_patch(StateImpl& s, const TableImpl& t, const Contact& c, DeformRepor
     Patch& p = patch_of(s, t, c);
     if (p.row_count > press.capacity) return false;
     const bool ours = press.active && press.moved == s.moved && press.patch != nullptr && s.normal_dirty.empty();
-    if (ours && press.key == p.key && press.d == c.d) {  // nothing changes, so nobody is told
+    if (ours && press.key == p.key && press.d == c.d) {  // nothing changes, so nothing is marked
         report.samples = p.samples;
         report.crossed_seam = p.crossed_seam;
         return true;

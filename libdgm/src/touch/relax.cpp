@@ -43,7 +43,7 @@ bool is_special(const StateImpl& s, std::uint32_t tile) noexcept {
     return (s.tile_flags[tile] & kTileSpecial) != 0;
 }
 
-/// Samples of a tile are not where settle() last told.
+/// Samples of a tile are not where settle() last marked them.
 void mark_moved(StateImpl& s, std::uint32_t tile) noexcept {
     std::uint8_t& flags = s.tile_flags[tile];
     s.fading.tile_moved += (flags & kTileMoved) == 0 ? 1 : 0;
@@ -121,7 +121,7 @@ void release_list(StateImpl& s, TileList& list) noexcept {
     }
 }
 
-/// Tells the pyramid and the normals of everything that faded or came to rest since the last time.
+/// Marks for the pyramid and the normals all samples that faded or came to rest since the last time.
 void tell_moved(StateImpl& s) noexcept {
     Fading& f = s.fading;
     RectList moved;
@@ -150,7 +150,8 @@ void tell_moved(StateImpl& s) noexcept {
     s.normal_dirty.add(moved);
 }
 
-/// What is in `elastic` fades from now on. The tiles it meets are up to the clock. `told`: touch() told of it already.
+/// The displacements in `elastic` fade from now on. Their tiles are up to the clock. `told`: touch() has listed the
+/// change already.
 void start_fading(StateImpl& s, bool told) noexcept {
     Fading& f = s.fading;
     if (s.elastic.empty()) return;
@@ -171,7 +172,7 @@ void start_fading(StateImpl& s, bool told) noexcept {
     s.elastic.clear();
 }
 
-/// Tiles that have come to rest while nobody looked.
+/// Tiles that have come to rest without being read.
 void sweep(StateImpl& s) noexcept {
     Fading& f = s.fading;
     for (std::uint32_t k = 0; k < kSweep && f.plain.count != 0; ++k) {
@@ -278,7 +279,7 @@ void relax_elastic(StateImpl& s, double passed) noexcept {
 void end_fading_tick(StateImpl& s, bool normals) noexcept {
     s.fading.in_tick = false;
     start_fading(s, false);
-    s.fading.behind = true;  // the clock may stand, but what was touched has still to be told
+    s.fading.behind = true;  // the clock may stand, but touched samples are still to be marked
     s.fading.normals_owed = normals;
     sweep(s);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/snapshot.cpp
-// Sequence locks without fences, which ThreadSanitizer does not know: the writer's data stores are releases, so that
-// whoever sees one of them sees the odd sequence before it; the reader's data loads are acquires, so that the second
-// look at the sequence comes after them. On x86-64 all of these are plain moves. The compilers' __atomic functions take
-// plain memory, as std::atomic_ref does, which clang's C++ library does not have.
+// Sequence locks without fences, which ThreadSanitizer does not know: the writer's data stores are releases, so that a
+// reader that sees one of them sees the odd sequence before it; the reader's data loads are acquires, so that the
+// second look at the sequence comes after them. On x86-64 all of these are plain moves. The compilers' __atomic
+// functions take plain memory, as std::atomic_ref does, which clang's C++ library does not have.
 #include <dgm/snapshot.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace dgm {
 namespace detail {
 
-using Word = std::size_t;  ///< what the machine moves at once
+using Word = std::size_t;  ///< unit that the machine moves at once
 inline constexpr std::size_t kFloats = sizeof(Word) / sizeof(float);
 inline constexpr std::uint32_t kTries = 64;
 
@@ -110,7 +110,7 @@ void load_range(Word* from, float* to, std::size_t first, std::size_t count) noe
     for (first += whole * kFloats; first < end; ++first) to[first] = load_one<float>(from, first);
 }
 
-/// What a reader wants of the newest frame: copy(slot, frame) copies it. @return false if it was overtaken.
+/// Lets a reader copy from the newest frame: copy(slot, frame) copies it. @return false if it was overtaken.
 template <class Copy>
 bool try_read(SnapshotImpl& s, SnapshotInfo& info, Copy copy) noexcept {
     const std::uint64_t newest = s.newest.load(std::memory_order_acquire);
@@ -300,7 +300,7 @@ Result<SnapshotChanges> Snapshots::read_changed(std::span<float> positions, std:
         });
         done.ranges = writer.count();
         if (whole) return done;
-        since = 0;  // what was copied may be of a frame to come
+        since = 0;  // copied values may be of a frame to come
     }
     return kBusy;
 }

@@ -43,7 +43,7 @@ std::uint32_t patches_for(const StateOptions& o) noexcept {
     return o.max_tools == 0 ? 1 : StateImpl::kMostPatches;
 }
 
-/// Upper bound of what create() takes, for StateOptions::max_bytes.
+/// Upper bound of the memory of create(), for StateOptions::max_bytes.
 std::uint64_t bytes_needed(const ChartTables& t, const StateOptions& o) noexcept {
     const std::uint64_t walk = t.free_domain ? walk_capacity(t.total, o.max_reach) * (sizeof(WalkNode) + 8) : 0;
     const std::uint64_t tiles = (std::uint64_t{tile_count(t.rows - 1)} * tile_count(t.cols - 1));

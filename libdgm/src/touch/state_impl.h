@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/state_impl.h
-// A State: a surface and what touches it.
+// A State: a surface and the memory of its touches.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -28,7 +28,7 @@ struct WalkNode {
 };
 
 inline constexpr std::uint8_t kTileFading = 4;  ///< in Fading::plain or Fading::special
-inline constexpr std::uint8_t kTileMoved = 8;   ///< faded or came to rest, and settle() has not told of it
+inline constexpr std::uint8_t kTileMoved = 8;   ///< faded or came to rest, and settle() has not marked it
 
 /// Memory of a walk, emptied after each.
 struct WalkScratch {
@@ -63,10 +63,10 @@ struct TileList {
     std::uint32_t count = 0;
 };
 
-/// Elastic displacement that fades. exp is multiplicative: a tile nobody looks at waits, and fades in one step when
-/// somebody does, by exp(-(clock - its own time)). So a tick looks at what its tools reach, and settle() at the rest.
-/// Copies of a seam class must fade in the same steps to hold the same bits: special tiles and border samples keep one
-/// time for all.
+/// Elastic displacement that fades. exp is multiplicative: a tile that nobody reads waits, and fades in one step when
+/// it is read, by exp(-(clock - its own time)). So a tick visits the samples in reach of its tools, and settle() the
+/// rest. Copies of a weld class must fade in the same steps to keep the same bits: special tiles and border samples
+/// keep one time for all.
 struct Fading {
     double clock = 0;  ///< sum of rate dt
     double special_time = 0;
@@ -79,7 +79,7 @@ struct Fading {
     bool border_moved = false;                          ///< they did since settle()
     bool behind = false;                                ///< some tile's time is before the clock
     bool normals_owed = false;                          ///< normals() is promised for the shape as of the clock
-    bool in_tick = false;                               ///< elastic touches are told of by settle()
+    bool in_tick = false;                               ///< settle() marks elastic touches
     [[nodiscard]] bool empty() const noexcept {
         return plain.count + special.count + tile_moved == 0 && border_low > border_high && !border_moved;
     }
@@ -122,20 +122,20 @@ struct StateImpl : Surface {
 void release_elastic(StateImpl& state) noexcept;
 /// Lets elastic displacements fade by exp(-passed); normals() stay as they were.
 void relax_elastic(StateImpl& state, double passed) noexcept;
-/// The same for a tick, which says itself what becomes of the normals.
+/// The same for a tick, which handles the normals itself.
 void advance_fading(StateImpl& state, double passed) noexcept;
 /// Adds the tiles and border samples that fade.
 void add_fading(const StateImpl& state, RectList& to) noexcept;
 /// Brings samples up to the clock: those of a rectangle, one, or all that fade.
 void fade(StateImpl& state, const Rect& rect) noexcept;
 void fade(StateImpl& state, std::uint32_t sample) noexcept;
-/// Ends a tick in which displacements fade: what it moved fades from now on, and a few tiles that have come to rest
-/// while nobody looked are let go.
+/// Ends a tick in which displacements fade: the new ones fade from now on, and a few tiles that have come to rest
+/// without being read are released.
 void end_fading_tick(StateImpl& state, bool normals) noexcept;
 void settle_all(StateImpl& state) noexcept;
 /// Memory for displacements that fade. @return false if there is none.
 [[nodiscard]] bool make_fading(StateImpl& state) noexcept;
-/// Whoever reads all of `now` or `normal` calls this before.
+/// Call this before reading all of `now` or `normal`.
 inline void settle(StateImpl& state) noexcept {
     if (state.fading.behind) settle_all(state);
 }

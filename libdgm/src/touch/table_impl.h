@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/table_impl.h
-// What a DeformTable holds: weights of whole offsets in rows, and a profile over distance.
+// Content of a DeformTable: weights of whole offsets in rows, and a profile over distance.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -23,7 +23,7 @@ struct TableImpl {
     Array<float> weights, turned;  ///< turned: x and y exchanged, only if that differs
     Array<float> entries;          ///< profile at distances k * spacing
     float spacing = 1;
-    /// What chords have to be for weights to be off by a share of the peak at most: a hundredth for exact footprints,
+    /// Bounds on chords that keep the error of a weight below a share of the peak: a hundredth for exact footprints,
     /// eight hundredths for others.
     struct Tolerance {
         float share;

@@ -128,7 +128,7 @@ bool beside_rim(const StateImpl& s, std::uint32_t sample, Vec3 v, Vec3 n) noexce
     return product(v, v) - h * h > double{s.mean_step} * s.mean_step;
 }
 
-/// What the contact asks for now; begins and ends contacts.
+/// The displacement that the contact asks for now; begins and ends contacts.
 Vec3 wished(const StateImpl& s, ToolSlot& slot, const ToolInput& in, const TickOptions& o, ToolOutput& out) noexcept {
     const ConstPlanes base = StateImpl::fixed(s.base);
     const Vec3 v = in.position - StateImpl::at(s.base, out.sample), n = sample_normal(s, base, out.sample);
@@ -203,7 +203,7 @@ Press move_tool(StateImpl& s, const TickOptions& o, const ToolInput& in, ToolOut
     if (const auto force = contact_force(d, o.d_max, o.f_max)) out.force = force.value();
     Vec3 applied = d;
     if (o.mode == DeformMode::Plastic) {
-        // The permanent shape follows: a touch asks only for what is missing, the others for what is new.
+        // The permanent shape follows: a touch asks only for the missing part, the others for the new part.
         applied = in.kind == ToolKind::Touch || !slot.holding ? (slot.holding ? wish : Vec3{}) : wish - slot.wish;
     }
     slot.wish = slot.holding ? wish : Vec3{};
@@ -315,7 +315,7 @@ Result<TickReport> tick(State& state, const DeformTable& table, const TickOption
         if (!outputs.empty()) outputs[k] = out;
         if (!press.active) continue;
         contacts[count++] = press.contact;
-        // What a contact has hardly a hold of is not asked to make up for what fades.
+        // A contact with hardly any mobility is not asked to make up for a fading displacement.
         at_once = at_once || !(detail::share_at(s, t, press.contact.sample) > 1e-6f);
     }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/tool_slot.h
-// What a state remembers of one tool between ticks.
+// A state's memory of one tool between ticks.
 #pragma once
 #include <cstdint>
 
@@ -19,7 +19,7 @@ struct ToolSlot {
     Vec3 at;                              ///< tool position of the tick before
     Vec3 anchor;                          ///< poke and grasp: the tool's position when the contact began
     Vec3 wish;                            ///< displacement the contact asked for
-    Vec3 carried;                         ///< what jumps of `wish` left behind, fading
+    Vec3 carried;                         ///< rest of the jumps of `wish`, fading
     // Certificate: from `origin`, every sample of the base shape outside `patch` was at least `clear` away.
     bool certified = false;
     std::uint32_t base_version = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/usage.cpp
-// What assets and states cost.
+// Memory of assets and states.
 #include <algorithm>
 
 #include "file/asset_impl.h"

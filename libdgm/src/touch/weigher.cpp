@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/weigher.cpp
-// From a distance on the surface to a weight: kernels with a direction, and painted stiffness.
+// Turns a distance on the surface into a weight: kernels with a direction, and painted stiffness.
 #include <cmath>
 
 #include "touch/patch.h"

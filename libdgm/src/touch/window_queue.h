@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/touch/window_queue.h
-// Windows that wait for their turn, those at near edges first, and that join where they say the same.
+// Windows that wait for their turn, those at near edges first, and that join where they give the same distances.
 //
 // [Surazhsky et al. 2005] Fast exact and approximate geodesics on meshes. SIGGRAPH 2005. Merging of windows.
 // Our choices: a bucket queue of kBuckets widths by the distance of the edge's middle, so that all windows of an edge

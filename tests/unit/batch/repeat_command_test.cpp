@@ -10,7 +10,7 @@
 namespace dgm::bake {
 namespace {
 
-/// What dgm-bake makes of a command without quotes.
+/// Command line that dgm-bake parses from a command without quotes.
 CommandLine parsed(const std::string& command) {
     std::istringstream words(command);
     std::vector<std::string> list;

@@ -73,7 +73,10 @@ TEST(FailureLines, SayWhoFailsWhereAndWhatTakesOver) {
 
 TEST(BakePoints, OneChoiceAtATimeAndThePaper) {
     BakeSweepOptions o;
-    o.methods = {"auto", "arap"}, o.precisions = {"f32", "u16"}, o.fits = {"l2", "best"}, o.layers = {"all"};
+    o.methods = {"auto", "arap"};
+    o.precisions = {"f32", "u16"};
+    o.fits = {"l2", "best"};
+    o.layers = {"all"};
     o.sizes = {33, 65, 129, 257};
     const std::vector<BakePoint> points = plan_points(o);
     const auto has = [&](const BakePoint& p) { return std::count(points.begin(), points.end(), p); };
@@ -86,13 +89,15 @@ TEST(BakePoints, OneChoiceAtATimeAndThePaper) {
     EXPECT_EQ(points.size(), 4U + 2 + 2 + 2 + 1);  // sizes, arap, best and u16 at 65 and 129, the paper's
     o.compared = {257};
     EXPECT_EQ(plan_points(o).size(), 4U + 1 + 1 + 1 + 1);
-    o.compared = {}, o.sizes = {33};
+    o.compared = {};
+    o.sizes = {33};
     EXPECT_EQ(plan_points(o).size(), 1U + 1 + 1 + 1 + 1);
     EXPECT_EQ(repetitions_of({"auto", 257, "f32", "l2", "all"}, 7), 7U);
     EXPECT_EQ(repetitions_of({"auto", 513, "f32", "l2", "all"}, 7), 3U);
     EXPECT_EQ(repetitions_of({"auto", 513, "f32", "l2", "all"}, 1), 1U);
     EXPECT_EQ(repetitions_of({"auto", 1025, "f32", "l2", "all"}, 7), 1U);
-    o.full = true, o.sizes = {33, 65, 129, 257};
+    o.full = true;
+    o.sizes = {33, 65, 129, 257};
     EXPECT_EQ(plan_points(o).size(), 2U * 4 * 2 * 2 + 1);
 }
 

@@ -76,7 +76,10 @@ TEST(Statistics, RatiosKnowNoise) {
 
 TEST(Statistics, FitsPowers) {
     std::vector<double> x, y;
-    for (int k = 1; k < 6; ++k) x.push_back(std::pow(10, k)), y.push_back(3 * std::pow(x.back(), 1.25));
+    for (int k = 1; k < 6; ++k) {
+        x.push_back(std::pow(10, k));
+        y.push_back(3 * std::pow(x.back(), 1.25));
+    }
     const auto law = fit_power_law(x, y);
     ASSERT_TRUE(law);
     EXPECT_NEAR(law->exponent, 1.25, 1e-12);

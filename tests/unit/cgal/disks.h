@@ -115,7 +115,7 @@ inline Disk long_finger(std::uint32_t around, std::uint32_t rings) {
     return revolve(around, profile);
 }
 
-/// What a parameterizer must refuse, made from a good 3 x 3 grid, each with its name.
+/// Disks that a parameterizer must refuse, made from a good 3 x 3 grid, each with its name.
 inline std::vector<std::pair<const char*, Disk>> no_disks(const Disk& good) {
     std::vector<std::pair<const char*, Disk>> out;
     const auto broken = [&](const char* what) -> Disk& { return out.emplace_back(what, good).second; };

@@ -46,8 +46,10 @@ TEST(ConvexMap, EveryInnerVertexIsTheWeightedMeanOfItsNeighbours) {
             std::vector<double> sum(n, 0.0);
             for (std::size_t e = 0; e < edges.size(); ++e) {
                 const auto [a, b] = edges[e];
-                pull[a] = pull[a] + uv[b] * weights[e], sum[a] += weights[e];
-                pull[b] = pull[b] + uv[a] * weights[e], sum[b] += weights[e];
+                pull[a] = pull[a] + uv[b] * weights[e];
+                sum[a] += weights[e];
+                pull[b] = pull[b] + uv[a] * weights[e];
+                sum[b] += weights[e];
             }
             for (std::size_t v = 0; v < n; ++v)
                 if (!fixed[v]) { ASSERT_LT(length(uv[v] - pull[v] * (1 / sum[v])), 1e-11) << "vertex " << v; }
@@ -131,7 +133,8 @@ TEST(StretchMap, UncrowdsARibbon) {
     TriMesh mesh;
     constexpr std::uint32_t kBody = 8, kLong = 120;
     const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-        mesh.faces.push_back({a, b, c}), mesh.faces.push_back({a, c, d});
+        mesh.faces.push_back({a, b, c});
+        mesh.faces.push_back({a, c, d});
     };
     for (std::uint32_t i = 0; i <= kBody; ++i)
         for (std::uint32_t j = 0; j <= kBody; ++j) mesh.positions.push_back({1.0 * i, 1.0 * j, 0});
@@ -141,9 +144,11 @@ TEST(StretchMap, UncrowdsARibbon) {
     std::uint32_t low = id(kBody, 3), high = id(kBody, 4);
     for (std::uint32_t k = 1; k <= kLong; ++k) {
         const auto next = static_cast<std::uint32_t>(mesh.positions.size());
-        mesh.positions.push_back({1.0 * kBody + k, 3, 0}), mesh.positions.push_back({1.0 * kBody + k, 4, 0});
+        mesh.positions.push_back({1.0 * kBody + k, 3, 0});
+        mesh.positions.push_back({1.0 * kBody + k, 4, 0});
         quad(low, next, next + 1, high);
-        low = next, high = next + 1;
+        low = next;
+        high = next + 1;
     }
     double worst_convex = 0;
     for (const std::uint32_t rotation : {0u, 20u, 40u, 60u}) {

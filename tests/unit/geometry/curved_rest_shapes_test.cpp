@@ -15,7 +15,8 @@ namespace {
 using model::TriMesh;
 using model::Vec3d;
 
-/// What the bending added to a face's weight: the area it weighs over its own at the same scale, and that in the mesh.
+/// Factor that the bending added to a face's weight: the area it weighs over its own at the same scale, and that in the
+/// mesh.
 std::vector<double> weights(const TriMesh& mesh) {
     const DiskView disk{mesh.positions, mesh.faces, {}, {}};
     const std::vector<RestShape> plain = rest_shapes(disk), curved = curved_rest_shapes(disk);

@@ -68,7 +68,7 @@ TEST(CutGraph, OpensEverySurfaceIntoOneDisk) {
         const Disk disk = cut.open();
         ASSERT_NO_FATAL_FAILURE(test::expect_links(disk));
         test::expect_disk(disk);
-        // Welding the disk gives the component back, face by face.
+        // Welding the disk restores the component, face by face.
         ASSERT_EQ(disk.weld_count, s.mesh.positions.size());
         ASSERT_EQ(disk.mesh.faces.size(), s.mesh.faces.size());
         for (std::size_t f = 0; f < s.mesh.faces.size(); ++f)
@@ -262,8 +262,10 @@ TEST(BorderPaths, AnnulusHasTwoLoopsAndACut) {
     const std::vector<BorderPath> paths = cut.open().paths();
     ASSERT_EQ(paths.size(), 4u);
     int loops = 0, mated = 0;
-    for (const BorderPath& path : paths)
-        loops += path.is_loop && path.mate == kNone, mated += path.mate != kNone && !path.is_loop;
+    for (const BorderPath& path : paths) {
+        loops += path.is_loop && path.mate == kNone;
+        mated += path.mate != kNone && !path.is_loop;
+    }
     EXPECT_EQ(loops, 2);
     EXPECT_EQ(mated, 2);
 }

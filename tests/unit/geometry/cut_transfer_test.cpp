@@ -70,7 +70,10 @@ TEST(CutCarry, TakesTheSameNetworkThroughTheCollapses) {
         for (const auto& [a, b] : edges) {
             bool found = false;
             for (std::uint32_t k = graph.first[a]; k < graph.first[a + 1]; ++k)
-                if (graph.arcs[k].to == b) fine_cut.mark(graph.arcs[k].half_edge, true), found = true;
+                if (graph.arcs[k].to == b) {
+                    fine_cut.mark(graph.arcs[k].half_edge, true);
+                    found = true;
+                }
             ASSERT_TRUE(found) << a << " and " << b << " are no neighbours";
         }
         const Disk coarse_disk = coarse.cut.open(), fine_disk = fine_cut.open();

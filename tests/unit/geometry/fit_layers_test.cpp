@@ -46,7 +46,9 @@ TEST(GridPoints, LieOnTheTriangleOfTheirDiagonal) {
                 double row = 0, col = 0, sum = 0;
                 for (std::size_t k = 0; k < 3; ++k) {
                     EXPECT_GE(p->b[k], -1e-12);
-                    row += p->b[k] * (p->sample[k] / 4), col += p->b[k] * (p->sample[k] % 4), sum += p->b[k];
+                    row += p->b[k] * (p->sample[k] / 4);
+                    col += p->b[k] * (p->sample[k] % 4);
+                    sum += p->b[k];
                 }
                 EXPECT_NEAR(row, x, 1e-12);
                 EXPECT_NEAR(col, y, 1e-12);
@@ -71,7 +73,7 @@ TEST(TexelClasses, JoinWhatASeamJoins) {
     EXPECT_NE(at(1, 0), at(3, 0));
     EXPECT_NE(at(0, 1), at(4, 1));  // rows are no seam
     EXPECT_EQ(at(2, 2), 12u);
-    // Of other sizes nothing is known.
+    // Nothing is known about other sizes.
     for (std::uint32_t t = 0; const std::uint32_t c : texel_classes(3, 3, 4, 5, samples)) EXPECT_EQ(c, t++);
 }
 
@@ -196,14 +198,17 @@ TEST(FitBump, DisplacesTheGridTowardsTheSource) {
     double without = 0, with = 0;
     for (const MatchedPoint& p : match_source(in, positions, 20'011)) {
         Vec3d grid, normal;
-        for (std::size_t k = 0; k < 3; ++k)
-            grid += positions.local[p.sample[k]] * p.b[k], normal += normals.decoded[p.sample[k]] * p.b[k];
+        for (std::size_t k = 0; k < 3; ++k) {
+            grid += positions.local[p.sample[k]] * p.b[k];
+            normal += normals.decoded[p.sample[k]] * p.b[k];
+        }
         const Vec2d at = grid_coordinates(in.chart, p);
         const TexelTaps taps = texel_taps(2 * at.x, 2 * at.y, 65, 65);
         double h = 0;
         for (std::size_t k = 0; k < 4; ++k) h += taps.weight[k] * model::half_value(bits[taps.texel[k]]);
         const Vec3d truth = local_position(in, p.at), gap = truth - grid, rest = gap - normalized(normal) * h;
-        without += dot(gap, gap), with += dot(rest, rest);
+        without += dot(gap, gap);
+        with += dot(rest, rest);
     }
     EXPECT_LT(with, 0.5 * without);
 }

@@ -40,7 +40,7 @@ const std::vector<Freedom> kFirstFree{Freedom::kFree, Freedom::kHeld, Freedom::k
 TEST(NormalEquations, OneUnknownIsTheWeightedMean) {
     const WeldedGrid grid(one_quad());
     NormalEquations equations(grid);
-    // Gaps 3 and 6 with weights 2 and 1, no damping to speak of: (2*3 + 1*6) / 3 = 4.
+    // Gaps 3 and 6 with weights 2 and 1, hardly any damping: (2*3 + 1*6) / 3 = 4.
     equations.add(0, {1, 0, 0}, {3, 0, 0}, {1, 0, 0}, 2);
     equations.add(0, {1, 0, 0}, {6, 0, 0}, {1, 0, 0}, 1);
     const auto step = equations.solve(kFirstFree, {}, 1e-12, 10);
@@ -172,7 +172,8 @@ TEST(Matches, SettleOnTheLegThatIsCloser) {
     for (std::uint32_t i = 0; i + 1 < kAlong; ++i)
         for (std::uint32_t j = 0; j + 1 < kAcross; ++j) {
             const std::uint32_t a = i * kAcross + j, b = a + 1, c = a + kAcross, d = c + 1;
-            strip.faces.push_back({a, c, d}), strip.faces.push_back({a, d, b});
+            strip.faces.push_back({a, c, d});
+            strip.faces.push_back({a, d, b});
         }
     const Case c = square_case(strip, 33);
     const LinkedSurface source = link_source(c.chart.disk);
@@ -357,7 +358,8 @@ TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
         Matches matches(c.chart, source, grid, 1000);
         matches.update(false);
         TriMesh surface;
-        surface.positions = grid.surface.positions, surface.faces = grid.surface.faces;
+        surface.positions = grid.surface.positions;
+        surface.faces = grid.surface.faces;
         const std::vector<char> none(grid.sample_of.size(), 0);
         const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
         const bool moved =

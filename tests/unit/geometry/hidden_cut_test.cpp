@@ -79,7 +79,8 @@ TEST(HiddenCut, ASeamBetweenTwoTipsRunsInTheGroove) {
         for (std::uint32_t h = 0; h < cut.opposite().size(); ++h)
             if (origin(body.faces, h) == a && target(body.faces, h) == b) cut.mark(h, true);
     }
-    cut.join(0), cut.join(1);
+    cut.join(0);
+    cut.join(1);
     ASSERT_NEAR(farthest_from_groove(cut), kPi, 1e-12);
     const CutGraph before = weighed(cut), hidden = hide_cut(before);
     test::expect_disk(hidden.open());

@@ -38,7 +38,8 @@ struct Bench {
     TriMesh mesh = test::grid_sheet(2 * m - 2, 2 * n - 2);
     for (const Vec3d& p : mesh.positions) b.chart.uv.push_back({p.x, p.y});
     for (Vec3d& p : mesh.positions) p = place(p.x, p.y);
-    b.chart.m = m, b.chart.n = n;
+    b.chart.m = m;
+    b.chart.n = n;
     b.chart.method = "by hand";
     b.chart.disk = CutGraph(mesh).open();  // nothing is cut; corners are found in face order, so vertices move
     std::vector<Vec2d> uv(b.chart.uv.size());

@@ -37,8 +37,10 @@ TEST(Tables, SeamPairsNameTheLowestSample) {
         bool alone = true;
         std::uint32_t lowest = s;
         for (std::uint32_t t = 0; t < 17 * 13; ++t)
-            if (t != s && length(b.chart.positions[s] - b.chart.positions[t]) < 1e-9)
-                alone = false, lowest = std::min(lowest, t);
+            if (t != s && length(b.chart.positions[s] - b.chart.positions[t]) < 1e-9) {
+                alone = false;
+                lowest = std::min(lowest, t);
+            }
         const std::uint32_t i = s / 13, j = s % 13;
         EXPECT_EQ(alone, i > 0 && j > 0 && i < 16 && j < 12);
         EXPECT_EQ(copy_of[s], lowest == s ? kNone : lowest);
@@ -150,7 +152,10 @@ TEST(MakeLayers, NamesBoundsAndChoice) {
     const std::vector<float> g = read<float>(*all.chart.find("geometry"));
     for (int k = 0; k < 3; ++k) {
         float lo = 1e9f, hi = -1e9f;
-        for (std::size_t s = 0; s < 17 * 13; ++s) lo = std::min(lo, g[3 * s + k]), hi = std::max(hi, g[3 * s + k]);
+        for (std::size_t s = 0; s < 17 * 13; ++s) {
+            lo = std::min(lo, g[3 * s + k]);
+            hi = std::max(hi, g[3 * s + k]);
+        }
         EXPECT_EQ(all.chart.bbox[k], lo);
         EXPECT_EQ(all.chart.bbox[k + 3], hi);
     }

@@ -135,10 +135,12 @@ TEST(CollisionLayer, BoxesHoldTheirTilesAndTheirChildren) {
         std::uint32_t r = (rows - 1 + 7) / 8, c = (cols - 1 + 7) / 8;
         std::size_t nodes = 0;
         while (true) {
-            want.push_back(r), want.push_back(c);
+            want.push_back(r);
+            want.push_back(c);
             nodes += std::size_t{r} * c;
             if (r == 1 && c == 1) break;
-            r = (r + 1) / 2, c = (c + 1) / 2;
+            r = (r + 1) / 2;
+            c = (c + 1) / 2;
         }
         EXPECT_EQ(boxes.levels, want);
         ASSERT_EQ(layer.shape, (std::vector<std::uint64_t>{nodes, 6}));
@@ -156,7 +158,10 @@ TEST(CollisionLayer, BoxesHoldTheirTilesAndTheirChildren) {
         // Tight: the root is the bounding box, up to a float's rounding.
         Vec3d lo{1e9, 1e9, 1e9}, hi{-1e9, -1e9, -1e9};
         for (const Vec3d& p : local)
-            for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
+            for (int k = 0; k < 3; ++k) {
+                lo[k] = std::min(lo[k], p[k]);
+                hi[k] = std::max(hi[k], p[k]);
+            }
         for (int k = 0; k < 3; ++k) {
             EXPECT_NEAR(boxes.values[6 * (nodes - 1) + k], lo[k], 1e-5);
             EXPECT_NEAR(boxes.values[6 * (nodes - 1) + 3 + k], hi[k], 1e-5);
@@ -175,7 +180,10 @@ TEST(CoverLayer, NoPointOfItsQuadsIsFarther) {
     for (const Face& f : b.chart.faces())
         for (int round = 0; round < 30; ++round) {
             double x = u(random), y = u(random);
-            if (x + y > 1) x = 1 - x, y = 1 - y;
+            if (x + y > 1) {
+                x = 1 - x;
+                y = 1 - y;
+            }
             const Vec3d p = local[f[0]] * (1 - x - y) + local[f[1]] * x + local[f[2]] * y;
             for (std::uint32_t s : f) {
                 const std::uint32_t rep = b.chart.representative[s];

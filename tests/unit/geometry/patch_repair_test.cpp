@@ -36,7 +36,10 @@ void twist(SampledChart& chart, std::uint32_t centre, const Vec3d& axis) {
     near[grid.class_of[centre]] = 1;
     for (int ring = 0; ring < 2; ++ring) {
         std::vector<char> next = near;
-        for (const auto& [a, b] : grid.edges) next[a] |= near[b], next[b] |= near[a];
+        for (const auto& [a, b] : grid.edges) {
+            next[a] |= near[b];
+            next[b] |= near[a];
+        }
         near.swap(next);
     }
     const Vec3d k = normalized(axis, Vec3d{}), origin = chart.positions[centre];
@@ -61,12 +64,14 @@ Result unfolded(const SampledChart& chart, bool held) {
     const ClosestPointIndex index(source.positions, source.faces);
     const auto turned = [&](const LinkedSurface& surface) {
         TriMesh mesh;
-        mesh.positions = surface.positions, mesh.faces = surface.faces;
+        mesh.positions = surface.positions;
+        mesh.faces = surface.faces;
         return find_turned_faces(index, mesh, kTurnedTie);
     };
     WeldedGrid grid(chart), other(chart);
     Matches matches(chart, source, grid, 4000), other_matches(chart, source, other, 4000);
-    matches.update(false), other_matches.update(false);
+    matches.update(false);
+    other_matches.update(false);
     const std::vector<char> fixed = held ? std::vector<char>(grid.sample_of.size(), 1) : grid.on_border;
     const std::vector<std::uint32_t> faces = turned(grid.surface);
     out.start = faces.size();
@@ -81,8 +86,8 @@ Result unfolded(const SampledChart& chart, bool held) {
     return out;
 }
 
-/// A twist of the sheet `start` is laid flat: all faces of a flat sheet look its way and none
-/// overlap, so their areas add up to the sheet's. The border stays.
+/// A twist of the sheet `start` is laid flat: all faces of a flat sheet look its way and none overlap, so their areas
+/// add up to the sheet's. The border stays.
 Result expect_twist_laid_flat(const SampledChart& start, const SampledChart& twisted) {
     Result r = unfolded(twisted, false);
     EXPECT_GT(r.start, 8u);

@@ -27,7 +27,7 @@ std::uint64_t count(const RepairedMesh& mesh, const std::string& what) {
     return 0;
 }
 
-/// What the header promises of every component, and its topology.
+/// Checks the promises of the header for every component, and its topology.
 void expect_component(const RepairedMesh& repaired, std::size_t c, std::uint64_t loops, std::int64_t genus) {
     ASSERT_LT(c, repaired.components.size());
     const TriMesh& mesh = repaired.components[c];
@@ -37,7 +37,10 @@ void expect_component(const RepairedMesh& repaired, std::size_t c, std::uint64_t
     for (const Face& f : mesh.faces)
         for (std::uint32_t v : f) used[v] = 1;
     for (const Vec3d& p : mesh.positions)
-        for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], p[k]), hi[k] = std::max(hi[k], p[k]);
+        for (int k = 0; k < 3; ++k) {
+            lo[k] = std::min(lo[k], p[k]);
+            hi[k] = std::max(hi[k], p[k]);
+        }
     EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
     EXPECT_LE(length(hi - lo), 1 + 1e-12);
 }
@@ -219,7 +222,7 @@ TEST(Repair, MixedWindingsAreMadeToAgreeAndClosedBodiesFaceOutward) {
             EXPECT_NEAR(test::volume(out.components[0]) * d * d * d, outward, 1e-9 * outward) << share << " % turned";
             EXPECT_GT(count(out, "faces turned to agree with their neighbours"), 0u);
         }
-        TriMesh inward = body;  // a room seen from inside: all agree, so nobody asked to turn it
+        TriMesh inward = body;  // a room seen from inside: all agree, so it stays as it is
         for (Face& f : inward.faces) std::swap(f[0], f[1]);
         const RepairedMesh room = repair(inward);
         EXPECT_LT(test::volume(room.components[0]), 0);

@@ -137,10 +137,16 @@ TEST(SplitEdge, RepeatedEdgesGetAVertexInTheMiddle) {
     mesh.faces = {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}, {1, 0, 2}};
     // Half-edges 0-1: 0 (face 0), 3 (face 1), 6 (face 2), 9 (face 3). Glue 0 with 3, 6 with 9; the rest by their ends.
     std::vector<std::uint32_t> partner(12, kNone);
-    const auto glue = [&](std::uint32_t a, std::uint32_t b) { partner[a] = b, partner[b] = a; };
-    glue(0, 3), glue(6, 9);
-    glue(1, 11), glue(2, 10);  // 1-2 with 2-1, 2-0 with 0-2
-    glue(4, 8), glue(5, 7);    // 0-3 with 3-0, 3-1 with 1-3
+    const auto glue = [&](std::uint32_t a, std::uint32_t b) {
+        partner[a] = b;
+        partner[b] = a;
+    };
+    glue(0, 3);
+    glue(6, 9);
+    glue(1, 11);  // 1-2 with 2-1, 2-0 with 0-2
+    glue(2, 10);
+    glue(4, 8);  // 0-3 with 3-0, 3-1 with 1-3
+    glue(5, 7);
     EXPECT_EQ(split_repeated_edges(mesh, partner), 1u);
     EXPECT_EQ(measure_topology(mesh.positions.size(), mesh.faces), (Topology{1, 0, 0, true, true, 0}));
     EXPECT_EQ(mesh.positions.size(), 5u);

@@ -95,7 +95,8 @@ TEST(AllocateIntervals, RandomPathsKeepTheRules) {
             const double l = std::pow(u(random), 4);
             const bool loop = random() % 3 == 0;
             const auto at = static_cast<std::uint32_t>(paths.size());
-            paths.push_back(mated(l, at + 1, loop)), paths.push_back(mated(l, at, loop));
+            paths.push_back(mated(l, at + 1, loop));
+            paths.push_back(mated(l, at, loop));
         }
         const auto total = static_cast<std::uint32_t>(60 + 2 * (random() % 100));
         const Counts counts = allocate_intervals(paths, total);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/libdgm/asset_test.cpp
-// What open hands out is what was written.
+// An opened asset hands out the bytes that were written.
 #include <gtest/gtest.h>
 
 #include <dgm/asset.h>

@@ -90,7 +90,7 @@ TEST(BrokenIndex, EachFieldIsCheckedAndNamed) {
              std::memcpy(f.layers[7].name, f.layers[6].name, 24);
              f.layers[7].type = f.layers[6].type;
              f.layers[7].rank = 3;
-             f.layers[7].shape[0] = 5, f.layers[7].shape[1] = 6, f.layers[7].shape[2] = 3;
+             f.layers[7].shape[0] = 5; f.layers[7].shape[1] = 6; f.layers[7].shape[2] = 3;
              f.layers[7].bytes = f.layers[6].bytes;
              f.layers[7].offset = f.bytes.size();
              f.bytes.resize(f.bytes.size() + 384);

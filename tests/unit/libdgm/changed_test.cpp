@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/libdgm/changed_test.cpp
-// changed_rows(): a reader that copies only what is reported must hold, to the bit, what the state holds, whatever was
-// done to it; and where nothing was done there is nothing to copy.
+// changed_rows(): a reader that copies only the reported samples must have, to the bit, the shape of the state,
+// whatever was done to it; and where nothing was done there is nothing to copy.
 #include <gtest/gtest.h>
 
 #include <dgm/collide.h>
@@ -258,7 +258,7 @@ TEST(Changed, RangesAreTightAroundATouch) {
 }
 
 TEST(Changed, ManyTicksUnread) {
-    // A tool that crosses the sheet slantwise, nobody looking: its path, not the box around it.
+    // A tool that crosses the sheet slantwise, without a reader: its path, not the box around it.
     State state = make_state(sheet_chart(201, 201));
     const DeformTable table = table_of(4);
     Reader reader(1000);

@@ -24,7 +24,10 @@ Nearest exhaustive(const State& state, Vec3 tool) {
         if (!state.on_surface(k)) continue;
         const Vec3 d = p[k] - tool;
         const float d2 = dot(d, d);
-        if (d2 < best) best = d2, sample = k;
+        if (d2 < best) {
+            best = d2;
+            sample = k;
+        }
     }
     return {sample, std::sqrt(best)};
 }

@@ -103,8 +103,8 @@ TEST_P(SlowBulge, IsTheSame) {
 INSTANTIATE_TEST_SUITE_P(Sides, SlowBulge, testing::Combine(testing::Values(65u, 225u), testing::Bool()));
 
 TEST(Contact, SmallestOnesKeepTheirVolume) {
-    // Of an organ's size in centimetres and away from the origin: one unit in the last place of a coordinate, times the
-    // area around a sample, is not small against the volume taken here.
+    // A surface of an organ's size in centimetres, away from the origin: one unit in the last place of a coordinate,
+    // times the area around a sample, is not small against the volume taken here.
     State state = make_state(closed_chart(129, [](const std::array<double, 3>& n) {
         return std::array<double, 3>{8 + 6 * n[0], -11 + 6 * n[1], 3 + 6 * n[2]};
     }));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/libdgm/contact_seams_test.cpp
-// Copies of a seam class stay equal to the bit through thousands of random contacts of two maps, and the answer of a
+// Copies of a weld class stay equal to the bit through thousands of random contacts of two maps, and the answer of a
 // search does not depend on where the last one ended. Looks at the library's inside for the latter.
 #include <gtest/gtest.h>
 

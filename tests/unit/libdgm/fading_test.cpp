@@ -212,7 +212,7 @@ void live(const ChartSpec& chart, Footprint footprint, unsigned seed, bool plain
             return;
         }
     }
-    // What is not touched any more comes to rest, and is forgotten, without anybody looking.
+    // A surface that is not touched any more comes to rest and is forgotten, without any reader.
     for (int k = 0; k < 3000; ++k) ASSERT_TRUE(tick(seldom, table, o, {}, {}).ok());
     EXPECT_EQ(seldom.usage().active_samples, 0u);
     for (int k = 0; k < 3000; ++k) model.fade(std::exp(-double{o.relax_rate} * o.dt));

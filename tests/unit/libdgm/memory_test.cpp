@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/libdgm/memory_test.cpp
-// The caller's allocator: asked for everything, given everything back, and allowed to say no at any time.
+// The caller's allocator: it provides all memory, gets all of it back, and may fail at any time.
 #include <gtest/gtest.h>
 
 #include <dgm/contact.h>

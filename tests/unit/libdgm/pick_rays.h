@@ -156,7 +156,8 @@ struct Rays {
                 direction = 0.5f * (p + q) - origin;
                 break;
             case 5:
-                origin = p, direction = random() % 2 == 0 ? q - p : anywhere(1);
+                origin = p;
+                direction = random() % 2 == 0 ? q - p : anywhere(1);
                 break;  // starts on the surface
             case 6:     // along an axis, through a corner to the bit
                 origin = p;

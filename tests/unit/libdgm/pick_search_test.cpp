@@ -79,7 +79,7 @@ TEST(Pick, FollowsEveryChange) {
 }
 
 TEST(Pick, EachMovedBorderSampleTakesItsFacesAlong) {
-    // Faces of the strip may have corners in several tiles: all their leaves must hear of each corner.
+    // Faces of the strip may have corners in several tiles: all their leaves must be marked for each corner.
     State state = make_state(free_chart(28, 35, flat));
     const DeformTable table = dent_table(1);  // less than a step around the contact
     const Exhaustive all(state);
@@ -105,7 +105,7 @@ TEST(Pick, EachMovedBorderSampleTakesItsFacesAlong) {
             }
         }
         state.release();
-        // Boxes are up to date before the next touch, which alone must tell of itself.
+        // Boxes are up to date before the next touch, which alone must be marked.
         static_cast<void>(pick_ray(state, {}, {0, 0, 1}));
     }
 }

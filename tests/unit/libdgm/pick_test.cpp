@@ -73,7 +73,11 @@ TEST(Pick, SphereByFormula) {
         // Towards the sphere, more or less.
         const double d[3] = {normal(random) - o[0], normal(random) - o[1], normal(random) - o[2]};
         double oo = 0, od = 0, dd = 0;
-        for (int a = 0; a < 3; ++a) oo += o[a] * o[a], od += o[a] * d[a], dd += d[a] * d[a];
+        for (int a = 0; a < 3; ++a) {
+            oo += o[a] * o[a];
+            od += o[a] * d[a];
+            dd += d[a] * d[a];
+        }
         const double root = od * od - dd * (oo - 1), away = oo - od * od / dd;  // squared distance of the line
         if (std::fabs(std::sqrt(oo) - 1) < 2 * sag || std::fabs(std::sqrt(away) - 1) < 0.05) continue;
         const bool inside = oo < 1;

@@ -137,7 +137,7 @@ TEST(Reconstruct, Refusals) {
     EXPECT_EQ(reconstruct(opened.chart(), {}, {}, {1, static_cast<IndexTopology>(2)}).error().code,
               ErrorCode::Unsupported);
     EXPECT_EQ(mesh_counts(opened.chart(), {0}).error().code, ErrorCode::BadArgument);
-    // Values that nobody validated are still no way out of the buffers.
+    // Values that were not validated are still no way out of the buffers.
     ChartSpec bad = c;
     const std::uint32_t far = 1u << 30;
     std::memcpy(bad.layer("border_faces").bytes.data(), &far, 4);

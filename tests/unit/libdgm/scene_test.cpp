@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/libdgm/scene_test.cpp
-// Many assets at once cost what is touched of them.
+// Many assets at once cost only their touched parts.
 #include <gtest/gtest.h>
 
 #include <dgm/deform.h>
@@ -34,7 +34,7 @@ ChartSpec big_chart(std::uint32_t texels = 64, std::uint8_t grey = 99) {
 }
 
 #if DGM_TEST_PAGES
-/// A file with a hole wherever the bytes are 0 for whole pages: what is not read of it is nowhere in memory.
+/// A file with a hole wherever the bytes are 0 for whole pages: its unread pages are nowhere in memory.
 struct SparseFile {
     static constexpr std::size_t kPage = 4096;
     std::string path;

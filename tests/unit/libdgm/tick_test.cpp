@@ -202,7 +202,10 @@ Nearest exhaustive(const PointView& p, const State& state, Vec3 tool) {
     std::uint32_t sample = kNone;
     for (std::uint32_t k = 0; k < p.count; ++k) {
         const Vec3 d = p[k] - tool;
-        if (state.on_surface(k) && dot(d, d) < best) best = dot(d, d), sample = k;
+        if (state.on_surface(k) && dot(d, d) < best) {
+            best = dot(d, d);
+            sample = k;
+        }
     }
     return {sample, std::sqrt(best)};
 }
@@ -333,7 +336,7 @@ TEST(Tick, StepsOfTheDisplacementKeepTheirBound) {
         if (dot(tool, tool) > 60) tool = tool - 2 * step;
         const Vec3 change = one(state, table, o, tool_at(tool)).displacement - d;
         d = d + change;
-        // What fades: an offset that is never longer than what has jumped, here 4 d_max at most.
+        // An offset fades; it is never longer than the jump, here 4 d_max at most.
         ASSERT_LE(std::sqrt(dot(change, change)), 2 * std::sqrt(dot(step, step)) + (1 - std::exp(-0.1f)) * 8 + 1e-4f);
     }
 }

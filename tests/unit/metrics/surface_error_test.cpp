@@ -110,7 +110,8 @@ TEST(SurfaceError, FindsTheTopBetweenThePoints) {
     floor.faces = {{0, 1, 2}, {0, 2, 3}};
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         SurfaceErrorOptions few;
-        few.samples = 50, few.seed = seed;
+        few.samples = 50;
+        few.seed = seed;
         EXPECT_NEAR(measure_surface_error(floor, roof, few).hausdorff_forward, std::sqrt(0.5), 2e-3) << seed;
     }
 }

@@ -57,7 +57,7 @@ std::size_t turned_between_sheets(double gap, double below) {
 TEST(TurnedFaces, OfAThinSheetAreThoseThatHaveCrossedIt) {
     EXPECT_EQ(turned_between_sheets(0.1, -0.01), 0u);  // nearer to the side it looks like
     EXPECT_EQ(turned_between_sheets(0.1, 0.01), 8u);   // nearer to the other side
-    EXPECT_EQ(turned_between_sheets(1e-6, 1e-7), 0u);  // both sides are as near as can be told
+    EXPECT_EQ(turned_between_sheets(1e-6, 1e-7), 0u);  // both sides are equally near, up to the tie
 }
 
 TEST(TurnedFaces, OnACreaseAnySideMaySpeak) {
@@ -72,7 +72,7 @@ TEST(TurnedFaces, OnACreaseAnySideMaySpeak) {
     map.faces = {{0, 1, 2}};  // normal (0, -1, -1) but for its length: the lower side's
     EXPECT_EQ(count_turned_faces(blade, map), 0u);
     EXPECT_EQ(count_turned_faces(blade, reversed(map)), 0u);
-    // A step to the upper side's own ground, and only one of the two may speak.
+    // A step to the upper side's own ground, and only one of the two counts.
     for (Vec3d& p : map.positions) p += {0, -0.3, 0.2};
     EXPECT_EQ(count_turned_faces(blade, map), 1u);
     EXPECT_EQ(count_turned_faces(blade, reversed(map)), 0u);

@@ -210,7 +210,7 @@ TEST_P(ValidationOfFile, FindsExactlyThis) {
 const auto breakage_name = [](const auto& info) { return std::string(info.param.name); };
 INSTANTIATE_TEST_SUITE_P(Values, ValidationOfFile, testing::ValuesIn(kValueBreakages), breakage_name);
 
-/// What the writer would not write: maps in memory.
+/// Changes maps in memory to shapes that the writer would refuse.
 std::function<void(MapSet&)> reshape(std::size_t chart, const char* layer, std::vector<std::uint64_t> shape) {
     return [=](MapSet& maps) { maps.charts[chart].find(layer)->shape = shape; };
 }
@@ -365,7 +365,8 @@ TEST(Validation, WarnsOfFacesTurnedAgainstTheSource) {
     maps.charts.resize(1);
     const bake::Reconstruction tube = bake::reconstruct(maps.charts[0]);
     model::TriMesh inside_out = tube.mesh;
-    inside_out.corner_normals.clear(), inside_out.corner_uvs.clear();
+    inside_out.corner_normals.clear();
+    inside_out.corner_uvs.clear();
     for (model::Face& f : inside_out.faces) std::swap(f[1], f[2]);
     formats::write_obj(folder / "source.obj", inside_out);
     const Source source = load_source(folder / "source.obj");

@@ -135,7 +135,8 @@ TEST_F(Export, LayerPictureOfAllChartsSideBySide) {
 
 TEST_F(Export, ShadedViewsAndSheets) {
     ExportOptions options;
-    options.width = 400, options.height = 200;
+    options.width = 400;
+    options.height = 200;
     write(two_tori(), "view.png", options);
     EXPECT_EQ(formats::read_image(folder_ / "view.png").width, 400u);
     const std::string once = bytes("view.png");

@@ -30,8 +30,10 @@ void add_to_geometry(model::Chart& chart, std::size_t number, float by) {
 
 TEST(MapDiff, EqualMapsDifferInNothingWhateverTheirReports) {
     model::MapSet a = two_charts(), b = two_charts();
-    a.report_json = "{}", b.report_json = R"({"seam_gap":0})";
-    a.generator = "dgm-bake 0.1.0", b.generator = "dgm-bake 0.2.0";
+    a.report_json = "{}";
+    b.report_json = R"({"seam_gap":0})";
+    a.generator = "dgm-bake 0.1.0";
+    b.generator = "dgm-bake 0.2.0";
     const MapDifference found = difference(a, b);
     EXPECT_TRUE(found.empty());
     EXPECT_EQ(to_text(found), "no difference\n");
@@ -43,7 +45,9 @@ TEST(MapDiff, CountsNumbersAndMeasuresTheMoveInSourceUnits) {
     const model::MapSet a = two_charts();
     model::MapSet b = a;
     // One sample by (3, 0, 4) stored, another by (0, 1, 0): the first moved farthest, 5 stored.
-    add_to_geometry(b.charts[0], 30, 3), add_to_geometry(b.charts[0], 32, 4), add_to_geometry(b.charts[0], 7, 1);
+    add_to_geometry(b.charts[0], 30, 3);
+    add_to_geometry(b.charts[0], 32, 4);
+    add_to_geometry(b.charts[0], 7, 1);
     const MapDifference found = difference(a, b);
     ASSERT_EQ(found.layers.size(), 1u);
     EXPECT_EQ(found.layers[0].chart, 0u);
@@ -73,7 +77,10 @@ TEST(MapDiff, TellsOfMissingLayersTypesShapesAndFields) {
     b.settings_hash[3] = 1;
     b.charts[1].method = "arap";
     model::Layer extra;
-    extra.name = "extra", extra.type = model::ElementType::kU8, extra.shape = {1}, extra.bytes.resize(1);
+    extra.name = "extra";
+    extra.type = model::ElementType::kU8;
+    extra.shape = {1};
+    extra.bytes.resize(1);
     b.charts[0].layers.push_back(extra);
     b.charts[1].find("geometry")->shape[0] += 1;
     std::erase_if(b.charts[0].layers, [](const model::Layer& layer) { return layer.name == "seams"; });

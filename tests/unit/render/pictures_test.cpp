@@ -37,7 +37,9 @@ TEST(Pictures, ComparisonShowsSourceReconstructionGridAndError) {
     const model::Chart coarse = test::torus_chart(17, 33), fine = test::torus_chart(65, 129);
     const ChartSurface map = chart_surface({&coarse, 1}), source = chart_surface({&fine, 1});
     PictureOptions options;
-    options.width = 1200, options.height = 300, options.samples_per_pixel = 4;
+    options.width = 1200;
+    options.height = 300;
+    options.samples_per_pixel = 4;
     const formats::Image image = comparison_picture(source.mesh, {}, map, options);
     ASSERT_EQ(image.width, 1200u);
     ASSERT_EQ(image.height, 300u);
@@ -70,7 +72,8 @@ TEST(Pictures, ComparisonRefusesWhatItCannotShow) {
 
 TEST(Pictures, ContactSheetHasACellForEveryLayer) {
     PictureOptions options;
-    options.width = 640, options.samples_per_pixel = 1;
+    options.width = 640;
+    options.samples_per_pixel = 1;
     const model::Chart chart = test::torus_chart(17, 33);  // ten layers and the view: three lines
     const formats::Image sheet = contact_sheet(chart, "torus", options);
     model::Chart one = chart;
@@ -88,7 +91,10 @@ TEST(Canvas, TextIsDrawnWhereItIsMeasured) {
     std::uint32_t low = 200, high = 0;
     for (std::uint32_t y = 0; y < 40; ++y)
         for (std::uint32_t x = 0; x < 200; ++x)
-            if (image.at(x, y) == kInk) low = std::min(low, x), high = std::max(high, x);
+            if (image.at(x, y) == kInk) {
+                low = std::min(low, x);
+                high = std::max(high, x);
+            }
     EXPECT_NEAR(low, 10, 3);
     EXPECT_NEAR(high, 10 + width, 6);
     draw_text(image, -500, -500, "outside", 3);  // cut off, not a crash

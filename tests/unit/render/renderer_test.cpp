@@ -123,7 +123,8 @@ TEST(Renderer, ScalarsAreMappedBetweenTheirEnds) {
     Surface surface;
     surface.mesh = &mesh;
     surface.scalars = {2, 4, 4, 2};
-    surface.scalar_low = 2, surface.scalar_high = 4;
+    surface.scalar_low = 2;
+    surface.scalar_high = 4;
     RenderOptions options = bare(65);
     options.samples_per_pixel = 1;
     const formats::Image image = render_mesh(surface, front(0.5, {0.5, 0.5, 0}), options);
@@ -138,7 +139,8 @@ TEST(Renderer, ScalarsAreMappedBetweenTheirEnds) {
 TEST(Renderer, BackSidesLookLikeFrontSides) {
     model::TriMesh mesh = square(), turned = square();
     turned.faces = {{0, 2, 1}, {0, 3, 2}};
-    turned.corner_uvs.clear(), mesh.corner_uvs.clear();
+    turned.corner_uvs.clear();
+    mesh.corner_uvs.clear();
     Surface surface;
     RenderOptions options = bare(32);
     options.shading = 1;
@@ -185,7 +187,8 @@ TEST(Renderer, SameBytesWhateverTheNumberOfThreads) {
     surface.textures = torus.textures;
     add_segments(surface, torus.grid, {60, 60, 60, 255}, 0.004);
     RenderOptions options;
-    options.width = 160, options.height = 120;
+    options.width = 160;
+    options.height = 120;
     std::vector<formats::Image> images;
     for (const std::size_t threads : {1u, 2u, 5u}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -35,7 +35,8 @@ model::Layer make_layer(std::string name, model::ElementType type, std::vector<s
 inline model::Chart torus_chart(std::uint32_t m, std::uint32_t n) {
     using model::ElementType;
     model::Chart chart;
-    chart.rows = m, chart.cols = n;
+    chart.rows = m;
+    chart.cols = n;
     chart.method = "formula";
     chart.bbox = {-1.4, -0.4, -1.4, 1.4, 0.4, 1.4};
     std::vector<float> geometry, cover, deformation, contact;
@@ -72,7 +73,9 @@ inline model::Chart torus_chart(std::uint32_t m, std::uint32_t n) {
     chart.layers.push_back(make_layer("texture", ElementType::kU8, {mt, nt, 4}, texture));
     // binary16 of 0, 1, -1 and 0.5
     std::vector<std::uint16_t> bump(std::size_t{m} * n, 0);
-    bump[1] = 0x3c00, bump[2] = 0xbc00, bump[3] = 0x3800;
+    bump[1] = 0x3c00;
+    bump[2] = 0xbc00;
+    bump[3] = 0x3800;
     chart.layers.push_back(make_layer("bump", ElementType::kF16, {m, n}, bump));
 
     std::vector<float> boxes;

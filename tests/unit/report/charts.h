@@ -16,7 +16,9 @@ namespace dgm::report {
 inline model::Chart chart_of(std::uint32_t rows, std::uint32_t cols,
                              const std::function<model::Vec3d(double, double)>& place) {
     model::Chart chart;
-    chart.rows = rows, chart.cols = cols, chart.method = "uv";
+    chart.rows = rows;
+    chart.cols = cols;
+    chart.method = "uv";
     model::Layer geometry{"geometry", model::ElementType::kF32, {rows, cols, 3}, {}, {}, true};
     for (std::uint32_t i = 0; i < rows; ++i)
         for (std::uint32_t j = 0; j < cols; ++j) {

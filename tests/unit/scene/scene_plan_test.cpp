@@ -43,7 +43,8 @@ TEST(ScenePlan, MakesOnlyTheLayersThatAreNeeded) {
     EXPECT_EQ(needed_layers(asset), (Names{"geometry"}));
     asset.touched = true;
     EXPECT_EQ(needed_layers(asset), (Names{"geometry", "collision", "deformation", "contact"}));
-    asset.touched = false, asset.contact = true;
+    asset.touched = false;
+    asset.contact = true;
     EXPECT_EQ(needed_layers(asset), (Names{"geometry", "contact"}));
     asset.detail = true;
     EXPECT_EQ(needed_layers(asset), (Names{"geometry", "bump", "contact"}));

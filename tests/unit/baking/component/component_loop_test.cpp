@@ -20,7 +20,7 @@ TEST(ComponentLoop, WorksOnEachOnceAndTellsRisingSharesUpToAll) {
     }};
     for_each_component(calls.size(), progress, [&](std::size_t k, const model::Progress& part) {
         part.update("fit", 0.5);
-        part.update("fit", 0.25);  // a part that starts over does not take back what was told
+        part.update("fit", 0.25);  // a part that starts over does not take back its reports
         ++calls[k];
         part.update("fit", 1);
     });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/baking/component/component_sizes_test.cpp
-// How samples are shared out among components.
+// The shares of samples among components.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -21,7 +21,7 @@ std::size_t first_65(const std::vector<GridSize>& ladder) {
     return k;
 }
 
-/// What every search promises: the answer was measured and holds, the step before it was measured and does not.
+/// Promise of every search: the answer was measured and holds, the step before it was measured and does not.
 void expect_bracket(const SizeSearch& search, double asked) {
     ASSERT_TRUE(search.found);
     bool answer = false, before = *search.found == 0;
