@@ -113,7 +113,7 @@ TEST_F(ValidateCommand, HelpVersionAndExplain) {
 TEST_F(ValidateCommand, SourceAndOutputErrors) {
     Outcome r = run("--source " + (folder_ / "absent.obj").string() + " " + good_);
     EXPECT_EQ(r.exit_code, 2);
-    EXPECT_NE(r.out.find("absent.obj: no such file"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("absent.obj: there is no such file"), std::string::npos) << r.out;
     EXPECT_NE(r.out.find(good_ + ": ok"), std::string::npos) << "the file is judged without it";
 
     // A source that is one triangle, a hundred units from the file's tube.
