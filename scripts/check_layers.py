@@ -121,7 +121,7 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')
 # Where <...> and "..." of ours are looked up, after the including file's own folder for the latter.
 SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "libdgm/src", "samples", "libdgm/include", "tests",
                                           "tests/support",
-                                          "tests/unit", "tests/unit/formats")}
+                                          "tests/unit/formats")}
 
 CODE = {".h", ".hpp", ".c", ".cpp"}
 MARKED = CODE | {".py", ".sh", ".cmake", ".md"}

@@ -29,6 +29,7 @@
 #include "batch/report_text.h"
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 #include "report/page_job.h"
 #include "report/report_files.h"
 #include "scene/scene_outcome.h"
@@ -54,7 +55,7 @@ void check_files(const CommandLine& line, const BatchPlan& plan) {
     std::error_code ignored;
     const std::array further{std::pair(line.report, "report"), std::pair(line.depfile, "depfile")};
     if (!line.bake.texture.empty() && !fs::is_regular_file(line.bake.texture, ignored))
-        throw model::Error(codes::kFileMissing, "there is no such texture image", line.bake.texture.string());
+        throw model::missing_file(line.bake.texture);
     for (const PlannedAsset& asset : plan.assets)
         for (const fs::path& output : {asset.dgm, asset.exr}) {
             if (output.empty()) continue;
@@ -77,7 +78,7 @@ void write_whole(const fs::path& path, const std::string& text) {
     out << text;
     out.close();
     try {
-        if (!out) throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
+        if (!out) throw model::unwritable_file(path);
         formats::publish_file(temporary, path);
     } catch (const model::Error& error) {
         const model::Error failure = explained(error, temporary);
@@ -91,9 +92,8 @@ std::string read_whole(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
     std::error_code ignored;
-    if (!fs::exists(path, ignored)) throw model::Error(codes::kFileMissing, "there is no such report", path.string());
-    if (!in || fs::is_directory(path, ignored))
-        throw model::Error(codes::kReadFailed, "the report cannot be read", path.string());
+    if (!fs::exists(path, ignored)) throw model::missing_file(path);
+    if (!in || fs::is_directory(path, ignored)) throw model::unreadable_file(path);
     return text;
 }
 
@@ -312,7 +312,7 @@ int run_command_line(int argc, const char* const* argv) {
     CLI::App app;
     Raw raw;
     describe(app, raw);
-    if (tool::print_manual(argc, argv, app, manual(), DGM_VERSION)) return static_cast<int>(model::ExitCode::kOk);
+    if (tool::print_manual(argc, argv, app, manual())) return static_cast<int>(model::ExitCode::kOk);
     const auto line = parse_command_line(argc, argv);
     if (const Answer* answer = std::get_if<Answer>(&line)) {
         say(stdout, *answer);

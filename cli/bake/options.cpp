@@ -189,7 +189,7 @@ void check_scene(const Raw& raw, const std::vector<std::string>& given) {
     if (raw.inputs.size() > 1) wrong("a scene file is baked by itself: name no other inputs");
     for (const std::string& option : given)
         if (std::find(kHow.begin(), kHow.end(), option) == kHow.end())
-            wrong(fmt::format("{}: what is baked stands in {}; write it there", option, raw.inputs.front()));
+            wrong(fmt::format("{} is not allowed with a scene file; set it in {}", option, raw.inputs.front()));
     const std::string extension = std::filesystem::path(raw.output).extension().string();
     if (extension == ".dgm" || extension == ".exr") wrong("-o: a scene goes into a folder");
 }
@@ -204,7 +204,7 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     if (raw.keep_going && raw.stop_on_error) wrong("--keep-going and --stop-on-error contradict each other");
     if (raw.verbose && raw.quiet) wrong("-v and -q contradict each other");
     if (raw.merge_reports) return to_merge(raw);
-    if (raw.inputs.empty()) wrong("no input: name mesh files or folders, for instance: dgm-bake stomach.obj");
+    if (raw.inputs.empty()) wrong(tool::missing_argument("INPUT", manual()));
     if (std::any_of(raw.inputs.begin(), raw.inputs.end(), [](const std::string& i) { return i.ends_with(".toml"); })) {
         check_scene(raw, given);
         out.scene = raw.inputs.front();
@@ -256,9 +256,9 @@ std::variant<CommandLine, Answer> parse_command_line(int argc, const char* const
     try {
         app.parse(argc, arguments.data());
     } catch (const CLI::CallForHelp&) { return app.help(); } catch (const CLI::CallForVersion& version) {
-        return std::string(version.what());
+        return std::string(version.what()) + '\n';
     } catch (const CLI::ExtrasError&) {
-        wrong(tool::unknown_option(app, app.remaining().front()) + "\nsee all with: dgm-bake --help");
+        wrong(tool::unknown_option(app, app.remaining().front()));
     } catch (const CLI::ParseError& error) { wrong(error.what()); }
     std::vector<std::string> given;
     for (const CLI::Option* option : app.get_options())

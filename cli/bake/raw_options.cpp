@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "baking/option_names.h"
+#include "scene/scene_help.h"
 
 namespace dgm::bake {
 namespace {
@@ -21,7 +22,14 @@ constexpr std::array kExamples{
                   "the most accurate chair in denim whose file is not larger"},
     tool::Example{"dgm-bake models/ -o baked/ --shard 2/8 --report part2.json",
                   "bakes the second of eight parts of the folder, on one of eight machines"},
-    tool::Example{"dgm-bake --merge-reports part*.json -o all.json", "puts the parts' reports together"}};
+    tool::Example{"dgm-bake --merge-reports part*.json -o all.json", "puts the parts' reports together"},
+    tool::Example{"dgm-bake scene.toml -o baked/", "bakes each asset at the smallest size that its scene allows"}};
+
+constexpr std::array kFiles{
+    tool::Term{"NAME.dgm, NAME.exr", "a map; an EXR image holds the same and goes back to the bit"},
+    tool::Term{"SCENE.toml", "a scene file, see above"},
+    tool::Term{"assets/", "beside the --report in HTML: a page for each mesh"},
+    tool::Term{".NAME.PID.tmp", "an output that is being written, beside it; renamed when it is whole"}};
 
 template <class E, std::size_t N>
 std::string words(const std::array<NamedValue<E>, N>& table) {
@@ -36,30 +44,10 @@ std::string words(const auto& names, const char* separator = "|") {
     return out;
 }
 
-/// Adds options to one group of the help.
-class Group {
- public:
-    Group(CLI::App& app, const char* name) : app_(app), name_(name) {}
-
-    void text(const char* option, const std::string& type, std::string& target, const std::string& help) const {
-        app_.add_option(option, target, help)->group(name_)->type_name(type);
-    }
-    template <class Number>
-    void number(const char* option, const std::string& type, Number& target, const std::string& help) const {
-        app_.add_option(option, target, help)->group(name_)->type_name(type);
-    }
-    void flag(const char* option, bool& target, const std::string& help) const {
-        app_.add_flag(option, target, help)->group(name_);
-    }
-    [[nodiscard]] const char* name() const { return name_; }
-
- private:
-    CLI::App& app_;
-    const char* name_;
-};
+using tool::Group;
 
 void describe_files(CLI::App& app, Raw& raw) {
-    const Group group(app, "Where things go");
+    const Group group(app, tool::kWhereThingsGo);
     group.text("-o,--output", "FILE|DIR", raw.output,
                "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]");
     group.text("--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
@@ -115,7 +103,7 @@ void describe_map(CLI::App& app, Raw& raw) {
 }
 
 void describe_run(CLI::App& app, Raw& raw) {
-    const Group group(app, "How it runs");
+    const Group group(app, tool::kHowItRuns);
     group.number("-j,--jobs", "N", raw.jobs, "meshes baked at a time, as far as memory reaches [one a core]");
     group.flag("--force", raw.force, "bake what is up to date, too");
     group.number("--time-limit", "S", raw.time_limit, "seconds one mesh may take [600]");
@@ -132,38 +120,42 @@ void describe_run(CLI::App& app, Raw& raw) {
 }
 
 void describe_messages(CLI::App& app, Raw& raw) {
-    const Group group(app, "What it tells");
+    const Group group(app, tool::kWhatItTells);
     group.text("--progress", "auto|bar|plain|none", raw.progress, "auto: a bar on a terminal, else plain lines [auto]");
     group.flag("-v,--verbose", raw.verbose, "repairs, warnings, charts and times, too");
     group.flag("-q,--quiet", raw.quiet, "failures only");
-    app.set_help_flag("-h,--help", "show this and stop")->group(group.name());
-    app.set_version_flag("-V,--version", "dgm-bake " DGM_VERSION "\n", "show the version and stop")
-        ->group(group.name());
 }
 
 }  // namespace
 
 tool::Manual manual() {
-    return {"dgm-bake [OPTIONS] INPUT... [-o FILE|DIR]\ndgm-bake --merge-reports REPORT... [-o REPORT]", kExamples,
-            "0    all is baked, or was up to date\n"
-            "1    the command line is wrong\n"
-            "2    a file cannot be read or written\n"
-            "3    a mesh was refused, or took too much time or memory\n"
-            "4    internal error, or a library crashed\n"
-            "5    something asked for is not supported\n"
-            "75   trouble that may pass (full disk, killed worker): run it again\n"
-            "130  interrupted: run it again, it goes on where it stopped\n"
-            "A batch bakes all it can and returns its worst, in the order 130, 75, 4, 2, 3, 5.",
-            "dgm-info(1), dgm-validate(1), dgm-export(1)"};
+    return {.synopsis =
+                "dgm-bake [OPTIONS] INPUT... [-o FILE|DIR]\n"
+                "dgm-bake [OPTIONS] SCENE.toml [-o DIR]\n"
+                "dgm-bake --merge-reports REPORT... [-o REPORT]",
+            .sections = scene::kSceneSections,
+            .examples = kExamples,
+            .files = kFiles,
+            .environment = {},
+            .exit_codes =
+                "0    all is baked, or was up to date\n"
+                "1    the command line is wrong\n"
+                "2    a file cannot be read or written\n"
+                "3    a mesh was refused, or took too much time or memory\n"
+                "4    internal error, or a library crashed\n"
+                "5    something asked for is not supported\n"
+                "75   trouble that may pass (full disk, killed worker): run it again\n"
+                "130  interrupted: run it again, it goes on where it stopped\n"
+                "A batch bakes all it can and returns its worst, in the order 130, 75, 4, 2, 3, 5.",
+            .see_also = "dgm-info(1), dgm-validate(1), dgm-export(1), dgm-bench(1)"};
 }
 
 void describe(CLI::App& app, Raw& raw) {
-    app.name("dgm-bake");
     app.description("Bakes meshes into deformable geometry maps.");
     app.option_defaults()->always_capture_default(false);
     app.add_option("INPUT", raw.inputs,
                    "mesh files of any format the importer reads; folders, searched recursively for OBJ and 3DS; "
-                   "patterns in quotes, such as 'models/**/*.obj'")
+                   "patterns in quotes, such as 'models/**/*.obj'; or one scene file")
         ->type_name("");
     describe_files(app, raw);
     describe_grid(app, raw);
@@ -171,8 +163,7 @@ void describe(CLI::App& app, Raw& raw) {
     describe_map(app, raw);
     describe_run(app, raw);
     describe_messages(app, raw);
-    app.formatter(tool::help_formatter());
-    app.footer(tool::help_footer(manual()));
+    tool::present(app, "dgm-bake", manual());
 }
 
 }  // namespace dgm::bake

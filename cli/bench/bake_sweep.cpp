@@ -17,6 +17,7 @@
 #include "bench/result_figures.h"
 #include "bench/temporary_folder.h"
 #include "model/codes.h"
+#include "tool/words.h"
 
 namespace dgm::bench {
 namespace {
@@ -30,7 +31,11 @@ constexpr double kRmsTolerance = 0.01, kMaxTolerance = 0.05;
 template <class Table>
 auto value_for(const Table& table, const std::string& word, const char* what) {
     const auto value = bake::value_of(table, word);
-    if (!value) throw model::Error(model::codes::kUsage, std::string("no such ") + what + ": " + word);
+    if (!value) {
+        std::vector<std::string> words;
+        for (const auto& row : table) words.emplace_back(row.name);
+        throw model::Error(model::codes::kUsage, tool::unknown_word(what, word, words));
+    }
     return *value;
 }
 
@@ -44,7 +49,8 @@ bake::BakeOptions options_of(const BakePoint& point) {
     std::stringstream words(point.layers);
     for (std::string word; std::getline(words, word, '+');) {
         if (std::find(bake::kLayerNames.begin(), bake::kLayerNames.end(), word) == bake::kLayerNames.end())
-            throw model::Error(model::codes::kUsage, "no such layer: " + word);
+            throw model::Error(model::codes::kUsage,
+                               tool::unknown_word("layer", word, {bake::kLayerNames.begin(), bake::kLayerNames.end()}));
         out.layers.push_back(word);
     }
     return out;

@@ -22,6 +22,8 @@
 #include "bench/stability_sweep.h"
 #include "bench/temporary_folder.h"
 #include "dgm/atomic_file.h"
+#include "dgm/dgm_reader.h"
+#include "model/file_errors.h"
 #include "tool/tool.h"
 #include "worker/output_files.h"
 
@@ -39,14 +41,31 @@ constexpr tool::Example kExamples[] = {
     {"dgm-bench stability --families sliver,genus", "where methods start to fail, and what takes over"},
     {"dgm-bench scale --faces 10000,100000,1000000", "time and memory as meshes grow"},
 };
-constexpr tool::Manual kManual{
-    "dgm-bench bake [ASSET...] [options]\ndgm-bench run [ASSET...] [options]\ndgm-bench stability "
-    "[options]\ndgm-bench scale [options]",
-    kExamples,
-    "0    measured; a mesh that is refused is a row that says why\n1    wrong command line\n2    a file cannot be read "
-    "or "
-    "written\n3    a mesh of run is refused\n4    internal error, or a worker crashed\n130  interrupted",
-    "dgm-bake(1), dgm-info(1)"};
+constexpr tool::Term kFiles[] = {
+    {"ASSET", "any mesh that dgm-bake reads; for run also NAME.dgm"},
+    {"FOLDER/COMMAND.json", "all that was measured, for --compare"},
+    {"FOLDER/COMMAND.html", "one page with plots, fronts and tables; it needs no other file"},
+    {"FOLDER/COMMAND*.csv", "each table, and the facts of the machine"}};
+constexpr tool::Term kEnvironment[] = {{"TMPDIR", "folder for the maps that are baked to be measured [/tmp]"}};
+constexpr tool::Manual kManual{.synopsis =
+                                   "dgm-bench bake [OPTIONS] [ASSET...]\n"
+                                   "dgm-bench run [OPTIONS] [ASSET...]\n"
+                                   "dgm-bench stability [OPTIONS]\n"
+                                   "dgm-bench scale [OPTIONS]",
+                               .sections = {},
+                               .examples = kExamples,
+                               .files = kFiles,
+                               .environment = kEnvironment,
+                               .exit_codes =
+                                   "0    measured; a mesh that is refused is a row that says why\n"
+                                   "1    the command line is wrong\n"
+                                   "2    a file cannot be read or written\n"
+                                   "3    a mesh of run is refused\n"
+                                   "4    internal error, or a library crashed\n"
+                                   "130  interrupted",
+                               .see_also = "dgm-bake(1), dgm-info(1), dgm-validate(1), dgm-export(1)"};
+
+constexpr const char *kWhatIsMeasured = "What is measured", *kHowFine = "How fine";
 
 constexpr double kBusy = 0.5;  ///< load a core beyond which times are not to be trusted
 
@@ -59,17 +78,16 @@ struct Common {
     bool quiet = false;
 
     void add_to(CLI::App& app) {
-        app.add_option(
-            "-o,--output", output,
-            "Folder for COMMAND.json, .html and a .csv for each table and the facts; made if need be [dgm-bench-out]");
-        app.add_option("--compare", compare, "JSON file of an earlier run: what got faster, slower, better, worse");
-        app.add_flag("-q,--quiet", quiet, "No progress, no results on the screen");
+        const tool::Group where(app, tool::kWhereThingsGo);
+        where.value("-o,--output", "DIR", output, "folder for the results; made if need be [dgm-bench-out]");
+        where.value("--compare", "FILE", compare, "JSON of an earlier run: what got faster, slower, better, worse");
+        tool::Group(app, tool::kWhatItTells).flag("-q,--quiet", quiet, "no progress, no results on the screen");
     }
 };
 
 std::string read_text(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
-    if (!in) throw model::Error(codes::kFileMissing, "it cannot be read", path.string());
+    if (!in) throw model::unopened_file(path);
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -78,7 +96,7 @@ void write_text(const fs::path& path, const std::string& text) {
     std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
     out << text;
     out.close();
-    if (!out) throw model::Error(codes::kWriteFailed, "it cannot be written", path.string());
+    if (!out) throw model::unwritable_file(path);
     formats::publish_file(temporary, path);
 }
 
@@ -104,12 +122,23 @@ int finish(Run run, const Common& common, const std::optional<Run>& then) {
     return static_cast<int>(model::ExitCode::kOk);
 }
 
+/// Says what is wrong with a damaged map. @throws model::Error with the file as its place
+void check_map(const fs::path& file) {
+    try {
+        (void)formats::read_dgm(file);
+    } catch (const model::Error& error) {
+        const bool is_inside = error.place().starts_with('/') && error.place() != file.string();
+        throw model::Error(error.code(), error.what() + (is_inside ? " (" + error.place() + ")" : ""), file.string());
+    }
+}
+
 /// Finds out before minutes of measuring what would be found out after them.
 std::optional<Run> prepare(Common& common, const std::string& command, const std::vector<fs::path>& assets) {
     for (const fs::path& asset : assets) {
         std::error_code ignored;
-        if (!fs::is_regular_file(asset, ignored))
-            throw model::Error(codes::kFileMissing, "there is no such file", asset.string());
+        if (!fs::exists(asset, ignored)) throw model::missing_file(asset);
+        if (!fs::is_regular_file(asset, ignored)) throw model::no_regular_file(asset);
+        if (asset.extension() == ".dgm") check_map(asset);
     }
     std::optional<Run> then;
     if (!common.compare.empty()) {
@@ -121,7 +150,7 @@ std::optional<Run> prepare(Common& common, const std::string& command, const std
     if (common.output.empty()) common.output = "dgm-bench-out";
     std::error_code error;
     fs::create_directories(common.output, error);
-    if (error) throw model::Error(codes::kWriteFailed, error.message(), common.output.string());
+    if (error) throw model::unwritable_folder(common.output, error.message());
     bake::check_writable(common.output / (command + ".json"));
     if (!common.quiet && load_per_core() > kBusy)
         std::fputs(fmt::format("dgm-bench: this machine is busy (load {:.1f} a core): times will spread; CPU times "
@@ -152,51 +181,65 @@ int measure_assets(Common& common, const std::string& command, std::vector<fs::p
 }
 
 void add_assets(CLI::App& app, std::vector<fs::path>& assets, const std::string& what) {
-    app.add_option("ASSET", assets, what + " [a stomach of 11 540 triangles, which is made on the spot]");
+    app.add_option("ASSET", assets, what + " [a stomach of 11 540 triangles, which is made on the spot]")
+        ->type_name("");
+}
+
+/// A list of words.
+void add_words(CLI::App& app, const char* name, const char* type, std::vector<std::string>& words, const char* what) {
+    tool::Group(app, kWhatIsMeasured).value(name, type, words, what)->delimiter(',')->capture_default_str();
 }
 
 void add_methods(CLI::App& app, std::vector<std::string>& methods) {
     methods = kAllMethods;
-    app.add_option("--methods", methods, "Methods, comma-separated")->delimiter(',')->capture_default_str();
+    add_words(app, "--methods", "M,...", methods, "methods");
 }
 
 CLI::Option* add_sides(CLI::App& app, const char* name, std::vector<std::uint32_t>& sides, const char* what) {
-    return app.add_option(name, sides, what)->delimiter(',')->check(CLI::Range(bake::kMinSide, bake::kMaxSide));
-}
-
-/// A list of words.
-void add_words(CLI::App& app, const char* name, std::vector<std::string>& words, const char* what) {
-    app.add_option(name, words, what)->delimiter(',')->capture_default_str();
+    return tool::Group(app, kHowFine)
+        .value(name, "N,...", sides, what)
+        ->delimiter(',')
+        ->check(CLI::Range(bake::kMinSide, bake::kMaxSide));
 }
 
 /// A list of numbers from 1, or from `least`, to `most`.
 template <class Number>
 void add_counts(CLI::App& app, const char* name, std::vector<Number>& counts, const char* what, int most,
                 int least = 1) {
-    app.add_option(name, counts, what)->delimiter(',')->check(CLI::Range(least, most))->capture_default_str();
+    tool::Group(app, kWhatIsMeasured)
+        .value(name, "N,...", counts, what)
+        ->delimiter(',')
+        ->check(CLI::Range(least, most))
+        ->capture_default_str();
 }
 
 void add_jobs(CLI::App& app, unsigned& jobs) {
     jobs = std::max(1U, std::thread::hardware_concurrency());
-    app.add_option("-j,--jobs", jobs, "Bakes at a time [one a core]")->check(CLI::Range(1, 1024));
+    tool::Group(app, tool::kHowItRuns)
+        .number("-j,--jobs", "N", jobs, "bakes at a time [one a core]")
+        ->check(CLI::Range(1, 1024));
 }
 
 void add_time_limit(CLI::App& app, double& seconds) {
-    app.add_option("--time-limit", seconds, "Seconds that one bake may take")
+    tool::Group(app, tool::kHowItRuns)
+        .number("--time-limit", "S", seconds, "seconds that one bake may take")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
 }
 
 void add_side(CLI::App& app, std::uint32_t& side) {
-    app.add_option("--size", side, "Samples a side of the meshes' maps")
+    tool::Group(app, kHowFine)
+        .number("--size", "N", side, "samples a side of the meshes' maps")
         ->check(CLI::Range(bake::kMinSide, bake::kMaxSide))
         ->capture_default_str();
 }
 
 void add_repeats(CLI::App& app, BakeRepeats& repeats) {
-    app.add_option(
-           "--repeat", repeats.repetitions,
-           "Times each bake is made; fewer than 3: no ratios. Grids above 300 a side: at most 3 times, above 600: once")
+    tool::Group(app, tool::kHowItRuns)
+        .number("--repeat", "N", repeats.repetitions,
+                "times that each bake is made; fewer than 3: no ratios. Grids above 300 a side: at most 3 times, above "
+                "600: "
+                "once")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
     add_jobs(app, repeats.jobs);
@@ -209,22 +252,23 @@ struct BakeCommand {
     BakeSweepOptions sweep;
     CLI::App* app;
 
-    explicit BakeCommand(CLI::App& parent) : app(parent.add_subcommand("bake", "Bake meshes with every choice")) {
+    explicit BakeCommand(CLI::App& parent) : app(parent.add_subcommand("bake", "bake meshes with every choice")) {
         sweep.sizes = {33, 65, 129, 257, 513, 1025};
         sweep.precisions = {"f32", "u16"};
         sweep.fits = {"sample", "l2", "best"};
         sweep.layers = {"all", "geometry", "geometry+normal"};
-        add_assets(*app, sweep.assets, "Meshes to bake");
+        add_assets(*app, sweep.assets, "meshes to bake");
         add_methods(*app, sweep.methods);
-        add_sides(*app, "--sizes", sweep.sizes, "Samples a side")->capture_default_str();
-        add_sides(*app, "--compare-at", sweep.compared,
-                  "Samples a side where methods, fits, precisions and layers are compared, one change at a time [the "
-                  "second and the third of --sizes]: at all sizes they would take most of the time and say little "
-                  "more");
-        add_words(*app, "--precisions", sweep.precisions, "f32, u16");
-        add_words(*app, "--fits", sweep.fits, "sample, l2, best");
-        add_words(*app, "--layers", sweep.layers, "Sets of layers: all, or names joined by +");
-        app->add_flag("--full", sweep.full, "Every combination of these, instead of one change at a time");
+        add_sides(*app, "--sizes", sweep.sizes, "samples a side")->capture_default_str();
+        add_sides(
+            *app, "--compare-at", sweep.compared,
+            "samples a side where methods, fits, precisions and layers are compared, one change at a time; at all "
+            "sizes they would take most of the time and say little more [the second and the third of --sizes]");
+        add_words(*app, "--precisions", "P,...", sweep.precisions, "precisions of positions");
+        add_words(*app, "--fits", "F,...", sweep.fits, "fits");
+        add_words(*app, "--layers", "SET,...", sweep.layers, "sets of layers: all, or names joined by +");
+        tool::Group(*app, kWhatIsMeasured)
+            .flag("--full", sweep.full, "every combination of these, instead of one change at a time");
         add_repeats(*app, sweep.repeats);
         common.add_to(*app);
     }
@@ -240,17 +284,17 @@ struct RunCommand {
     CLI::App* app;
 
     explicit RunCommand(CLI::App& parent)
-        : app(parent.add_subcommand("run", "Press, track and rebuild with every choice")) {
-        add_assets(*app, sweep.assets, "Meshes, which are baked first, or .dgm files");
-        add_sides(*app, "--sizes", sweep.sizes, "Samples a side of the meshes' maps; 81, the paper's, is always there")
+        : app(parent.add_subcommand("run", "press, track and rebuild with every choice")) {
+        add_assets(*app, sweep.assets, "meshes, which are baked first, or .dgm files");
+        add_sides(*app, "--sizes", sweep.sizes, "samples a side of the meshes' maps; 81, the paper's, is always there")
             ->capture_default_str();
-        app->add_option("--ticks", sweep.ticks, "Ticks of each setting")
+        const tool::Group measured(*app, kWhatIsMeasured);
+        measured.number("--ticks", "N", sweep.ticks, "ticks of each setting")
             ->check(CLI::Range(1000, 100'000'000))
             ->capture_default_str();
-        app->add_option("--path", sweep.path,
-                        "Recorded tool positions, \"x y z\" a line in source units, a line a tick [3.3 s of a stomach "
-                        "pressed, poked "
-                        "and pulled, at the same places of each map]");
+        measured.value("--path", "FILE", sweep.path,
+                       "recorded tool positions, \"x y z\" a line in source units, a line a tick [3.3 s of a stomach "
+                       "pressed, poked and pulled, at the same places of each map]");
         common.add_to(*app);
     }
     int run() {
@@ -264,10 +308,10 @@ struct StabilityCommand {
     CLI::App* app;
 
     explicit StabilityCommand(CLI::App& parent)
-        : app(parent.add_subcommand("stability", "Bake meshes that get harder and harder")) {
+        : app(parent.add_subcommand("stability", "bake meshes that get harder and harder")) {
         sweep.families = family_names();
         add_methods(*app, sweep.methods);
-        add_words(*app, "--families", sweep.families, "Families of meshes");
+        add_words(*app, "--families", "NAME,...", sweep.families, "families of meshes");
         add_side(*app, sweep.side);
         add_jobs(*app, sweep.jobs);
         add_time_limit(*app, sweep.time_limit_seconds);
@@ -284,10 +328,10 @@ struct ScaleCommand {
     CLI::App* app;
 
     explicit ScaleCommand(CLI::App& parent)
-        : app(parent.add_subcommand("scale", "Bake larger and larger meshes, and more and more of them")) {
-        add_counts(*app, "--faces", sweep.faces, "Faces of the meshes", 20'000'000, 80);
-        add_counts(*app, "--assets", sweep.assets, "Meshes of the batches", 10'000);
-        add_counts(*app, "--threads", sweep.threads, "Threads", 1024);
+        : app(parent.add_subcommand("scale", "bake larger and larger meshes, and more and more of them")) {
+        add_counts(*app, "--faces", sweep.faces, "faces of the meshes", 20'000'000, 80);
+        add_counts(*app, "--assets", sweep.assets, "meshes of the batches", 10'000);
+        add_counts(*app, "--threads", sweep.threads, "threads", 1024);
         add_side(*app, sweep.side);
         add_time_limit(*app, sweep.time_limit_seconds);
         common.add_to(*app);

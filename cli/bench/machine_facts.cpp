@@ -13,6 +13,8 @@
 #include <string_view>
 #include <thread>
 
+#include "tool/version.h"
+
 namespace dgm::bench {
 namespace {
 
@@ -51,7 +53,7 @@ Pairs machine_facts() {
             {"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)},
             {"compiler", DGM_COMPILER},
             {"build", DGM_BUILD},
-            {"version", DGM_VERSION},
+            {"version", tool::build_version()},
             {"load_per_core_at_start", fmt::format("{:.2f}", load_per_core())}};
 }
 

@@ -18,6 +18,7 @@
 #include "bench/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
+#include "tool/words.h"
 
 namespace dgm::bench {
 namespace {
@@ -56,7 +57,8 @@ std::vector<Family> chosen(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         const auto found =
             std::find_if(families().begin(), families().end(), [&](const Family& f) { return f.name == name; });
-        if (found == families().end()) throw model::Error(model::codes::kUsage, "no such family of meshes: " + name);
+        if (found == families().end())
+            throw model::Error(model::codes::kUsage, tool::unknown_word("family of meshes", name, family_names()));
         out.push_back(*found);
     }
     return out;
@@ -135,7 +137,10 @@ std::vector<std::string> family_names() {
 Run sweep_stability(const StabilityOptions& options, bool quiet) {
     const std::vector<Family> asked = chosen(options.families);
     for (const std::string& method : options.methods)
-        if (!bake::method_of(method)) throw model::Error(model::codes::kUsage, "no such method: " + method);
+        if (!bake::method_of(method))
+            throw model::Error(
+                model::codes::kUsage,
+                tool::unknown_word("method", method, {bake::kMethodNames.begin(), bake::kMethodNames.end()}));
     Run run;
     run.command = "stability";
     run.machine = machine_facts();

@@ -12,6 +12,7 @@
 
 #include "bench/recorded_touch.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::bench {
 namespace {
@@ -143,7 +144,7 @@ std::vector<Vec3> replayed_path(const State& state, std::size_t ticks) {
 
 std::vector<Vec3> recorded_path(const std::filesystem::path& file, const double (&offset)[3], std::size_t ticks) {
     std::ifstream in(file);
-    if (!in) throw model::Error(model::codes::kFileMissing, "it cannot be read", file.string());
+    if (!in) throw model::unopened_file(file);
     std::vector<Vec3> recorded;
     std::string line;
     for (std::size_t number = 1; std::getline(in, line); ++number) {

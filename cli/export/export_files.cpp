@@ -21,11 +21,13 @@
 #include "mesh/mesh_reader.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 #include "render/canvas.h"
 #include "render/chart_surface.h"
 #include "render/layer_picture.h"
 #include "render/pictures.h"
 #include "render/textures.h"
+#include "tool/words.h"
 
 namespace dgm::exporter {
 namespace {
@@ -137,7 +139,7 @@ void write_glb_file(const MapSet& maps, const path& output, const ExportOptions&
     std::ofstream file(staged, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     file.close();
-    if (!file) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", output.string());
+    if (!file) throw model::unwritable_file(output);
 }
 
 render::PictureOptions picture_options(const ExportOptions& options) {
@@ -171,6 +173,11 @@ Image beside(const std::vector<Image>& images, bool below) {
 Image layers_picture(const MapSet& maps, const ExportOptions& options) {
     std::vector<Image> images;
     for (const Chart& chart : maps.charts) {
+        if (chart.find(options.layer) == nullptr) {
+            std::vector<std::string> names;
+            for (const model::Layer& layer : chart.layers) names.push_back(layer.name);
+            throw model::Error(model::codes::kMissingLayer, tool::unknown_word("layer", options.layer, names));
+        }
         images.push_back(render::layer_picture(chart, options.layer).image);
         if (options.width && options.height)
             images.back() = render::fitted(images.back(), *options.width, *options.height);

@@ -37,14 +37,24 @@ constexpr std::array kExamples{
     dgm::tool::Example{"dgm-export stomach.dgm -o layers.png --sheet", "all layers as pictures on one sheet"},
     dgm::tool::Example{"dgm-export stomach.dgm -o compare.png --source stomach.obj",
                        "source, reconstruction, grid and error side by side"}};
-const dgm::tool::Manual kManual{"dgm-export FILE -o OUTPUT [OPTIONS]", kExamples,
-                                "0    the file is written\n"
-                                "1    the command line is wrong\n"
-                                "2    a file cannot be read or written\n"
-                                "3    the input is damaged, or no geometry map\n"
-                                "4    internal error\n"
-                                "5    the input is of a newer version, or the output of an unknown kind",
-                                "dgm-bake(1), dgm-info(1), dgm-validate(1)"};
+constexpr std::array kFiles{
+    dgm::tool::Term{"NAME.dgm, NAME.exr", "a map; read, or written without loss"},
+    dgm::tool::Term{"NAME.mtl, NAME*.png", "beside an OBJ: its materials and textures"},
+    dgm::tool::Term{".NAME.*", "a folder beside the output, for what is being written; removed at the end"}};
+const dgm::tool::Manual kManual{.synopsis = "dgm-export [OPTIONS] FILE -o OUTPUT",
+                                .sections = {},
+                                .examples = kExamples,
+                                .files = kFiles,
+                                .environment = {},
+                                .exit_codes =
+                                    "0    the file is written\n"
+                                    "1    the command line is wrong\n"
+                                    "2    a file cannot be read or written\n"
+                                    "3    the input is damaged, or no geometry map\n"
+                                    "4    internal error, or a library crashed\n"
+                                    "5    the input is of a newer version, or the output of an unknown kind",
+                                .see_also = "dgm-bake(1), dgm-info(1), dgm-validate(1), dgm-bench(1)"};
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -53,23 +63,21 @@ int main(int argc, char** argv) {
     std::string input, output, size, view, up = "y", exr_layout = "auto", source;
     std::uint32_t chart = 0;
     ExportOptions options;
-    app.add_option("FILE", input, "The .dgm or .exr to read")->required();
-    app.add_option("-o,--output", output, "Where to write; the extension says what: .obj .ply .glb .exr .dgm .png")
+    using dgm::tool::Group;
+    app.add_option("FILE", input, "the .dgm or .exr to read")->required()->type_name("");
+    const Group where(app, dgm::tool::kWhereThingsGo), mesh(app, "Meshes"), picture(app, "Pictures");
+    where.text("-o,--output", "FILE", output, "its ending says what is written: .obj .ply .glb .exr .dgm .png")
         ->required();
-    CLI::Option* chart_option = app.add_option("--chart", chart, "Only this chart, counted from 0 (default: all)");
-    app.add_option("--layer", options.layer, "PNG: the picture of this layer");
-    app.add_flag("--sheet", options.sheet, "PNG: all layers of each chart on one sheet");
-    app.add_option("--source", source, "PNG: source, reconstruction, grid and error side by side");
-    app.add_option("--size", size, "PNG: WxH in pixels");
-    app.add_option("--view", view, "PNG: YAW,PITCH in degrees (default: the view that shows most)");
-    app.add_option("--up", up, "PNG, GLB: which axis of the source points up")
-        ->check(CLI::IsMember({"y", "z"}))
-        ->capture_default_str();
-    app.add_option("--lod", options.lod, "OBJ, PLY, GLB: level of detail; K merges K x K quads, borders stay closed")
-        ->capture_default_str();
-    app.add_option("--exr-layout", exr_layout, "EXR: auto, or multipart for one part a layer")
-        ->check(CLI::IsMember({"auto", "multipart"}))
-        ->capture_default_str();
+    CLI::Option* chart_option = where.number("--chart", "N", chart, "only this chart, counted from 0 [all]");
+    where.text("--exr-layout", "auto|multipart", exr_layout, "EXR: multipart for one part a layer [auto]")
+        ->check(CLI::IsMember({"auto", "multipart"}));
+    mesh.number("--lod", "K", options.lod, "OBJ, PLY, GLB: K x K quads become one; borders stay closed [1]");
+    mesh.text("--up", "y|z", up, "GLB, PNG: which axis of the source points up [y]")->check(CLI::IsMember({"y", "z"}));
+    picture.text("--layer", "NAME", options.layer, "PNG: the picture of this layer");
+    picture.flag("--sheet", options.sheet, "PNG: all layers of each chart on one sheet");
+    picture.text("--source", "MESH", source, "PNG: source, reconstruction, grid and error side by side");
+    picture.text("--size", "WxH", size, "PNG: width and height in pixels");
+    picture.text("--view", "YAW,PITCH", view, "PNG: direction in degrees [the view that shows most]");
 
     return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {
         try {

@@ -11,6 +11,7 @@
 
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::exporter {
 
@@ -18,9 +19,7 @@ StagingFolder::StagingFolder(const std::filesystem::path& output) : final_folder
     if (final_folder_.empty()) final_folder_ = ".";
     std::string pattern = (final_folder_ / ".").string();
     pattern.append(output.filename().string()).append(".XXXXXX");
-    if (::mkdtemp(pattern.data()) == nullptr)
-        throw model::Error(model::codes::kWriteFailed,
-                           "cannot write in this folder: " + std::string(std::strerror(errno)), final_folder_.string());
+    if (::mkdtemp(pattern.data()) == nullptr) throw model::unwritable_file(output, std::strerror(errno));
     folder_ = pattern;
 }
 

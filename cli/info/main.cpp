@@ -9,6 +9,7 @@
 #include "dgm/dgm_reader.h"
 #include "info/file_info.h"
 #include "info/map_diff.h"
+#include "scene/scene_help.h"
 #include "scene/scene_plan.h"
 #include "tool/tool.h"
 
@@ -16,17 +17,26 @@ namespace {
 constexpr std::array kExamples{
     dgm::tool::Example{"dgm-info stomach.dgm", "charts, layers, and the measured errors"},
     dgm::tool::Example{"dgm-info baked/*.dgm --json", "the same of many files, for programs"},
-    dgm::tool::Example{"dgm-info old.dgm new.dgm --diff", "what a change of settings, tool or mesh did to a map"},
+    dgm::tool::Example{"dgm-info --diff old.dgm new.dgm", "what a change of settings, tool or mesh did to a map"},
     dgm::tool::Example{"dgm-info scene.toml", "what dgm-bake would make of a scene file"}};
-const dgm::tool::Manual kManual{"dgm-info FILE... [--json] [--diff]", kExamples,
-                                "0    all files were read\n"
-                                "1    the command line is wrong\n"
-                                "2    a file cannot be read\n"
-                                "3    a file is no .dgm, or damaged\n"
-                                "4    internal error\n"
-                                "5    a file is of a newer version\n"
-                                "7    --diff: the two differ",
-                                "dgm-bake(1), dgm-validate(1), dgm-export(1)"};
+constexpr std::array kFiles{dgm::tool::Term{"NAME.dgm", "a map; dgm-export makes one of an EXR image"},
+                            dgm::tool::Term{"SCENE.toml", "a scene file, see above"}};
+const dgm::tool::Manual kManual{
+    .synopsis = "dgm-info [OPTIONS] FILE...\ndgm-info SCENE.toml...\ndgm-info --diff OLD.dgm NEW.dgm",
+    .sections = dgm::scene::kSceneSections,
+    .examples = kExamples,
+    .files = kFiles,
+    .environment = {},
+    .exit_codes =
+        "0    all files were read\n"
+        "1    the command line is wrong\n"
+        "2    a file cannot be read or written\n"
+        "3    a file is no .dgm, or damaged\n"
+        "4    internal error\n"
+        "5    a file is of a newer version\n"
+        "7    --diff: the two differ\n"
+        "With several files, that of the worst.",
+    .see_also = "dgm-bake(1), dgm-validate(1), dgm-export(1), dgm-bench(1)"};
 
 int print_difference(const std::vector<std::string>& files, bool json, std::string& subject) {
     if (files.size() != 2) throw dgm::model::Error(dgm::model::codes::kUsage, "--diff takes two files");
@@ -45,9 +55,10 @@ int main(int argc, char** argv) {
     CLI::App app("Prints what a .dgm holds: charts, layers, measured errors.");
     std::vector<std::string> files;
     bool json = false, diff = false;
-    app.add_option("FILE", files, "The .dgm files to read; scene files, to see their plan")->required();
-    app.add_flag("--json", json, "Print JSON");
-    app.add_flag("--diff", diff, "Tell what two files differ in: layers, numbers, how far samples moved");
+    app.add_option("FILE", files, "maps to read; scene files, to see their plan")->required()->type_name("");
+    dgm::tool::Group(app, "What it shows")
+        .flag("--diff", diff, "what two files differ in: layers, numbers, how far samples moved");
+    dgm::tool::Group(app, dgm::tool::kWhatItTells).flag("--json", json, "JSON for programs, instead of text");
 
     return dgm::tool::run_tool("dgm-info", argc, argv, app, kManual, [&](std::string& subject) {
         if (diff) return print_difference(files, json, subject);
@@ -58,7 +69,8 @@ int main(int argc, char** argv) {
             try {
                 if (file.ends_with(".toml")) {
                     if (json)
-                        throw dgm::model::Error(dgm::model::codes::kUnsupported, "a scene's plan is told as text");
+                        throw dgm::model::Error(dgm::model::codes::kUnsupported,
+                                                "--json is not available for scene files");
                     std::fputs(dgm::scene::plan_text(dgm::scene::read_scene(file)).c_str(), stdout);
                     continue;
                 }

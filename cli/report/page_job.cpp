@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/codes.h"
+#include "model/file_errors.h"
 #include "worker/worker_protocol.h"
 
 namespace dgm::report {
@@ -47,7 +48,7 @@ void make_page(std::string_view text) {
     std::ofstream out(job.output, std::ios::binary | std::ios::trunc);
     out << page;
     out.close();
-    if (!out) throw model::Error(model::codes::kWriteFailed, "the page cannot be written", job.output.string());
+    if (!out) throw model::unwritable_file(job.output);
 }
 
 }  // namespace dgm::report

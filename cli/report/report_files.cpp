@@ -14,6 +14,7 @@
 #include "batch/batch_runner.h"
 #include "dgm/hash.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 #include "report/html.h"
 #include "report/page_runner.h"
 #include "worker/output_files.h"
@@ -93,9 +94,7 @@ class Report {
         if (!tasks_.empty()) {
             std::error_code error;
             fs::create_directories(folder_, error);
-            if (error)
-                throw model::Error(model::codes::kWriteFailed, "the folder cannot be made: " + error.message(),
-                                   folder_.string());
+            if (error) throw model::unwritable_folder(folder_, error.message());
         }
         run(on_page);
         for (std::size_t k = 0; k < assets_.size(); ++k) take_head(k);

@@ -15,6 +15,7 @@
 #include "baking/option_names.h"
 #include "baking/option_text.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 #include "tool/help.h"
 
 namespace dgm::scene {
@@ -296,7 +297,7 @@ Scene parse_scene(std::string_view text, const fs::path& file) {
 
 Scene read_scene(const fs::path& file) {
     std::error_code error;
-    if (!fs::exists(file, error)) throw model::Error(codes::kFileMissing, "there is no such file", file.string());
+    if (!fs::exists(file, error)) throw model::missing_file(file);
     std::ifstream in(file, std::ios::binary);
     std::string text;
     // Bounded, whatever stands behind the name.
@@ -304,8 +305,7 @@ Scene read_scene(const fs::path& file) {
         in.read(block.data(), block.size());
         text.append(block.data(), static_cast<std::size_t>(in.gcount()));
     }
-    if (!in.eof() && text.size() <= kMaxFileBytes)
-        throw model::Error(codes::kReadFailed, "the scene file cannot be read", file.string());
+    if (!in.eof() && text.size() <= kMaxFileBytes) throw model::unreadable_file(file);
     return parse_scene(text, file);
 }
 

@@ -2,191 +2,192 @@
 // cli/tool/help.cpp
 #include "tool/help.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <numeric>
+#include <memory>
 #include <utility>
+
+#include "tool/option_rows.h"
+#include "tool/version.h"
 
 namespace dgm::tool {
 namespace {
 
-/// "-o", "--output": as they are typed.
-std::vector<std::string> typed_names(const CLI::Option& option) {
-    std::vector<std::string> out;
-    for (const std::string& name : option.get_snames()) out.push_back("-" + name);
-    for (const std::string& name : option.get_lnames()) out.push_back("--" + name);
-    return out;
+constexpr std::size_t kColumns = 100, kNameColumns = 30, kIndent = 2, kSampleIndent = 6;
+
+/// Breaks `text` into lines that end before kColumns and start at `indent`; the first one goes on where `out` stands.
+/// A line break of the text stays one.
+void append_wrapped(std::string& out, std::string_view text, std::size_t indent) {
+    std::size_t column = indent;
+    bool first = true;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find_first_of(" \n"), text.size());
+        const bool breaks = !first && column + 1 + end > kColumns;
+        if (breaks) out += '\n' + std::string(indent, ' ');
+        if (!first && !breaks) out += ' ';
+        column = (breaks || first ? indent : column + 1) + end;
+        out += text.substr(0, end);
+        first = false;
+        if (end < text.size() && text[end] == '\n') {
+            out += '\n' + std::string(indent, ' ');
+            first = true;
+        }
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    out += '\n';
 }
 
-std::vector<const CLI::Option*> shown_options(const CLI::App& app) {
-    std::vector<const CLI::Option*> out;
-    for (const CLI::Option* option : app.get_options())
-        if (!option->get_group().empty() && !option->get_positional()) out.push_back(option);
-    return out;
+/// A name on the left and its meaning on the right, below the name if that is long.
+void append_entry(std::string& out, const std::string& name, std::string_view meaning) {
+    std::string left = std::string(kIndent, ' ') + name;
+    if (meaning.empty()) {
+        out += left + '\n';
+        return;
+    }
+    if (left.size() < kNameColumns)
+        left.resize(kNameColumns, ' ');
+    else
+        left += '\n' + std::string(kNameColumns, ' ');
+    out += left;
+    append_wrapped(out, meaning, kNameColumns);
 }
 
-std::vector<std::string> option_names(const CLI::App& app) {
-    std::vector<std::string> out;
-    for (const CLI::Option* option : shown_options(app))
-        for (std::string& name : typed_names(*option)) out.push_back(std::move(name));
-    return out;
-}
-
-bool takes_value(const CLI::Option& option) {
-    return option.get_items_expected_max() > 0;
-}
-
-/// "sample|l2|best": three words. Types in capitals ("FILE|DIR") stand for something else.
-std::vector<std::string> listed_words(const std::string& type) {
-    std::vector<std::string> out;
-    if (type.find('|') == std::string::npos) return out;
-    std::string_view rest = type;
-    for (;;) {
-        const std::size_t bar = rest.find('|');
-        const std::string_view word = rest.substr(0, bar);
-        if (word.empty() || std::any_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
-            return {};
-        out.emplace_back(word);
-        if (bar == std::string_view::npos) return out;
-        rest.remove_prefix(bar + 1);
+/// Each line of `text`, indented.
+void append_lines(std::string& out, std::string_view text, std::size_t indent) {
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        out += std::string(indent, ' ') + std::string(text.substr(0, end)) + '\n';
+        text.remove_prefix(std::min(end + 1, text.size()));
     }
 }
 
-/// Text for roff: no escapes, no requests by accident; a hyphen that stays one when copied.
-std::string roff(std::string_view text) {
+std::string label(const OptionRow& row) {
     std::string out;
-    bool line_start = true;
-    for (const char c : text) {
-        if (line_start && (c == '.' || c == '\'')) out += "\\&";
-        if (c == '\\')
-            out += "\\e";
-        else if (c == '-')
-            out += "\\-";
-        else
-            out += c;
-        line_start = c == '\n';
-    }
-    return out;
+    for (const std::string& name : row.names) out += (out.empty() ? "" : ",") + name;
+    return row.value.empty() ? out : out + " " + row.value;
 }
 
-/// The commands of a program such as `dgm-bench bake`; none for most.
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-    return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
+/// "dgm-bench run" for a command, else "dgm-bench".
+std::string typed_name(const CLI::App& app) {
+    return (app.get_parent() == nullptr ? "" : app.get_parent()->get_name() + " ") + app.get_name();
 }
 
-void append_positionals(std::string& out, const CLI::App& app) {
-    for (const CLI::Option* option : app.get_options())
-        if (option->get_positional() && !option->get_group().empty())
-            out += ".TP\n.I " + roff(option->get_name(true)) + "\n" + roff(option->get_description()) + "\n";
+/// Is a command line of the manual about this program or command?
+bool is_about(std::string_view line, const std::string& name) {
+    return line.starts_with(name) && (line.size() == name.size() || line[name.size()] == ' ');
 }
 
-void append_option(std::string& out, const CLI::Option& option) {
-    std::string names;
-    for (const std::string& typed : typed_names(option))
-        names += (names.empty() ? "" : ", ") + ("\\fB" + roff(typed) + "\\fR");
-    if (takes_value(option)) names += " \\fI" + roff(option.get_type_name()) + "\\fR";
-    out += ".TP\n" + names + "\n" + roff(option.get_description()) + "\n";
-}
-
-/// The words after `--` of a program or of one of its commands, and for bash the cases of options that take a value.
-struct Completion {
-    std::string words, cases;
-};
-
-Completion completion_of(const CLI::App& app) {
-    Completion out;
-    for (const CLI::Option* option : shown_options(app)) {
-        std::string pattern;
-        for (const std::string& typed : typed_names(*option)) {
-            out.words += (out.words.empty() ? "" : " ") + typed;
-            pattern += (pattern.empty() ? "" : "|") + typed;
+void append_usage(std::string& out, const std::string& name, std::string_view synopsis) {
+    bool first = true;
+    while (!synopsis.empty()) {
+        const std::size_t end = std::min(synopsis.find('\n'), synopsis.size());
+        if (is_about(synopsis.substr(0, end), name)) {
+            out += (first ? "Usage: " : "       ") + std::string(synopsis.substr(0, end)) + '\n';
+            first = false;
         }
-        if (!takes_value(*option)) continue;
-        const std::vector<std::string> listed = listed_words(option->get_type_name());
-        const bool is_file = option->get_type_name().find("FILE") != std::string::npos ||
-                             option->get_type_name().find("MESH") != std::string::npos;
-        out.cases += "        " + pattern + ") ";
-        if (!listed.empty())
-            out.cases += fmt::format("COMPREPLY=($(compgen -W \"{}\" -- \"$current\"))", fmt::join(listed, " "));
-        else
-            out.cases +=
-                is_file
-                    ? "local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\")); compopt -o filenames 2>/dev/null"
-                    : "COMPREPLY=()";
-        out.cases += "; return ;;\n";
+        synopsis.remove_prefix(std::min(end + 1, synopsis.size()));
     }
-    return out;
 }
 
-constexpr std::size_t kHelpColumns = 100, kNameColumns = 30;
+void append_options(std::string& out, const CLI::App& app) {
+    const std::vector<OptionRow> arguments = argument_rows(app), options = option_rows(app);
+    if (!arguments.empty()) out += "\nArguments:\n";
+    for (const OptionRow& row : arguments) append_entry(out, label(row), row.text);
+    const std::vector<const CLI::App*> commands = commands_of(app);
+    if (!commands.empty()) out += "\nCommands:\n";
+    for (const CLI::App* command : commands) append_entry(out, command->get_name(), command->get_description());
+    if (!commands.empty())
+        out += std::string(kIndent, ' ') + "The options of each: " + app.get_name() + " COMMAND --help\n";
+    for (const std::string& group : groups_of(options)) {
+        out += '\n' + group + ":\n";
+        for (const OptionRow& row : options)
+            if (row.group == group) append_entry(out, label(row), row.text);
+    }
+}
 
-class Formatter : public CLI::Formatter {
+void append_section(std::string& out, const Section& section, const std::string& program) {
+    out += '\n' + std::string(section.title) + ":\n" + std::string(kIndent, ' ');
+    append_wrapped(out, section.text, kIndent);
+    append_lines(out, section.sample, kSampleIndent);
+    std::string keys;
+    for (const Term& term : section.terms) keys += (keys.empty() ? "Keys: " : ", ") + std::string(term.name);
+    keys += ". Their meanings: man " + program + ", or " + std::string(section.where);
+    out += std::string(kIndent, ' ');
+    append_wrapped(out, keys, kIndent);
+}
+
+void append_examples(std::string& out, const std::string& name, std::span<const Example> examples) {
+    out += "\nExamples:\n";
+    for (const Example& example : examples) {
+        if (!is_about(example.command, name)) continue;
+        out += std::string(kIndent, ' ') + std::string(example.command) + '\n' + std::string(kSampleIndent, ' ');
+        append_wrapped(out, example.what, kSampleIndent);
+    }
+}
+
+class Formatter : public CLI::FormatterBase {
  public:
-    Formatter() { column_width(kNameColumns); }
-    [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override {
-        const std::string whole = CLI::Formatter::make_option_desc(option);
-        std::string out;
-        std::size_t column = 0, begin = 0;
-        while (begin < whole.size()) {
-            const std::size_t end = std::min(whole.find(' ', begin), whole.size());
-            const bool breaks = column > 0 && column + 1 + end - begin > kHelpColumns - kNameColumns;
-            if (column > 0) out += breaks ? '\n' : ' ';
-            column = (breaks || column == 0 ? 0 : column + 1) + end - begin;
-            out.append(whole, begin, end - begin);
-            begin = end + 1;
-        }
-        return out;
+    explicit Formatter(const Manual& manual) : manual_(manual) {}
+    std::string make_help(const CLI::App* app, std::string /*name*/, CLI::AppFormatMode /*mode*/) const override {
+        return help_text(*app, manual_);
     }
+
+ private:
+    const Manual manual_;
 };
 
 }  // namespace
 
-std::shared_ptr<CLI::FormatterBase> help_formatter() {
-    return std::make_shared<Formatter>();
+std::string help_text(const CLI::App& app, const Manual& manual) {
+    const std::string name = typed_name(app);
+    const bool is_command = app.get_parent() != nullptr;
+    const std::string& program = is_command ? app.get_parent()->get_name() : app.get_name();
+    std::string out;
+    std::string description = app.get_description();
+    if (is_command && !description.empty() && description[0] >= 'a' && description[0] <= 'z')
+        description[0] = static_cast<char>(description[0] - 'a' + 'A');
+    append_wrapped(out, description + (description.ends_with('.') ? "" : "."), 0);
+    out += '\n';
+    append_usage(out, name, manual.synopsis);
+    append_options(out, app);
+    for (const Section& section : manual.sections) append_section(out, section, program);
+    append_examples(out, name, manual.examples);
+    out += "\nFiles:\n";
+    for (const Term& term : manual.files) append_entry(out, std::string(term.name), term.meaning);
+    out += "\nEnvironment:\n";
+    for (const Term& term : manual.environment) append_entry(out, std::string(term.name), term.meaning);
+    if (manual.environment.empty()) append_lines(out, kNoEnvironment, kIndent);
+    out += "\nExit codes:\n";
+    append_lines(out, manual.exit_codes, kIndent);
+    return out;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j)
-            diagonal =
-                std::exchange(row[j + 1], std::min({row[j] + 1, row[j + 1] + 1, diagonal + (a[i] == b[j] ? 0 : 1)}));
+void present(CLI::App& app, const std::string& program, const Manual& manual) {
+    app.name(program);
+    const auto formatter = std::make_shared<Formatter>(manual);
+    std::vector<CLI::App*> apps = app.get_subcommands([](CLI::App*) { return true; });
+    apps.push_back(&app);
+    for (CLI::App* each : apps) {
+        each->formatter(formatter);
+        each->set_help_flag("-h,--help", "show this and stop")->group(kWhatItTells);
     }
-    return row.back();
-}
-
-std::string_view nearest(std::string_view word, const std::vector<std::string>& words) {
-    constexpr std::size_t kLongest = 64;
-    std::string_view best;
-    std::size_t best_distance = 3;  // more than two slips is another word
-    if (word.size() > kLongest) return best;
-    for (const std::string& other : words) {
-        const std::size_t distance = edit_distance(word, other);
-        if (distance >= best_distance || distance >= std::max(word.size(), other.size())) continue;
-        best = other;
-        best_distance = distance;
-    }
-    return best;
-}
-
-std::string unknown_word(std::string_view what, std::string_view word, const std::vector<std::string>& words) {
-    std::string message = fmt::format("there is no {} \"{}\"", what, word);
-    if (const std::string_view meant = nearest(word, words); !meant.empty())
-        message += fmt::format("; did you mean {}?", meant);
-    return message + fmt::format("\nthere are: {}", fmt::join(words, ", "));
+    app.set_version_flag("-V,--version", version_line(program), "show the version and stop")->group(kWhatItTells);
 }
 
 std::string unknown_option(const CLI::App& app, std::string_view option) {
     const std::string_view name = option.substr(0, option.find('='));
     std::string out = "there is no option " + std::string(name);
-    std::vector<std::string> names = option_names(app);
-    for (const CLI::App* command : app.get_subcommands())  // those that were typed
-        for (std::string& its : option_names(*command)) names.push_back(std::move(its));
+    std::vector<std::string> names;
+    const auto add = [&](const CLI::App& from) {
+        for (OptionRow& row : option_rows(from))
+            for (std::string& its : row.names) names.push_back(std::move(its));
+    };
+    add(app);
+    std::string typed = app.get_name();
+    for (const CLI::App* command : app.get_subcommands()) {  // those that were typed
+        add(*command);
+        typed += " " + command->get_name();
+    }
     std::string_view meant = nearest(name, names);
     if (meant.empty() && name.size() > 4)  // a beginning, or a word of a longer name: --report-fmt, --error
         for (const std::string& other : names)
@@ -195,97 +196,20 @@ std::string unknown_option(const CLI::App& app, std::string_view option) {
                 break;
             }
     if (!meant.empty()) out += "; did you mean " + std::string(meant) + "?";
+    return out + "\nsee all with: " + typed + " --help";
+}
+
+std::string missing_argument(std::string_view name, const Manual& manual) {
+    std::string out = std::string(name) + " is required";
+    if (!manual.examples.empty()) out += "; for instance: " + std::string(manual.examples.front().command);
     return out;
 }
 
-std::string help_footer(const Manual& manual) {
-    std::string out = "Examples:\n";
-    for (const Example& example : manual.examples)
-        out += "  " + std::string(example.command) + "\n      " + std::string(example.what) + "\n";
-    out += "\nExit codes:\n";
-    std::string_view rest = manual.exit_codes;
-    while (!rest.empty()) {
-        const std::size_t end = std::min(rest.find('\n'), rest.size());
-        out += "  " + std::string(rest.substr(0, end)) + "\n";
-        rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
-    return out;
-}
-
-std::string man_page(const CLI::App& app, const Manual& manual, std::string_view version) {
-    const std::string& name = app.get_name();
-    std::string title = name;
-    for (char& c : title)
-        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-    // No date: the page is the same whenever it is made.
-    std::string out = ".TH " + roff(title) + " 1 \"\" \"dgm " + roff(version) + "\" \"Deformable geometry maps\"\n";
-    std::string brief = app.get_description();
-    if (brief.ends_with('.')) brief.pop_back();
-    if (!brief.empty() && brief[0] >= 'A' && brief[0] <= 'Z') brief[0] = static_cast<char>(brief[0] - 'A' + 'a');
-    out += ".SH NAME\n" + roff(name) + " \\- " + roff(brief) + "\n";
-    out += ".SH SYNOPSIS\n.nf\n" + roff(manual.synopsis) + "\n.fi\n";
-    out += ".SH OPTIONS\n";
-    append_positionals(out, app);
-    std::vector<std::string> groups;
-    const std::vector<const CLI::Option*> options = shown_options(app);
-    for (const CLI::Option* option : options)
-        if (std::find(groups.begin(), groups.end(), option->get_group()) == groups.end())
-            groups.push_back(option->get_group());
-    for (const std::string& group : groups) {
-        out += ".SS " + roff(group) + "\n";
-        for (const CLI::Option* option : options)
-            if (option->get_group() == group) append_option(out, *option);
-    }
-    const std::vector<const CLI::App*> commands = commands_of(app);
-    if (!commands.empty()) out += ".SH COMMANDS\n";
-    for (const CLI::App* command : commands) {
-        out += ".SS " + roff(command->get_name()) + "\n" + roff(command->get_description()) + ".\n";
-        append_positionals(out, *command);
-        for (const CLI::Option* option : shown_options(*command)) append_option(out, *option);
-    }
-    out += ".SH EXAMPLES\n";
-    for (const Example& example : manual.examples)
-        out += ".TP\n.B " + roff(example.command) + "\n" + roff(example.what) + "\n";
-    out += ".SH EXIT STATUS\n.nf\n" + roff(manual.exit_codes) + "\n.fi\n";
-    out += ".SH SEE ALSO\n" + roff(manual.see_also) + "\n";
-    return out;
-}
-
-std::string bash_completion(const CLI::App& app) {
-    const std::string& name = app.get_name();
-    std::string function = "_" + name;
-    std::replace(function.begin(), function.end(), '-', '_');
-    const Completion own = completion_of(app);
-    std::string text = "# Completion of " + name +
-                       " for bash; for zsh after `autoload -U bashcompinit && bashcompinit`.\n" + function +
-                       "() {\n    local current=\"$2\" previous=\"$3\" words=\"" + own.words + "\"\n" +
-                       "    case \"$previous\" in\n" + own.cases + "    esac\n";
-    const std::vector<const CLI::App*> commands = commands_of(app);
-    std::string names;
-    if (!commands.empty()) text += "    case \"${COMP_WORDS[1]}\" in\n";
-    for (const CLI::App* command : commands) {
-        const Completion its = completion_of(*command);
-        names += (names.empty() ? "" : " ") + command->get_name();
-        text += "    " + command->get_name() + ")\n    words=\"" + its.words + "\"\n    case \"$previous\" in\n" +
-                its.cases + "    esac ;;\n";
-    }
-    if (!commands.empty())
-        text +=
-            "    esac\n    if [[ \"$COMP_CWORD\" == 1 && \"$current\" != -* ]]; then\n        COMPREPLY=($(compgen -W "
-            "\"" +
-            names + "\" -- \"$current\"))\n        return\n    fi\n";
-    return text +
-           "    if [[ \"$current\" == -* ]]; then\n        COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n" +
-           "    else\n        local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\"))\n" +
-           "        compopt -o filenames 2>/dev/null\n    fi\n}\ncomplete -F " + function + " " + name + "\n";
-}
-
-bool print_manual(int argc, const char* const* argv, const CLI::App& app, const Manual& manual,
-                  std::string_view version) {
+bool print_manual(int argc, const char* const* argv, const CLI::App& app, const Manual& manual) {
     if (argc != 2) return false;
     const std::string_view argument = argv[1];
     if (argument != "--print-man" && argument != "--print-completion") return false;
-    std::fputs((argument == "--print-man" ? man_page(app, manual, version) : bash_completion(app)).c_str(), stdout);
+    std::fputs((argument == "--print-man" ? man_page(app, manual, kVersion) : bash_completion(app)).c_str(), stdout);
     return true;
 }
 

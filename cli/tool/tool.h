@@ -12,57 +12,68 @@
 
 #include "model/codes.h"
 #include "tool/help.h"
+#include "tool/version.h"
 
 namespace dgm::tool {
 
-inline constexpr const char* kVersion = DGM_VERSION;
-inline constexpr const char* kHomepage = DGM_HOMEPAGE;  ///< empty if the build was given none
-
-/// "dgm-export 0.1.0"
-[[nodiscard]] inline std::string version_line(const std::string& program) {
-    return program + " " + kVersion;
+/// An error as all programs tell it:
+///
+///     dgm-export: x.dgm: DGM1003: stored bytes differ ...
+///       at: /charts/0/normal
+///       next: the file was damaged after the bake; bake it again
+///
+/// `subject` is the file that was worked on, or empty. A fault of a file (5xxx) begins with that file.
+[[nodiscard]] inline std::string error_text(const std::string& program, const std::string& subject,
+                                            const model::Error& error) {
+    constexpr int kFileCodes = 5;
+    const bool is_about_place = subject.empty() || error.code().number / 1000 == kFileCodes;
+    const std::string& about = is_about_place && !error.place().empty() ? error.place() : subject;
+    std::string out = program + ": ";
+    if (!about.empty()) out += about + ": ";
+    if (!error.stage().empty()) out += error.stage() + ": ";
+    out += error.code().id() + ": ";
+    for (const char c : std::string_view(error.what())) out += c == '\n' ? std::string("\n  ") : std::string(1, c);
+    if (!error.place().empty() && error.place() != about) out += "\n  at: " + error.place();
+    return out + "\n  next: " + error.code().hint + "\n";
 }
 
-/// "dgm-export: x.dgm: DGM1003: stored bytes differ ... (/charts/0/normal)\n  next: ...\n" on stderr. `subject` is the
-/// file that was worked on, or empty.
+/// Prints error_text() on stderr.
 inline void print_error(const std::string& program, const std::string& subject, const model::Error& error) {
-    std::string line = program + ": ";
-    if (!subject.empty()) line += subject + ": ";
-    if (!error.stage().empty()) line += error.stage() + ": ";
-    line += error.code().id() + ": " + error.what();
-    if (!error.place().empty() && error.place() != subject) line += " (" + error.place() + ")";
-    std::fprintf(stderr, "%s\n  next: %s\n", line.c_str(), error.code().hint);
+    std::fputs(error_text(program, subject, error).c_str(), stderr);
+}
+
+/// Why a command line cannot be read, in words of ours.
+[[nodiscard]] inline model::Error usage_error(const CLI::App& app, const Manual& manual, const CLI::ParseError& error) {
+    std::string message = error.what();
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+        const std::vector<std::string> unknown = app.remaining(true);
+        if (!unknown.empty() && unknown.front().starts_with('-')) message = unknown_option(app, unknown.front());
+    } else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+        constexpr std::string_view kEnd = " is required";
+        if (message.ends_with(kEnd))
+            message = missing_argument(message.substr(0, message.size() - kEnd.size()), manual);
+    }
+    return {model::codes::kUsage, message};
 }
 
 /// Parses the command line and runs `body`, which gets a string to name the file it works on and returns an exit code.
 /// Turns what is thrown into a message and a code: model::Error its own, a wrong command line 1, no memory and
-/// everything else 4. --help shows the manual's examples; with --print-man or --print-completion alone, prints that.
+/// everything else 4. With --print-man or --print-completion alone, prints that.
 template <class Body>
 int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, const Manual& manual,
              Body body) noexcept {
     std::string subject;
     try {
-        app.name(program);
-        app.set_version_flag("-V,--version", version_line(program), "Print the version and exit");
-        app.formatter(help_formatter());
-        for (CLI::App* command : app.get_subcommands({})) command->formatter(help_formatter());
-        if (!manual.examples.empty()) app.footer(help_footer(manual));
-        if (print_manual(argc, argv, app, manual, kVersion)) return 0;
+        present(app, program, manual);
+        if (print_manual(argc, argv, app, manual)) return 0;
         try {
             app.parse(argc, argv);
-        } catch (const CLI::ExtrasError& error) {
-            const std::vector<std::string> unknown = app.remaining(true);
-            const bool is_option = !unknown.empty() && unknown.front().starts_with('-');
-            print_error(program, {},
-                        model::Error(model::codes::kUsage,
-                                     is_option ? unknown_option(app, unknown.front()) : std::string(error.what())));
-            return static_cast<int>(model::ExitCode::kUsage);
         } catch (const CLI::ParseError& error) {
             if (error.get_exit_code() == 0) {
                 app.exit(error);  // --help, --version
                 return 0;
             }
-            print_error(program, {}, model::Error(model::codes::kUsage, error.what()));
+            print_error(program, {}, usage_error(app, manual, error));
             return static_cast<int>(model::ExitCode::kUsage);
         }
         return body(subject);

@@ -6,8 +6,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -16,6 +18,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "model/file_errors.h"
 #include "process/mesh_import.h"
 #include "tool/tool.h"
 #include "validate/code_pages.h"
@@ -40,15 +43,24 @@ constexpr std::array kExamples{
     tool::Example{"dgm-validate stomach.dgm --source stomach.obj", "is it as near to the mesh as it claims?"},
     tool::Example{"dgm-validate baked/*.dgm -q", "errors only; the exit code tells the rest"},
     tool::Example{"dgm-validate --explain DGM1003", "what a code means, and what to do"}};
-const tool::Manual kManual{"dgm-validate [OPTIONS] FILE...\ndgm-validate --explain CODE", kExamples,
-                           "0    all files are valid\n"
-                           "1    the command line is wrong\n"
-                           "2    a file cannot be read\n"
-                           "3    a file is not valid\n"
-                           "4    internal error\n"
-                           "5    a file is of a newer version\n"
-                           "With several files, that of the worst.",
-                           "dgm-bake(1), dgm-info(1), dgm-export(1)"};
+constexpr std::array kFiles{
+    tool::Term{"NAME.dgm, NAME.exr", "a map that is checked"},
+    tool::Term{"the files of --report", "JSON as docs/schemas/validate.schema.json says, JUnit XML, or SARIF 2.1.0"},
+    tool::Term{"the file of --write-baseline", "JSON with the findings of today, for --baseline"}};
+const tool::Manual kManual{.synopsis = "dgm-validate [OPTIONS] FILE...\ndgm-validate --explain CODE",
+                           .sections = {},
+                           .examples = kExamples,
+                           .files = kFiles,
+                           .environment = {},
+                           .exit_codes =
+                               "0    all files are valid\n"
+                               "1    the command line is wrong\n"
+                               "2    a file cannot be read or written\n"
+                               "3    a file is not valid\n"
+                               "4    internal error, or a library crashed\n"
+                               "5    a file is of a newer version\n"
+                               "With several files, that of the worst.",
+                           .see_also = "dgm-bake(1), dgm-info(1), dgm-export(1), dgm-bench(1)"};
 
 /// "0.05%" or "0.05" to 0.05, whatever the locale.
 std::optional<double> parse_percent(std::string_view text) {
@@ -59,54 +71,58 @@ std::optional<double> parse_percent(std::string_view text) {
     return value;
 }
 
-void declare(CLI::App& app, CommandLine& line) {
+void declare_checks(CLI::App& app, CommandLine& line) {
     const CLI::Validator percent(
         [](const std::string& text) {
             return parse_percent(text) ? std::string() : "`" + text + "` is not a percentage such as 0.05%";
         },
-        "X%");
+        "");
+    const tool::Group source(app, "Against the source"), judged(app, "What counts");
+    source.text("--source", "MESH", line.source,
+                "mesh to measure the reconstruction against, or a folder that holds the meshes of all files");
+    source
+        .text("--max-rms", "X%", line.max_rms,
+              "largest rms distance, in % of the source's bounding-box diagonal [what the file's report claims, plus 1 "
+              "%]")
+        ->check(percent)
+        ->needs("--source");
+    source
+        .text("--max-hausdorff", "X%", line.max_hausdorff,
+              "largest distance of all, likewise [what the file's report claims, plus 5 %]")
+        ->check(percent)
+        ->needs("--source");
+    judged.value("--severity", "CODE=LEVEL", line.severities,
+                 "another severity, such as DGM2015=off: error, warning, note, off; repeatable");
+    CLI::Option* baseline =
+        judged.text("--baseline", "FILE", line.baseline, "findings that this file lists pass, new ones fail");
+    judged.text("--write-baseline", "FILE", line.write_baseline, "list what was found in this file, and pass")
+        ->excludes(baseline);
+}
+
+void declare(CLI::App& app, CommandLine& line) {
     app.description(
         "Checks .dgm files, and EXR files of geometry maps: structure, hashes, layers, seams, topology, report, and "
-        "the\n"
+        "the "
         "distance to a source mesh.");
-    app.add_option("FILE", line.files, "Files, folders, or patterns such as 'baked/**/*.dgm'");
-    app.add_option("--source", line.source,
-                   "Mesh to measure the reconstruction against, or a folder that holds the meshes of all files")
-        ->type_name("MESH");
-    app.add_option("--max-rms", line.max_rms,
-                   "Largest rms distance, in % of the source's bounding-box diagonal "
-                   "(default: what the file's report claims)")
-        ->check(percent)
-        ->needs("--source");
-    app.add_option("--max-hausdorff", line.max_hausdorff, "Largest distance of all, likewise")
-        ->check(percent)
-        ->needs("--source");
-    app.add_option("--format", line.format,
-                   "Of what goes to stdout: text, json, junit or sarif; markdown for --explain")
-        ->check(CLI::IsMember({"text", "json", "junit", "sarif", "markdown"}))
-        ->type_name("FORMAT");
-    app.add_option("--report", line.reports, "Write a report to a file as well, such as junit=validate.xml; repeatable")
-        ->type_name("FORMAT=FILE");
-    app.add_option("--severity", line.severities,
-                   "DGM2015=off: another severity (error, warning, note, off); repeatable")
-        ->type_name("CODE=LEVEL");
-    auto* baseline = app.add_option("--baseline", line.baseline, "Findings that this file lists pass, new ones fail");
-    baseline->type_name("FILE");
-    app.add_option("--write-baseline", line.write_baseline, "List what was found in this file, and pass")
-        ->type_name("FILE")
-        ->excludes(baseline);
-    app.add_option("--max-issues", line.max_issues,
-                   "Findings listed of each file, errors first; all of them are counted, and decide the exit code")
-        ->check(CLI::Range(0, 1 << 30))
-        ->type_name("N");
-    app.add_option("-j,--jobs", line.jobs, "Files at a time (default: one a core)")
-        ->check(CLI::Range(1, 1024))
-        ->type_name("N");
-    app.add_option("--explain", line.explain,
-                   "Print what a code such as DGM1003 means, why it matters and what to do, and stop; or `all`")
-        ->type_name("CODE");
-    auto* quiet = app.add_flag("-q,--quiet", line.quiet, "Print errors only");
-    app.add_flag("-v,--verbose", line.verbose, "Print what was measured, and what is known, too")->excludes(quiet);
+    app.add_option("FILE", line.files, "files, folders, or patterns such as 'baked/**/*.dgm'")->type_name("");
+    const tool::Group where(app, tool::kWhereThingsGo);
+    where.text("--format", "text|json|junit|sarif|markdown", line.format, "of stdout; markdown for --explain [text]")
+        ->check(CLI::IsMember({"text", "json", "junit", "sarif", "markdown"}));
+    where.value("--report", "FORMAT=FILE", line.reports,
+                "write a report to a file as well, such as junit=validate.xml; repeatable");
+    declare_checks(app, line);
+    tool::Group(app, tool::kHowItRuns)
+        .number("-j,--jobs", "N", line.jobs, "files at a time [one a core]")
+        ->check(CLI::Range(1, 1024));
+    const tool::Group tells(app, tool::kWhatItTells);
+    tells
+        .number("--max-issues", "N", line.max_issues,
+                "findings listed of each file, errors first; all are counted, and decide the exit code [all]")
+        ->check(CLI::Range(0, 1 << 30));
+    tells.text("--explain", "CODE", line.explain,
+               "print what a code such as DGM1003 means, why it matters and what to do, and stop; or all");
+    CLI::Option* quiet = tells.flag("-q,--quiet", line.quiet, "errors only");
+    tells.flag("-v,--verbose", line.verbose, "what was measured, and known findings, too")->excludes(quiet);
 }
 
 /// Writes to stdout; a full disk is an error like any other. @throws model::Error kWriteFailed
@@ -155,7 +171,7 @@ void write_text(const std::string& file, const std::string& text) {
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     stream << text;
     stream.close();
-    if (!stream) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", file);
+    if (!stream) throw model::unwritable_file(file, std::strerror(errno));
 }
 
 /// Memory of one file serves the next: by default each large block is mapped, filled with zeros page by page and
@@ -173,7 +189,7 @@ ExitCode run(const CommandLine& line, std::string& subject) {
         print_explanation(line);
         return ExitCode::kOk;
     }
-    if (line.files.empty()) throw model::Error(model::codes::kUsage, "no FILE was named");
+    if (line.files.empty()) throw model::Error(model::codes::kUsage, tool::missing_argument("FILE", kManual));
     if (line.format == "markdown")
         throw model::Error(model::codes::kUsage, "--format markdown goes with --explain all");
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/codes.h"
+#include "model/file_errors.h"
 #include "validate/code_pages.h"
 
 namespace dgm::validate {
@@ -87,10 +88,9 @@ void apply_rules(const SeverityRules& rules, FileValidation& file) {
 
 Baseline Baseline::read(const fs::path& path) {
     std::error_code error;
-    if (!fs::exists(path, error)) throw model::Error(codes::kFileMissing, "no such file", path.string());
+    if (!fs::exists(path, error)) throw model::missing_file(path);
     std::ifstream file(path, std::ios::binary);
-    if (!fs::is_regular_file(path, error) || !file)
-        throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+    if (!fs::is_regular_file(path, error) || !file) throw model::unreadable_file(path);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     const json parsed = json::parse(text, nullptr, false);
     const auto refuse = [&](const std::string& what) { throw model::Error(codes::kBadBaseline, what, path.string()); };

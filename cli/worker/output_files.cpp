@@ -17,6 +17,7 @@
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::bake {
 namespace {
@@ -114,8 +115,7 @@ void OutputFolders::make(const fs::path& folder) {
     if (::mkdir(folder.c_str(), 0777) != 0) {
         const int reason = errno;
         if (reason == EEXIST && fs::is_directory(folder, error)) return;  // another program was as quick
-        throw model::Error(write_failure(reason),
-                           std::string("the output folder cannot be made: ") + std::strerror(reason), folder.string());
+        throw model::unwritable_folder(folder, std::strerror(reason), write_failure(reason));
     }
     made_.push_back(fs::absolute(folder));
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::formats {
 namespace {
@@ -50,10 +51,9 @@ Hash128 hash_file(const std::filesystem::path& path) {
     namespace codes = model::codes;
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
+    if (!std::filesystem::exists(status)) throw model::missing_file(path);
     std::ifstream file(path, std::ios::binary);
-    if (!std::filesystem::is_regular_file(status) || !file)
-        throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+    if (!std::filesystem::is_regular_file(status) || !file) throw model::unreadable_file(path);
     Hasher hasher;
     std::vector<char> block(std::size_t{1} << 20);
     while (file) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::formats {
 
@@ -24,13 +25,13 @@ class RawFile {
         : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
         const int error = errno;
         if (file_ < 0)
-            throw model::Error(
-                error == ENOENT || error == ENOTDIR ? model::codes::kFileMissing : model::codes::kReadFailed,
-                std::generic_category().message(error), path.string());
+            throw error == ENOENT || error == ENOTDIR
+                ? model::missing_file(path)
+                : model::unreadable_file(path, std::generic_category().message(error));
         struct stat status {};
         if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
             ::close(file_);
-            throw model::Error(model::codes::kReadFailed, "not a regular file", path.string());
+            throw model::no_regular_file(path);
         }
         size_ = static_cast<std::uint64_t>(status.st_size);
     }

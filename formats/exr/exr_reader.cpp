@@ -20,6 +20,7 @@
 #include "exr/exr_layout.h"
 #include "exr/exr_part.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::formats {
 namespace {
@@ -235,10 +236,9 @@ template <class Read>
 auto reading(const fs::path& path, const ExrReadLimits& limits, Read read) {
     std::error_code error;
     const auto status = fs::status(path, error);
-    if (!fs::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
+    if (!fs::exists(status)) throw model::missing_file(path);
     const std::uint64_t bytes = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
-    if (!fs::is_regular_file(status) || error)
-        throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+    if (!fs::is_regular_file(status) || error) throw model::unreadable_file(path);
     const std::uint64_t budget = std::min(limits.max_total_bytes, bytes * kMaxZipRatio);
     check_exr_headers(path, bytes, limits.max_pixels_per_part, limits.max_parts, budget);
     try {

@@ -8,6 +8,7 @@
 
 #include "image/image.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 #ifndef __clang_analyzer__  // which finds leaks in it, where memory runs out
 #define STB_IMAGE_STATIC
@@ -49,17 +50,17 @@ struct EncodedImage {
 EncodedImage load(const fs::path& path) {
     std::error_code error;
     const auto status = fs::status(path, error);
-    if (!fs::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
-    if (!fs::is_regular_file(status)) throw model::Error(codes::kReadFailed, "not a regular file", path.string());
+    if (!fs::exists(status)) throw model::missing_file(path);
+    if (!fs::is_regular_file(status)) throw model::no_regular_file(path);
     const std::uint64_t size = fs::file_size(path, error);
-    if (error) throw model::Error(codes::kReadFailed, error.message(), path.string());
+    if (error) throw model::unreadable_file(path, error.message());
     if (size > kMaxFileBytes)
         throw model::Error(codes::kTooLarge, "a picture file of " + std::to_string(size) + " bytes", path.string());
     EncodedImage out;
     out.bytes.resize(size);
     std::ifstream file(path, std::ios::binary);
     if (!file || !file.read(reinterpret_cast<char*>(out.bytes.data()), static_cast<std::streamsize>(size)))
-        throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+        throw model::unreadable_file(path);
     int channels = 0;
     if (size == 0 || stbi_info_from_memory(out.bytes.data(), out.size(), &out.width, &out.height, &channels) == 0)
         unreadable(path);

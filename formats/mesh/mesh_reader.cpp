@@ -12,6 +12,7 @@
 #include "mesh/obj_reader.h"
 #include "mesh/text_input.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::formats {
 namespace {
@@ -31,10 +32,10 @@ std::string read_head(const fs::path& path) {
 void check_file(const fs::path& path, const MeshReadLimits& limits) {
     std::error_code error;
     const auto status = fs::status(path, error);
-    if (!fs::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
-    if (!fs::is_regular_file(status)) throw model::Error(codes::kReadFailed, "not a regular file", path.string());
+    if (!fs::exists(status)) throw model::missing_file(path);
+    if (!fs::is_regular_file(status)) throw model::no_regular_file(path);
     const std::uint64_t size = fs::file_size(path, error);
-    if (error) throw model::Error(codes::kReadFailed, error.message(), path.string());
+    if (error) throw model::unreadable_file(path, error.message());
     if (size == 0) throw model::Error(codes::kNoFaces, "the file is empty", path.string());
     if (size > limits.max_file_bytes)
         throw model::Error(codes::kTooLarge,

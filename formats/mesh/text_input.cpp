@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::formats {
 namespace {
@@ -109,18 +110,16 @@ std::optional<double> parse_plain(std::string_view word) {
 std::string read_text_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) throw model::Error(codes::kFileMissing, "no such file", path.string());
-    if (!std::filesystem::is_regular_file(status))
-        throw model::Error(codes::kReadFailed, "not a regular file", path.string());
+    if (!std::filesystem::exists(status)) throw model::missing_file(path);
+    if (!std::filesystem::is_regular_file(status)) throw model::no_regular_file(path);
     const std::uint64_t size = std::filesystem::file_size(path, error);
-    if (error) throw model::Error(codes::kReadFailed, error.message(), path.string());
+    if (error) throw model::unreadable_file(path, error.message());
     if (size > max_bytes)
         throw model::Error(codes::kTooLarge, std::to_string(size) + " bytes; the limit is " + std::to_string(max_bytes),
                            path.string());
     std::ifstream file(path, std::ios::binary);
     std::string text(size, '\0');
-    if (!file || !file.read(text.data(), static_cast<std::streamsize>(size)))
-        throw model::Error(codes::kReadFailed, "the file cannot be read", path.string());
+    if (!file || !file.read(text.data(), static_cast<std::streamsize>(size))) throw model::unreadable_file(path);
     const std::string_view view = text;
     if (view.starts_with("\xEF\xBB\xBF")) return text.substr(3);
     if (view.starts_with("\xFF\xFE")) return utf8_of_utf16(view.substr(2), false);

@@ -14,6 +14,11 @@ PROGRAMS = {"dgm-bake": support.BAKE, "dgm-validate": support.VALIDATE, "dgm-inf
             "dgm-export": support.EXPORT}
 if support.BENCH:
     PROGRAMS["dgm-bench"] = support.BENCH
+SECTIONS = ["Examples", "Files", "Environment", "Exit codes"]  # of every help, in this order, at its end
+PAGE_SECTIONS = ["EXAMPLES", "FILES", "ENVIRONMENT", "EXIT STATUS", "SEE ALSO"]
+READS_SCENES = ("dgm-bake", "dgm-info")
+COLUMNS = 100
+REPOSITORY = Path(__file__).resolve().parents[2]
 COMMANDS = {"dgm-bench": ("bake", "run", "stability", "scale")}
 
 
@@ -30,6 +35,106 @@ class Manual(support.Folder):
         """Those of each command of a program: {"bake": {"--sizes", ...}, ...}."""
         return {command: self.options_of(self.run_program(PROGRAMS[name], command, "--help").stdout)
                 for command in COMMANDS.get(name, ())}
+
+    def helps(self):
+        """(name, text) of each help: of every program, and of every command of one."""
+        for name, program in PROGRAMS.items():
+            yield name, self.run_program(program, "--help").stdout
+            for command in COMMANDS.get(name, ()):
+                yield f"{name} {command}", self.run_program(program, command, "--help").stdout
+
+    def page(self, name):
+        return (MANUAL / f"{name}.1").read_text().replace("\\-", "-").replace("\\e", "\\")
+
+    def test_every_help_has_the_same_sections(self):
+        for name, text in self.helps():
+            headings = [line[:-1] for line in text.splitlines() if re.fullmatch(r"\S.*:", line)]
+            scenes = ["Scene files"] if name in READS_SCENES else []
+            self.assertEqual(headings[-len(scenes + SECTIONS):], scenes + SECTIONS, name)
+            self.assertEqual("Scene files" in headings, bool(scenes), name)
+            usage = text.splitlines().index(next(line for line in text.splitlines() if line.startswith("Usage: ")))
+            self.assertTrue(text.splitlines()[usage].startswith(f"Usage: {name} "), text)
+            self.assertGreaterEqual(usage, 2, "a description comes first")
+            if name not in ("dgm-bench stability", "dgm-bench scale"):  # which take no files
+                self.assertEqual(headings[0], "Commands" if name in COMMANDS else "Arguments", name)
+            self.assertEqual(text.count(f"\n  {name} ") + text.count(f"\n  {name}\n"), len(
+                re.findall(rf"^  {name}(?: .*)?\n      \S", text, re.MULTILINE)), f"{name}: each example says what it does")
+            self.assertGreater(text.count(f"\n  {name} "), 0, name)
+
+    def test_every_page_has_the_same_sections(self):
+        for name in PROGRAMS:
+            headings = re.findall(r"^\.SH (.*)$", self.page(name), re.MULTILINE)
+            middle = (["COMMANDS"] if name in COMMANDS else []) + (["SCENE FILES"] if name in READS_SCENES else [])
+            self.assertEqual(headings, ["NAME", "SYNOPSIS", "OPTIONS"] + middle + PAGE_SECTIONS, name)
+
+    def test_help_of_all_programs_uses_the_same_words(self):
+        """What one option or code means, it means in all of them."""
+        texts = dict(self.helps())
+        for line in ("  -h,--help                   show this and stop", "  -V,--version                show the version and stop",
+                     "  1    the command line is wrong", "  2    a file cannot be read or written"):
+            for name, text in texts.items():
+                if "--version" not in line or " " not in name:
+                    self.assertIn(line, text.splitlines(), name)
+        for name, text in texts.items():
+            self.assertRegex(text, r"\n  4    internal error(, or a library crashed)?\n", name)
+            self.assertNotRegex(text, r"\b(TEXT|UINT|INT|FLOAT|REQUIRED|Needs|Excludes)\b", name)
+
+    def test_help_fits_a_terminal(self):
+        for name, text in self.helps():
+            for line in text.splitlines():
+                self.assertLessEqual(len(line), COLUMNS, f"{name}: {line}")
+
+    def test_usage_is_the_synopsis(self):
+        for name in PROGRAMS:
+            text = self.run_program(PROGRAMS[name], "--help").stdout
+            usage = text.split("Usage: ")[1].split("\n\n")[0]
+            synopsis = self.page(name).split(".SH SYNOPSIS\n.nf\n")[1].split("\n.fi")[0]
+            self.assertEqual([line.strip() for line in usage.splitlines()], synopsis.splitlines(), name)
+
+    def test_scene_keys(self):
+        """Help, page, document and the reader know the same keys."""
+        document = (REPOSITORY / "docs/scenes.md").read_text()
+        table = document.split("| key | meaning | default |")[1].split("\n\n")[0]
+        known = {key for row in table.splitlines() if row.startswith("| `") for key in re.findall(r"`(\w+)`", row.split("|")[1])}
+        (self.folder / "scene.toml").write_text('[scene]\nwrong = 1\n[[asset]]\nsource = "x.obj"\n')
+        self.assertIn("tick_budget", self.keys_of(self.run_program(PROGRAMS["dgm-info"], "scene.toml").stderr))
+        (self.folder / "scene.toml").write_text('[[asset]]\nsource = "x.obj"\nwrong = 1\n')
+        result = self.run_program(PROGRAMS["dgm-info"], "scene.toml")
+        reader = self.keys_of(result.stderr)
+        self.assertGreater(len(reader), 20)
+        self.assertEqual(known, reader, "docs/scenes.md")
+        for name in READS_SCENES:
+            text = " ".join(self.run_program(PROGRAMS[name], "--help").stdout.split())
+            self.assertEqual(set(text.split(" Keys: ")[1].split(". Their")[0].split(", ")), reader | {"tick_budget"}, name)
+            section = self.page(name).split(".SH SCENE FILES\n")[1].split("\n.SH ")[0]
+            self.assertEqual(set(re.findall(r"^\.B (.*)$", section, re.MULTILINE)), reader | {"tick_budget"}, name)
+
+    @staticmethod
+    def keys_of(message):
+        return set(message.split("there are: ")[1].splitlines()[0].split(", "))
+
+    def test_the_sample_scene_of_the_page_is_one(self):
+        sample = self.page("dgm-info").split(".SH SCENE FILES\n")[1].split(".nf\n")[1].split("\n.fi")[0]
+        (self.folder / "scene.toml").write_text(sample)
+        (self.folder / "stomach.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        result = self.run_program(PROGRAMS["dgm-info"], "scene.toml")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("stomach", result.stdout)
+
+    def test_version(self):
+        """The project's version in all programs, and the commit where the sources are a checkout of git."""
+        number = re.search(r"project\(dgm VERSION ([\d.]+)", (REPOSITORY / "CMakeLists.txt").read_text()).group(1)
+        versions = set()
+        for name, program in PROGRAMS.items():
+            text = self.run_program(program, "--version").stdout
+            self.assertEqual(text, self.run_program(program, "-V").stdout)
+            match = re.fullmatch(rf"{name} ({re.escape(number)}(?: \([0-9a-f]{{7,40}}(?:, modified)?\))?)\n", text)
+            self.assertIsNotNone(match, text)
+            versions.add(match.group(1))
+            self.assertIn(f'"dgm {number}"', self.page(name).splitlines()[0])
+        self.assertEqual(len(versions), 1, versions)
+        if (REPOSITORY / ".git").exists() and shutil.which("git"):
+            self.assertIn("(", versions.pop())
 
     def test_the_page_has_what_help_has(self):
         for name, program in PROGRAMS.items():
@@ -102,14 +207,31 @@ class Manual(support.Folder):
             self.assertIn("next: ", result.stderr)
         result = self.bake("x.obj", "--entirely-different")
         self.assertIn("there is no option --entirely-different\n", result.stderr)
-        self.assertIn("dgm-bake --help", result.stderr)
+        for name in PROGRAMS:
+            command = COMMANDS.get(name, ("",))[:1]
+            words = [word for word in command if word]
+            needed = ["-o", "x.ply"] if name == "dgm-export" else []
+            result = self.run_program(PROGRAMS[name], *words, "x.dgm", "--entirely-different", *needed)
+            self.assertEqual(result.stderr.splitlines(),
+                             [f"{name}: DGM6001: there is no option --entirely-different",
+                              f"  see all with: {' '.join([name, *words])} --help", "  next: see --help"])
 
-    def test_lines_fit_a_terminal(self):
-        for name, program in PROGRAMS.items():
+    def test_a_missing_argument(self):
+        for name, argument in [("dgm-bake", "INPUT"), ("dgm-validate", "FILE"), ("dgm-info", "FILE"),
+                               ("dgm-export", "FILE"), ("dgm-bench", "A subcommand")]:
+            if name not in PROGRAMS:
+                continue
+            needed = ["-o", "x.ply"] if name == "dgm-export" else []
+            result = self.run_program(PROGRAMS[name], *needed)
+            self.assertEqual(result.returncode, 1, name)
+            self.assertRegex(result.stderr, rf"^{name}: DGM6001: {argument} is required; for instance: {name} .*\n  next: see --help\n$")
+
+    @unittest.skipUnless(shutil.which("groff"), "groff is not installed")
+    def test_pages_are_set(self):
+        for name in PROGRAMS:
             page = subprocess.run(["groff", "-man", "-Tutf8", MANUAL / f"{name}.1"], capture_output=True, text=True,
-                                  check=False) if shutil.which("groff") else None
-            if page is not None:
-                self.assertIn("EXIT STATUS", re.sub(r".\x08|\x1b\[[0-9;]*m", "", page.stdout))
+                                  check=False)
+            self.assertIn("EXIT STATUS", re.sub(r".\x08|\x1b\[[0-9;]*m", "", page.stdout), name)
 
 
 if __name__ == "__main__":

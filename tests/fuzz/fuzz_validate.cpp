@@ -7,8 +7,8 @@
 // an extent, drop the layer, rename it, change the type, change the grid's size, change a byte of the report.
 #include <cstring>
 
-#include "metrics/validation_maps.h"
 #include "target.h"
+#include "unit/validate/validation_maps.h"
 #include "validate/validation.h"
 
 namespace {

@@ -8,8 +8,8 @@
 
 #include "dgm/dgm_writer.h"
 #include "exr/exr_writer.h"
-#include "metrics/validation_maps.h"
 #include "model/codes.h"
+#include "unit/validate/validation_maps.h"
 #include "worker/worker_protocol.h"
 
 namespace {

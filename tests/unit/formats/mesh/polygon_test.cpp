@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/formats/mesh/polygon_test.cpp
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "mesh/polygon.h"
+
+namespace {
+
+using dgm::formats::CornerTriple;
+using dgm::formats::triangulate_polygon;
+using dgm::model::Vec3d;
+
+double signed_area(const std::vector<Vec3d>& p, const std::vector<std::uint32_t>& loop) {
+    double sum = 0;
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+        const Vec3d &a = p[loop[k]], &b = p[loop[(k + 1) % loop.size()]];
+        sum += a.x * b.y - a.y * b.x;
+    }
+    return sum / 2;
+}
+
+/// In the plane z = 0: all triangles wind like the polygon and their areas add up, so none lies outside.
+void expect_tiling(const std::vector<Vec3d>& p) {
+    std::vector<CornerTriple> triangles;
+    EXPECT_TRUE(triangulate_polygon(p, triangles));
+    ASSERT_EQ(triangles.size(), p.size() - 2);
+    std::vector<std::uint32_t> all(p.size());
+    for (std::uint32_t k = 0; k < all.size(); ++k) all[k] = k;
+    double sum = 0;
+    std::set<std::uint32_t> used;
+    for (const CornerTriple& t : triangles) {
+        const double area = signed_area(p, {t[0], t[1], t[2]});
+        EXPECT_GE(area, 0);
+        sum += area;
+        used.insert(t.begin(), t.end());
+    }
+    EXPECT_EQ(used.size(), p.size());
+    EXPECT_NEAR(sum, signed_area(p, all), 1e-12 * std::abs(sum));
+}
+
+TEST(Polygon, ConvexQuadsSplitAlongTheFirstDiagonal) {
+    std::vector<CornerTriple> out;
+    EXPECT_TRUE(triangulate_polygon(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, out));
+    EXPECT_EQ(out, (std::vector<CornerTriple>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(Polygon, ConcaveQuadsSplitFromTheirNotch) {
+    // The notch is corner 1: the diagonal 0-2 would run outside.
+    expect_tiling({{0, 0, 0}, {1, 0.1, 0}, {2, 0, 0}, {1, 3, 0}});
+    expect_tiling({{2, 0, 0}, {1, 3, 0}, {0, 0, 0}, {1, 0.1, 0}});
+}
+
+TEST(Polygon, StarsAndCombsAreTiled) {
+    std::vector<Vec3d> star;
+    for (int k = 0; k < 202; ++k) {
+        const double angle = 2 * 3.14159265358979 * k / 202, radius = k % 2 == 0 ? 1 : 0.1;
+        star.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    }
+    expect_tiling(star);
+    std::vector<Vec3d> comb;
+    for (int k = 0; k < 50; ++k) {
+        comb.push_back({2.0 * k, 0, 0});
+        comb.push_back({2.0 * k + 1, 0, 0});
+        comb.push_back({2.0 * k + 1, 10, 0});
+        comb.push_back({2.0 * k + 2, 10, 0});
+    }
+    comb.push_back({100, 20, 0});
+    comb.push_back({0, 20, 0});
+    expect_tiling(comb);
+}
+
+TEST(Polygon, LargeDiscsAreQuick) {
+    std::vector<Vec3d> disc;
+    for (int k = 0; k < 10'000; ++k)
+        disc.push_back({std::cos(k * 6.28318530717958 / 10'000), std::sin(k * 6.28318530717958 / 10'000), 0});
+    expect_tiling(disc);
+}
+
+TEST(Polygon, ScaleAndOffsetDoNotMatter) {
+    const std::vector<Vec3d> dart{{0, 0, 0}, {1, 0.1, 0}, {2, 0, 0}, {1, 3, 0}};
+    std::vector<CornerTriple> expected;
+    (void)triangulate_polygon(dart, expected);
+    for (const double scale : {1e-200, 1e200, 1e307}) {
+        std::vector<Vec3d> scaled;
+        for (const Vec3d& p : dart) scaled.push_back(p * scale);
+        std::vector<CornerTriple> out;
+        EXPECT_TRUE(triangulate_polygon(scaled, out));
+        EXPECT_EQ(out, expected);
+    }
+}
+
+TEST(Polygon, FlatCrossedAndInfiniteOnesBecomeFans) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    for (const std::vector<Vec3d>& p : {std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}},
+                                        {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
+                                        {{0, 0, 0}, {1, 0, 0}, {kInfinity, 1, 0}, {0, 1, 0}}}) {
+        std::vector<CornerTriple> out;
+        EXPECT_FALSE(triangulate_polygon(p, out));
+        EXPECT_EQ(out.size(), p.size() - 2);
+    }
+}
+
+}  // namespace

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/geometry/parameterize/multilevel_map_test.cpp
+// A map refined from a coarse one is one to one, keeps its border and is as good as the one solved at full size.
+#include "geometry/parameterize/multilevel_map.h"
+
+#include <gtest/gtest.h>
+
+#include "geometry/parameterize/convex_map.h"
+#include "geometry/parameterize/slim.h"
+#include "laid_disk.h"
+#include "support/meshes.h"
+
+namespace dgm::bake {
+namespace {
+
+TEST(MultilevelMap, IsOneToOneAndNoWorseThanTheSolveAtFullSize) {
+    for (const TriMesh& mesh : {test::icosphere(5), test::torus(1, 0.4, 120, 60), test::finger(0.2, 1, 60, 60, 20)}) {
+        const test::LaidDisk laid = test::lay(mesh, 65, 3);
+        const DiskView view = laid.view();
+        MultilevelOptions options;
+        options.power = 1;  // what the full solve minimises
+        const auto uv = multilevel_stretch_map(view, options, {});
+        ASSERT_TRUE(uv);
+        EXPECT_EQ(count_not_positive(view.faces, *uv), 0u);
+        for (std::size_t k = 0; k < laid.border.vertices.size(); ++k)
+            ASSERT_EQ((*uv)[laid.border.vertices[k]], laid.border.uv[k]);
+        SlimOptions newton;
+        newton.energy = FlipFreeEnergy::kStretch;
+        newton.border_fixed = true;
+        newton.iterations = 8;
+        const std::vector<Vec2d> full = descend_flip_free(view, reweighted_stretch_map(view, {}, {}), newton, {});
+        EXPECT_LT(stretch_energy(view.positions, view.faces, *uv),
+                  1.03 * stretch_energy(view.positions, view.faces, full));
+    }
+}
+
+TEST(MultilevelMap, AFlatSquareIsLeftFlat) {
+    // The identity has the least stretch of all maps of the unit square onto itself: 1 everywhere.
+    const test::LaidDisk laid = test::lay(test::grid_sheet(60, 60), 65, 0);
+    const auto uv = multilevel_stretch_map(laid.view(), {}, {});
+    ASSERT_TRUE(uv);
+    EXPECT_NEAR(stretch_energy(laid.disk.mesh.positions, laid.disk.mesh.faces, *uv), 1, 1e-3);
+}
+
+TEST(MultilevelMap, TheFinestSmallEnoughLevelIsFinishedOnce) {
+    const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
+    MultilevelOptions options;
+    options.finish_faces = laid.view().faces.size() / 2;
+    int calls = 0;
+    options.finish = [&](const DiskView& level, std::vector<Vec2d> uv) {
+        ++calls;
+        EXPECT_LE(level.faces.size(), options.finish_faces);
+        EXPECT_GT(level.faces.size(), options.finish_faces / 8);
+        EXPECT_EQ(level.border.size(), laid.border.vertices.size());
+        for (std::size_t k = 0; k < level.border.size(); ++k) {
+            EXPECT_EQ(uv[level.border[k]], laid.border.uv[k]);
+            EXPECT_EQ(level.positions[level.border[k]], laid.disk.mesh.positions[laid.border.vertices[k]]);
+        }
+        EXPECT_EQ(count_not_positive(level.faces, uv), 0u);
+        return uv;
+    };
+    const auto uv = multilevel_stretch_map(laid.view(), options, {});
+    ASSERT_TRUE(uv);
+    EXPECT_EQ(calls, 1);
+    EXPECT_EQ(count_not_positive(laid.view().faces, *uv), 0u);
+}
+
+TEST(MultilevelMap, TheBorderStaysWhereTheCoarsestMapPutsIt) {
+    const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
+    MultilevelOptions options;
+    options.map_coarsest = [](const DiskView& level) -> std::optional<std::vector<Vec2d>> {
+        std::vector<Vec2d> twice;
+        for (const Vec2d& p : level.border_uv) twice.push_back(p * 2);
+        ConvexMapSolver solver(level.positions.size(), level.faces, level.border);
+        return solver.solve(positive_cotangent_weights(level.positions, level.faces, solver.edges()), twice);
+    };
+    const auto uv = multilevel_stretch_map(laid.view(), options, {});
+    ASSERT_TRUE(uv);
+    EXPECT_EQ(count_not_positive(laid.view().faces, *uv), 0u);
+    for (std::size_t k = 0; k < laid.border.vertices.size(); ++k)
+        EXPECT_EQ((*uv)[laid.border.vertices[k]], laid.border.uv[k] * 2);
+    options.map_coarsest = [](const DiskView&) { return std::nullopt; };
+    EXPECT_FALSE(multilevel_stretch_map(laid.view(), options, {}));
+}
+
+TEST(MultilevelMap, SameInputSameMap) {
+    const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
+    const auto a = multilevel_stretch_map(laid.view(), {}, {}), b = multilevel_stretch_map(laid.view(), {}, {});
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(*a, *b);
+}
+
+}  // namespace
+}  // namespace dgm::bake
