@@ -10,49 +10,17 @@
 #include <numeric>
 #include <utility>
 
+#include "tool/completion.h"
+#include "tool/option_list.h"
+
 namespace dgm::tool {
 namespace {
-
-/// "-o", "--output": as they are typed.
-std::vector<std::string> typed_names(const CLI::Option& option) {
-    std::vector<std::string> out;
-    for (const std::string& name : option.get_snames()) out.push_back("-" + name);
-    for (const std::string& name : option.get_lnames()) out.push_back("--" + name);
-    return out;
-}
-
-std::vector<const CLI::Option*> shown_options(const CLI::App& app) {
-    std::vector<const CLI::Option*> out;
-    for (const CLI::Option* option : app.get_options())
-        if (!option->get_group().empty() && !option->get_positional()) out.push_back(option);
-    return out;
-}
 
 std::vector<std::string> option_names(const CLI::App& app) {
     std::vector<std::string> out;
     for (const CLI::Option* option : shown_options(app))
         for (std::string& name : typed_names(*option)) out.push_back(std::move(name));
     return out;
-}
-
-bool takes_value(const CLI::Option& option) {
-    return option.get_items_expected_max() > 0;
-}
-
-/// "sample|l2|best": three words. Types in capitals ("FILE|DIR") stand for something else.
-std::vector<std::string> listed_words(const std::string& type) {
-    std::vector<std::string> out;
-    if (type.find('|') == std::string::npos) return out;
-    std::string_view rest = type;
-    for (;;) {
-        const std::size_t bar = rest.find('|');
-        const std::string_view word = rest.substr(0, bar);
-        if (word.empty() || std::any_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
-            return {};
-        out.emplace_back(word);
-        if (bar == std::string_view::npos) return out;
-        rest.remove_prefix(bar + 1);
-    }
 }
 
 /// Text for roff: no escapes, no requests by accident; a hyphen that stays one when copied.
@@ -70,11 +38,6 @@ std::string roff(std::string_view text) {
         line_start = c == '\n';
     }
     return out;
-}
-
-/// The commands of a program such as `dgm-bench bake`; none for most.
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-    return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
 }
 
 void append_positionals(std::string& out, const CLI::App& app) {
@@ -106,8 +69,7 @@ Completion completion_of(const CLI::App& app) {
         }
         if (!takes_value(*option)) continue;
         const std::vector<std::string> listed = listed_words(option->get_type_name());
-        const bool is_file = option->get_type_name().find("FILE") != std::string::npos ||
-                             option->get_type_name().find("MESH") != std::string::npos;
+        const bool is_file = takes_file(*option);
         out.cases += "        " + pattern + ") ";
         if (!listed.empty())
             out.cases += fmt::format("COMPREPLY=($(compgen -W \"{}\" -- \"$current\"))", fmt::join(listed, " "));
@@ -256,8 +218,7 @@ std::string bash_completion(const CLI::App& app) {
     std::string function = "_" + name;
     std::replace(function.begin(), function.end(), '-', '_');
     const Completion own = completion_of(app);
-    std::string text = "# Completion of " + name +
-                       " for bash; for zsh after `autoload -U bashcompinit && bashcompinit`.\n" + function +
+    std::string text = "# Completion of " + name + " for bash.\n" + function +
                        "() {\n    local current=\"$2\" previous=\"$3\" words=\"" + own.words + "\"\n" +
                        "    case \"$previous\" in\n" + own.cases + "    esac\n";
     const std::vector<const CLI::App*> commands = commands_of(app);
@@ -284,8 +245,18 @@ bool print_manual(int argc, const char* const* argv, const CLI::App& app, const 
                   std::string_view version) {
     if (argc != 2) return false;
     const std::string_view argument = argv[1];
-    if (argument != "--print-man" && argument != "--print-completion") return false;
-    std::fputs((argument == "--print-man" ? man_page(app, manual, version) : bash_completion(app)).c_str(), stdout);
+    std::string text;
+    if (argument == "--print-man")
+        text = man_page(app, manual, version);
+    else if (argument == "--print-completion")
+        text = bash_completion(app);
+    else if (argument == "--print-completion=zsh")
+        text = zsh_completion(app);
+    else if (argument == "--print-completion=fish")
+        text = fish_completion(app);
+    else
+        return false;
+    std::fputs(text.c_str(), stdout);
     return true;
 }
 
