@@ -30,7 +30,7 @@ inline void print_error(const std::string& program, const std::string& subject, 
     if (!error.stage().empty()) line += error.stage() + ": ";
     line += error.code().id() + ": " + error.what();
     if (!error.place().empty() && error.place() != subject) line += " (" + error.place() + ")";
-    std::fprintf(stderr, "%s\n  next: %s\n", line.c_str(), error.code().hint);
+    std::fprintf(stderr, "%s\n  next: %s\n", line.c_str(), error.hint());
 }
 
 /// Parses the command line and runs `body`, which gets a string to name the file it works on and returns an exit code.
