@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "process/mesh_import.h"
 #include "tool/tool.h"
@@ -152,6 +153,7 @@ Report parse_report(const std::string& text) {
 
 /// @throws model::Error kWriteFailed
 void write_text(const std::string& file, const std::string& text) {
+    formats::make_folder_of(file);
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     stream << text;
     stream.close();
