@@ -18,11 +18,15 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "bake/live_index.h"
+#include "bake/notes.h"
 #include "bake/options.h"
 #include "bake/progress_view.h"
 #include "bake/raw_options.h"
 #include "baking/up_to_date.h"
+#include "batch/batch_report_json.h"
 #include "batch/dependency_file.h"
+#include "batch/left_over.h"
 #include "batch/memory_budget.h"
 #include "batch/merge_reports.h"
 #include "batch/repeat_command.h"
@@ -72,22 +76,6 @@ void check_files(const CommandLine& line, const BatchPlan& plan) {
                 throw model::Error(codes::kUsage, fmt::format("the {} would overwrite an input", what), file.string());
 }
 
-void write_whole(const fs::path& path, const std::string& text) {
-    const fs::path temporary = temporary_for(path);
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    out << text;
-    out.close();
-    try {
-        if (!out) throw model::unwritable_file(path);
-        formats::publish_file(temporary, path);
-    } catch (const model::Error& error) {
-        const model::Error failure = explained(error, temporary);
-        std::error_code ignored;
-        fs::remove(temporary, ignored);
-        throw failure;
-    }
-}
-
 std::string read_whole(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
@@ -102,21 +90,16 @@ bool write_html(const CommandLine& line, const report::ReportToShow& shown) {
     const auto tell = [&](std::size_t done, std::size_t all) {
         const bool step = done == all || done * 10 / all != (done - 1) * 10 / all;
         if (!line.quiet && line.progress != ProgressStyle::kNone && step)
-            say(stderr, fmt::format("dgm-bake: report: {} of {} pages\n", done, all));
+            say(stderr, fmt::format("dgm-bake: report: {} of {} page{}\n", done, all, all == 1 ? "" : "s"));
     };
     const report::PageLimits limits{line.batch.jobs, line.batch.time_limit_seconds, line.batch.memory_bytes};
     const report::HtmlReport html = report::html_report(line.report, shown, limits, tell);
     write_whole(line.report, html.index);
     if (!line.quiet)
-        say(stdout, fmt::format("{}: report, {} pages made, {} kept, {} failed\n",
-                                printable(line.report.lexically_normal().string()), html.made, html.kept, html.failed));
+        say(stdout, fmt::format("{}: report, {} page{} made, {} kept, {} failed\n",
+                                printable(line.report.lexically_normal().string()), html.made,
+                                html.made == 1 ? "" : "s", html.kept, html.failed));
     return html.interrupted;
-}
-
-void make_report_folder(const CommandLine& line) {
-    if (line.report.empty() || line.report.parent_path().empty()) return;
-    std::error_code ignored;  // check_writable tells
-    fs::create_directory(line.report.parent_path(), ignored);
 }
 
 int merge(const CommandLine& line) {
@@ -127,7 +110,7 @@ int merge(const CommandLine& line) {
         reports.push_back({path.string(), std::move(text)});
     }
     const MergedReport merged = merge_reports(reports);
-    make_report_folder(line);
+    formats::make_folder_of(line.report);
     if (line.report.empty()) {
         say(stdout, merged.text);
     } else if (line.html_report) {
@@ -158,7 +141,7 @@ std::vector<DependencyRule> rules_of(const BatchPlan& plan, const std::vector<As
         if (results[k].files.empty()) continue;
         DependencyRule& rule = rules.emplace_back();
         for (const OutputFile& file : results[k].files) rule.outputs.push_back(file.path);
-        rule.inputs = input_files(plan.assets[k].source, plan.assets[k].options);
+        rule.inputs = input_files(plan.assets[k].source, plan.assets[k].options, results[k].report);
     }
     return rules;
 }
@@ -175,7 +158,13 @@ int print_plan(const BatchPlan& plan, const std::optional<scene::Scene>& scene) 
                 say(stdout, fmt::format("{} -> {}\n", printable(asset.source.string()),
                                         printable(output.lexically_normal().string())));
     }
+    for (const std::string& text : left_out_lines(plan.left_out, true)) say(stdout, text + '\n');
     return static_cast<int>(worst_exit(results));
+}
+
+void tell_left_over(const CommandLine& line, const std::vector<LeftOver>& files) {
+    if (line.quiet) return;
+    for (const std::string& text : left_over_lines(files)) say(stdout, text + '\n');
 }
 
 class Conversation {
@@ -183,13 +172,17 @@ class Conversation {
     Conversation(const CommandLine& line, const BatchPlan& plan)
         : line_(line),
           plan_(plan),
+          index_(line.html_report ? line.report : fs::path(), plan),
           view_(line.quiet ? ProgressStyle::kNone : line.progress, names(plan), weights(plan)) {
         observer_.on_start = [this](std::size_t k) { view_.start(k); };
         observer_.on_progress = [this](std::size_t k, std::string_view stage, double share) {
             view_.update(k, printable(stage), share);
         };
-        observer_.on_notice = [this](std::size_t k, std::string_view text) { notice(k, text); };
-        observer_.on_end = [this](std::size_t k) { view_.end(k); };
+        observer_.on_notice = [this](std::size_t k, const Notice& said) { notice(k, said); };
+        observer_.on_end = [this](std::size_t k, const AssetResult& result) {
+            view_.end(k);
+            index_.add(k, result);
+        };
         observer_.on_finish = [this](std::size_t k, const AssetResult& result) { finished(k, result); };
         observer_.on_tick = [this] { view_.tick(); };
     }
@@ -198,8 +191,8 @@ class Conversation {
         view_.clear();
         if (worst_exit(results) == model::ExitCode::kInterrupted)
             say(stderr, failure_story({}, model::Error(codes::kInterrupted, summary_line(results))));
-        else if (results.size() != 1 && !line_.quiet)
-            say(stdout, summary_line(results) + '\n');
+        else if (!line_.quiet)
+            tell_summary(results);
     }
 
  private:
@@ -215,10 +208,19 @@ class Conversation {
             out.push_back(static_cast<double>(estimate_peak(asset.source, asset.options)));
         return out;
     }
-    void notice(std::size_t k, std::string_view text) {
+    /// Forty garments have forty open borders: of several meshes, notes are counted.
+    void notice(std::size_t k, const Notice& notice) {
         if (line_.quiet) return;
+        if (!notice.kind.empty() && plan_.assets.size() > 1 && !line_.verbose) return notes_.add(k, notice);
         view_.clear();
-        say(stderr, fmt::format("dgm-bake: {}: {}\n", printable(plan_.assets[k].source.string()), printable(text)));
+        say(stderr,
+            fmt::format("dgm-bake: {}: {}\n", printable(plan_.assets[k].source.string()), printable(notice.text)));
+    }
+    void tell_summary(const std::vector<AssetResult>& results) {
+        if (const std::string notes = notes_.line(results.size()); !notes.empty())
+            say(stderr, fmt::format("dgm-bake: {}\n", notes));
+        if (results.size() != 1) say(stdout, summary_line(results) + '\n');
+        for (const std::string& text : left_out_lines(plan_.left_out, line_.verbose)) say(stdout, text + '\n');
     }
     void finished(std::size_t k, const AssetResult& result) {
         view_.clear();
@@ -236,6 +238,8 @@ class Conversation {
 
     const CommandLine& line_;
     const BatchPlan& plan_;
+    LiveIndex index_;
+    Notes notes_;
     ProgressView view_;
     BatchObserver observer_;
 };
@@ -274,15 +278,25 @@ int run(const CommandLine& line) {
     BatchPlan plan = scene ? scene::plan_batch(*scene, line.plan.output.empty() ? fs::path(".") : line.plan.output)
                            : plan_batch(line.plan, line.bake);
     check_files(line, plan);
+    std::vector<LeftOver> left_over;
+    if (!scene) left_over = find_left_over(plan, !line.plan.output.empty());
     if (line.shard) keep_shard(plan, *line.shard);
-    if (line.dry_run) return print_plan(plan, scene);
-    make_report_folder(line);
-    for (const fs::path& file : {line.report, line.depfile})
-        if (!file.empty()) check_writable(file);
+    if (line.dry_run) {
+        const int exit = print_plan(plan, scene);
+        tell_left_over(line, left_over);
+        return exit;
+    }
+    for (const fs::path& file : {line.report, line.depfile}) {
+        if (file.empty()) continue;
+        formats::make_folder_of(file);
+        check_writable(file);
+    }
     Conversation conversation(line, plan);
     const std::vector<AssetResult> results = run_batch(plan, line.batch, conversation.observer());
     signals.batch_done();
     conversation.end(results);
+    if (line.prune && worst_exit(results) != model::ExitCode::kInterrupted) prune(left_over, results);
+    tell_left_over(line, left_over);
     std::optional<scene::SceneOutcome> outcome;
     model::ExitCode exit = worst_exit(results);
     if (scene && exit != model::ExitCode::kInterrupted) {
@@ -296,6 +310,7 @@ int run(const CommandLine& line) {
             for (nlohmann::json& asset : report["assets"])
                 asset["command"] = repeat_scene_command(line.scene, plan.folder);
         if (outcome) scene::add_scene(report, *scene, *outcome);
+        add_other_files(report, plan.left_out, left_over);
         if (line.html_report)
             interrupted = write_html(line, {std::move(report), false});
         else

@@ -132,6 +132,12 @@ void set_report(const Raw& raw, const std::string& file, CommandLine& out) {
     constexpr std::array kReportFormats{NamedValue<bool>{"json", false}, NamedValue<bool>{"html", true}};
     out.report = file;
     const std::string extension = out.report.extension().string();
+    constexpr std::array<std::string_view, 4> kKnown{"", ".json", ".html", ".htm"};
+    if (raw.report_format.empty() && std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
+        wrong(
+            fmt::format("--report: \"{}\" does not say what to write; end it in .json or .html, or add "
+                        "--report-format json or html",
+                        file));
     out.html_report = raw.report_format.empty() ? extension == ".html" || extension == ".htm"
                                                 : choice("--report-format", kReportFormats, raw.report_format);
     if (!raw.report_format.empty() && file.empty())
@@ -150,6 +156,11 @@ Shard parse_shard(const std::string& text) {
         wrong(fmt::format("--shard: \"{}\" is no part of a batch; write I/N, such as 1/8 up to 8/8, N at most {}", text,
                           kMaxShards));
     return out;
+}
+
+/// Files are written aside, read back and renamed, which a stream cannot be.
+void refuse_stream(std::string_view option, const std::string& file, std::string_view instead) {
+    if (file == "-") wrong(fmt::format("{} -: it cannot go to standard output; {}", option, instead));
 }
 
 /// How many at a time and how long, and what is told meanwhile.
@@ -201,6 +212,9 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
         if (input.empty()) wrong("an input has no name");
         out.plan.inputs.emplace_back(input);
     }
+    refuse_stream("-o", raw.output, "name a file or a folder, such as -o out.dgm or -o baked/");
+    refuse_stream("--report", raw.report, "name a file, such as --report report.json");
+    refuse_stream("--depfile", raw.depfile, "name a file, such as --depfile maps.d");
     if (raw.keep_going && raw.stop_on_error) wrong("--keep-going and --stop-on-error contradict each other");
     if (raw.verbose && raw.quiet) wrong("-v and -q contradict each other");
     if (raw.merge_reports) return to_merge(raw);
@@ -240,6 +254,10 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     set_report(raw, raw.report, out);
     set_run(raw, out);
     out.dry_run = raw.dry_run;
+    out.prune = raw.prune;
+    const std::string_view ending = std::filesystem::path(raw.output).extension().native();
+    if (out.prune && (raw.output.empty() || (!out.plan.output_is_folder && (ending == ".dgm" || ending == ".exr"))))
+        wrong("--prune looks through the folder of the outputs; name it with -o");
     return out;
 }
 

@@ -27,6 +27,7 @@ struct CommandLine {
     std::vector<std::filesystem::path> to_merge;  ///< --merge-reports: the reports; then nothing is baked
     ProgressStyle progress = ProgressStyle::kAuto;
     bool dry_run = false, verbose = false, quiet = false;
+    bool prune = false;  ///< remove what is left over in the output folder
 };
 
 /// Text to print on stdout instead of doing anything: --help, --version.

@@ -56,6 +56,9 @@ void describe_files(CLI::App& app, Raw& raw) {
         "write what happened to each mesh, with all errors measured, to this file; FILE.html: a page to look at, with "
         "one for each mesh in the folder assets beside it");
     group.text("--report-format", "json|html", raw.report_format, "of that file [html if it ends in .html, else json]");
+    group.flag("--prune", raw.prune,
+               "remove maps of ours from the output folder whose mesh is gone from the folders named, or has another "
+               "output now; without it they are listed");
     group.text("-M,--depfile", "FILE", raw.depfile,
                "(also -MF FILE) write which files each output was made from, for Make and Ninja");
 }
@@ -154,7 +157,7 @@ void describe(CLI::App& app, Raw& raw) {
     app.description("Bakes meshes into deformable geometry maps.");
     app.option_defaults()->always_capture_default(false);
     app.add_option("INPUT", raw.inputs,
-                   "mesh files of any format the importer reads; folders, searched recursively for OBJ and 3DS; "
+                   "mesh files of any format the importer reads; folders, searched recursively for meshes; "
                    "patterns in quotes, such as 'models/**/*.obj'; or one scene file")
         ->type_name("");
     describe_files(app, raw);

@@ -19,8 +19,8 @@ struct Raw {
         depfile;
     int jobs = 0;
     double time_limit = 600;
-    bool merge_reports = false, force = false, keep_going = false, stop_on_error = false, dry_run = false,
-         verbose = false, quiet = false;
+    bool merge_reports = false, force = false, prune = false, keep_going = false, stop_on_error = false,
+         dry_run = false, verbose = false, quiet = false;
 };
 
 /// Declares every option, in groups. `raw` must outlive `app`.

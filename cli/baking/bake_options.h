@@ -37,6 +37,14 @@ struct ErrorGoal {
 /// Where a grid is asked for by error or file size alone: as many samples as a square of 2049 a side.
 inline constexpr std::uint64_t kLargestSearched = std::uint64_t{2049} * 2049;
 
+/// A line about a mesh, before the long part of its bake begins.
+struct Notice {
+    /// What the same notes about other meshes are counted as: "open border (fine for cloth, odd for an organ)". Empty
+    /// for warnings, which are told of each mesh.
+    std::string kind;
+    std::string text;  ///< "note: open border (2 loops): fine for cloth, odd for an organ"
+};
+
 struct BakeOptions {
     /// 257x257: each step to a finer grid quarters the rms and takes four times the bytes; there it is 0.001 to 0.01 %
     /// on organs, below a pixel of a screen that the asset fills, for 4 s and 4.6 MB.
@@ -72,7 +80,7 @@ struct BakeOptions {
     /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
     std::filesystem::path scratch;
     /// Told each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.
-    std::function<void(const std::string& line)> on_notice;
+    std::function<void(const Notice& notice)> on_notice;
 };
 
 /// 3..8193 a side, of any chart.

@@ -81,11 +81,14 @@ struct GridSearch {
 struct BakeReport {
     std::string source_name;
     std::string inputs_hash;  ///< of what the mesh names (up_to_date.h); empty: unknown
+    /// Formats where only an import tells: the files that the mesh names, from its folder, and what it names in vain.
+    std::vector<std::string> inputs, missing_inputs;
     std::uint64_t source_vertices = 0, source_faces = 0;
     SurfaceError error;             ///< whole asset: all charts against all components
     double worst_quantisation = 0;  ///< u16: half a step, source units; 0 for f32
     RepairCounts repairs;
-    std::vector<std::string> warnings;  ///< plain language: "texture missing: skin.png"
+    std::vector<std::string> warnings;  ///< plain language: "DGM3012: texture missing: skin.png; ..."
+    std::vector<std::string> remarks;  ///< what was done as the file asks: "FBX unit of 1 cm: scaled by 0.01 to metres"
     std::vector<ChartReport> charts;
     std::optional<GridSearch> search;     ///< only if the grid was not named
     std::vector<StageTime> times;         ///< not stored in the file

@@ -64,12 +64,15 @@ BakeResult result_of(const PreparedAsset& asset, MeasuredLayers layers, const st
     drop_unasked(out.maps.charts, asset.options.layers);
     out.report.source_name = facts.name;
     out.report.inputs_hash = facts.inputs_hash;
+    out.report.inputs = facts.inputs;
+    out.report.missing_inputs = facts.missing_inputs;
     out.report.source_vertices = facts.vertices;
     out.report.source_faces = facts.faces;
     out.report.error = layers.measured.error;
     out.report.worst_quantisation = layers.layered.worst_quantisation;
     out.report.repairs = facts.repairs;
     out.report.warnings = facts.warnings;
+    out.report.remarks = facts.remarks;
     out.report.charts = std::move(layers.measured.charts);
     out.report.search = search;
     out.report.times = asset.log.times();

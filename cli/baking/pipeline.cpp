@@ -38,11 +38,9 @@ GridSize choose_shapes(PreparedAsset& asset) {
 }
 
 /// Tells what is known of the mesh before the long part begins.
-void tell_notices(Repaired& source, const BakeOptions& options) {
-    if (source.components.size() > 1)
-        source.facts.warnings.push_back(std::to_string(source.components.size()) + " components: one chart each");
+void tell_notices(const Repaired& source, const BakeOptions& options) {
     if (options.on_notice)
-        for (const std::string& line : notices(source)) options.on_notice(line);
+        for (const Notice& notice : notices(source)) options.on_notice(notice);
 }
 
 /// The stages after the import. `images` replace the files that the materials name.

@@ -144,6 +144,9 @@ void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, BakeRepo
     a("repairs", r.repairs);
     a("warnings", r.warnings);
     a("charts", r.charts);
+    a.if_any("remarks", r.remarks);
+    a.if_any("inputs", r.inputs);
+    a.if_any("missing_inputs", r.missing_inputs);
     a("search", r.search);
     a.of_run("times", r.times);
     a.of_run("cpu_seconds", r.cpu_seconds);
@@ -198,6 +201,10 @@ struct Writer {
     void operator()(const char* key, const std::optional<T>& v) {
         if (v) object[key] = value(*v);
     }
+    template <class T>
+    void if_any(const char* key, const std::vector<T>& list) {
+        if (!list.empty()) (*this)(key, list);
+    }
     /// What differs from run to run.
     template <class T>
     void of_run(const char* key, const T& v) {
@@ -240,6 +247,10 @@ struct Reader {
     template <class T>
     static void read(const char* key, const json& from, std::optional<T>& v) {
         read(key, from, v.emplace());
+    }
+    template <class T>
+    void if_any(const char* key, std::vector<T>& list) {
+        (*this)(key, list);
     }
     template <class T>
     void of_run(const char* key, T& v) {

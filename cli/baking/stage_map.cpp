@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/stage_map.cpp
 // Map and fit.
+#include <fmt/format.h>
+
 #include <string>
 #include <utility>
 
@@ -19,7 +21,8 @@ namespace {
 using model::Error;
 namespace codes = model::codes;
 
-constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of all charts together: 3 GB of layers
+/// Of all charts together: one of the largest, with 3 GB of layers.
+constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;
 
 /// The grids of all components, each as if it were as large as the largest; see component_size.
 std::vector<GridSize> full_sizes(const Repaired& source, const MapRequest& request) {
@@ -35,17 +38,18 @@ void check_samples(std::span<const GridSize> sizes) {
     std::uint64_t samples = 0;
     for (const GridSize& size : sizes) samples += std::uint64_t{size.rows} * size.cols;
     if (samples > kMaxSamples)
-        throw Error(codes::kTooLarge, std::to_string(sizes.size()) + " components would need " +
-                                          std::to_string(samples) + " samples, more than " +
-                                          std::to_string(kMaxSamples) +
-                                          "; join or drop components, or ask for a smaller --size");
+        throw Error(codes::kTooLarge,
+                    fmt::format("{} would need {} samples at this --size; all charts together get at most {}",
+                                sizes.size() == 1 ? "the component" : fmt::format("{} components", sizes.size()),
+                                samples, kMaxSamples))
+            .with_hint("ask for a smaller --size, or join small components");
 }
 
 /// The failure of component `c` of `count`.
 Error failure_at(const Error& error, std::size_t c, std::size_t count) {
     if (count == 1) return error;
-    return {error.code(), "component " + std::to_string(c + 1) + " of " + std::to_string(count) + ": " + error.what(),
-            error.place()};
+    Error out(error.code(), fmt::format("component {} of {}: {}", c + 1, count, error.what()), error.place());
+    return out.with_hint(error.hint());
 }
 
 /// Splits all quads alike that may be split either way; those at the border keep the split that the topology needs.

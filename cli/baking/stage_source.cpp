@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/stage_source.cpp
 // Import, repair, and the pictures of the materials.
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "baking/stages.h"
@@ -61,8 +62,24 @@ formats::Hash128 hash_of(const model::TriMesh& mesh) {
 void check_scale(double diagonal) {
     constexpr double kSmallest = 1e-15, kLargest = 1e15;
     if (diagonal > kSmallest && diagonal < kLargest) return;
-    throw Error(codes::kScaleOutOfRange, "the bounding box measures " + std::to_string(std::log10(diagonal)) +
-                                             " powers of ten across; single precision holds -15 to 15");
+    throw Error(codes::kScaleOutOfRange,
+                fmt::format("the diagonal of the bounding box is {:.3g}; supported: 1e-15 to 1e15", diagonal));
+}
+
+/// What the import found. Files outside the mesh's folder are not named, since the name would tell of this machine:
+/// then the hash stays empty, and the mesh is baked each time.
+void name_inputs(const std::filesystem::path& source, const formats::ImportedMesh& read, SourceFacts& facts) {
+    for (const std::filesystem::path& file : read.dependencies) {
+        const std::filesystem::path name =
+            file.lexically_normal().lexically_relative(source.parent_path().lexically_normal());
+        if (name.empty() || name.is_absolute() || *name.begin() == "..") {
+            facts.inputs.clear();
+            return;
+        }
+        facts.inputs.push_back(name.generic_string());
+    }
+    facts.missing_inputs = read.missing;
+    facts.inputs_hash = hash_inputs(source, facts.inputs, facts.missing_inputs);
 }
 
 }  // namespace
@@ -73,10 +90,12 @@ Imported import_file(const std::filesystem::path& source) {
     out.facts.source_hash = formats::hash_file(source);
     out.facts.inputs_hash = hash_inputs(source);
     formats::ImportedMesh read = formats::read_mesh(source);
+    if (out.facts.inputs_hash.empty()) name_inputs(source, read, out.facts);
     out.facts.name = source.filename().string();
     out.facts.vertices = read.mesh.positions.size();
     out.facts.faces = read.mesh.faces.size();
     out.facts.warnings = std::move(read.warnings);
+    out.facts.remarks = std::move(read.remarks);
     out.facts.repairs = std::move(read.dropped);
     out.mesh = std::move(read.mesh);
     return out;

@@ -36,8 +36,9 @@ struct SourceFacts {
     std::array<std::uint8_t, 16> source_hash{};  ///< MapSet::source_hash
     std::string inputs_hash;                     ///< BakeReport::inputs_hash
     std::uint64_t vertices = 0, faces = 0;
-    std::vector<std::string> warnings;  ///< in plain language
-    RepairCounts repairs;               ///< changes by import and repair
+    std::vector<std::string> inputs, missing_inputs;  ///< BakeReport's
+    std::vector<std::string> warnings, remarks;       ///< in plain language
+    RepairCounts repairs;                             ///< changes by import and repair
 };
 
 /// A mesh as it came, in source units.

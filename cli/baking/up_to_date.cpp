@@ -13,6 +13,7 @@
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
+#include "mesh/material_files.h"
 #include "mesh/source_inputs.h"
 #include "model/codes.h"
 
@@ -72,12 +73,34 @@ std::string hash_inputs(const fs::path& mesh_file) {
     return formats::to_hex(hash_text(text));
 }
 
-std::vector<fs::path> input_files(const fs::path& mesh_file, const BakeOptions& options) {
+std::string hash_inputs(const fs::path& mesh_file, const std::vector<std::string>& inputs,
+                        const std::vector<std::string>& missing) {
+    formats::FileFinder finder(mesh_file);
+    std::string text;
+    for (const std::string& name : inputs)
+        text += formats::to_hex(formats::hash_file(mesh_file.parent_path() / name)) + ' ' + name + '\n';
+    for (const std::string& name : missing) {
+        if (finder.find(name)) return {};
+        text += "missing " + name + '\n';
+    }
+    return formats::to_hex(hash_text(text));
+}
+
+std::vector<fs::path> input_files(const fs::path& mesh_file, const BakeOptions& options, const BakeReport& report) {
     std::vector<fs::path> out{mesh_file};
     if (const auto inputs = formats::source_inputs(mesh_file))
         out.insert(out.end(), inputs->files.begin(), inputs->files.end());
+    for (const std::string& name : report.inputs) out.push_back(mesh_file.parent_path() / name);
     if (!options.texture.empty()) out.push_back(options.texture);
     return out;
+}
+
+std::optional<std::string> baked_from(const fs::path& map) {
+    try {
+        model::MapSet maps = map.extension() == ".exr" ? formats::read_exr_head(map).maps : formats::read_dgm(map);
+        if (!maps.generator.starts_with("dgm-bake ")) return std::nullopt;
+        return std::move(maps.source_name);
+    } catch (const model::Error&) { return std::nullopt; }
 }
 
 std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vector<fs::path>& outputs,
@@ -90,7 +113,6 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
         for (const fs::path& output : outputs)
             if (output.extension() == ".dgm" && !header_names(output, source, settings)) return std::nullopt;
         const std::string inputs = hash_inputs(mesh_file);
-        if (inputs.empty()) return std::nullopt;
         std::optional<BakeReport> report;
         for (const fs::path& output : outputs) {
             const std::optional<Origin> origin = origin_of(output, options);
@@ -98,7 +120,9 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
                 origin->settings_hash != settings)
                 return std::nullopt;
             report = report_from_json(origin->report_json);
-            if (report->inputs_hash != inputs || report->source_name != mesh_file.filename().string())
+            const std::string& now =
+                inputs.empty() ? hash_inputs(mesh_file, report->inputs, report->missing_inputs) : inputs;
+            if (now.empty() || report->inputs_hash != now || report->source_name != mesh_file.filename().string())
                 return std::nullopt;
         }
         return report;

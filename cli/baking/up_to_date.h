@@ -22,18 +22,28 @@ namespace dgm::bake {
 /// @throws model::Error kReadFailed and the like, for the mesh or a file it names
 [[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file);
 
-/// Every file that a bake of `mesh_file` reads: the mesh, what it names, and the texture of `options`. Where only an
-/// import would tell, the mesh and the texture.
+/// The same where an import has told: of the files `inputs`, from the mesh's folder, and of names that lead nowhere.
+/// Empty if one of `missing` is there now.
+/// @throws model::Error kFileMissing, kReadFailed
+[[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file, const std::vector<std::string>& inputs,
+                                      const std::vector<std::string>& missing);
+
+/// Every file that a bake of `mesh_file` reads: the mesh, what it names, and the texture of `options`. `report` is that
+/// of the bake; it tells where only an import does.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const std::filesystem::path& mesh_file,
-                                                             const BakeOptions& options);
+                                                             const BakeOptions& options, const BakeReport& report);
 
 /// The stored report, without times, if each of `outputs` (.dgm, .exr; at least one) is whole and was made by this
-/// version from these contents with these settings. nullopt otherwise, and for whatever cannot be read; always for
-/// formats where only an import tells what they name.
+/// version from these contents with these settings. nullopt otherwise, and for whatever cannot be read. For formats
+/// where only an import tells what they name, what the import of that bake found stands in the report.
 ///
 /// A .dgm is read and checked wholly, of an EXR the headers and whether all rows are there. Not thread-safe: HDF5.
 [[nodiscard]] std::optional<BakeReport> up_to_date(const std::filesystem::path& mesh_file,
                                                    const std::vector<std::filesystem::path>& outputs,
                                                    const BakeOptions& options);
+
+/// The name of the mesh that a .dgm or .exr was baked from; nullopt if its content does not say that dgm-bake made it,
+/// or it cannot be read. Not thread-safe: HDF5.
+[[nodiscard]] std::optional<std::string> baked_from(const std::filesystem::path& map);
 
 }  // namespace dgm::bake

@@ -28,26 +28,58 @@ std::string lower_extension(const fs::path& path) {
     return out;
 }
 
-bool is_promised(const fs::path& path) {
-    const std::string extension = lower_extension(path);
-    return extension == ".obj" || extension == ".3ds";
-}
-
 struct Found {
     fs::path source;
-    fs::path relative;  ///< output path without extension, before collisions are settled
-    fs::path group;     ///< folder name that tells it from its namesakes
-    int level = 0;      ///< how much of that it needs: 0 stem, 1 with extension, 2 below `group`
+    fs::path relative;             ///< output path without extension, before collisions are settled
+    fs::path group;                ///< folder name that tells it from its namesakes
+    bool keeps_extension = false;  ///< a sibling has the plain name
+    int level = 0;                 ///< what a collision adds: 1 goes below `group`, 2 keeps the extension in any case
 
     [[nodiscard]] fs::path output_stem() const {
-        fs::path out = relative;
-        if (level >= 1) out += source.extension();
-        return level >= 2 ? group / out : out;
+        fs::path out = level >= 1 ? group / relative : relative;
+        if (keeps_extension || level >= 2) out += source.extension();
+        return out;
     }
     [[nodiscard]] std::string name() const {
-        fs::path out = level >= 2 ? group / relative : relative;
+        fs::path out = level >= 1 ? group / relative : relative;
         return (out += source.extension()).generic_string();
     }
+};
+
+/// Finds the mesh among its siblings whose output has the plain name. A file's own folder decides that, not the
+/// command line: so it has one name, whether it is named alone or found with others.
+class Siblings {
+ public:
+    /// True if a file of the same stem beside `mesh` comes before it.
+    bool has_better(const fs::path& mesh) {
+        const Key own = key_of(mesh);
+        const std::vector<Key>& all = listing(mesh.parent_path())[mesh.stem()];
+        return std::any_of(all.begin(), all.end(), [&](const Key& key) { return key < own; });
+    }
+
+ private:
+    /// By rank; of OBJ and obj, the one in lower case comes first.
+    using Key = std::pair<std::size_t, std::string>;
+    static Key key_of(const fs::path& mesh) {
+        std::string extension = mesh.extension().string();
+        for (char& c : extension) c = static_cast<char>(~c);
+        return {formats::mesh_rank(mesh), extension};
+    }
+    std::map<fs::path, std::vector<Key>>& listing(const fs::path& folder) {
+        const auto [place, is_new] = listings_.try_emplace(folder);
+        if (!is_new) return place->second;
+        std::error_code error;  // what cannot be listed has no siblings
+        fs::directory_iterator it(folder.empty() ? fs::path(".") : folder, error);
+        for (; !error && it != fs::directory_iterator(); it.increment(error)) {
+            std::error_code ignored;
+            const fs::path name = it->path().filename();
+            if (formats::has_mesh_extension(name) && name.native().front() != '.' && it->is_regular_file(ignored))
+                place->second[name.stem()].push_back(key_of(name));
+        }
+        return place->second;
+    }
+
+    std::map<fs::path, std::map<fs::path, std::vector<Key>>> listings_;
 };
 
 fs::path folder_name(const fs::path& folder) {
@@ -57,8 +89,12 @@ fs::path folder_name(const fs::path& folder) {
     return full.filename();
 }
 
-/// The relative paths of the meshes below `folder`, sorted; `others` counts mesh files of formats not taken here.
-std::vector<fs::path> meshes_below(const fs::path& folder, std::size_t& others) {
+void sort_paths(std::vector<fs::path>& paths) {
+    std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+}
+
+/// The relative paths of the files below `folder` that are no hidden ones, sorted.
+std::vector<fs::path> files_below(const fs::path& folder) {
     std::vector<fs::path> out;
     std::error_code error;
     fs::recursive_directory_iterator it(folder, error);
@@ -69,15 +105,11 @@ std::vector<fs::path> meshes_below(const fs::path& folder, std::size_t& others) 
             if (it->is_directory(ignored)) it.disable_recursion_pending();
             continue;
         }
-        if (!it->is_regular_file(ignored)) continue;
-        if (is_promised(path))
-            out.push_back(path.lexically_relative(folder));
-        else if (formats::has_mesh_extension(path))
-            ++others;
+        if (it->is_regular_file(ignored)) out.push_back(path.lexically_relative(folder));
     }
     if (error)
         throw model::Error(codes::kReadFailed, "the folder cannot be listed: " + error.message(), folder.string());
-    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+    sort_paths(out);
     return out;
 }
 
@@ -115,32 +147,35 @@ class Planner {
         if (!fs::exists(status)) return refuse(input, codes::kFileMissing, "there is no such file or folder");
         if (fs::is_regular_file(status)) return add_file(input);
         if (!fs::is_directory(status)) return refuse(input, codes::kReadFailed, "it is neither a file nor a folder");
-        has_folder_ = true;
-        std::size_t others = 0, taken = 0;
-        for (const fs::path& relative : meshes_below(input, others)) {
-            ++taken;
-            fs::path stem = relative;
-            add_unique({input / relative, stem.replace_extension(), folder_name(input)});
-        }
-        if (taken == 0)
-            refuse(input, codes::kNothingToDo,
-                   others == 0 ? std::string("the folder holds no OBJ or 3DS files")
-                               : fmt::format("the folder holds no OBJ or 3DS files; name its {} mesh file{} of other "
-                                             "formats one by one to bake {}",
-                                             others, others == 1 ? "" : "s", others == 1 ? "it" : "them"));
+        add_files(input, input, files_below(input), "the folder holds no meshes");
     }
 
-    void add_pattern(const fs::path& pattern) {
+    /// Takes the meshes among `files`, which lie below `folder`, and remembers those that it cannot take.
+    void add_files(const fs::path& input, const fs::path& folder, const std::vector<fs::path>& files,
+                   std::string_view nothing) {
         has_folder_ = true;
-        const auto [folder, matches] = files_matching(pattern);
+        out_.roots.push_back(folder);
+        const std::size_t left_before = out_.left_out.size();
         std::size_t taken = 0;
-        for (const fs::path& relative : matches) {
-            if (!formats::has_mesh_extension(relative)) continue;
+        for (const fs::path& relative : files) {
+            if (!formats::has_mesh_extension(relative)) {
+                const std::string_view why = formats::why_left_out(relative);
+                if (!why.empty()) out_.left_out.push_back({folder / relative, std::string(why)});
+                continue;
+            }
             ++taken;
             fs::path stem = relative;
             add_unique({folder / relative, stem.replace_extension(), folder_name(folder)});
         }
-        if (taken == 0) refuse(pattern, codes::kNothingToDo, "no mesh file matches the pattern");
+        if (taken > 0) return;
+        std::string message(nothing);
+        if (out_.left_out.size() > left_before) message += " that a search takes";
+        refuse(input, codes::kNothingToDo, message);
+    }
+
+    void add_pattern(const fs::path& pattern) {
+        const auto [folder, matches] = files_matching(pattern);
+        add_files(pattern, folder, matches, "the pattern matches no meshes");
     }
 
     void add_file(const fs::path& input) {
@@ -148,7 +183,9 @@ class Planner {
     }
 
     void add_unique(Found found) {
-        if (seen_.insert(true_path(found.source)).second) found_.push_back(std::move(found));
+        if (!seen_.insert(true_path(found.source)).second) return;
+        found.keeps_extension = siblings_.has_better(found.source);
+        found_.push_back(std::move(found));
     }
 
     void refuse(const fs::path& input, const model::Code& code, const std::string& message) {
@@ -170,12 +207,14 @@ class Planner {
             if (has_folder_ || request_.inputs.size() > 1)
                 throw model::Error(codes::kUsage, "one output file cannot hold several assets; name a folder with -o",
                                    output.string());
+            out_.names_output = true;
             file_stem_ = output.parent_path() / output.stem();
             out_.folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
         } else if (formats::has_mesh_extension(output)) {
             throw model::Error(codes::kUsage,
                                "the output is named like a mesh; dgm-bake writes FILE.dgm, FILE.exr, or into a folder",
-                               output.string());
+                               output.string())
+                .with_hint("name a .dgm, and make a mesh of it with dgm-export");
         } else {
             out_.folder = output;
         }
@@ -222,6 +261,7 @@ class Planner {
     std::vector<Found> found_;
     std::vector<std::pair<std::size_t, PlannedAsset>> refused_;
     std::set<fs::path> seen_;  ///< canonical sources
+    Siblings siblings_;
     bool has_folder_ = false;
     fs::path file_stem_;  ///< of the one output file; empty if outputs go into a folder
 };

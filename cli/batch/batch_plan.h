@@ -34,9 +34,18 @@ struct Shard {
     unsigned number = 1, count = 1;
 };
 
+/// A mesh file that a folder or pattern holds and that is not baked.
+struct LeftOutFile {
+    std::filesystem::path path;
+    std::string why;  ///< a remark: "there is no importer for it: export it as GLB, FBX or OBJ"
+};
+
 struct BatchPlan {
-    std::filesystem::path folder;  ///< where outputs go; made if its parent exists
+    std::filesystem::path folder;  ///< where outputs go; made with its parents
     std::vector<PlannedAsset> assets;
+    std::vector<LeftOutFile> left_out;         ///< in the order of the search
+    std::vector<std::filesystem::path> roots;  ///< folders that were searched, those of patterns too
+    bool names_output = false;                 ///< -o names the one output file, so nothing was derived
 };
 
 /// Which shard of `count` an asset belongs to, from 1: the one whose hash together with the name is largest (rendezvous
@@ -47,18 +56,18 @@ struct BatchPlan {
 /// Leaves the assets of one shard, in their order. Outputs are named as if there were no shards.
 void keep_shard(BatchPlan& plan, Shard shard);
 
-/// Folders are searched recursively for OBJ and 3DS files, the formats dgm-bake answers for; other formats that the
-/// importer reads (PLY, STL, OFF, glTF, ...) are baked when named. Hidden files and folders are skipped, links to
-/// folders not followed, a file met twice is baked once. The order is that of the inputs, inside a folder the byte
-/// order of the relative paths.
+/// Folders are searched recursively for meshes of every format that is tested (mesh_formats.h); other mesh files are
+/// listed in `left_out`, and baked when named. Hidden files and folders are skipped, links to folders not followed, a
+/// file met twice is baked once. The order is that of the inputs, inside a folder the byte order of the relative paths.
 ///
 /// An input that does not exist and has `*`, `?` or `[` in it is a pattern, for shells that did not expand it: `**`
-/// stands for any number of folders. It names the mesh files it matches, of every format, and is otherwise treated like
-/// the folder in front of its first wildcard.
+/// stands for any number of folders. It is treated like the folder in front of its first wildcard.
 ///
-/// `a/stomach.obj` becomes `stomach.dgm`; below an input folder the relative path is kept. Where two assets would
-/// write the same file, each of them keeps its extension (`x.obj.dgm`, `x.3ds.dgm`); where that is not enough, each
-/// goes below a folder named like the input folder (for a file: the folder it is in).
+/// `a/stomach.obj` becomes `stomach.dgm`; below an input folder the relative path is kept. Where meshes of several
+/// formats share a stem, the first in the order of mesh_rank() has the plain name and the others keep their extension:
+/// `x.dgm` is made from `x.obj`, `x.3ds.dgm` from `x.3ds`. The files beside a mesh on disk decide that, so its output
+/// has the same name whatever else is baked. Where outputs from several folders would still share a name, each goes
+/// below a folder named like its input folder (for a file: the folder it is in).
 ///
 /// Every asset gets `options`.
 ///

@@ -48,7 +48,7 @@ json error_json(const model::Error& error, const std::string& worker_output) {
              {"message", error.what()},
              {"place", error.place()},
              {"stage", error.stage()},
-             {"hint", error.code().hint},
+             {"hint", error.hint()},
              {"exit_code", static_cast<int>(error.code().exit)}};
     if (!worker_output.empty()) out["worker_output"] = worker_output;
     return out;
@@ -57,6 +57,8 @@ json error_json(const model::Error& error, const std::string& worker_output) {
 std::string shown(const std::filesystem::path& path) {
     return path.lexically_normal().string();
 }
+
+}  // namespace
 
 json asset_json(const PlannedAsset& asset, const AssetResult& result) {
     json out{{"source", asset.source.string()},          {"name", asset.name},
@@ -74,7 +76,16 @@ json asset_json(const PlannedAsset& asset, const AssetResult& result) {
     return out;
 }
 
-}  // namespace
+void add_other_files(json& report, const std::vector<LeftOutFile>& left_out, const std::vector<LeftOver>& left_over) {
+    for (const LeftOutFile& file : left_out)
+        report["left_out"].push_back({{"path", file.path.string()}, {"why", file.why}});
+    for (const LeftOver& file : left_over)
+        report["left_over"].push_back(
+            {{"path", shown(file.path)},
+             {"source_name", file.source_name},
+             {"replacement", file.replacement.empty() ? json(nullptr) : json(shown(file.replacement))},
+             {"removed", file.removed}});
+}
 
 json report_frame(std::string_view generator, model::ExitCode exit) {
     return {{"generator", generator}, {"report_version", kReportVersion}, {"exit_code", static_cast<int>(exit)}};

@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <vector>
 
 #include "batch/batch_runner.h"
+#include "batch/left_over.h"
 #include "model/error.h"
 
 namespace dgm::bake {
@@ -17,6 +19,11 @@ inline constexpr int kReportVersion = 2;
 
 /// Generator, version and exit code.
 [[nodiscard]] nlohmann::json report_frame(std::string_view generator, model::ExitCode exit);
+/// One entry of "assets".
+[[nodiscard]] nlohmann::json asset_json(const PlannedAsset& asset, const AssetResult& result);
+/// Puts "left_out" and "left_over", where there is anything to tell.
+void add_other_files(nlohmann::json& report, const std::vector<LeftOutFile>& left_out,
+                     const std::vector<LeftOver>& left_over);
 /// Puts summary.up_to_date and the like.
 void set_count(nlohmann::json& report, Outcome outcome, std::uint64_t count);
 

@@ -168,7 +168,8 @@ class Batch {
             if (observer_.on_progress) observer_.on_progress(r.asset, r.stage, progress->share);
         } else if (const auto* notice = std::get_if<NoticeMessage>(&*message)) {
             if (r.notices++ < kMaxNotices && observer_.on_notice)
-                observer_.on_notice(r.asset, std::string_view(notice->text).substr(0, kMaxNoticeBytes));
+                observer_.on_notice(r.asset, {notice->notice.kind.substr(0, kMaxNoticeBytes),
+                                              notice->notice.text.substr(0, kMaxNoticeBytes)});
         } else if (std::holds_alternative<OutOfMemoryMessage>(*message)) {
             r.out_of_memory = true;
         } else {
@@ -257,7 +258,7 @@ class Batch {
 
     void mark_ended(std::size_t k) {
         done_[k] = true;
-        if (observer_.on_end) observer_.on_end(k);
+        if (observer_.on_end) observer_.on_end(k, results_[k]);
     }
 
     void interrupt() {

@@ -55,8 +55,9 @@ struct BatchObserver {
     std::function<void(std::size_t asset)> on_start;
     std::function<void(std::size_t asset, std::string_view stage, double share)> on_progress;
     /// A line of plain language about the mesh, before the long part begins.
-    std::function<void(std::size_t asset, std::string_view line)> on_notice;
-    std::function<void(std::size_t asset)> on_end;  ///< its worker is gone; its result may wait for earlier assets
+    std::function<void(std::size_t asset, const Notice& notice)> on_notice;
+    /// Its worker is gone. on_finish may wait for earlier assets.
+    std::function<void(std::size_t asset, const AssetResult& result)> on_end;
     /// In the order of the plan, whatever order the workers end in.
     std::function<void(std::size_t asset, const AssetResult& result)> on_finish;
     std::function<void()> on_tick;  ///< at least four times a second

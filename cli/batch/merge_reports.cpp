@@ -64,6 +64,29 @@ json parsed(const NamedReport& report) {
     return object;
 }
 
+/// Files that several parts of a batch have met, once each. What one of them has removed is removed.
+class OtherFiles {
+ public:
+    void add(const json& report) {
+        for (const char* key : {"left_out", "left_over"}) {
+            const auto list = report.find(key);
+            if (list == report.end() || !list->is_array()) continue;
+            for (const json& file : *list) {
+                if (!file.is_object()) continue;
+                const auto [place, is_new] = files_[key].try_emplace(text_in(file, "path"), file);
+                if (!is_new && file.value("removed", false)) place->second = file;
+            }
+        }
+    }
+    void put(json& report) const {
+        for (const auto& [key, files] : files_)
+            for (const auto& [path, file] : files) report[key].push_back(file);
+    }
+
+ private:
+    std::map<std::string, std::map<std::string, json>> files_;
+};
+
 }  // namespace
 
 MergedReport merge_reports(const std::vector<NamedReport>& reports) {
@@ -72,9 +95,11 @@ MergedReport merge_reports(const std::vector<NamedReport>& reports) {
     std::map<Key, std::tuple<int, std::string, json>> assets;
     std::set<std::string> generators;
     std::set<json> runs;
+    OtherFiles others;
     for (const NamedReport& report : reports) {
         json object = parsed(report);
         generators.insert(text_in(object, "generator"));
+        others.add(object);
         runs.insert(object.contains("run") ? object["run"] : json(nullptr));
         for (json& asset : object["assets"]) {
             const Key key{text_in(asset, "source"),
@@ -105,6 +130,7 @@ MergedReport merge_reports(const std::vector<NamedReport>& reports) {
     out["summary"]["assets"] = list.size();
     if (runs.size() == 1 && !runs.begin()->is_null()) out["run"] = *runs.begin();
     out["assets"] = std::move(list);
+    others.put(out);
     return {out.dump(2, ' ', false, json::error_handler_t::replace) + '\n', worst};
 }
 

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "baking/option_names.h"
+#include "batch/grade.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -30,9 +33,33 @@ std::string charts_text(const std::vector<ChartReport>& charts) {
     return out;
 }
 
-/// "0.02 (0.01 %)": source units, and % of the diagonal.
+/// "0.01 % (0.02 units)": % of the diagonal, and the units of the source.
 std::string error_text(double value, double diagonal, int digits = 2) {
-    return fmt::format("{:.{}g} ({:.{}g} %)", value, digits, diagonal > 0 ? 100 * value / diagonal : 0.0, digits);
+    return fmt::format("{:.{}g} % ({:.{}g} units)", diagonal > 0 ? 100 * value / diagonal : 0.0, digits, value, digits);
+}
+
+/// "good, max 0.05 % (0.1 units), rms 0.01 % (0.02 units)"
+std::string verdict_text(const BakeReport& report) {
+    const SurfaceError& error = report.error;
+    return fmt::format("{}, max {}, rms {}", verdict_word(report), error_text(error.hausdorff, error.diagonal),
+                       error_text(error.rms, error.diagonal));
+}
+
+struct Faults {
+    std::uint64_t flips = 0, turned = 0;
+    double seam_gap = 0;
+    bool keeps_topology = true;
+};
+
+Faults faults_of(const BakeReport& report) {
+    Faults out;
+    for (const ChartReport& chart : report.charts) {
+        out.flips += chart.map.flips;
+        out.turned += chart.turned_faces;
+        out.seam_gap = std::max(out.seam_gap, chart.seam_gap);
+        out.keeps_topology = out.keeps_topology && keeps_topology(chart);
+    }
+    return out;
 }
 
 /// The names of the files, and their bytes together.
@@ -146,34 +173,31 @@ std::string search_story(const GridSearch& s, double diagonal) {
 
 std::string up_to_date_line(const AssetResult& result) {
     const auto [names, bytes] = files_text(result);
-    const SurfaceError& error = result.report.error;
-    return fmt::format("{}: up to date, rms {}, {}", names, error_text(error.rms, error.diagonal), bytes_text(bytes));
+    return fmt::format("{}: up to date, {}, {}", names, verdict_text(result.report), bytes_text(bytes));
 }
 
 std::string result_line(const AssetResult& result) {
     const BakeReport& report = result.report;
-    std::uint64_t flips = 0, turned = 0;
-    double seam_gap = 0;
-    for (const ChartReport& chart : report.charts) {
-        flips += chart.map.flips;
-        turned += chart.turned_faces;
-        seam_gap = std::max(seam_gap, chart.seam_gap);
-    }
+    const Faults faults = faults_of(report);
     const auto [names, bytes] = files_text(result);
-    std::string out = fmt::format("{}: {}, {:.1f} dB, rms {}, max {}, {}, seam gap {:g}, {}, {:.1f} s", names,
-                                  charts_text(report.charts), report.error.psnr(),
-                                  error_text(report.error.rms, report.error.diagonal),
-                                  error_text(report.error.hausdorff, report.error.diagonal), plural(flips, "flip"),
-                                  seam_gap, bytes_text(bytes), result.seconds);
-    if (turned > 0) out += ", " + plural(turned, "turned face");
+    std::string out = fmt::format("{}: {}, {}, {}, {:.1f} s", names, verdict_text(report), charts_text(report.charts),
+                                  bytes_text(bytes), result.seconds);
+    if (faults.flips > 0) out += ", " + plural(faults.flips, "flip");
+    if (!(faults.seam_gap == 0)) out += fmt::format(", seam gap {:g}", faults.seam_gap);
+    if (!faults.keeps_topology) out += ", another topology than the mesh";
+    if (faults.turned > 0) out += ", " + plural(faults.turned, "turned face");
     if (!report.warnings.empty()) out += ", " + plural(report.warnings.size(), "warning");
     return out;
 }
 
 std::vector<std::string> detail_lines(const BakeReport& report) {
-    std::vector<std::string> out;
+    const Faults faults = faults_of(report);
+    std::vector<std::string> out{fmt::format("  {:.1f} dB, {}, {}, seam gap {:g}", report.error.psnr(),
+                                             plural(faults.flips, "flip"), plural(faults.turned, "turned face"),
+                                             faults.seam_gap)};
     for (const auto& [kind, count] : report.repairs)
         out.push_back(fmt::format("  repaired: {} {}", count, printable(kind)));
+    for (const std::string& remark : report.remarks) out.push_back("  note: " + printable(remark));
     for (const std::string& warning : report.warnings) out.push_back("  warning: " + printable(warning));
     for (std::size_t k = 0; k < report.charts.size(); ++k) {
         const ChartReport& chart = report.charts[k];
@@ -215,7 +239,34 @@ std::string failure_story(std::string_view subject, const model::Error& error, s
         for (std::size_t k = said.size() - std::min<std::size_t>(said.size(), 3); k < said.size(); ++k)
             out += "  it said: " + said[k].substr(0, 500) + '\n';
     }
-    return out + "  next: " + error.code().hint + '\n';
+    return out + "  next: " + error.hint() + '\n';
+}
+
+std::vector<std::string> left_out_lines(const std::vector<LeftOutFile>& files, bool each) {
+    std::vector<std::string> out;
+    if (each) {
+        for (const LeftOutFile& file : files)
+            out.push_back(fmt::format("left out: {}: {}", printable(file.path.string()), file.why));
+        return out;
+    }
+    std::map<std::pair<std::string, std::string>, std::uint64_t> kinds;
+    for (const LeftOutFile& file : files) ++kinds[{printable(file.path.extension().string()), file.why}];
+    for (const auto& [kind, count] : kinds)
+        out.push_back(fmt::format("left out: {}: {}", plural(count, kind.first + " file"), kind.second));
+    return out;
+}
+
+std::vector<std::string> left_over_lines(const std::vector<LeftOver>& files) {
+    std::vector<std::string> out;
+    const bool all_stay = std::none_of(files.begin(), files.end(), [](const LeftOver& file) { return file.removed; });
+    for (const LeftOver& file : files)
+        out.push_back(fmt::format("{}: {}: its mesh {} {}", file.removed ? "removed" : "left over",
+                                  printable(file.path.lexically_normal().string()), printable(file.source_name),
+                                  file.replacement.empty()
+                                      ? "is gone"
+                                      : "becomes " + printable(file.replacement.lexically_normal().string()) + " now"));
+    if (!files.empty() && all_stay) out.push_back(fmt::format("--prune removes {}", files.size() == 1 ? "it" : "them"));
+    return out;
 }
 
 std::string summary_line(const std::vector<AssetResult>& results) {

@@ -9,6 +9,7 @@
 
 #include "batch/batch_plan.h"
 #include "batch/batch_runner.h"
+#include "batch/left_over.h"
 
 namespace dgm::bake {
 
@@ -18,17 +19,23 @@ namespace dgm::bake {
 /// "1.2 MB": powers of 1000.
 [[nodiscard]] std::string bytes_text(std::uint64_t bytes);
 
-/// "stomach.dgm: stretch 257x257, 81.3 dB, rms 0.017 (0.0086 %), max 0.1 (0.05 %), 0 flips, seam gap 0, 1.2 MB, 3.4 s".
-/// Errors are in source units and % of the source's diagonal. No newline.
+/// "stomach.dgm: good, max 0.05 % (0.1 units), rms 0.0086 % (0.017 units), stretch 257x257, 1.2 MB, 3.4 s", and what is
+/// wrong with it. Errors are in % of the source's diagonal and in source units. No newline.
 [[nodiscard]] std::string result_line(const AssetResult& result);
 
-/// "stomach.dgm: up to date, rms 0.017 (0.0086 %), 1.2 MB". No newline.
+/// "stomach.dgm: up to date, good, max 0.05 % (0.1 units), rms 0.0086 % (0.017 units), 1.2 MB". No newline.
 [[nodiscard]] std::string up_to_date_line(const AssetResult& result);
+
+/// "left out: 2 .max files: there is no importer for it: ..."; one line a kind, or one a file if `each`.
+[[nodiscard]] std::vector<std::string> left_out_lines(const std::vector<LeftOutFile>& files, bool each);
+
+/// "left over: out/y.dgm: its mesh y.3ds is gone", "removed: ...", and how to remove those that stay.
+[[nodiscard]] std::vector<std::string> left_over_lines(const std::vector<LeftOver>& files);
 
 /// What was asked, what was reached on which grid, and what the next grid would have given, in one line.
 [[nodiscard]] std::string search_story(const GridSearch& search, double diagonal);
 
-/// Repairs, warnings, charts and the candidates of `auto`, one fact a line, indented; for -v.
+/// dB, repairs, warnings, charts and the candidates of `auto`, one fact a line, indented; for -v.
 [[nodiscard]] std::vector<std::string> detail_lines(const BakeReport& report);
 
 /// "dgm-bake: FILE: stage: DGM3002: message", what the worker said last if it crashed, and what to do next.

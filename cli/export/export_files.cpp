@@ -10,6 +10,7 @@
 #include <fstream>
 #include <vector>
 
+#include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
 #include "export/gltf_file.h"
@@ -158,7 +159,8 @@ Image beside(const std::vector<Image>& images, bool below) {
         height = below ? height + image.height + (height > 0 ? kPictureGap : 0) : std::max(height, image.height);
         if (std::max(width, height) > formats::kMaxImageSide)
             throw model::Error(model::codes::kTooLarge,
-                               "the pictures of all charts together are too large; use --chart");
+                               "the pictures of all charts together are too large; use --chart")
+                .with_hint("export the charts one by one: --chart 0, --chart 1, ...");
     }
     if (images.size() == 1) return images[0];
     Image out = render::blank(width, height);
@@ -214,6 +216,7 @@ Image picture(const MapSet& maps, const ExportOptions& options, const Warn& warn
 }  // namespace
 
 MapSet read_maps(const path& file) {
+    formats::check_map_name(file);
     constexpr std::array<char, 4> kExrMagic{'\x76', '\x2f', '\x31', '\x01'};
     std::array<char, 4> start{};
     std::error_code ignored;
@@ -226,6 +229,7 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     const MapSet chosen = only_chart(maps, options.chart);
     if (chosen.charts.empty()) throw model::Error(model::codes::kMissingLayer, "the file has no charts");
     const std::string extension = lower_extension(output);
+    formats::make_folder_of(output);
     StagingFolder staging(output);
     if (extension == ".obj")
         write_obj_files(chosen, output, options.lod, staging);

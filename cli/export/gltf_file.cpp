@@ -183,7 +183,8 @@ class Document {
         text.resize((text.size() + 3) / 4 * 4, ' ');
         const std::size_t binary = (buffer_.bytes().size() + 3) / 4 * 4, total = 12 + 8 + text.size() + 8 + binary;
         if (total > std::numeric_limits<std::uint32_t>::max())
-            throw model::Error(model::codes::kTooLarge, "a .glb holds at most 4 GiB; use --lod or --chart");
+            throw model::Error(model::codes::kTooLarge, "a .glb holds at most 4 GiB")
+                .with_hint("use --lod 2, or export the charts one by one with --chart");
 
         std::vector<std::byte> out;
         out.reserve(total);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,8 @@
 
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
+#include "exr/exr_reader.h"
+#include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "model/element.h"
 
@@ -75,7 +78,7 @@ std::string vector_text(std::span<const double> v) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]);
 }
 
-Json chart_json(const ChartInfo& chart) {
+Json chart_json(const ChartInfo& chart, bool is_exr) {
     Json out;
     out["rows"] = chart.rows, out["cols"] = chart.cols;
     out["domain"] = domain_name(chart.domain), out["method"] = chart.method;
@@ -84,28 +87,60 @@ Json chart_json(const ChartInfo& chart) {
     for (const LayerInfo& layer : chart.layers) {
         Json l;
         l["name"] = layer.name, l["type"] = model::type_name(layer.type), l["shape"] = layer.shape;
-        l["offset"] = layer.offset, l["bytes"] = layer.bytes, l["hash"] = formats::to_hex(layer.hash);
+        l["offset"] = is_exr ? Json(nullptr) : Json(layer.offset), l["bytes"] = layer.bytes,
+        l["hash"] = formats::to_hex(layer.hash);
         l["required"] = layer.required;
         out["layers"].push_back(std::move(l));
     }
     return out;
 }
+bool is_exr(const std::filesystem::path& path) {
+    constexpr std::array<char, 4> kMagic{'\x76', '\x2f', '\x31', '\x01'};
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) return false;  // a pipe would lose its first bytes
+    std::array<char, 4> start{};
+    std::ifstream file(path, std::ios::binary);
+    file.read(start.data(), start.size());
+    return file && start == kMagic;
+}
+
+/// An EXR stores channels: its layers have types, shapes and bytes as decoded, and no place of their own.
+void add_decoded_layers(const model::Chart& chart, ChartInfo& out) {
+    for (const model::Layer& layer : chart.layers) {
+        LayerInfo& info = out.layers.emplace_back();
+        info.name = layer.name, info.type = layer.type;
+        info.shape.assign(layer.shape.begin(), layer.shape.end());
+        info.bytes = layer.bytes.size();
+        info.hash = formats::hash_bytes(layer.bytes);
+        info.required = layer.required;
+    }
+}
+
 }  // namespace
 
+model::MapSet read_maps(const std::filesystem::path& path) {
+    formats::check_map_name(path);
+    return is_exr(path) ? formats::read_exr(path) : formats::read_dgm(path);
+}
+
 FileInfo read_file_info(const std::filesystem::path& path) {
-    const model::MapSet maps = formats::read_dgm(path);
+    const model::MapSet maps = read_maps(path);
     FileInfo out;
     out.file = path.string();
     out.bytes = std::filesystem::file_size(path);
+    out.is_exr = is_exr(path);
     out.format_version = maps.format_version;
     out.generator = maps.generator, out.source_name = maps.source_name, out.report_json = maps.report_json;
     out.source_hash = maps.source_hash, out.settings_hash = maps.settings_hash;
     std::size_t layers = 0;
-    for (const model::Chart& chart : maps.charts) layers += chart.layers.size();
-    const auto records = layer_records(path, maps.charts.size(), layers);
-    for (const model::Chart& chart : maps.charts)
+    for (const model::Chart& chart : maps.charts) {
+        layers += chart.layers.size();
         out.charts.push_back(
             {chart.rows, chart.cols, chart.domain, chart.method, chart.bbox, chart.offset, chart.scale, {}});
+        if (out.is_exr) add_decoded_layers(chart, out.charts.back());
+    }
+    if (out.is_exr) return out;
+    const auto records = layer_records(path, maps.charts.size(), layers);
     for (const layout::LayerRecord& record : records) {
         if (record.chart >= out.charts.size() || record.rank > layout::kMaxRank)
             throw model::Error(model::codes::kReadFailed, "the file changed while it was read");
@@ -123,8 +158,8 @@ FileInfo read_file_info(const std::filesystem::path& path) {
 
 std::string to_text(const FileInfo& info) {
     const nlohmann::json report = nlohmann::json::parse(info.report_json, nullptr, false);
-    std::string out =
-        fmt::format("{}: {} bytes, format {}, {}\n", info.file, info.bytes, info.format_version, info.generator);
+    std::string out = fmt::format("{}: {} bytes, format {}{}, {}\n", info.file, info.bytes, info.format_version,
+                                  info.is_exr ? " as EXR" : "", info.generator);
     out += fmt::format("  source    {}  {}\n", info.source_name, formats::to_hex(info.source_hash));
     out += fmt::format("  settings  {}\n", formats::to_hex(info.settings_hash));
     if (const std::string errors = error_text(report); !errors.empty()) out += fmt::format("  measured  {}\n", errors);
@@ -142,7 +177,9 @@ std::string to_text(const FileInfo& info) {
                            "XXH3-128");
         for (const LayerInfo& layer : chart.layers)
             out += fmt::format("    {:<16} {:<4} {:<20} {:>12} {:>12}  {}\n", layer.name, model::type_name(layer.type),
-                               model::shape_text(layer.shape), layer.offset, layer.bytes, formats::to_hex(layer.hash));
+                               model::shape_text(layer.shape),
+                               info.is_exr ? std::string("-") : std::to_string(layer.offset), layer.bytes,
+                               formats::to_hex(layer.hash));
     }
     return out;
 }
@@ -156,7 +193,7 @@ std::string to_json(std::span<const FileInfo> files) {
         out["source_hash"] = formats::to_hex(info.source_hash);
         out["settings_hash"] = formats::to_hex(info.settings_hash);
         out["charts"] = Json::array();
-        for (const ChartInfo& chart : info.charts) out["charts"].push_back(chart_json(chart));
+        for (const ChartInfo& chart : info.charts) out["charts"].push_back(chart_json(chart, info.is_exr));
         Json report = Json::parse(info.report_json, nullptr, false);
         out["report"] = report.is_discarded() ? Json(nullptr) : std::move(report);
         list.push_back(std::move(out));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/info/file_info.h
-// What a .dgm says about itself, as text for people and as JSON for programs.
+// What a .dgm or an EXR of ours says about itself, as text for people and as JSON for programs.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -17,7 +17,7 @@ struct LayerInfo {
     std::string name;
     model::ElementType type = model::ElementType::kF32;
     std::vector<std::uint64_t> shape;
-    std::uint64_t offset = 0, bytes = 0;  ///< absolute offset in the file
+    std::uint64_t offset = 0, bytes = 0;  ///< absolute offset in the file, 0 in an EXR; bytes as decoded
     std::array<std::uint8_t, 16> hash{};  ///< XXH3-128, canonical
     bool required = false;
 };
@@ -34,14 +34,19 @@ struct ChartInfo {
 struct FileInfo {
     std::string file;  ///< as it was named
     std::uint64_t bytes = 0;
+    bool is_exr = false;
     std::uint32_t format_version = 0;
     std::string generator, source_name, report_json;
     std::array<std::uint8_t, 16> source_hash{}, settings_hash{};
     std::vector<ChartInfo> charts;
 };
 
+/// Reads a .dgm or an EXR, by content. Not thread-safe (HDF5).
+/// @throws model::Error as formats::check_map_name, read_dgm and read_exr
+[[nodiscard]] model::MapSet read_maps(const std::filesystem::path& path);
+
 /// Reads the whole file, so everything told has been checked against hashes and index.
-/// @throws model::Error as formats::read_dgm. Not thread-safe (HDF5).
+/// @throws as read_maps
 [[nodiscard]] FileInfo read_file_info(const std::filesystem::path& path);
 
 /// Several lines, the last with a line end: header, then each chart with its measured errors and its layers.

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "dgm/dgm_reader.h"
 #include "info/file_info.h"
 #include "info/map_diff.h"
 #include "scene/scene_help.h"
@@ -43,7 +42,7 @@ int print_difference(const std::vector<std::string>& files, bool json, std::stri
     std::array<dgm::model::MapSet, 2> maps;
     for (std::size_t k = 0; k < 2; ++k) {
         subject = files[k];
-        maps[k] = dgm::formats::read_dgm(files[k]);
+        maps[k] = dgm::info::read_maps(files[k]);
     }
     const dgm::info::MapDifference found = dgm::info::difference(maps[0], maps[1]);
     std::fputs((json ? dgm::info::to_json(found) : dgm::info::to_text(found)).c_str(), stdout);
@@ -55,7 +54,9 @@ int main(int argc, char** argv) {
     CLI::App app("Prints what a .dgm holds: charts, layers, measured errors.");
     std::vector<std::string> files;
     bool json = false, diff = false;
-    app.add_option("FILE", files, "maps to read; scene files, to see their plan")->required()->type_name("");
+    app.add_option("FILE", files, "maps to read, .dgm or .exr; scene files, to see their plan")
+        ->required()
+        ->type_name("");
     dgm::tool::Group(app, "What it shows")
         .flag("--diff", diff, "what two files differ in: layers, numbers, how far samples moved");
     dgm::tool::Group(app, dgm::tool::kWhatItTells).flag("--json", json, "JSON for programs, instead of text");

@@ -49,11 +49,11 @@ bool fits_together(const model::TriMesh& mesh) {
 
 [[noreturn]] void throw_sent(ByteReader& in) {
     const auto number = in.get<std::int32_t>();
-    std::string message = in.text(), place = in.text();
+    std::string message = in.text(), place = in.text(), hint = in.text();
     const model::Code* code = &codes::kInternal;
     for (const model::Code* known : codes::kAll)
         if (known->number == number) code = known;
-    throw model::Error(*code, std::move(message), std::move(place));
+    throw model::Error(*code, std::move(message), std::move(place)).with_hint(std::move(hint));
 }
 
 /// All that the worker sends until its end.
@@ -111,6 +111,8 @@ std::string encode_import(const ImportedMesh& imported) {
         out.put(material.bump_scale);
     });
     out.put_each(imported.warnings, [&](const std::string& warning) { out.put(warning); });
+    out.put_each(imported.remarks, [&](const std::string& remark) { out.put(remark); });
+    out.put_each(imported.missing, [&](const std::string& name) { out.put(name); });
     out.put_each(imported.dependencies, [&](const std::filesystem::path& path) { out.put(path.native()); });
     out.put_each(imported.dropped, [&](const auto& dropped) {
         out.put(dropped.first);
@@ -126,6 +128,7 @@ std::string encode_import(const model::Error& error) {
     out.put(std::int32_t{error.code().number});
     out.put(std::string(error.what()));
     out.put(error.place());
+    out.put(std::string(error.hint()));
     return out.take();
 }
 
@@ -152,6 +155,8 @@ std::optional<ImportedMesh> decode_import(std::string_view bytes) {
         material.bump_scale = in.get<double>();
     });
     in.get_each([&] { out.warnings.push_back(in.text()); });
+    in.get_each([&] { out.remarks.push_back(in.text()); });
+    in.get_each([&] { out.missing.push_back(in.text()); });
     in.get_each([&] { out.dependencies.emplace_back(in.text()); });
     in.get_each([&] {
         std::string what = in.text();

@@ -49,7 +49,8 @@ Image blank(std::uint32_t width, std::uint32_t height, Rgba8 colour) {
     if (width == 0 || height == 0 || width > formats::kMaxImageSide || height > formats::kMaxImageSide)
         throw model::Error(model::codes::kTooLarge,
                            fmt::format("a picture of {} x {} pixels; each side must be 1 to {}", width, height,
-                                       formats::kMaxImageSide));
+                                       formats::kMaxImageSide))
+            .with_hint("ask for another --size, or for one --chart");
     return {width, height, std::vector<Rgba8>(std::size_t{width} * height, colour)};
 }
 

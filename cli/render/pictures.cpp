@@ -123,7 +123,8 @@ Image comparison_picture(const TriMesh& source, std::vector<Image> source_textur
     if (options.width < 320 || options.height < 160)
         throw model::Error(model::codes::kTooLarge,
                            fmt::format("four panels do not fit into {} x {} pixels; take 320x160 or more",
-                                       options.width, options.height));
+                                       options.width, options.height))
+            .with_hint("ask for a larger --size");
     const double diagonal = diagonal_of(source);
     if (!(diagonal > 0)) throw model::Error(model::codes::kNoFaces, "the source has no surface to compare with");
     Image sheet = blank(options.width, options.height);

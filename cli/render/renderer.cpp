@@ -241,7 +241,8 @@ formats::Image render_mesh(const Surface& surface, const Camera& camera, const R
     const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
     if (pixels == 0 || pixels > (std::uint64_t{1} << 28))
         throw model::Error(model::codes::kTooLarge, "a picture of " + std::to_string(options.width) + " x " +
-                                                        std::to_string(options.height) + " pixels cannot be drawn");
+                                                        std::to_string(options.height) + " pixels cannot be drawn")
+            .with_hint("ask for another --size");
     const Renderer renderer(surface, camera, options);
     formats::Image image{options.width, options.height, std::vector<Rgba8>(pixels)};
     // A pixel depends on its coordinates alone, so how the tiles are shared out does not matter.

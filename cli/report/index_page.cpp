@@ -141,6 +141,28 @@ std::string settings_html(const json& report) {
     return out + "</tbody></table></section>\n";
 }
 
+constexpr const char* kReload = "<meta http-equiv=\"refresh\" content=\"5\">\n";
+
+/// Files that are no assets of the batch: meshes that were not taken, and maps without a mesh.
+std::string other_files_html(const json& report) {
+    std::string out;
+    const auto list = [&](const char* key, const char* title, const auto& text) {
+        if (!report.contains(key)) return;
+        out += fmt::format("<section><h2>{}</h2>\n<ul>\n", title);
+        for (const json& file : report.at(key))
+            out += fmt::format("<li>{}: {}</li>\n", escaped(text_of(file, "path")), escaped(text(file)));
+        out += "</ul></section>\n";
+    };
+    list("left_out", "Left out", [](const json& file) { return text_of(file, "why"); });
+    list("left_over", "Left over", [](const json& file) {
+        const std::string replacement = text_of(file, "replacement");
+        return fmt::format("its mesh {} {}{}", text_of(file, "source_name"),
+                           replacement.empty() ? "is gone" : "becomes " + replacement + " now",
+                           file.value("removed", false) ? "; removed" : "");
+    });
+    return out;
+}
+
 class Index {
  public:
     Index(const json& report, const std::vector<PageState>& pages) : report_(report) {
@@ -158,15 +180,15 @@ class Index {
     }
 
     [[nodiscard]] std::string text() const {
-        std::string out =
-            page_start("Bakes", {}) + "<body>\n<main>\n<header><h1>Bakes</h1>\n" + totals() + "</header>\n";
+        std::string out = page_start("Bakes", running() ? kReload : "") + "<body>\n<main>\n<header><h1>Bakes</h1>\n" +
+                          totals() + "</header>\n";
         if (!failures_.empty()) {
             out += "<section><h2>Not baked</h2>\n";
             for (const json& asset : failures_) out += failure_html(asset);
             out += "</section>\n";
         }
         if (!rows_.empty()) out += table();
-        out += settings_html(report_);
+        out += other_files_html(report_) + settings_html(report_);
         out += "<footer class=\"small\">" + escaped(text_of(report_, "generator")) +
                ". Errors are distances between mesh and map, in % of the bounding box's diagonal and in the mesh's "
                "units; rms over the surface, max at the worst spot.</footer>\n</main>\n";
@@ -175,11 +197,15 @@ class Index {
     }
 
  private:
+    [[nodiscard]] bool running() const { return report_.contains("running"); }
     [[nodiscard]] std::string totals() const {
         std::string out = "<ul class=\"totals\">";
         const auto chip = [&](std::string_view kind, const std::string& text) {
             out += fmt::format("<li class=\"{}\">{}</li>", kind, escaped(text));
         };
+        if (running())
+            chip("look", fmt::format("still running: {} of {}", report_["running"].at("done").dump(),
+                                     report_["running"].at("of").dump()));
         chip("", counted(report_.at("assets").size(), "asset"));
         for (const auto& [outcome, count] : outcomes_)
             if (outcome != "baked" && outcome != "up to date") chip("bad", fmt::format("{} {}", count, outcome));

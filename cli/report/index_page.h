@@ -22,7 +22,8 @@ inline constexpr std::string_view kReportStart = "<script type=\"application/jso
 
 /// The index of a batch report (docs/schemas/report.schema.json): failures and refusals first, then all others, worst
 /// rms in % of the diagonal first, then by name. `pages` goes with the report's assets. What differs from run to run
-/// stands in elements of class "run" and in the script element "report", which holds the whole report.
+/// stands in elements of class "run" and in the script element "report", which holds the whole report. A report with
+/// "running": {"done", "of"} is shown as one that is not yet whole, on a page that loads itself again.
 /// @throws model::Error kInternal if `report` is not such a report
 [[nodiscard]] std::string index_page(const nlohmann::json& report, const std::vector<PageState>& pages);
 

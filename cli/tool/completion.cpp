@@ -11,22 +11,6 @@
 namespace dgm::tool {
 namespace {
 
-/// "sample|l2|best": three words. Types in capitals ("FILE|DIR") stand for something else.
-std::vector<std::string> listed_words(const std::string& type) {
-    std::vector<std::string> out;
-    if (type.find('|') == std::string::npos) return out;
-    std::string_view rest = type;
-    for (;;) {
-        const std::size_t bar = rest.find('|');
-        const std::string_view word = rest.substr(0, bar);
-        if (word.empty() || std::any_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
-            return {};
-        out.emplace_back(word);
-        if (bar == std::string_view::npos) return out;
-        rest.remove_prefix(bar + 1);
-    }
-}
-
 /// The words after `--` of a program or of one of its commands, and for bash the cases of options that take a value.
 struct Completion {
     std::string words, cases;
@@ -37,15 +21,13 @@ Completion completion_of(const CLI::App& app) {
     for (const OptionRow& row : option_rows(app)) {
         out.words += fmt::format("{}{}", out.words.empty() ? "" : " ", fmt::join(row.names, " "));
         if (row.value.empty()) continue;
-        const std::vector<std::string> listed = listed_words(row.value);
-        const bool is_file = row.value.find("FILE") != std::string::npos ||
-                             row.value.find("MESH") != std::string::npos || row.value.find("DIR") != std::string::npos;
+        const std::vector<std::string> listed = listed_words(row);
         out.cases += fmt::format("        {}) ", fmt::join(row.names, "|"));
         if (!listed.empty())
             out.cases += fmt::format("COMPREPLY=($(compgen -W \"{}\" -- \"$current\"))", fmt::join(listed, " "));
         else
             out.cases +=
-                is_file
+                takes_file(row)
                     ? "local IFS=$'\\n'; COMPREPLY=($(compgen -f -- \"$current\")); compopt -o filenames 2>/dev/null"
                     : "COMPREPLY=()";
         out.cases += "; return ;;\n";
@@ -60,8 +42,7 @@ std::string bash_completion(const CLI::App& app) {
     std::string function = "_" + name;
     std::replace(function.begin(), function.end(), '-', '_');
     const Completion own = completion_of(app);
-    std::string text = "# Completion of " + name +
-                       " for bash; for zsh after `autoload -U bashcompinit && bashcompinit`.\n" + function +
+    std::string text = "# Completion of " + name + " for bash.\n" + function +
                        "() {\n    local current=\"$2\" previous=\"$3\" words=\"" + own.words + "\"\n" +
                        "    case \"$previous\" in\n" + own.cases + "    esac\n";
     const std::vector<const CLI::App*> commands = commands_of(app);

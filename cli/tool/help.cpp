@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "tool/completion.h"
 #include "tool/option_rows.h"
 #include "tool/version.h"
 
@@ -208,8 +209,18 @@ std::string missing_argument(std::string_view name, const Manual& manual) {
 bool print_manual(int argc, const char* const* argv, const CLI::App& app, const Manual& manual) {
     if (argc != 2) return false;
     const std::string_view argument = argv[1];
-    if (argument != "--print-man" && argument != "--print-completion") return false;
-    std::fputs((argument == "--print-man" ? man_page(app, manual, kVersion) : bash_completion(app)).c_str(), stdout);
+    std::string text;
+    if (argument == "--print-man")
+        text = man_page(app, manual, kVersion);
+    else if (argument == "--print-completion")
+        text = bash_completion(app);
+    else if (argument == "--print-completion=zsh")
+        text = zsh_completion(app);
+    else if (argument == "--print-completion=fish")
+        text = fish_completion(app);
+    else
+        return false;
+    std::fputs(text.c_str(), stdout);
     return true;
 }
 

@@ -95,12 +95,12 @@ void present(CLI::App& app, const std::string& program, const Manual& manual);
 /// A page for man(1), section 1, in the man macros of groff.
 [[nodiscard]] std::string man_page(const CLI::App& app, const Manual& manual, std::string_view version);
 
-/// A completion for bash, which zsh takes, too (bashcompinit): option names, the words of options whose type lists them
-/// (`sample|l2|best`), file names elsewhere.
+/// A completion for bash (completion.h has those of zsh and fish): option names, the words of options whose type lists
+/// them (`sample|l2|best`), file names elsewhere.
 [[nodiscard]] std::string bash_completion(const CLI::App& app);
 
-/// Prints the man page for `--print-man` and the completion for `--print-completion`, if that is the only argument:
-/// what the build calls. @return false if it is not
+/// Prints the man page for `--print-man` and a completion for `--print-completion`, `--print-completion=zsh` or
+/// `--print-completion=fish`, if that is the only argument: what the build calls. @return false if it is not
 [[nodiscard]] bool print_manual(int argc, const char* const* argv, const CLI::App& app, const Manual& manual);
 
 }  // namespace dgm::tool

@@ -3,6 +3,8 @@
 #include "tool/option_rows.h"
 
 #include <algorithm>
+#include <iterator>
+#include <string_view>
 
 namespace dgm::tool {
 namespace {
@@ -45,6 +47,27 @@ std::vector<OptionRow> option_rows(const CLI::App& app) {
 
 std::vector<OptionRow> argument_rows(const CLI::App& app) {
     return rows_of(app, true);
+}
+
+std::vector<std::string> listed_words(const OptionRow& row) {
+    std::vector<std::string> out;
+    if (row.value.find('|') == std::string::npos) return out;
+    std::string_view rest = row.value;
+    for (;;) {
+        const std::size_t bar = rest.find('|');
+        const std::string_view word = rest.substr(0, bar);
+        if (word.empty() || std::any_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
+            return {};
+        out.emplace_back(word);
+        if (bar == std::string_view::npos) return out;
+        rest.remove_prefix(bar + 1);
+    }
+}
+
+bool takes_file(const OptionRow& row) {
+    constexpr std::string_view kFiles[] = {"FILE", "MESH", "DIR"};
+    return std::any_of(std::begin(kFiles), std::end(kFiles),
+                       [&](std::string_view word) { return row.value.find(word) != std::string::npos; });
 }
 
 std::vector<std::string> groups_of(const std::vector<OptionRow>& rows) {

@@ -22,6 +22,11 @@ struct OptionRow {
 /// Its arguments: "FILE..."
 [[nodiscard]] std::vector<OptionRow> argument_rows(const CLI::App& app);
 
+/// "sample|l2|best": three words, which an option may take. Types in capitals ("FILE|DIR") stand for something else.
+[[nodiscard]] std::vector<std::string> listed_words(const OptionRow& row);
+/// True if the value is a file or a folder, as its type says.
+[[nodiscard]] bool takes_file(const OptionRow& row);
+
 /// The headings, in order of first use.
 [[nodiscard]] std::vector<std::string> groups_of(const std::vector<OptionRow>& rows);
 

@@ -34,7 +34,7 @@ namespace dgm::tool {
     out += error.code().id() + ": ";
     for (const char c : std::string_view(error.what())) out += c == '\n' ? std::string("\n  ") : std::string(1, c);
     if (!error.place().empty() && error.place() != about) out += "\n  at: " + error.place();
-    return out + "\n  next: " + error.code().hint + "\n";
+    return out + "\n  next: " + error.hint() + "\n";
 }
 
 /// Prints error_text() on stderr.

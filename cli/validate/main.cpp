@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "process/mesh_import.h"
@@ -168,6 +169,7 @@ Report parse_report(const std::string& text) {
 
 /// @throws model::Error kWriteFailed
 void write_text(const std::string& file, const std::string& text) {
+    formats::make_folder_of(file);
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     stream << text;
     stream.close();

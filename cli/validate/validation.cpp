@@ -11,6 +11,7 @@
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
 #include "geometry/metrics/reconstruction.h"
+#include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "validate/file_list.h"
 #include "validate/finding_list.h"
@@ -110,6 +111,7 @@ FileValidation validate_file(const std::filesystem::path& path, const Options& o
     out.path = path;
     FindingList findings;
     try {
+        formats::check_map_name(path);
         MapSet maps;
         if (is_exr(path))
             maps = formats::read_exr(path);

@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <system_error>
 
+#include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
 #include "exr/exr_reader.h"
@@ -26,6 +28,7 @@ namespace fs = std::filesystem;
 namespace codes = model::codes;
 
 constexpr std::uint64_t kLeastBytes = 65536;
+constexpr const char* kOtherName = "choose another name with -o, or move what has it";
 
 formats::ExrLayout file_layout(ExrLayout layout) {
     return layout == ExrLayout::kMultipart ? formats::ExrLayout::kMultipart : formats::ExrLayout::kAuto;
@@ -111,7 +114,10 @@ void OutputFolders::make(const fs::path& folder) {
     std::error_code error;
     if (fs::is_directory(folder, error)) return;
     if (fs::exists(fs::status(folder, error)))
-        throw model::Error(codes::kWriteFailed, "the output folder's name is taken by a file", folder.string());
+        throw model::Error(codes::kWriteFailed, "the output folder's name is taken by a file", folder.string())
+            .with_hint(kOtherName);
+    const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
+    if (!parent.empty() && !fs::exists(fs::status(parent, error))) make(parent);
     if (::mkdir(folder.c_str(), 0777) != 0) {
         const int reason = errno;
         if (reason == EEXIST && fs::is_directory(folder, error)) return;  // another program was as quick
@@ -129,10 +135,27 @@ void OutputFolders::make_below(const fs::path& root, const fs::path& file) {
     }
 }
 
+void write_whole(const fs::path& path, const std::string& text) {
+    const fs::path temporary = temporary_for(path);
+    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+    out << text;
+    out.close();
+    try {
+        if (!out) throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
+        formats::publish_file(temporary, path);
+    } catch (const model::Error& error) {
+        const model::Error failure = explained(error, temporary);
+        std::error_code ignored;
+        fs::remove(temporary, ignored);
+        throw failure;
+    }
+}
+
 void check_writable(const fs::path& final_path) {
     std::error_code error;
     if (fs::is_directory(final_path, error))
-        throw model::Error(codes::kWriteFailed, "the output's name is taken by a folder", final_path.string());
+        throw model::Error(codes::kWriteFailed, "the output's name is taken by a folder", final_path.string())
+            .with_hint(kOtherName);
     const fs::path probe = temporary_for(final_path);
     const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (fd < 0)

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "baking/bake_options.h"
@@ -41,7 +42,7 @@ class OutputFolders {
     OutputFolders& operator=(const OutputFolders&) = delete;
     ~OutputFolders();
 
-    /// Makes `folder` unless it is there; its parent must exist.
+    /// Makes `folder`, and those above it, unless they are there.
     /// @throws model::Error kWriteFailed
     void make(const std::filesystem::path& folder);
     /// Makes the folders between `root` and `file`.
@@ -51,6 +52,10 @@ class OutputFolders {
     bool shared_;
     std::vector<std::filesystem::path> made_;
 };
+
+/// Writes `text` to `path`, which is the old file or the new one at any time.
+/// @throws model::Error kWriteFailed; kNoSpace or kIoTrouble where that is why
+void write_whole(const std::filesystem::path& path, const std::string& text);
 
 /// Finds out before minutes of baking whether `final_path` can be put in place: it is not a folder, and a file can be
 /// created beside it. Leaves nothing behind.

@@ -88,8 +88,8 @@ WorkerMessage guarded(std::uint64_t memory_bytes, const ProgressSender& sender, 
 
 WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
     ProgressSender sender;
-    job.options.on_notice = [](const std::string& line) {
-        static_cast<void>(send_message(encode(WorkerMessage{NoticeMessage{line}})));
+    job.options.on_notice = [](const Notice& notice) {
+        static_cast<void>(send_message(encode(WorkerMessage{NoticeMessage{notice}})));
     };
     return guarded(job.memory_bytes, sender,
                    [&]() -> WorkerMessage { return ResultMessage{bake_and_write(job, bake, sender)}; });

@@ -141,12 +141,13 @@ WorkerMessage message_from(const json& object) {
         if (share == object.end() || !share->is_number()) malformed();
         return ProgressMessage{text_at(object, "stage"), std::clamp(share->get<double>(), 0.0, 1.0)};
     }
-    if (type == "notice") return NoticeMessage{text_at(object, "text")};
+    if (type == "notice") return NoticeMessage{{text_at(object, "kind"), text_at(object, "text")}};
     if (type == "result") return ResultMessage{report_from_json(text_at(object, "report"))};
     if (type != "error") malformed();
     model::Error error(code_of(number_at(object, "code", kMaxU32)), text_at(object, "message"),
                        text_at(object, "place"));
     error.with_stage(text_at(object, "stage"));
+    error.with_hint(text_at(object, "hint"));
     return ErrorMessage{std::move(error)};
 }
 
@@ -154,14 +155,14 @@ struct Encoder {
     json operator()(const ProgressMessage& m) const {
         return {{"type", "progress"}, {"stage", m.stage}, {"share", m.share}};
     }
-    json operator()(const NoticeMessage& m) const { return {{"type", "notice"}, {"text", m.text}}; }
+    json operator()(const NoticeMessage& m) const {
+        return {{"type", "notice"}, {"kind", m.notice.kind}, {"text", m.notice.text}};
+    }
     json operator()(const ResultMessage& m) const { return {{"type", "result"}, {"report", to_json(m.report, true)}}; }
     json operator()(const ErrorMessage& m) const {
-        return {{"type", "error"},
-                {"code", static_cast<std::uint64_t>(m.error.code().number)},
-                {"message", m.error.what()},
-                {"place", m.error.place()},
-                {"stage", m.error.stage()}};
+        return {{"type", "error"},           {"code", static_cast<std::uint64_t>(m.error.code().number)},
+                {"message", m.error.what()}, {"place", m.error.place()},
+                {"stage", m.error.stage()},  {"hint", m.error.hint()}};
     }
     json operator()(const OutOfMemoryMessage&) const { return {{"type", "out-of-memory"}}; }
 };

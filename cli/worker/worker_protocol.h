@@ -34,7 +34,7 @@ struct ProgressMessage {
 };
 /// A warning or note about the mesh, in plain language, as soon as it is known.
 struct NoticeMessage {
-    std::string text;
+    Notice notice;
 };
 struct ResultMessage {
     BakeReport report;  ///< the files are written, read back and equal

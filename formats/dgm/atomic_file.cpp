@@ -33,6 +33,11 @@ void sync(const fs::path& path, int flags, bool is_folder) {
 
 }  // namespace
 
+void make_folder_of(const fs::path& file) {
+    std::error_code ignored;
+    if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);
+}
+
 void sync_file(const fs::path& path) {
     sync(path, O_RDONLY, false);
 }

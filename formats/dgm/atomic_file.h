@@ -6,6 +6,10 @@
 
 namespace dgm::formats {
 
+/// Makes the folders above `file` that are not there, as every option does that names an output. What cannot be made
+/// shows when the file is written.
+void make_folder_of(const std::filesystem::path& file);
+
 /// fsync of the file's data and length. @throws model::Error kWriteFailed
 void sync_file(const std::filesystem::path& path);
 

@@ -3,13 +3,16 @@
 #include "mesh/assimp_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <exception>
 #include <string_view>
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/material.h>
+#include <assimp/metadata.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
@@ -56,6 +59,15 @@ struct Placement {
             c{linear[0][2], linear[1][2], linear[2][2]};
         const Vec3d out = (cross(b, c) * n.x + cross(c, a) * n.y + cross(a, b) * n.z) * (mirrors() ? -1.0 : 1.0);
         return normalized(out, {0, 0, 0});
+    }
+    /// True if the rows are unit vectors along the axes that make a right-handed frame.
+    [[nodiscard]] bool is_rotation() const {
+        for (int r = 0; r < 3; ++r) {
+            int column = 0, row = 0;
+            for (int c = 0; c < 3; ++c) row += linear[r][c] != 0 ? 1 : 0, column += linear[c][r] != 0 ? 1 : 0;
+            if (row != 1 || column != 1) return false;
+        }
+        return !mirrors();
     }
     [[nodiscard]] bool mirrors() const {
         const Vec3d a{linear[0][0], linear[1][0], linear[2][0]}, b{linear[0][1], linear[1][1], linear[2][1]},
@@ -108,7 +120,7 @@ class SceneMerger {
             const aiNode* node;
             Placement parent;
         };
-        std::vector<Entry> stack{{scene_.mRootNode, {}}};
+        std::vector<Entry> stack{{scene_.mRootNode, world()}};
         while (!stack.empty()) {
             const Entry entry = stack.back();
             stack.pop_back();
@@ -125,6 +137,50 @@ class SceneMerger {
     }
 
  private:
+    /// assimp 5.2 leaves FBX in its own units and axes and tells what they are.
+    Placement world() {
+        Placement out;
+        double centimetres = 0;
+        if (!number_of("UnitScaleFactor", centimetres) || !std::isfinite(centimetres) || !(centimetres > 0)) return out;
+        const double scale = centimetres / 100;
+        const std::array<std::array<const char*, 2>, 3> keys{
+            {{"CoordAxis", "CoordAxisSign"}, {"UpAxis", "UpAxisSign"}, {"FrontAxis", "FrontAxisSign"}}};
+        Placement axes;
+        bool stated = true;
+        for (int row = 0; row < 3; ++row) {
+            double axis = 0, sign = 0;
+            stated = stated && number_of(keys[row][0], axis) && number_of(keys[row][1], sign) && axis >= 0 && axis <= 2;
+            for (int column = 0; column < 3; ++column)
+                axes.linear[row][column] = stated && column == static_cast<int>(axis) ? (sign < 0 ? -1 : 1) : 0;
+        }
+        if (stated && axes.is_rotation()) {
+            out = axes;
+            if (out.linear[1][1] != 1) out_.remarks.emplace_back("FBX with another axis up: turned to y up");
+        }
+        for (auto& row : out.linear)
+            for (double& value : row) value *= scale;
+        std::array<char, 64> text{};
+        static_cast<void>(
+            std::snprintf(text.data(), text.size(), "FBX unit of %g cm: scaled by %g to metres", centimetres, scale));
+        if (scale != 1) out_.remarks.emplace_back(text.data());
+        return out;
+    }
+
+    /// A number of the scene's metadata, of whatever type. @return false if there is none of that name
+    bool number_of(const char* key, double& out) const {
+        if (scene_.mMetaData == nullptr) return false;
+        float single = 0;
+        std::int32_t whole = 0;
+        if (scene_.mMetaData->Get(key, out)) return true;
+        if (scene_.mMetaData->Get(key, single))
+            out = static_cast<double>(single);
+        else if (scene_.mMetaData->Get(key, whole))
+            out = whole;
+        else
+            return false;
+        return true;
+    }
+
     void append(const aiMesh& source, const Placement& placement) {
         auto& mesh = out_.mesh;
         const std::uint64_t vertices = mesh.positions.size() + std::uint64_t{source.mNumVertices};
@@ -210,7 +266,8 @@ class SceneMerger {
             out_.dependencies.push_back(*found);
             return *found;
         }
-        warn("texture missing: " + std::string(name));
+        out_.missing.emplace_back(name);
+        warn(texture_missing(name));
         return {};
     }
 

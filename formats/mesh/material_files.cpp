@@ -3,9 +3,12 @@
 #include "mesh/material_files.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <system_error>
 
 #include "mesh/text_input.h"
+#include "model/codes.h"
 
 namespace dgm::formats {
 namespace {
@@ -14,13 +17,45 @@ namespace fs = std::filesystem;
 
 /// A folder with more names than this is searched by exact name only.
 constexpr std::size_t kMaxListedNames = 100'000;
+constexpr std::array kTextureFolders{"textures", "texture", "maps", "images", "materials"};
+
+std::string missing(const model::Code& code, std::string_view what, std::string_view name) {
+    std::string out = code.id() + ": " + std::string(what) + " missing: " + std::string(name) +
+                      "; looked for beside the mesh and there in";
+    for (const char* folder : kTextureFolders) out += std::string(folder == kTextureFolders[0] ? " " : ", ") + folder;
+    return out;
+}
 
 bool is_file(const fs::path& path) {
     std::error_code error;
     return fs::is_regular_file(path, error);
 }
 
+/// "/C:/My Files/a.png" for "file:///C:/My%20Files/a.png".
+std::string url_decoded(std::string_view name) {
+    constexpr std::string_view kScheme = "file://";
+    if (name.starts_with(kScheme)) name.remove_prefix(kScheme.size());
+    std::string out;
+    for (std::size_t k = 0; k < name.size(); ++k) {
+        unsigned value = 0;
+        const char* const digits = name.data() + k + 1;
+        const bool is_code =
+            name[k] == '%' && name.size() - k > 2 && std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2;
+        out += is_code ? static_cast<char>(value) : name[k];
+        k += is_code ? 2 : 0;
+    }
+    return out;
+}
+
 }  // namespace
+
+std::string texture_missing(std::string_view name) {
+    return missing(model::codes::kTextureMissing, "texture", name);
+}
+
+std::string library_missing(std::string_view name) {
+    return missing(model::codes::kMaterialsMissing, "material library", name);
+}
 
 const FileFinder::Listing& FileFinder::listing(const fs::path& folder) {
     const auto [entry, is_new] = listings_.try_emplace(folder);
@@ -62,18 +97,27 @@ std::optional<fs::path> FileFinder::find_below(const fs::path& folder, std::stri
 std::optional<fs::path> FileFinder::find(std::string_view name) {
     name = trim(name);
     if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-    std::string path(name);
+    if (auto found = find_as_it_stands(std::string(name))) return found;
+    const std::string decoded = url_decoded(name);
+    return decoded == name ? std::nullopt : find_as_it_stands(decoded);
+}
+
+std::optional<fs::path> FileFinder::find_as_it_stands(std::string path) {
     std::replace(path.begin(), path.end(), '\\', '/');
     if (path.empty() || path.size() > 4096 || path.find('\0') != std::string::npos) return std::nullopt;
     const bool has_drive = path.size() > 2 && path[1] == ':';
     const bool is_absolute = path.front() == '/' || has_drive;
     if (!is_absolute)
         if (auto found = find_below(folder_, path)) return found;
-    const std::size_t slash = path.rfind('/');
-    const std::string last = slash == std::string::npos ? path.substr(has_drive ? 2 : 0) : path.substr(slash + 1);
-    if (last.empty()) return std::nullopt;
+    std::string last = has_drive ? path.substr(2) : path;
+    for (std::size_t slash = last.find('/'); slash != std::string::npos; slash = last.find('/')) {
+        last.erase(0, slash + 1);
+        if (last.empty()) return std::nullopt;
+        if (last.front() == '/' || last.starts_with("../")) continue;
+        if (auto found = find_below(folder_, last)) return found;
+    }
     if (auto found = find_below(folder_, last)) return found;
-    for (const char* folder : {"textures", "texture", "maps", "images", "materials"})
+    for (const char* folder : kTextureFolders)
         if (auto found = find_below(folder_, std::string(folder) + "/" + last)) return found;
     if (path.front() == '/' && is_file(path)) return fs::path(path);
     return std::nullopt;

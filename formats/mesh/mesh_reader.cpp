@@ -2,8 +2,6 @@
 // formats/mesh/mesh_reader.cpp
 #include "mesh/mesh_reader.h"
 
-#include <algorithm>
-#include <array>
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -33,10 +31,12 @@ void check_file(const fs::path& path, const MeshReadLimits& limits) {
     std::error_code error;
     const auto status = fs::status(path, error);
     if (!fs::exists(status)) throw model::missing_file(path);
-    if (!fs::is_regular_file(status)) throw model::no_regular_file(path);
+    if (!fs::is_regular_file(status)) throw model::no_regular_file(path).with_hint("name a mesh file");
     const std::uint64_t size = fs::file_size(path, error);
     if (error) throw model::unreadable_file(path, error.message());
-    if (size == 0) throw model::Error(codes::kNoFaces, "the file is empty", path.string());
+    if (size == 0)
+        throw model::Error(codes::kNoFaces, "the file is empty", path.string())
+            .with_hint("copy or export it again: nothing is in it");
     if (size > limits.max_file_bytes)
         throw model::Error(codes::kTooLarge,
                            std::to_string(size) + " bytes; the limit is " + std::to_string(limits.max_file_bytes),
@@ -55,13 +55,6 @@ ImportedMesh read_mesh(const fs::path& path, const MeshReadLimits& limits) {
     if (head.starts_with("ply") && head.find("end_header") == std::string::npos)
         throw model::Error(codes::kImportFailed, "the PLY header has no end_header", path.string());
     return read_with_assimp(path, limits);
-}
-
-bool has_mesh_extension(const fs::path& path) {
-    constexpr std::array kExtensions{".obj", ".3ds",  ".ply", ".stl", ".off", ".dae",
-                                     ".fbx", ".gltf", ".glb", ".x3d", ".lwo"};
-    const std::string extension = lower_case(path.extension().string());
-    return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 
 }  // namespace dgm::formats

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/mesh_formats.h"
 #include "model/tri_mesh.h"
 
 namespace dgm::formats {
@@ -25,7 +26,9 @@ struct MeshReadLimits {
 struct ImportedMesh {
     model::TriMesh mesh;
     std::vector<std::string> warnings;                ///< plain language, one fact each, in file order
+    std::vector<std::string> remarks;                 ///< what was done as the file asks: "1 unit is 1 cm: ..."
     std::vector<std::filesystem::path> dependencies;  ///< MTL files and textures that were found; sorted, no doubles
+    std::vector<std::string> missing;                 ///< files that were looked for in vain; not for OBJ
     std::vector<std::pair<std::string, std::uint64_t>> dropped;  ///< what was left out, by kind; no zero counts
 };
 
@@ -34,11 +37,9 @@ struct ImportedMesh {
 /// Vertices that no face uses stay, and so do those that are not finite: repair counts and drops them.
 /// corner_normals, corner_uvs and corner_colours are empty only if no face has them. Paths in materials are resolved
 /// against the mesh's folder without regard to case; a missing one is a warning and an empty path.
+/// FBX, Collada and glTF come out in metres and with y up, as far as the file states its units and axes; 3DS with y up.
 /// Deterministic. May abort or take long on hostile files of the kinds that assimp reads: run it in a worker process.
 /// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE:COLUMN), kTooLarge
 [[nodiscard]] ImportedMesh read_mesh(const std::filesystem::path& path, const MeshReadLimits& limits = {});
-
-/// True if the file name's extension is one that read_mesh reads: what a folder search takes.
-[[nodiscard]] bool has_mesh_extension(const std::filesystem::path& path);
 
 }  // namespace dgm::formats

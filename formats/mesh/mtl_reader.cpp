@@ -137,7 +137,7 @@ class MtlReader {
             dependencies_.push_back(*found);
             return *found;
         }
-        warnings_.push_back("texture missing: " + name);
+        warnings_.push_back(texture_missing(name));
         return {};
     }
 
@@ -194,10 +194,10 @@ void read_mtl_libraries(std::span<const std::string> statements, FileFinder& fin
             if (read_library(name)) {
                 ++found;
             } else if (words > 1 || !trim(rest).empty()) {
-                warnings.push_back("material library missing: " + std::string(name));
+                warnings.push_back(library_missing(name));
             }
         }
-        if (words == 1 && found == 0) warnings.push_back("material library missing: " + statement);
+        if (words == 1 && found == 0) warnings.push_back(library_missing(statement));
     }
 }
 

@@ -212,7 +212,9 @@ void report_tallies(const ObjTallies& tallies, ImportedMesh& out) {
 
 ImportedMesh read_obj(const fs::path& path, const MeshReadLimits& limits) {
     const std::string bytes = read_text_file(path, limits.max_file_bytes);
-    if (trim(bytes).empty()) throw model::Error(codes::kNoFaces, "the file is empty", path.string());
+    if (trim(bytes).empty())
+        throw model::Error(codes::kNoFaces, "the file is empty", path.string())
+            .with_hint("copy or export it again: nothing is in it");
     ObjText text = parse_obj(bytes, path, limits);
     ImportedMesh out;
     const std::vector<MtlMaterial> materials = resolve_materials(text, path, out);

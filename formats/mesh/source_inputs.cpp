@@ -87,7 +87,7 @@ SourceInputs inputs_of_3ds(const fs::path& path) {
         if (const auto found = finder.find(name))
             out.files.push_back(*found);
         else
-            out.missing.push_back("texture missing: " + name);
+            out.missing.push_back(texture_missing(name));
     }
     return out;
 }

@@ -54,7 +54,7 @@ struct Code {
     const char* name;  ///< "HASH_MISMATCH"
     ExitCode exit;
     const char* title;  ///< what is wrong: one line, no trailing stop
-    const char* hint;   ///< what to do about it
+    const char* hint;   ///< what to do about it, whatever the cause; Error::with_hint says more
     const char* why;    ///< why it matters
     /// "DGM1003"
     [[nodiscard]] std::string id() const { return "DGM" + std::to_string(number); }
@@ -72,6 +72,13 @@ class Error : public std::exception {
     [[nodiscard]] const Code& code() const noexcept { return *code_; }
     [[nodiscard]] const std::string& place() const noexcept { return place_; }
     [[nodiscard]] const std::string& stage() const noexcept { return stage_; }
+    /// What to do about it: the code's hint, or the one of this very failure.
+    [[nodiscard]] const char* hint() const noexcept { return hint_.empty() ? code_->hint : hint_.c_str(); }
+    /// For a cause that the code's hint does not fit; an empty one stands for the code's.
+    Error& with_hint(std::string hint) {
+        hint_ = std::move(hint);
+        return *this;
+    }
     /// Names the pipeline stage, outermost last; keeps an inner name that is already there.
     Error& with_stage(const std::string& stage) {
         if (stage_.empty()) stage_ = stage;
@@ -80,7 +87,7 @@ class Error : public std::exception {
 
  private:
     const Code* code_;
-    std::string message_, place_, stage_;
+    std::string message_, place_, stage_, hint_;
 };
 
 }  // namespace dgm::model

@@ -38,7 +38,7 @@ class BadInput(support.Folder):
     def test_folder_without_meshes(self):
         (self.folder / "texts" / "deep").mkdir(parents=True)
         (self.folder / "texts" / "deep" / "notes.txt").write_text("no mesh\n")
-        self.refuse(2, 5004, ["texts", "no OBJ or 3DS"], "texts", "-o", "out")
+        self.refuse(2, 5004, ["texts", "the folder holds no meshes"], "texts", "-o", "out")
 
     def test_moebius_strip(self):
         meshes.write_obj(self.folder / "moebius.obj", meshes.moebius())
@@ -73,9 +73,10 @@ class BadInput(support.Folder):
         self.refuse(2, 5003, ["taken by a file"], "sheet.obj", "-o", "taken")
         self.assertEqual((self.folder / "taken").read_text(), "mine\n")
 
-    def test_output_folder_without_parent(self):
+    def test_output_folder_that_cannot_be_made(self):
         self.sheet()
-        self.refuse(2, 5003, ["cannot be made"], "sheet.obj", "-o", "a/b/c")
+        (self.folder / "taken").write_text("mine\n")
+        self.refuse(2, 5003, ["cannot be made"], "sheet.obj", "-o", "taken/b/c")
 
     def test_output_name_is_a_folder(self):
         self.sheet()
@@ -122,7 +123,7 @@ class BadInput(support.Folder):
         self.assertEqual(path.read_text(), text)
         self.sheet("a.obj")
         self.refuse(1, 6001, ["like a mesh"], "a.obj", "-o", "b.obj")
-        self.refuse(1, 6001, ["overwrite an input"], "a.obj", "-o", "out", "--report", "a.obj")
+        self.refuse(1, 6001, ["overwrite an input"], "a.obj", "-o", "out", "--report", "a.obj", "--report-format", "json")
 
     def test_one_file_for_several_assets(self):
         self.sheet("a.obj")
@@ -173,7 +174,7 @@ class Batch(support.Folder):
         self.assertEqual(report["assets"][1]["error"]["code"], "DGM3002")
         self.assertEqual(report["assets"][1]["error"]["exit_code"], 3)
 
-    def test_colliding_names_keep_their_extension(self):
+    def test_colliding_names_go_below_their_folders(self):
         for folder, names in [("a", ["x.obj", "y.obj"]), ("b", ["x.obj"])]:
             (self.folder / folder).mkdir()
             for name in names:
@@ -181,8 +182,8 @@ class Batch(support.Folder):
         (self.folder / "a" / "x.3ds").write_bytes(b"MM")
         result = self.bake("a", "b", "-o", "out", "--dry-run")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(result.stdout.splitlines(), ["a/x.3ds -> out/x.3ds.dgm", "a/x.obj -> out/a/x.obj.dgm",
-                                                      "a/y.obj -> out/y.dgm", "b/x.obj -> out/b/x.obj.dgm"])
+        self.assertEqual(result.stdout.splitlines(), ["a/x.3ds -> out/x.3ds.dgm", "a/x.obj -> out/a/x.dgm",
+                                                      "a/y.obj -> out/y.dgm", "b/x.obj -> out/b/x.dgm"])
         self.assertFalse((self.folder / "out").exists())
 
     def test_a_file_named_twice_is_baked_once(self):
@@ -203,10 +204,11 @@ class Batch(support.Folder):
         self.assertEqual((quiet.stdout, quiet.stderr), ("", ""))
         verbose = self.bake_well("x.obj", "--size", "9", "-v", "--force")
         self.assertRegex(verbose.stdout.splitlines()[0],
-                         r"^x\.dgm: \w+ 9x9, \d+\.\d dB, rms \S+ \(\S+ %\), max \S+ \(\S+ %\), 0 flips, seam gap 0, \S+ kB, \d+\.\d s")
+                         r"^x\.dgm: [a-z ]+, max \S+ % \(\S+ units\), rms \S+ % \(\S+ units\), \w+ 9x9, \S+ kB, \d+\.\d s")
+        self.assertRegex(verbose.stdout.splitlines()[1], r"^  \d+\.\d dB, 0 flips, \d+ turned faces?, seam gap 0$")
         self.assertIn("chart 0: ", verbose.stdout)
         again = self.bake_well("x.obj", "--size", "9", "-v")
-        self.assertRegex(again.stdout, r"^x\.dgm: up to date, rms \S+ \(\S+ %\), \S+ kB\n")
+        self.assertRegex(again.stdout, r"^x\.dgm: up to date, [a-z ]+, max \S+ % \(\S+ units\), rms \S+ % \(\S+ units\), \S+ kB\n")
         self.assertIn("chart 0: ", again.stdout)
 
     def test_help_and_version(self):

@@ -172,6 +172,39 @@ class Manual(support.Folder):
                 if word.strip() and (shell == "bash" or word.startswith(words[-1]))]
 
     @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
+    def test_completion_of_zsh_itself(self):
+        """What the function hands to zsh's _arguments; with each command of a program, for its options."""
+        for name, program in PROGRAMS.items():
+            commands = self.options_of_commands(name)
+            for command, options in [("", self.options_in_help(program)[1]), *commands.items()]:
+                script = ("_files() { }; _arguments() { print -rl -- \"$@\"; state=rest; }; "
+                          f"words=({command}); source '{MANUAL}/_{name}'")
+                result = subprocess.run(["zsh", "-f", "-c", script], cwd=self.folder, capture_output=True, text=True,
+                                        check=False, timeout=60)
+                self.assertEqual((result.returncode, result.stderr), (0, ""), name)
+                specs = result.stdout.splitlines()
+                offered = set(re.findall(r"^\([^)]*\)(--[a-z-]+)\[", "\n".join(specs), re.MULTILINE))
+                self.assertEqual(offered, self.options_in_help(program)[1] | options, f"{name} {command}")
+                if name == "dgm-bake":
+                    self.assertIn("(--fit)--fit[sample\\: samples lie on the surface]:sample|l2|best:(sample l2 best)", specs)
+
+    @unittest.skipUnless(shutil.which("fish"), "fish is not installed")
+    def test_completion_in_fish(self):
+        def offered(name, typed):
+            script = f"source '{MANUAL}/{name}.fish'; complete -C '{typed}'"
+            result = subprocess.run(["fish", "--no-config", "-c", script], cwd=self.folder, capture_output=True, text=True,
+                                    check=False)
+            self.assertEqual(result.stderr, "")
+            return [line.split("\t")[0] for line in result.stdout.splitlines()]
+        for name, program in PROGRAMS.items():
+            self.assertEqual(set(offered(name, f"{name} --")), self.options_in_help(program)[1], name)
+        self.assertEqual(sorted(offered("dgm-bake", "dgm-bake --fit ")), ["best", "l2", "sample"])
+        (self.folder / "two words.obj").write_text("")
+        self.assertEqual(offered("dgm-bake", "dgm-bake -o tw"), ["two words.obj"])
+        if support.BENCH:
+            self.assertTrue(set(COMMANDS["dgm-bench"]) <= set(offered("dgm-bench", "dgm-bench ")))
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed")
     def test_completion_in_zsh(self):
         (self.folder / "two words.obj").write_text("")
         self.assertEqual(self.complete("dgm-bake", "dgm-bake", "--fit", "", shell="zsh"), ["sample", "l2", "best"])

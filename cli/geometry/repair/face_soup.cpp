@@ -86,8 +86,11 @@ Frame normalise(FaceSoup& soup, RepairCounts& counts) {
     add_count(counts, "unused vertices left out", unused);
     const Vec3d size = hi - lo;
     const double extent = std::max({size.x, size.y, size.z});
-    if (!(extent > 0)) throw Error(codes::kNoFaces, "all vertices coincide");
-    if (!std::isfinite(extent)) throw Error(codes::kTooLarge, "the bounding box overflows double precision");
+    if (!(extent > 0))
+        throw Error(codes::kNoFaces, "all vertices coincide")
+            .with_hint("look at the mesh in a modeller: it is one point");
+    if (!std::isfinite(extent))
+        throw Error(codes::kScaleOutOfRange, "the bounding box overflows double precision; supported: 1e-15 to 1e15");
     Frame frame;
     frame.diagonal = extent * length(size / extent);  // in this order: 1e200 squared would overflow
     frame.centre = lo + size * 0.5;

@@ -30,7 +30,7 @@ struct FaceSoup {
 [[nodiscard]] FaceSoup usable_faces(const TriMesh& source, RepairCounts& counts);
 
 /// Moves the soup to the centre of its bounding box and scales the box's diagonal to 1.
-/// @throws model::Error kNoFaces if all vertices coincide, kTooLarge if the box overflows
+/// @throws model::Error kNoFaces if all vertices coincide, kScaleOutOfRange if the box overflows
 [[nodiscard]] Frame normalise(FaceSoup& soup, RepairCounts& counts);
 
 /// Welds vertices on open edges: exactly first, then within a tolerance (repair.h, step 2).

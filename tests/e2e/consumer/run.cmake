@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs the runtime into an empty prefix, builds the consumers against it three ways, and runs them.
+# Installs the runtime into an empty prefix, builds the consumers against it three ways, and runs them; then a project in
+# C alone, and one line of pkg-config --static.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code)
   if(NOT code EQUAL 0)
@@ -23,3 +24,15 @@ foreach(use shared static pkgconfig)
   run(${WORK}/${use}/consumer_cpp ${WORK}/sample.dgm)
   run(${WORK}/${use}/engine ${WORK}/sample.dgm)
 endforeach()
+
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/c_only -B ${WORK}/c_only -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_C_COMPILER=${C})
+run(${CMAKE_COMMAND} --build ${WORK}/c_only)
+run(${WORK}/c_only/c_only_dgm ${WORK}/sample.dgm)
+set(ENV{LD_LIBRARY_PATH})
+run(${WORK}/c_only/c_only_dgm_static ${WORK}/sample.dgm)
+
+execute_process(COMMAND pkg-config --static --cflags --libs dgm OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(flags UNIX_COMMAND ${flags})
+run(${C} -std=c99 ${SOURCE}/consumer.c -static -o ${WORK}/static_line ${flags})
+run(${WORK}/static_line ${WORK}/sample.dgm)

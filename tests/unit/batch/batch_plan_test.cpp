@@ -53,12 +53,25 @@ class BatchPlanTest : public testing::Test {
 using Lines = std::vector<std::string>;
 
 TEST_F(BatchPlanTest, FoldersAreSearchedInByteOrder) {
-    for (const char* name : {"in/b.obj", "in/a.3DS", "in/B.OBJ", "in/sub/x.obj", "in/skip.ply", "in/.git/y.obj",
+    for (const char* name : {"in/b.obj", "in/a.3DS", "in/B.OBJ", "in/sub/x.obj", "in/c.ply", "in/.git/y.obj",
                              "in/.z.obj", "in/readme.txt"})
         touch(name);
     PlanRequest request{{root_ / "in"}, root_ / "out"};
     EXPECT_EQ(lines(request), (Lines{"in/B.OBJ -> out/B.dgm", "in/a.3DS -> out/a.dgm", "in/b.obj -> out/b.dgm",
-                                     "in/sub/x.obj -> out/sub/x.dgm"}));
+                                     "in/c.ply -> out/c.dgm", "in/sub/x.obj -> out/sub/x.dgm"}));
+}
+
+TEST_F(BatchPlanTest, WhatAFolderSearchLeavesOutIsListed) {
+    for (const char* name : {"in/a.obj", "in/b.fbx", "in/c.blend", "in/sub/d.max", "in/a.mtl", "in/skin.png"})
+        touch(name);
+    const BatchPlan plan = plan_batch({{root_ / "in"}, root_ / "out"});
+    EXPECT_EQ(plan.assets.size(), 2u);
+    ASSERT_EQ(plan.left_out.size(), 2u);
+    EXPECT_EQ(plan.left_out[0].path, root_ / "in/c.blend");
+    EXPECT_NE(plan.left_out[1].why.find("there is no importer"), std::string::npos);
+    touch("other/c.blend");
+    EXPECT_EQ(plan_batch({{root_ / "other"}, root_ / "out"}).assets.at(0).refusal->what(),
+              std::string("the folder holds no meshes that a search takes"));
 }
 
 TEST_F(BatchPlanTest, NamedFilesMayHaveAnyFormat) {
@@ -76,11 +89,34 @@ TEST_F(BatchPlanTest, BothFormatsShareTheStem) {
     EXPECT_EQ(asset.exr, root_ / "o.v2.exr");
 }
 
-TEST_F(BatchPlanTest, CollisionsKeepExtensionThenFolder) {
+TEST_F(BatchPlanTest, ANewSiblingRenamesNothing) {
+    touch("in/y.obj");
+    const PlanRequest request{{root_ / "in"}, root_ / "out"};
+    EXPECT_EQ(lines(request), Lines{"in/y.obj -> out/y.dgm"});
+    for (const char* name : {"in/y.3ds", "in/y.glb", "in/y.mtl", "in/y.OBJ"}) touch(name);
+    EXPECT_EQ(lines(request), (Lines{"in/y.3ds -> out/y.3ds.dgm", "in/y.OBJ -> out/y.OBJ.dgm",
+                                     "in/y.glb -> out/y.glb.dgm", "in/y.obj -> out/y.dgm"}));
+}
+
+TEST_F(BatchPlanTest, AFileHasTheNameThatItsFolderGivesIt) {
+    for (const char* name : {"in/y.3ds", "in/y.obj", "in/z.fbx", "in/z.dae", "in/scan.ply"}) touch(name);
+    const Lines whole = lines({{root_ / "in"}, root_ / "out"});
+    Lines one_by_one;
+    for (const char* name : {"scan.ply", "y.3ds", "y.obj", "z.dae", "z.fbx"})
+        one_by_one.push_back(lines({{root_ / "in" / name}, root_ / "out"}).at(0));
+    EXPECT_EQ(whole, one_by_one);
+    EXPECT_EQ(whole, (Lines{"in/scan.ply -> out/scan.dgm", "in/y.3ds -> out/y.3ds.dgm", "in/y.obj -> out/y.dgm",
+                            "in/z.dae -> out/z.dgm", "in/z.fbx -> out/z.fbx.dgm"}));
+}
+
+TEST_F(BatchPlanTest, CollisionsOfFoldersGoBelowTheirNames) {
     PlanRequest request{{touch("one/x.obj"), touch("one/x.3ds"), touch("two/x.obj"), touch("two/y.obj")},
                         root_ / "out"};
-    EXPECT_EQ(lines(request), (Lines{"one/x.obj -> out/one/x.obj.dgm", "one/x.3ds -> out/x.3ds.dgm",
-                                     "two/x.obj -> out/two/x.obj.dgm", "two/y.obj -> out/y.dgm"}));
+    EXPECT_EQ(lines(request), (Lines{"one/x.obj -> out/one/x.dgm", "one/x.3ds -> out/x.3ds.dgm",
+                                     "two/x.obj -> out/two/x.dgm", "two/y.obj -> out/y.dgm"}));
+    request.inputs = {touch("odd/a.3ds.obj"), touch("odd/a.3ds"), touch("odd/a.obj")};
+    EXPECT_EQ(lines(request), (Lines{"odd/a.3ds.obj -> out/odd/a.3ds.obj.dgm", "odd/a.3ds -> out/odd/a.3ds.dgm",
+                                     "odd/a.obj -> out/a.dgm"}));
     request.inputs = {touch("a/one/x.obj"), touch("b/one/x.obj")};
     EXPECT_EQ(refusal(request), model::codes::kUsage.number);
 }

@@ -26,8 +26,8 @@ AssetResult stomach() {
 
 TEST(ReportText, OneLineSaysWhatMatters) {
     EXPECT_EQ(result_line(stomach()),
-              "out/stomach.dgm: stretch 257x129, 80.0 dB, rms 0.02 (0.01 %), max 0.1 (0.05 %), 0 flips, seam "
-              "gap 0, 1.2 MB, 3.4 s");
+              "out/stomach.dgm: good, max 0.05 % (0.1 units), rms 0.01 % (0.02 units), stretch 257x129, 1.2 MB, 3.4 s");
+    EXPECT_EQ(detail_lines(stomach().report).at(0), "  80.0 dB, 0 flips, 0 turned faces, seam gap 0");
 }
 
 TEST(ReportText, SeveralChartsAddUp) {
@@ -41,8 +41,47 @@ TEST(ReportText, SeveralChartsAddUp) {
     result.report.charts[2].turned_faces = 2;
     result.report.warnings = {"texture missing: skin.png"};
     EXPECT_EQ(result_line(result),
-              "out/stomach.dgm, out/stomach.exr: 3 charts, stretch 257x129, uv 257x129, 80.0 dB, rms 0.02 (0.01 %), "
-              "max 0.1 (0.05 %), 1 flip, seam gap 0.5, 2.2 MB, 3.4 s, 2 turned faces, 1 warning");
+              "out/stomach.dgm, out/stomach.exr: wrong, max 0.05 % (0.1 units), rms 0.01 % (0.02 units), 3 charts, "
+              "stretch 257x129, uv 257x129, 2.2 MB, 3.4 s, 1 flip, seam gap 0.5, 2 turned faces, 1 warning");
+}
+
+TEST(ReportText, TheVerdictGoesByTheFigures) {
+    AssetResult result = stomach();
+    const auto word = [&] {
+        const std::string line = result_line(result);
+        return line.substr(17, line.find(',') - 17);
+    };
+    EXPECT_EQ(word(), "good");
+    result.report.warnings = {"texture missing"};
+    EXPECT_EQ(word(), "worth a look");
+    result.report.error.hausdorff = 12;  // 6 %
+    EXPECT_EQ(word(), "far from the mesh");
+    result = stomach();
+    result.report.charts[0].map_topology.genus = 1;
+    EXPECT_EQ(word(), "worth a look");
+    EXPECT_NE(result_line(result).find(", another topology than the mesh"), std::string::npos);
+    result.outcome = Outcome::kUpToDate;
+    EXPECT_EQ(up_to_date_line(result),
+              "out/stomach.dgm: up to date, worth a look, max 0.05 % (0.1 units), rms 0.01 % (0.02 units), 1.2 MB");
+}
+
+TEST(ReportText, FilesLeftOutAreCountedByKind) {
+    const std::vector<LeftOutFile> files{
+        {"in/a.max", "no importer"}, {"in/b.max", "no importer"}, {"in/c.md3", "untested"}};
+    EXPECT_EQ(left_out_lines(files, false),
+              (std::vector<std::string>{"left out: 2 .max files: no importer", "left out: 1 .md3 file: untested"}));
+    EXPECT_EQ(left_out_lines(files, true).at(1), "left out: in/b.max: no importer");
+}
+
+TEST(ReportText, FilesLeftOverSayWhyAndHowToRemoveThem) {
+    std::vector<LeftOver> files{{"out/y.3ds.dgm", "y.3ds", {}}, {"out/y.obj.dgm", "y.obj", "out/y.dgm"}};
+    EXPECT_EQ(left_over_lines(files),
+              (std::vector<std::string>{"left over: out/y.3ds.dgm: its mesh y.3ds is gone",
+                                        "left over: out/y.obj.dgm: its mesh y.obj becomes out/y.dgm now",
+                                        "--prune removes them"}));
+    files[0].removed = true;
+    EXPECT_EQ(left_over_lines(files).at(0), "removed: out/y.3ds.dgm: its mesh y.3ds is gone");
+    EXPECT_TRUE(left_over_lines({}).empty());
 }
 
 TEST(ReportText, AFailureIsOneStory) {
@@ -53,6 +92,14 @@ TEST(ReportText, AFailureIsOneStory) {
               "  its first face is 771\n"
               "  at: band.obj:12\n"
               "  next: cut the surface open in your modeller so that it has an inside and an outside\n");
+}
+
+TEST(ReportText, AFailureMayHaveAHintOfItsOwn) {
+    model::Error error(model::codes::kTooLarge, "67 samples at this --size");
+    error.with_hint("ask for a smaller --size");
+    EXPECT_NE(failure_story("a.obj", error).find("  next: ask for a smaller --size\n"), std::string::npos);
+    error.with_hint({});
+    EXPECT_NE(failure_story("a.obj", error).find(model::codes::kTooLarge.hint), std::string::npos);
 }
 
 TEST(ReportText, ACrashQuotesTheLastWords) {

@@ -89,9 +89,10 @@ TEST(WorkerProtocol, MessagesComeBack) {
     ASSERT_TRUE(result && std::holds_alternative<ResultMessage>(*result));
     EXPECT_EQ(std::get<ResultMessage>(*result).report.error.rms, 0.1);
 
-    const auto notice = decode_message(encode(WorkerMessage{NoticeMessage{"texture missing: a\nb.png"}}));
+    const auto notice = decode_message(encode(WorkerMessage{NoticeMessage{{"textures", "texture missing: a\nb.png"}}}));
     ASSERT_TRUE(notice && std::holds_alternative<NoticeMessage>(*notice));
-    EXPECT_EQ(std::get<NoticeMessage>(*notice).text, "texture missing: a\nb.png");
+    EXPECT_EQ(std::get<NoticeMessage>(*notice).notice.kind, "textures");
+    EXPECT_EQ(std::get<NoticeMessage>(*notice).notice.text, "texture missing: a\nb.png");
 
     const auto memory = decode_message(kOutOfMemoryLine);
     EXPECT_TRUE(memory && std::holds_alternative<OutOfMemoryMessage>(*memory));
@@ -103,10 +104,11 @@ TEST(WorkerProtocol, NonsenseIsNotAMessage) {
                              "{\"type\":\"result\",\"report\":{}}", "{\"type\":\"result\",\"report\":\"[]\"}",
                              "{\"type\":\"error\",\"code\":-1,\"message\":\"\",\"place\":\"\",\"stage\":\"\"}"})
         EXPECT_FALSE(decode_message(line)) << line;
-    const auto unknown =
-        decode_message("{\"type\":\"error\",\"code\":77,\"message\":\"m\",\"place\":\"\",\"stage\":\"\"}");
+    const auto unknown = decode_message(
+        "{\"type\":\"error\",\"code\":77,\"message\":\"m\",\"place\":\"\",\"stage\":\"\",\"hint\":\"h\"}");
     ASSERT_TRUE(unknown);
     EXPECT_EQ(&std::get<ErrorMessage>(*unknown).error.code(), &model::codes::kInternal);
+    EXPECT_STREQ(std::get<ErrorMessage>(*unknown).error.hint(), "h");
 }
 
 }  // namespace

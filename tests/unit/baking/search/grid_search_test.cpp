@@ -37,8 +37,8 @@ TEST(SearchByError, KeepsTheAnswerAndTellsOfTheNextSmallerGrid) {
     EXPECT_EQ(search.next->outcome, "does not hold");
     EXPECT_DOUBLE_EQ(search.next->rms, 100.0 / (99 * 99));
     EXPECT_EQ(search_story(search, kDiagonal),
-              "asked for rms 0.01 (0.02 %): 101x101 reaches 0 (0 %); the next smaller grid, 99x99, would have given "
-              "0.0102 (0.02041 %)");
+              "asked for rms 0.02 % (0.01 units): 101x101 reaches 0 % (0 units); the next smaller grid, 99x99, would "
+              "have given 0.02041 % (0.0102 units)");
 }
 
 TEST(SearchByError, UnitsAndTheLargestDistance) {

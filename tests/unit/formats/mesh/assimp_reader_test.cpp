@@ -110,7 +110,9 @@ TEST(Import3ds, MissingTextureIsAWarning) {
     export_scene(*two_triangles(false), "3ds", folder / "a.3ds");
     const auto in = read_mesh(folder / "a.3ds");
     ASSERT_EQ(in.warnings.size(), 1u);
-    EXPECT_EQ(in.warnings[0].substr(0, 18), "texture missing: T") << in.warnings[0];
+    EXPECT_EQ(in.warnings[0].substr(0, 27), "DGM3012: texture missing: T") << in.warnings[0];
+    ASSERT_EQ(in.missing.size(), 1u);
+    EXPECT_EQ(in.missing[0].substr(0, 1), "T");
 }
 
 TEST(ImportAssimp, NodesArePlacedAndMirroredFacesTurned) {

@@ -225,10 +225,30 @@ TEST_F(ObjMaterials, NormalMapsAreToldFromHeights) {
 TEST_F(ObjMaterials, MissingThingsAreWarnings) {
     const ImportedMesh in = read("mtllib a.mtl none.mtl\n" + kTriangle + "usemtl skin\nf 1 2 3\nusemtl gone\nf 1 2 3\n",
                                  "newmtl skin\nmap_Kd skin.png\n");
-    EXPECT_EQ(in.warnings, (std::vector<std::string>{"texture missing: skin.png", "material library missing: none.mtl",
+    const std::string where = "; looked for beside the mesh and there in textures, texture, maps, images, materials";
+    EXPECT_EQ(in.warnings, (std::vector<std::string>{"DGM3012: texture missing: skin.png" + where,
+                                                     "DGM3011: material library missing: none.mtl" + where,
                                                      "material not defined: gone"}));
     EXPECT_EQ(in.mesh.face_materials, (std::vector<std::uint32_t>{0, 1}));
     EXPECT_TRUE(in.mesh.materials[0].diffuse_map.empty());
+}
+
+TEST_F(ObjMaterials, WindowsPathsMayHaveBlanks) {
+    for (const char* name : {"My Textures/skin one.png", "textures/skin two.png", "skin three.png"}) picture(name);
+    const auto found = [&](const std::string& statement) {
+        const ImportedMesh in =
+            read("mtllib a.mtl\n" + kTriangle + "usemtl skin\nf 1 2 3\n", "newmtl skin\nmap_Kd " + statement + "\n");
+        return in.mesh.materials[0].diffuse_map.lexically_relative(folder_.path()).generic_string();
+    };
+    const std::string one = "My Textures/skin one.png";
+    EXPECT_EQ(found("My Textures\\skin one.png"), one);
+    EXPECT_EQ(found("C:\\Users\\Jane Doe\\Asset\\My Textures\\skin one.png"), one);
+    EXPECT_EQ(found("-bm 1 \"C:\\Jane Doe\\my textures\\SKIN one.png\""), one);
+    EXPECT_EQ(found("\\\\server\\share\\My Textures\\skin one.png"), one);
+    EXPECT_EQ(found("file:///C:/Jane%20Doe/My%20Textures/skin%20one.png"), one);
+    EXPECT_EQ(found("D:\\art work\\skin two.png"), "textures/skin two.png");
+    EXPECT_EQ(found("..\\other place\\skin three.png"), "skin three.png");
+    EXPECT_EQ(found("C:\\My Textures\\skin four.png"), "");
 }
 
 TEST_F(ObjMaterials, NamesMayHaveSpacesAndHashes) {
