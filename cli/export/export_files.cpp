@@ -15,6 +15,7 @@
 #include "export/gltf_file.h"
 #include "export/level_of_detail.h"
 #include "export/staging_folder.h"
+#include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "image/image.h"
@@ -140,6 +141,16 @@ void write_glb_file(const MapSet& maps, const path& output, const ExportOptions&
     if (!file) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", output.string());
 }
 
+/// Layers of other sizes stand in files of their own beside the map.
+void write_exr_files(const MapSet& maps, const path& output, bool multipart, StagingFolder& staging) {
+    const path map = staging.where(output.filename());
+    for (const path& file :
+         formats::write_exr(maps, map, {multipart ? formats::ExrLayout::kMultipart : formats::ExrLayout::kAuto})) {
+        if (file != map) formats::check_exr_side_place(output.parent_path() / file.filename());
+        static_cast<void>(staging.add(file.filename()));
+    }
+}
+
 render::PictureOptions picture_options(const ExportOptions& options) {
     render::PictureOptions out;
     out.width = options.width.value_or(options.source.empty() ? 1280 : 1920);
@@ -231,8 +242,7 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     else if (extension == ".dgm")
         formats::write_dgm(chosen, staging.add(output.filename()));
     else
-        formats::write_exr(chosen, staging.add(output.filename()),
-                           {options.multipart ? formats::ExrLayout::kMultipart : formats::ExrLayout::kAuto});
+        write_exr_files(chosen, output, options.multipart, staging);
     staging.publish();
 }
 
