@@ -231,6 +231,8 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     if (chosen.charts.empty()) throw model::Error(model::codes::kMissingLayer, "the file has no charts");
     const std::string extension = lower_extension(output);
     StagingFolder staging(output);
+    const bool exr = extension == ".exr";
+    const std::vector<std::string> old_names = exr ? formats::exr_side_names(output) : std::vector<std::string>();
     if (extension == ".obj")
         write_obj_files(chosen, output, options.lod, staging);
     else if (extension == ".ply")
@@ -244,6 +246,7 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     else
         write_exr_files(chosen, output, options.multipart, staging);
     staging.publish();
+    if (exr) formats::remove_old_exr_sides(output, old_names);
 }
 
 }  // namespace dgm::exporter

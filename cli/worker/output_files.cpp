@@ -102,31 +102,15 @@ fs::path temporary_for(const fs::path& final_path) {
     return final_path.parent_path() / name;
 }
 
-namespace {
-
-/// Names of the files of layers beside a finished EXR; none for one that cannot be read.
-std::vector<std::string> side_names(const fs::path& exr) {
-    try {
-        return formats::read_exr_head(exr).beside;
-    } catch (const model::Error&) { return {}; }
-}
-
-}  // namespace
-
 void publish_output(const fs::path& temporary, const fs::path& final_path) {
     if (final_path.extension() != ".exr") return formats::publish_file(temporary, final_path);
-    const std::vector<std::string> now = formats::read_exr_head(temporary).beside;
-    std::vector<std::string> old = side_names(final_path);
-    for (const std::string& name : now) formats::check_exr_side_place(formats::exr_side_path(final_path, name));
-    for (const std::string& name : now) {
+    const std::vector<std::string> names = formats::read_exr_head(temporary).beside;
+    const std::vector<std::string> old_names = formats::exr_side_names(final_path);
+    for (const std::string& name : names) formats::check_exr_side_place(formats::exr_side_path(final_path, name));
+    for (const std::string& name : names)
         formats::publish_file(formats::exr_side_path(temporary, name), formats::exr_side_path(final_path, name));
-        std::erase(old, name);
-    }
     formats::publish_file(temporary, final_path);
-    std::error_code ignored;
-    for (const std::string& name : old)
-        if (const fs::path side = formats::exr_side_path(final_path, name); formats::is_exr_side_file(side))
-            fs::remove(side, ignored);
+    formats::remove_old_exr_sides(final_path, old_names);
 }
 
 void remove_output(const fs::path& temporary) noexcept {

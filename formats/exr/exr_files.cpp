@@ -6,11 +6,13 @@
 #include <ImfMultiPartInputFile.h>
 #include <ImfStringAttribute.h>
 
+#include <algorithm>
 #include <exception>
 #include <system_error>
 
 #include "exr/exr_attributes.h"
 #include "exr/exr_headers.h"
+#include "exr/exr_reader.h"
 #include "model/codes.h"
 
 namespace dgm::formats {
@@ -36,6 +38,22 @@ bool is_exr_side_file(const fs::path& path) noexcept {
         const Imf::MultiPartInputFile file(path.c_str(), 0, false);
         return file.header(0).findTypedAttribute<Imf::StringAttribute>(kSideFileAttribute) != nullptr;
     } catch (const std::exception&) { return false; }
+}
+
+std::vector<std::string> exr_side_names(const fs::path& map) {
+    try {
+        return read_exr_head(map).beside;
+    } catch (const model::Error&) { return {}; }
+}
+
+void remove_old_exr_sides(const fs::path& map, const std::vector<std::string>& old_names) {
+    const std::vector<std::string> names = exr_side_names(map);
+    std::error_code ignored;
+    for (const std::string& name : old_names) {
+        const fs::path side = exr_side_path(map, name);
+        if (std::find(names.begin(), names.end(), name) == names.end() && is_exr_side_file(side))
+            fs::remove(side, ignored);
+    }
 }
 
 void check_exr_side_place(const fs::path& path) {

@@ -10,7 +10,7 @@
 namespace dgm::formats {
 
 /// Writes FLOAT channels with ZIP compression; the windows are the picture. Equal pictures give equal bytes.
-/// @param channels  one letter each: "RGBA", "RGB" or "Y"
+/// @param channels  one letter each: "RGBA" or "RGB"
 /// @param pixels    row-major from the top, channels interleaved in the order of `channels`
 /// @throws model::Error kWriteFailed (nothing is left behind), kInternal if the pixels do not fit the size
 void write_exr_image(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
