@@ -15,7 +15,6 @@
 
 #include "baking/up_to_date.h"
 #include "batch/memory_budget.h"
-#include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "process/signal_scope.h"
 #include "worker/output_files.h"
@@ -236,16 +235,15 @@ class Batch {
                 throw model::Error(codes::kWriteFailed, "the written file is gone: " + error.message(),
                                    final_path->string());
             try {
-                formats::publish_file(*temporary, *final_path);
+                publish_output(*temporary, *final_path);
             } catch (const model::Error& failure) { throw explained(failure, *temporary); }
             result.files.push_back({*final_path, bytes});
         }
     }
 
     static void remove_temporaries(const Running& r) {
-        std::error_code ignored;  // published ones are gone
-        if (!r.dgm.empty()) fs::remove(r.dgm, ignored);
-        if (!r.exr.empty()) fs::remove(r.exr, ignored);
+        for (const fs::path& file : {r.dgm, r.exr})  // published ones are gone
+            if (!file.empty()) remove_output(file);
     }
 
     void fail(std::size_t k, model::Error error) {

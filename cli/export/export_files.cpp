@@ -16,6 +16,7 @@
 #include "export/gltf_file.h"
 #include "export/level_of_detail.h"
 #include "export/staging_folder.h"
+#include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "image/image.h"
@@ -143,6 +144,16 @@ void write_glb_file(const MapSet& maps, const path& output, const ExportOptions&
     if (!file) throw model::unwritable_file(output);
 }
 
+/// Layers of other sizes stand in files of their own beside the map.
+void write_exr_files(const MapSet& maps, const path& output, bool multipart, StagingFolder& staging) {
+    const path map = staging.where(output.filename());
+    for (const path& file :
+         formats::write_exr(maps, map, {multipart ? formats::ExrLayout::kMultipart : formats::ExrLayout::kAuto})) {
+        if (file != map) formats::check_exr_side_place(output.parent_path() / file.filename());
+        static_cast<void>(staging.add(file.filename()));
+    }
+}
+
 render::PictureOptions picture_options(const ExportOptions& options) {
     render::PictureOptions out;
     out.width = options.width.value_or(options.source.empty() ? 1280 : 1920);
@@ -231,6 +242,8 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     const std::string extension = lower_extension(output);
     formats::make_folder_of(output);
     StagingFolder staging(output);
+    const bool exr = extension == ".exr";
+    const std::vector<std::string> old_names = exr ? formats::exr_side_names(output) : std::vector<std::string>();
     if (extension == ".obj")
         write_obj_files(chosen, output, options.lod, staging);
     else if (extension == ".ply")
@@ -242,9 +255,9 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     else if (extension == ".dgm")
         formats::write_dgm(chosen, staging.add(output.filename()));
     else
-        formats::write_exr(chosen, staging.add(output.filename()),
-                           {options.multipart ? formats::ExrLayout::kMultipart : formats::ExrLayout::kAuto});
+        write_exr_files(chosen, output, options.multipart, staging);
     staging.publish();
+    if (exr) formats::remove_old_exr_sides(output, old_names);
 }
 
 }  // namespace dgm::exporter

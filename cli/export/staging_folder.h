@@ -16,6 +16,8 @@ class StagingFolder {
     StagingFolder(const StagingFolder&) = delete;
     StagingFolder& operator=(const StagingFolder&) = delete;
 
+    /// Where to write a file that is added later.
+    [[nodiscard]] std::filesystem::path where(const std::filesystem::path& name) const { return folder_ / name; }
     /// Where to write the file that will be called `name`. The last one added is published last.
     [[nodiscard]] std::filesystem::path add(const std::filesystem::path& name);
     /// Moves all added files into the output's folder, in order. @throws model::Error kWriteFailed

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "exr/exr_files.h"
+
 namespace dgm::validate {
 namespace {
 namespace fs = std::filesystem;
@@ -20,6 +22,16 @@ std::vector<fs::path> files_like(const std::string& pattern) {
         if (matches(wanted, name.generic_string())) out.push_back(name);
     }
     return out;
+}
+
+/// True for a file of layers whose map is in the list as well: the two are checked as one.
+bool belongs_to_another(const fs::path& file, const std::vector<fs::path>& list) {
+    if (file.extension() != ".exr" || !formats::is_exr_side_file(file)) return false;
+    const std::string name = file.filename().string();
+    return std::any_of(list.begin(), list.end(), [&](const fs::path& map) {
+        return map != file && map.extension() == ".exr" && map.parent_path() == file.parent_path() &&
+               name.starts_with(map.stem().string() + ".") && !formats::is_exr_side_file(map);
+    });
 }
 }  // namespace
 
@@ -100,6 +112,8 @@ std::vector<fs::path> expand_names(const std::vector<std::string>& names) {
         if (found.empty()) found.emplace_back(name);
         for (const fs::path& file : found) add(file);
     }
+    const std::vector<fs::path> all = out;
+    std::erase_if(out, [&](const fs::path& file) { return belongs_to_another(file, all); });
     return out;
 }
 

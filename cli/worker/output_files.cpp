@@ -16,6 +16,7 @@
 #include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
+#include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "model/codes.h"
@@ -102,6 +103,28 @@ fs::path temporary_for(const fs::path& final_path) {
     name += final_path.filename();
     name += fmt::format(".{}.tmp", getpid());
     return final_path.parent_path() / name;
+}
+
+void publish_output(const fs::path& temporary, const fs::path& final_path) {
+    if (final_path.extension() != ".exr") return formats::publish_file(temporary, final_path);
+    const std::vector<std::string> names = formats::read_exr_head(temporary).beside;
+    const std::vector<std::string> old_names = formats::exr_side_names(final_path);
+    for (const std::string& name : names) formats::check_exr_side_place(formats::exr_side_path(final_path, name));
+    for (const std::string& name : names)
+        formats::publish_file(formats::exr_side_path(temporary, name), formats::exr_side_path(final_path, name));
+    formats::publish_file(temporary, final_path);
+    formats::remove_old_exr_sides(final_path, old_names);
+}
+
+void remove_output(const fs::path& temporary) noexcept {
+    std::error_code error;
+    fs::remove(temporary, error);
+    // A worker that ended early names nothing: what starts like the temporary file is its.
+    const std::string prefix = temporary.filename().string() + ".";
+    const fs::path folder = temporary.has_parent_path() ? temporary.parent_path() : fs::path(".");
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+        if (std::error_code ignored; it->path().filename().string().starts_with(prefix))
+            fs::remove(it->path(), ignored);
 }
 
 OutputFolders::~OutputFolders() {

@@ -32,6 +32,14 @@ void write_verified(const std::filesystem::path& path, const model::MapSet& maps
 /// `.NAME.<pid>.tmp` beside `final_path`, so that the rename stays within one file system.
 [[nodiscard]] std::filesystem::path temporary_for(const std::filesystem::path& final_path);
 
+/// Moves a finished file to its place, and with an EXR the files of layers that were written beside it; those of an
+/// older EXR there that are not replaced are removed. The file itself is moved last.
+/// @throws model::Error kWriteFailed
+void publish_output(const std::filesystem::path& temporary, const std::filesystem::path& final_path);
+
+/// Removes a temporary file and what was written beside it.
+void remove_output(const std::filesystem::path& temporary) noexcept;
+
 /// The folders made for outputs; those still empty are removed with it, so that a batch in which nothing was baked
 /// leaves nothing behind.
 class OutputFolders {

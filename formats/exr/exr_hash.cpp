@@ -7,7 +7,7 @@
 
 #include <span>
 
-#include "exr/exr_layout.h"
+#include "exr/exr_text.h"
 
 namespace dgm::formats {
 namespace {
@@ -43,8 +43,7 @@ std::string exr_header_hash(const model::MapSet& maps) {
         text += line_of("method", chart.method) + line_of("bbox", chart.bbox);
         text += line_of("offset", chart.offset) + line_of("scale", chart.scale);
         for (const model::Layer& layer : chart.layers) {
-            // How the bytes are stored may change when they are saved again; what they are may not.
-            text += manifest_line({layer.name, layer.type, layer.shape, layer.required, Storage::kPart}) + "\n";
+            text += manifest_line({layer.name, layer.type, layer.shape, layer.required}) + "\n";
             for (const auto& [name, value] : layer.attributes) text += line_of("attribute " + name, value);
         }
     }

@@ -8,7 +8,8 @@
 
 namespace dgm::formats {
 
-/// XXH3-128 of the layer's bytes, 32 hexadecimal digits in canonical byte order: the attribute `dgmHash.<layer>`.
+/// XXH3-128 of the layer's bytes, 32 hexadecimal digits in canonical byte order: the attribute
+/// `dgmChart<k>.hash.<layer>`.
 [[nodiscard]] std::string exr_layer_hash(const model::Layer& layer);
 
 /// XXH3-128 of all else that the file says: names, hashes, report, charts, shapes and attributes of layers. The

@@ -2,71 +2,85 @@
 // formats/exr/exr_layout.cpp
 // [sRGB] IEC 61966-2-1:1999, the transfer function between 8-bit codes and linear light.
 #include "exr/exr_layout.h"
-#include "model/layer_names.h"
 
 #include <ImathConfig.h>
 #include <half.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <cstring>
+
+#include "model/half.h"
+#include "model/layer_names.h"
 
 namespace dgm::formats {
 namespace {
 
 using layout::ElementType;
 
-/// Names of the numbers of a sample, for layers of the format; others are c0, c1, ...
+/// Names of the numbers of a sample, behind the layer's: `-area.V` is the channel V of the pass `contact-area`.
+/// Programs read passes of one channel, RGB(A) and XYZ(W); other letters and words they refuse (SPEC.md section 5).
 struct NamedLayer {
     std::string_view name;
     std::vector<std::string_view> components;
-    bool is_table;
 };
 
-const NamedLayer* find_named(std::string_view name) {
+const NamedLayer* find_named(std::string_view name, std::uint32_t components, ElementType type) {
     static const std::vector<NamedLayer> table{
-        {model::layers::kGeometry, {"X", "Y", "Z"}, false},
-        {model::layers::kNormal, {"oct_u", "oct_v"}, false},
-        {model::layers::kDeformation, {"E", "F", "G", "stiffness"}, false},
-        {model::layers::kContact, {"area", "mobility"}, false},
-        {model::layers::kCollision, {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"}, true},
-        {model::layers::kSeams, {"representative", "copy"}, true},
-        {model::layers::kBorderUv, {"u", "v"}, true},
-        {model::layers::kBorderGeometry, {"X", "Y", "Z"}, true},
-        {model::layers::kBorderNormal, {"oct_u", "oct_v"}, true},
-        {model::layers::kBorderFaces, {"a", "b", "c"}, true},
+        {model::layers::kGeometry, {".X", ".Y", ".Z"}},
+        {model::layers::kNormal, {"-code.U", "-code.V"}},
+        {model::layers::kDeformation, {".X", ".Y", ".Z", "-stiffness.V"}},
+        {model::layers::kContact, {"-area.V", "-mobility.V"}},
+        {model::layers::kCollision, {"-min.X", "-min.Y", "-min.Z", "-max.X", "-max.Y", "-max.Z"}},
+        {model::layers::kBorderUv, {".U", ".V"}},
+        {model::layers::kBorderGeometry, {".X", ".Y", ".Z"}},
+        {model::layers::kBorderNormal, {"-code.U", "-code.V"}},
     };
+    if (type == ElementType::kU32) return nullptr;  // two channels each: names of their own
     for (const NamedLayer& layer : table)
-        if (layer.name == name) return &layer;
+        if (layer.name == name && layer.components.size() == components) return &layer;
     return nullptr;
 }
 
-Imf::PixelType exact_type(ElementType type) {
-    if (type == ElementType::kF32) return Imf::FLOAT;
-    return type == ElementType::kF16 ? Imf::HALF : Imf::UINT;
+bool is_table_of_ours(std::string_view name) {
+    constexpr std::array<std::string_view, 6> kTables{model::layers::kCollision,    model::layers::kSeams,
+                                                      model::layers::kBorderUv,     model::layers::kBorderGeometry,
+                                                      model::layers::kBorderNormal, model::layers::kBorderFaces};
+    return std::find(kTables.begin(), kTables.end(), name) != kTables.end();
 }
 
-void name_channels(LayerImage& image, std::string_view name, ElementType type, const NamedLayer* named) {
-    const std::string prefix = std::string(name) + ".";
+/// FLOAT holds every element but u32; halves stay halves where no other layer shares the part, since some programs want
+/// one type for all channels of a part.
+Imf::PixelType pixel_type(ElementType type, bool in_grid) {
+    return type == ElementType::kF16 && !in_grid ? Imf::HALF : Imf::FLOAT;
+}
+
+void name_channels(LayerImage& image, std::string_view name, ElementType type, bool in_grid) {
+    const std::string layer(name);
     if (name == model::layers::kTexture && type == ElementType::kU8 && image.components == 4) {
         for (std::uint32_t c = 0; c < 4; ++c)
-            image.channels.push_back({std::string(1, "RGBA"[c]), Imf::HALF, c < 3 ? Coding::kSrgb : Coding::kUnit, c});
+            image.channels.push_back(
+                {layer + "." + "RGBA"[c], in_grid ? Imf::FLOAT : Imf::HALF, c < 3 ? Coding::kSrgb : Coding::kUnit, c});
         return;
     }
-    if (named == nullptr || named->components.size() != image.components) {
-        for (std::uint32_t c = 0; c < image.components; ++c)
-            image.channels.push_back({image.components == 1 ? std::string(name) : prefix + "c" + std::to_string(c),
-                                      exact_type(type), Coding::kExact, c});
-        return;
-    }
-    const bool coded = name == model::layers::kGeometry && type == ElementType::kU16;
-    const bool octahedral = named->components[0] == "oct_u" && type == ElementType::kI16;
+    const NamedLayer* named = find_named(name, image.components, type);
+    const bool coded = name == model::layers::kGeometry && type == ElementType::kU16 && named != nullptr;
+    const bool octahedral = name == model::layers::kNormal && type == ElementType::kI16 && named != nullptr;
     for (std::uint32_t axis = 0; (coded || octahedral) && axis < 3; ++axis)
-        image.channels.push_back({prefix + "XYZ"[axis], Imf::FLOAT, coded ? Coding::kPosition : Coding::kNormal, axis});
-    for (std::uint32_t c = 0; c < image.components; ++c)
         image.channels.push_back(
-            {prefix + (coded ? "code_" : "") + std::string(named->components[c]), exact_type(type), Coding::kExact, c});
+            {layer + "." + "XYZ"[axis], Imf::FLOAT, coded ? Coding::kPosition : Coding::kNormal, axis});
+    for (std::uint32_t c = 0; c < image.components; ++c) {
+        const std::string number = image.components == 1 ? layer : layer + "-c" + std::to_string(c);
+        if (type == ElementType::kU32) {
+            image.channels.push_back({number + ".X", Imf::FLOAT, Coding::kLowHalf, c});
+            image.channels.push_back({number + ".Y", Imf::FLOAT, Coding::kHighHalf, c});
+        } else {
+            const std::string of_ours = named == nullptr ? "" : layer + (coded ? "-code" : "");
+            image.channels.push_back({named == nullptr ? number + ".V" : of_ours + std::string(named->components[c]),
+                                      pixel_type(type, in_grid), Coding::kExact, c});
+        }
+    }
 }
 
 double linear_of_srgb(double s) {
@@ -87,35 +101,6 @@ std::uint8_t code_of(double unit) {
                             : static_cast<std::uint8_t>(std::lround(std::clamp(unit, 0.0, 1.0) * 255));
 }
 
-constexpr std::array<std::string_view, 7> kTypeNames{"", "u8", "u16", "u32", "i16", "f16", "f32"};
-constexpr std::array<std::string_view, 4> kStorageNames{"grid", "part", "table", "nothing"};
-
-template <class Number>
-bool parse_number(std::string_view word, Number& value) {
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return error == std::errc() && end == word.data() + word.size();
-}
-
-std::vector<std::string_view> split(std::string_view text) {
-    std::vector<std::string_view> out;
-    while (!text.empty()) {
-        const std::size_t space = std::min(text.find(' '), text.size());
-        out.push_back(text.substr(0, space));
-        text.remove_prefix(std::min(space + 1, text.size()));
-    }
-    return out;
-}
-
-template <class Number>
-void append_numbers(std::string& out, const std::vector<Number>& numbers) {
-    char digits[32];
-    for (const Number number : numbers) {
-        const auto [end, error] = std::to_chars(digits, digits + sizeof digits, number);
-        (void)error;
-        out.append(" ").append(digits, end);
-    }
-}
-
 }  // namespace
 
 std::optional<std::uint64_t> exr_layer_bytes(ElementType type, std::span<const std::uint64_t> shape) {
@@ -130,10 +115,9 @@ std::optional<std::uint64_t> exr_layer_bytes(ElementType type, std::span<const s
 
 LayerImage image_of_layer(std::string_view name, ElementType type, std::span<const std::uint64_t> shape, bool in_grid) {
     LayerImage image;
-    const NamedLayer* named = find_named(name);
     // The last extent counts the numbers of a sample in three dimensions and more, and in the format's own tables.
-    const bool grouped = shape.back() >= 1 && shape.back() <= 8 &&
-                         (shape.size() >= 3 || (shape.size() == 2 && named != nullptr && named->is_table));
+    const bool grouped =
+        shape.back() >= 1 && shape.back() <= 8 && (shape.size() >= 3 || (shape.size() == 2 && is_table_of_ours(name)));
     if (grouped) {
         image.components = static_cast<std::uint32_t>(shape.back());
         shape = shape.first(shape.size() - 1);
@@ -150,8 +134,21 @@ LayerImage image_of_layer(std::string_view name, ElementType type, std::span<con
     image.width = static_cast<std::uint32_t>(image.row + margin);
     image.height = static_cast<std::uint32_t>(std::min(height, kMaxExrHeight) + margin);
     if (height > kMaxExrHeight) image.pixels = 0;  // 2^37 samples: no memory holds such a layer
-    name_channels(image, name, type, named);
+    name_channels(image, name, type, in_grid);
     return image;
+}
+
+void use_root_names(LayerImage& image, std::string_view layer) {
+    const auto letter_of = [&](const Channel& channel) -> char {
+        const std::size_t prefix = layer.size() + 1;
+        if (channel.name.size() != prefix + 1 || channel.name[prefix - 1] != '.') return 0;
+        if (image.channels.size() == 1) return 'Y';
+        const char letter = channel.name[prefix];
+        if (layer == model::layers::kTexture) return letter;
+        return layer == model::layers::kGeometry ? "RGB"[letter - 'X'] : '\0';
+    };
+    for (Channel& channel : image.channels)
+        if (const char letter = letter_of(channel); letter != 0) channel.name = std::string(1, letter);
 }
 
 bool fits_grid(const LayerImage& image, std::uint32_t rows, std::uint32_t cols) {
@@ -185,86 +182,23 @@ std::uint8_t unit_of_half(std::uint16_t bits) {
     return code_of(float_of_half(bits));
 }
 
-std::string manifest_line(const LayerEntry& entry) {
-    std::string out = entry.name;
-    out.append(" ").append(kTypeNames[static_cast<std::size_t>(entry.type)]);
-    out.append(" ").append(kStorageNames[static_cast<std::size_t>(entry.storage)]);
-    out.append(entry.required ? " required" : " optional");
-    append_numbers(out, entry.shape);
-    return out;
+std::uint32_t float_bits_of_half(std::uint16_t half_bits) {
+    if ((half_bits & 0x7C00) == 0x7C00)  // infinite or not a number: processors change the bits of some of the latter
+        return std::uint32_t{half_bits & 0x8000u} << 16 | 0x7F800000u | std::uint32_t{half_bits & 0x3FFu} << 13;
+    const float value = model::half_value(half_bits);
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return bits;
 }
-
-std::optional<LayerEntry> parse_manifest_line(std::string_view line) {
-    const std::vector<std::string_view> words = split(line);
-    if (words.size() < 5 || words.size() > 4 + layout::kMaxRank || words[0].empty()) return std::nullopt;
-    const auto type = std::find(kTypeNames.begin() + 1, kTypeNames.end(), words[1]);
-    const auto storage = std::find(kStorageNames.begin(), kStorageNames.end(), words[2]);
-    if (type == kTypeNames.end() || storage == kStorageNames.end()) return std::nullopt;
-    if (words[3] != "required" && words[3] != "optional") return std::nullopt;
-    LayerEntry entry;
-    entry.name = words[0];
-    entry.type = static_cast<ElementType>(type - kTypeNames.begin());
-    entry.storage = static_cast<Storage>(storage - kStorageNames.begin());
-    entry.required = words[3] == "required";
-    for (std::size_t k = 4; k < words.size(); ++k)
-        if (!parse_number(words[k], entry.shape.emplace_back())) return std::nullopt;
-    return entry;
-}
-
-std::string attribute_text(const model::AttributeValue& value) {
-    if (const auto* text = std::get_if<std::string>(&value)) return "text " + *text;
-    std::string out;
-    if (const auto* doubles = std::get_if<std::vector<double>>(&value)) {
-        out = "f64";
-        append_numbers(out, *doubles);
-    } else {
-        out = "u32";
-        append_numbers(out, std::get<std::vector<std::uint32_t>>(value));
+std::uint16_t half_bits_of_float(std::uint32_t float_bits) {
+    if ((float_bits & 0x7F800000u) == 0x7F800000u) {
+        const std::uint32_t fraction = float_bits & 0x7FFFFFu;
+        const std::uint32_t kept = fraction >> 13 | (fraction != 0 && fraction >> 13 == 0 ? 1u : 0u);
+        return static_cast<std::uint16_t>((float_bits >> 16 & 0x8000u) | 0x7C00u | kept);
     }
-    return out;
-}
-
-std::optional<model::AttributeValue> parse_attribute_text(std::string_view text) {
-    if (text.starts_with("text ")) return std::string(text.substr(5));
-    const std::vector<std::string_view> words = split(text);
-    if (words.empty()) return std::nullopt;
-    const auto parse_all = [&](auto& numbers) {
-        for (std::size_t k = 1; k < words.size(); ++k)
-            if (!parse_number(words[k], numbers.emplace_back())) return false;
-        return true;
-    };
-    if (words[0] == "f64") {
-        std::vector<double> numbers;
-        if (parse_all(numbers)) return numbers;
-    } else if (words[0] == "u32") {
-        std::vector<std::uint32_t> numbers;
-        if (parse_all(numbers)) return numbers;
-    }
-    return std::nullopt;
-}
-
-std::string hex_of(std::span<const std::uint8_t> bytes) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    std::string out;
-    for (const std::uint8_t byte : bytes) {
-        out += kDigits[byte >> 4];
-        out += kDigits[byte & 15];
-    }
-    return out;
-}
-
-bool parse_hex(std::string_view text, std::span<std::uint8_t> bytes) {
-    if (text.size() != 2 * bytes.size()) return false;
-    for (std::size_t k = 0; k < bytes.size(); ++k) {
-        const char* begin = text.data() + 2 * k;
-        const auto [end, error] = std::from_chars(begin, begin + 2, bytes[k], 16);
-        if (error != std::errc() || end != begin + 2) return false;
-    }
-    return true;
-}
-
-std::string part_name(std::string_view layer, std::size_t chart, std::size_t chart_count) {
-    return chart_count > 1 ? "chart" + std::to_string(chart) + "." + std::string(layer) : std::string(layer);
+    float value = 0;
+    std::memcpy(&value, &float_bits, sizeof value);
+    return model::half_bits(value);
 }
 
 }  // namespace dgm::formats

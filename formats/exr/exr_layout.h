@@ -18,7 +18,9 @@ namespace dgm::formats {
 
 /// Meaning of a channel's numbers.
 enum class Coding {
-    kExact,     ///< the element itself; integers as UINT (signed ones by their 16 bits)
+    kExact,     ///< the element's value, to the bit
+    kLowHalf,   ///< the lower 16 bits of a u32, as a number
+    kHighHalf,  ///< the upper ones
     kSrgb,      ///< scene-linear half of an 8-bit sRGB code
     kUnit,      ///< half of an 8-bit 0..1 value
     kPosition,  ///< for people: scale * code; not read back
@@ -26,7 +28,7 @@ enum class Coding {
 };
 
 struct Channel {
-    std::string name;  ///< as in the file: "normal.X"
+    std::string name;  ///< as in the file: "normal.X"; one letter behind the last dot
     Imf::PixelType type = Imf::FLOAT;
     Coding coding = Coding::kExact;
     std::uint32_t component = 0;  ///< which number of an element group, or axis, it is
@@ -47,6 +49,9 @@ inline constexpr std::uint64_t kMaxExrWidth = 65536, kMaxExrHeight = std::uint64
 /// @param in_grid  the layer shares a part of rows x cols pixels: one with the quads' extents gets a margin of zeros
 [[nodiscard]] LayerImage image_of_layer(std::string_view name, layout::ElementType type,
                                         std::span<const std::uint64_t> shape, bool in_grid);
+/// Names without the layer, for what a program shall show first of a file: `R G B` for positions, `R G B A` for a
+/// texture, `Y` for a single channel. Channels of codes keep their names.
+void use_root_names(LayerImage& image, std::string_view layer);
 /// True if the layer can share the part of a chart's grid.
 [[nodiscard]] bool fits_grid(const LayerImage& in_grid_image, std::uint32_t rows, std::uint32_t cols);
 
@@ -60,29 +65,8 @@ inline constexpr std::uint64_t kMaxExrWidth = 65536, kMaxExrHeight = std::uint64
 [[nodiscard]] std::uint16_t half_of_unit(std::uint8_t code);
 [[nodiscard]] std::uint8_t unit_of_half(std::uint16_t bits);
 
-/// Where the bytes of a layer are.
-enum class Storage { kGrid, kPart, kTable, kNothing };
-
-/// One line of the attribute dgmLayers.
-struct LayerEntry {
-    std::string name;
-    layout::ElementType type = layout::ElementType::kF32;
-    std::vector<std::uint64_t> shape;
-    bool required = false;
-    Storage storage = Storage::kPart;
-};
-[[nodiscard]] std::string manifest_line(const LayerEntry& entry);
-/// Nothing if the text is not what manifest_line writes.
-[[nodiscard]] std::optional<LayerEntry> parse_manifest_line(std::string_view line);
-
-[[nodiscard]] std::string attribute_text(const model::AttributeValue& value);
-[[nodiscard]] std::optional<model::AttributeValue> parse_attribute_text(std::string_view text);
-
-[[nodiscard]] std::string hex_of(std::span<const std::uint8_t> bytes);
-[[nodiscard]] bool parse_hex(std::string_view text, std::span<std::uint8_t> bytes);
-
-/// Name of the part that holds the grid-sized layers of a chart, or one layer.
-[[nodiscard]] std::string part_name(std::string_view layer, std::size_t chart, std::size_t chart_count);
-inline constexpr std::string_view kGridPart = "grid";
+/// An f16 as float and back, to the bit, whatever kind of not-a-number it is; other floats are rounded to nearest even.
+[[nodiscard]] std::uint32_t float_bits_of_half(std::uint16_t half_bits);
+[[nodiscard]] std::uint16_t half_bits_of_float(std::uint32_t float_bits);
 
 }  // namespace dgm::formats

@@ -4,25 +4,22 @@
 #pragma once
 #include <ImfMultiPartInputFile.h>
 
+#include <cstdint>
 #include <filesystem>
-#include <string>
 #include <vector>
 
+#include "exr/exr_plan.h"
 #include "model/map_set.h"
 
 namespace dgm::formats {
 
-/// A part by the name that the layers' list gives it.
-struct ExrPart {
-    int number = 0;
-    std::string name;
-    bool is_grid = false;  ///< it holds all layers with a number for each sample of a chart's grid
-};
-
-/// Fills the bytes of `layers`, which have their types, shapes and sizes already.
-/// @throws model::Error kMissingChannel if the part has another size or lacks a channel; kExrUnreadable, at `path`, if
-///         a channel holds a number that its layer's type cannot
-void read_exr_part(Imf::MultiPartInputFile& file, const ExrPart& part, const std::vector<model::Layer*>& layers,
-                   const std::filesystem::path& path);
+/// Fills the bytes of the part's layers, which have their types and shapes already.
+/// @param number  which part of the file it is
+/// @param budget  bytes that the layers may take; what they take is subtracted
+/// @throws model::Error kMissingChannel if the part has another size, lacks a channel, or was saved with a type that
+///         lost values; kExrUnreadable, at `path`, if a channel holds a number that its layer's type cannot, or the
+///         budget is too small
+void read_exr_part(Imf::MultiPartInputFile& file, int number, const PlannedPart& part,
+                   std::vector<model::Chart>& charts, const std::filesystem::path& path, std::uint64_t& budget);
 
 }  // namespace dgm::formats

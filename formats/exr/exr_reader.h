@@ -4,6 +4,8 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "model/map_set.h"
 
@@ -15,18 +17,23 @@ struct ExrReadLimits {
     int max_parts = 1 << 20;
 };
 
-/// Reads a file that write_exr wrote. Thread-safe.
-/// @throws model::Error kFileMissing, kReadFailed, kExrUnreadable (not an EXR, not one of ours, damaged, or too large),
-/// kMissingChannel, kHashMismatch (place is the layer's path, or "/"), kBadVersion
+/// Reads a file that write_exr wrote, and the files beside it that hold layers of other sizes. Other programs may have
+/// saved them again: other compression, whole numbers and halves as floats, parts without names, attributes in another
+/// order. Thread-safe.
+/// @throws model::Error kFileMissing (place is the file that is not there), kReadFailed, kExrUnreadable (not an EXR,
+///         not a map of ours, of an earlier layout, damaged, or too large), kMissingChannel (what another program
+///         dropped), kHashMismatch (place is the layer's path, or "/"), kBadVersion
 [[nodiscard]] model::MapSet read_exr(const std::filesystem::path& path, const ExrReadLimits& limits = {});
 
 /// Content of the headers, without any pixel.
 struct ExrHead {
-    model::MapSet maps;      ///< no charts
-    bool multipart = false;  ///< written with ExrLayout::kMultipart: no part holds several layers
+    model::MapSet maps;               ///< charts with layers that have no bytes
+    bool multipart = false;           ///< written with ExrLayout::kMultipart
+    std::vector<std::string> beside;  ///< names of the other files that hold layers of it, for exr_side_path
 };
 
-/// Reads the headers alone, and looks whether all rows are there; the pixels themselves are not looked at. Thread-safe.
+/// Reads the headers alone, and looks whether all rows of all files are there; the pixels themselves are not looked at.
+/// Thread-safe.
 /// @throws model::Error as read_exr, also for a file that lost its end
 [[nodiscard]] ExrHead read_exr_head(const std::filesystem::path& path, const ExrReadLimits& limits = {});
 

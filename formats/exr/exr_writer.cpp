@@ -5,25 +5,27 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfIntAttribute.h>
 #include <ImfMultiPartOutputFile.h>
-#include <ImfOpaqueAttribute.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
-#include <ImfVecAttribute.h>
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <set>
+#include <exception>
 #include <system_error>
+#include <utility>
 
+#include "exr/exr_attributes.h"
 #include "exr/exr_hash.h"
 #include "exr/exr_layout.h"
+#include "exr/exr_plan.h"
+#include "exr/exr_text.h"
 #include "model/codes.h"
 #include "model/octahedral.h"
 
@@ -32,197 +34,77 @@ namespace {
 
 namespace codes = model::codes;
 namespace fs = std::filesystem;
+using layout::ElementType;
 using model::Chart;
 using model::Layer;
 using model::MapSet;
 
-/// Tables up to here go into the header, so that a plain bake stays a single-part file that every program opens.
-constexpr std::uint64_t kMaxHeaderTableBytes = std::uint64_t{4} << 20;
 constexpr int kBlockRows = 256;
-
-struct Placed {
-    const Layer* layer;
-    const Chart* chart;
-    LayerImage image;
-};
-
-struct Part {
-    Imf::Header header;
-    std::vector<Placed> layers;
-    int width = 1, height = 1;
-};
 
 [[noreturn]] void refuse(const std::string& message, const std::string& place) {
     throw model::Error(codes::kBadLayerShape, message, place);
 }
 
-bool is_clean_name(const std::string& name) {
-    return !name.empty() && name.size() <= 64 && name != kGridPart &&
-           std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c != '/' && c != '\x7f'; });
-}
-
 void insert_text(Imf::Header& header, const std::string& name, const std::string& text) {
     header.insert(name, Imf::StringAttribute(text));
 }
-
-Imf::V3dAttribute v3d(const double* xyz) {
-    return Imf::V3dAttribute(Imath::V3d(xyz[0], xyz[1], xyz[2]));
+void insert_int(Imf::Header& header, const std::string& name, std::uint64_t value) {
+    header.insert(name, Imf::IntAttribute(static_cast<int>(value)));
 }
 
-/// Bytes as an IStream: the one way to fill an OpaqueAttribute.
-class ByteStream : public Imf::IStream {
- public:
-    explicit ByteStream(std::span<const std::byte> bytes) : IStream("table"), bytes_(bytes) {}
-    bool read(char out[], int count) override {
-        if (count < 0 || static_cast<std::size_t>(count) > bytes_.size() - position_)
-            throw model::Error(codes::kInternal, "a table attribute asks for more than its bytes");
-        std::memcpy(out, bytes_.data() + position_, static_cast<std::size_t>(count));
-        position_ += static_cast<std::size_t>(count);
-        return position_ < bytes_.size();
-    }
-    std::uint64_t tellg() override { return position_; }
-    void seekg(std::uint64_t position) override { position_ = std::min<std::size_t>(position, bytes_.size()); }
-
- private:
-    std::span<const std::byte> bytes_;
-    std::size_t position_ = 0;
-};
-
-Imf::OpaqueAttribute table_attribute(std::span<const std::byte> bytes) {
-    Imf::OpaqueAttribute out("dgmTable");
-    ByteStream stream(bytes);
-    out.readValueFrom(stream, static_cast<int>(bytes.size()), 2);
-    return out;
+template <std::size_t N>
+std::string numbers_text(const std::array<double, N>& numbers) {
+    return attribute_text(std::vector<double>(numbers.begin(), numbers.end()));
 }
 
-class Planner {
- public:
-    Planner(const MapSet& maps, const ExrOptions& options) : maps_(maps), options_(options) {}
-
-    std::vector<Part> run() {
-        for (std::size_t k = 0; k < maps_.charts.size(); ++k) plan_chart(k);
-        if (parts_.empty()) add_part(std::string(kGridPart), 1, 1);
-        describe_set(parts_.front().header);
-        // OpenEXR wants one display window for all parts: the smallest that shows each of them whole.
-        Imath::Box2i display({0, 0}, {0, 0});
-        for (const Part& part : parts_) display.extendBy(part.header.dataWindow());
-        for (Part& part : parts_) part.header.displayWindow() = display;
-        for (Part& part : parts_) finish(part);
-        return std::move(parts_);
-    }
-
- private:
-    Part& add_part(const std::string& name, std::uint32_t width, std::uint32_t height) {
-        Part part;
-        part.width = static_cast<int>(width);
-        part.height = static_cast<int>(height);
-        const Imath::Box2i window({0, 0}, {part.width - 1, part.height - 1});
-        part.header = Imf::Header(window, window);
-        part.header.compression() = Imf::ZIP_COMPRESSION;
-        part.header.setName(name);
-        part.header.setType(Imf::SCANLINEIMAGE);
-        return parts_.emplace_back(std::move(part));
-    }
-
-    void plan_chart(std::size_t number) {
-        const Chart& chart = maps_.charts[number];
-        const std::size_t first_part = parts_.size();
-        const auto name_of = [&](std::string_view layer) { return part_name(layer, number, maps_.charts.size()); };
-        if (chart.rows == 0 || chart.cols == 0 || chart.rows > kMaxExrWidth || chart.cols > kMaxExrWidth)
-            refuse("a grid of " + std::to_string(chart.rows) + " x " + std::to_string(chart.cols),
-                   "chart " + std::to_string(number));
-
-        std::vector<LayerEntry> entries;
-        std::set<std::string> names;
-        Part grid_part;
-        std::vector<std::pair<const Layer*, LayerImage>> own_parts;
-        std::vector<const Layer*> tables;
-        for (const Layer& layer : chart.layers) {
-            const std::string place = "chart " + std::to_string(number) + ", layer " + layer.name;
-            if (!is_clean_name(layer.name) || !names.insert(layer.name).second)
-                refuse("the layer's name is not clean text, or used twice", place);
-            const auto bytes = exr_layer_bytes(layer.type, layer.shape);
-            if (!bytes || *bytes != layer.bytes.size())
-                refuse(std::to_string(layer.bytes.size()) + " bytes do not fit type and shape", place);
-            LayerEntry entry{layer.name, layer.type, layer.shape, layer.required, Storage::kPart};
-            const LayerImage in_grid = image_of_layer(layer.name, layer.type, layer.shape, true);
-            const bool multipart = options_.layout == ExrLayout::kMultipart;
-            if (layer.bytes.empty()) {
-                entry.storage = Storage::kNothing;
-            } else if (!multipart && fits_grid(in_grid, chart.rows, chart.cols)) {
-                entry.storage = Storage::kGrid;
-                grid_part.layers.push_back({&layer, &chart, in_grid});
-            } else if (!multipart && in_grid.is_table && layer.bytes.size() <= kMaxHeaderTableBytes) {
-                entry.storage = Storage::kTable;
-                tables.push_back(&layer);
-            } else {
-                own_parts.emplace_back(&layer, image_of_layer(layer.name, layer.type, layer.shape, false));
-            }
-            entries.push_back(std::move(entry));
-        }
-        if (!grid_part.layers.empty())
-            add_part(name_of(kGridPart), chart.cols, chart.rows).layers = std::move(grid_part.layers);
-        for (auto& [layer, image] : own_parts) {
-            Part& part = add_part(name_of(layer->name), image.width, image.height);
-            part.layers.push_back({layer, &chart, std::move(image)});
-        }
-        if (parts_.size() == first_part) add_part(name_of(kGridPart), 1, 1);
-        Imf::Header& header = parts_[first_part].header;
-        describe_chart(header, chart, number, entries);
-        for (const Layer* table : tables) header.insert("dgmTable." + table->name, table_attribute(table->bytes));
-    }
-
-    static void describe_chart(Imf::Header& header, const Chart& chart, std::size_t number,
-                               const std::vector<LayerEntry>& entries) {
-        header.insert("dgmChart", Imf::IntAttribute(static_cast<int>(number)));
-        header.insert("dgmRows", Imf::IntAttribute(static_cast<int>(chart.rows)));
-        header.insert("dgmCols", Imf::IntAttribute(static_cast<int>(chart.cols)));
-        insert_text(header, "dgmDomain", chart.domain == model::Domain::kFree ? "free" : "square");
-        insert_text(header, "dgmMethod", chart.method);
-        header.insert("dgmBboxMin", v3d(chart.bbox.data()));
-        header.insert("dgmBboxMax", v3d(chart.bbox.data() + 3));
-        header.insert("dgmOffset", v3d(chart.offset.data()));
-        header.insert("dgmScale", v3d(chart.scale.data()));
-        std::string manifest;
-        for (const LayerEntry& entry : entries) manifest += manifest_line(entry) + "\n";
-        insert_text(header, "dgmLayers", manifest);
-        for (const Layer& layer : chart.layers) {
-            insert_text(header, "dgmHash." + layer.name, exr_layer_hash(layer));
-            for (const auto& [name, value] : layer.attributes) {
-                if (name.empty() || name.size() > 100 || name.find('\0') != std::string::npos)
-                    refuse("an attribute's name is empty, too long or holds a zero byte", layer.name);
-                insert_text(header, "dgmAttribute." + layer.name + "/" + name, attribute_text(value));
-            }
+void describe_chart(Imf::Header& header, const Chart& chart, std::size_t number) {
+    const auto name_of = [&](const std::string& name) { return chart_attribute(number, name); };
+    insert_int(header, name_of("rows"), chart.rows);
+    insert_int(header, name_of("cols"), chart.cols);
+    insert_text(header, name_of("domain"), chart.domain == model::Domain::kFree ? "free" : "square");
+    insert_text(header, name_of("method"), chart.method);
+    insert_text(header, name_of("bbox"), numbers_text(chart.bbox));
+    insert_text(header, name_of("offset"), numbers_text(chart.offset));
+    insert_text(header, name_of("scale"), numbers_text(chart.scale));
+    std::string manifest;
+    for (const Layer& layer : chart.layers) {
+        manifest += manifest_line({layer.name, layer.type, layer.shape, layer.required}) + "\n";
+        insert_text(header, name_of("hash." + layer.name), exr_layer_hash(layer));
+        for (const auto& [name, value] : layer.attributes) {
+            if (name.empty() || name.size() > 100 || name.find('\0') != std::string::npos)
+                refuse("an attribute's name is empty, too long or holds a zero byte", layer.name);
+            insert_text(header, name_of("attribute." + layer.name + "/" + name), attribute_text(value));
         }
     }
+    insert_text(header, name_of("layers"), manifest);
+}
 
-    void describe_set(Imf::Header& header) const {
-        header.insert("dgmFormatVersion", Imf::IntAttribute(static_cast<int>(maps_.format_version)));
-        header.insert("dgmChartCount", Imf::IntAttribute(static_cast<int>(maps_.charts.size())));
-        insert_text(header, "dgmGenerator", maps_.generator);
-        insert_text(header, "dgmSourceName", maps_.source_name);
-        insert_text(header, "dgmSourceHash", hex_of(maps_.source_hash));
-        insert_text(header, "dgmSettingsHash", hex_of(maps_.settings_hash));
-        insert_text(header, "dgmReport", maps_.report_json);
-        insert_text(header, "dgmHeaderHash", exr_header_hash(maps_));
-    }
+void describe_set(Imf::Header& header, const MapSet& maps, ExrLayout layout) {
+    insert_int(header, kLayoutVersionAttribute, kExrLayoutVersion);
+    insert_text(header, kLayoutNameAttribute, layout == ExrLayout::kMultipart ? "multipart" : "auto");
+    insert_int(header, kFormatVersionAttribute, maps.format_version);
+    insert_int(header, kChartCountAttribute, maps.charts.size());
+    insert_text(header, kGeneratorAttribute, maps.generator);
+    insert_text(header, kSourceNameAttribute, maps.source_name);
+    insert_text(header, kSourceHashAttribute, hex_of(maps.source_hash));
+    insert_text(header, kSettingsHashAttribute, hex_of(maps.settings_hash));
+    insert_text(header, kReportAttribute, maps.report_json);
+    insert_text(header, kHeaderHashAttribute, exr_header_hash(maps));
+    for (std::size_t k = 0; k < maps.charts.size(); ++k) describe_chart(header, maps.charts[k], k);
+}
 
-    static void finish(Part& part) {
-        auto& channels = part.header.channels();
-        for (const Placed& placed : part.layers)
-            for (const Channel& channel : placed.image.channels) {
-                if (channels.findChannel(channel.name) != nullptr)
-                    refuse("two layers need the channel " + channel.name, placed.layer->name);
-                channels.insert(channel.name, Imf::Channel(channel.type));
-            }
-        // A part needs a channel even where a chart has no data.
-        if (part.layers.empty()) channels.insert("empty", Imf::Channel(Imf::HALF));
-    }
-
-    const MapSet& maps_;
-    const ExrOptions& options_;
-    std::vector<Part> parts_;
-};
+Imf::Header header_of(const PlannedPart& part) {
+    const Imath::Box2i window({0, 0}, {static_cast<int>(part.width) - 1, static_cast<int>(part.height) - 1});
+    Imf::Header header(window, window);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    header.setType(Imf::SCANLINEIMAGE);
+    if (!part.name.empty()) header.setName(part.name);
+    for (const PlannedLayer& layer : part.layers)
+        for (const Channel& channel : layer.image.channels)
+            header.channels().insert(channel.name, Imf::Channel(channel.type));
+    if (part.layers.empty()) header.channels().insert(kEmptyChannel, Imf::Channel(Imf::FLOAT));
+    return header;
+}
 
 std::uint32_t element_at(const Layer& layer, std::uint64_t index) {
     const std::uint32_t size = layout::element_size(layer.type);
@@ -231,36 +113,62 @@ std::uint32_t element_at(const Layer& layer, std::uint64_t index) {
     return value;
 }
 
-/// The bits of one pixel in one channel.
-std::uint32_t pixel_bits(const Placed& placed, const Channel& channel, std::uint64_t pixel) {
-    const Layer& layer = *placed.layer;
-    const std::uint64_t first = pixel * placed.image.components;
-    float value = 0;
-    switch (channel.coding) {
-        case Coding::kExact:
-            return element_at(layer, first + channel.component);
-        case Coding::kSrgb:
-            return half_of_srgb(static_cast<std::uint8_t>(element_at(layer, first + channel.component)));
-        case Coding::kUnit:
-            return half_of_unit(static_cast<std::uint8_t>(element_at(layer, first + channel.component)));
-        case Coding::kPosition:
-            value = static_cast<float>(placed.chart->scale[channel.component] *
-                                       element_at(layer, first + channel.component));
-            break;
-        case Coding::kNormal:
-            value = dgm::decode_octahedral(static_cast<std::int16_t>(element_at(layer, first)),
-                                           static_cast<std::int16_t>(element_at(layer, first + 1)))[channel.component];
-            break;
-    }
+std::uint32_t bits_of(float value) {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return bits;
 }
 
+/// An element of a layer as a pixel of the channel's type.
+std::uint32_t exact_bits(ElementType type, std::uint32_t element, Imf::PixelType pixel) {
+    if (type == ElementType::kF32) return element;
+    if (type == ElementType::kF16)
+        return pixel == Imf::HALF ? element : float_bits_of_half(static_cast<std::uint16_t>(element));
+    return bits_of(type == ElementType::kI16 ? static_cast<float>(static_cast<std::int16_t>(element))
+                                             : static_cast<float>(element));
+}
+
+/// A half as a pixel of the channel's type.
+std::uint32_t light_bits(std::uint16_t half, Imf::PixelType pixel) {
+    return pixel == Imf::HALF ? half : float_bits_of_half(half);
+}
+
+struct Placed {
+    const Chart* chart;
+    const Layer* layer;
+    const LayerImage* image;
+};
+
+/// The bits of one pixel in one channel.
+std::uint32_t pixel_bits(const Placed& placed, const Channel& channel, std::uint64_t pixel) {
+    const Layer& layer = *placed.layer;
+    const std::uint64_t first = pixel * placed.image->components;
+    const std::uint64_t own = first + channel.component;
+    switch (channel.coding) {
+        case Coding::kExact:
+            return exact_bits(layer.type, element_at(layer, own), channel.type);
+        case Coding::kLowHalf:
+            return bits_of(static_cast<float>(element_at(layer, own) & 0xFFFFu));
+        case Coding::kHighHalf:
+            return bits_of(static_cast<float>(element_at(layer, own) >> 16));
+        case Coding::kSrgb:
+            return light_bits(half_of_srgb(static_cast<std::uint8_t>(element_at(layer, own))), channel.type);
+        case Coding::kUnit:
+            return light_bits(half_of_unit(static_cast<std::uint8_t>(element_at(layer, own))), channel.type);
+        case Coding::kPosition:
+            return bits_of(static_cast<float>(placed.chart->scale[channel.component] * element_at(layer, own)));
+        case Coding::kNormal:
+            return bits_of(
+                dgm::decode_octahedral(static_cast<std::int16_t>(element_at(layer, first)),
+                                       static_cast<std::int16_t>(element_at(layer, first + 1)))[channel.component]);
+    }
+    return 0;
+}
+
 /// Rows [top, top + rows) of one channel, in its pixel type.
 void fill_rows(const Placed& placed, const Channel& channel, int top, int rows, std::vector<char>& buffer) {
     const std::size_t size = channel.type == Imf::HALF ? 2 : 4;
-    const LayerImage& image = placed.image;
+    const LayerImage& image = *placed.image;
     buffer.assign(static_cast<std::size_t>(rows) * image.width * size, 0);
     char* out = buffer.data();
     for (int y = top; y < top + rows; ++y)
@@ -272,54 +180,101 @@ void fill_rows(const Placed& placed, const Channel& channel, int top, int rows, 
         }
 }
 
-void write_part(Imf::MultiPartOutputFile& file, int number, const Part& part) {
+void write_part(Imf::MultiPartOutputFile& file, int number, const PlannedPart& part, const MapSet& maps) {
     Imf::OutputPart output(file, number);
-    const auto width = static_cast<std::size_t>(part.width);
+    const int height = static_cast<int>(part.height);
     std::vector<std::vector<char>> buffers;
-    for (int top = 0; top < part.height; top += kBlockRows) {
-        const int rows = std::min(kBlockRows, part.height - top);
+    for (int top = 0; top < height; top += kBlockRows) {
+        const int rows = std::min(kBlockRows, height - top);
         Imf::FrameBuffer frame;
         buffers.clear();
         const auto add = [&](const std::string& name, Imf::PixelType type) {
-            frame.insert(name,
-                         Imf::Slice::Make(type, buffers.back().data(), Imath::V2i(0, top), std::int64_t{part.width},
-                                          std::int64_t{rows}, std::size_t{0}, (type == Imf::HALF ? 2 : 4) * width));
+            frame.insert(name, Imf::Slice::Make(type, buffers.back().data(), Imath::V2i(0, top),
+                                                std::int64_t{part.width}, std::int64_t{rows}, std::size_t{0},
+                                                (type == Imf::HALF ? 2 : 4) * std::size_t{part.width}));
         };
-        for (const Placed& placed : part.layers)
-            for (const Channel& channel : placed.image.channels) {
-                fill_rows(placed, channel, top, rows, buffers.emplace_back());
+        for (const PlannedLayer& layer : part.layers) {
+            const Chart& chart = maps.charts[layer.number.chart];
+            for (const Channel& channel : layer.image.channels) {
+                fill_rows({&chart, &chart.layers[layer.number.layer], &layer.image}, channel, top, rows,
+                          buffers.emplace_back());
                 add(channel.name, channel.type);
             }
+        }
         if (part.layers.empty()) {
-            buffers.emplace_back(std::size_t{2} * width * static_cast<std::size_t>(rows), '\0');
-            add("empty", Imf::HALF);
+            buffers.emplace_back(std::size_t{4} * part.width * static_cast<std::size_t>(rows), '\0');
+            add(kEmptyChannel, Imf::FLOAT);
         }
         output.setFrameBuffer(frame);
         output.writePixels(rows);
     }
 }
 
-}  // namespace
+void check_bytes(const MapSet& maps) {
+    for (std::size_t k = 0; k < maps.charts.size(); ++k)
+        for (const Layer& layer : maps.charts[k].layers)
+            if (exr_layer_bytes(layer.type, layer.shape) != layer.bytes.size())
+                refuse(std::to_string(layer.bytes.size()) + " bytes do not fit type and shape",
+                       "chart " + std::to_string(k) + ", layer " + layer.name);
+}
 
-void write_exr(const MapSet& maps, const fs::path& path, const ExrOptions& options) {
-    const std::vector<Part> parts = Planner(maps, options).run();
+void remove_file(const fs::path& path) {
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) fs::remove(path, error);
+}
+
+void write_file(const fs::path& path, const PlannedFile& file, const MapSet& maps, std::vector<Imf::Header> headers) {
     const int probe = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (probe < 0)
         throw model::Error(codes::kWriteFailed, "create: " + std::generic_category().message(errno), path.string());
     ::close(probe);
     try {
-        std::vector<Imf::Header> headers;
-        headers.reserve(parts.size());
-        for (const Part& part : parts) headers.push_back(part.header);
         // No threads: the bytes do not depend on them, but neither does a bake's speed.
-        Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
-        for (std::size_t k = 0; k < parts.size(); ++k) write_part(file, static_cast<int>(k), parts[k]);
+        Imf::MultiPartOutputFile output(path.c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
+        for (std::size_t k = 0; k < file.parts.size(); ++k)
+            write_part(output, static_cast<int>(k), file.parts[k], maps);
     } catch (const std::exception& e) {
-        std::error_code error;
-        if (fs::is_regular_file(path, error)) fs::remove(path, error);
+        remove_file(path);
         if (dynamic_cast<const std::bad_alloc*>(&e) != nullptr) throw;
         throw model::Error(codes::kWriteFailed, std::string("OpenEXR: ") + e.what(), path.string());
     }
+}
+
+std::vector<Imf::Header> headers_of(const PlannedFile& file, const ExrPlan& plan, const MapSet& maps,
+                                    ExrLayout layout) {
+    std::vector<Imf::Header> headers;
+    headers.reserve(file.parts.size());
+    for (const PlannedPart& part : file.parts) headers.push_back(header_of(part));
+    if (!file.name.empty()) {
+        insert_int(headers.front(), kLayoutVersionAttribute, kExrLayoutVersion);
+        insert_text(headers.front(), kSideFileAttribute, file.name);
+        return headers;
+    }
+    describe_set(headers.front(), maps, layout);
+    for (const auto& [chart, number] : plan.tables) {
+        const Layer& layer = maps.charts[chart].layers[number];
+        insert_text(headers.front(), chart_attribute(chart, "table." + layer.name), base64_of(layer.bytes));
+    }
+    return headers;
+}
+
+}  // namespace
+
+std::vector<fs::path> write_exr(const MapSet& maps, const fs::path& path, const ExrOptions& options) {
+    const ExrPlan plan = plan_exr(maps.charts, options.layout);
+    check_bytes(maps);
+    std::vector<fs::path> written;
+    try {
+        for (auto file = plan.files.rbegin(); file != plan.files.rend(); ++file) {  // the map's own last
+            const fs::path name = file->name.empty() ? path : exr_side_path(path, file->name);
+            write_file(name, *file, maps, headers_of(*file, plan, maps, options.layout));
+            written.push_back(name);
+        }
+    } catch (...) {
+        for (const fs::path& file : written) remove_file(file);
+        throw;
+    }
+    return written;
 }
 
 }  // namespace dgm::formats

@@ -3,23 +3,23 @@
 // MapSet to OpenEXR, lossless (formats/SPEC.md section 5).
 #pragma once
 #include <filesystem>
+#include <vector>
 
+#include "exr/exr_files.h"
 #include "model/map_set.h"
 
 namespace dgm::formats {
-
-enum class ExrLayout {
-    kAuto,       ///< one part for everything grid-sized, further parts only where sizes differ
-    kMultipart,  ///< one part a layer, named like it
-};
 
 struct ExrOptions {
     ExrLayout layout = ExrLayout::kAuto;
 };
 
-/// Writes all charts and layers to exactly `path` with ZIP compression, so that read_exr gives back an equal MapSet, to
-/// the bit. Deterministic: the same MapSet and options give the same bytes.
-/// @throws model::Error kWriteFailed (the file is removed), kBadLayerShape as write_dgm
-void write_exr(const model::MapSet& maps, const std::filesystem::path& path, const ExrOptions& options = {});
+/// Writes all charts and layers with ZIP compression, so that read_exr gives back an equal MapSet, to the bit: `path`,
+/// and beside it a file for each layer of another size (exr_side_path). Deterministic: the same MapSet and options give
+/// the same bytes.
+/// @return  the files written, `path` last; no other may stand in the way of their names
+/// @throws model::Error kWriteFailed (all files are removed), kBadLayerShape as write_dgm and plan_exr
+std::vector<std::filesystem::path> write_exr(const model::MapSet& maps, const std::filesystem::path& path,
+                                             const ExrOptions& options = {});
 
 }  // namespace dgm::formats

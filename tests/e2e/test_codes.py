@@ -43,7 +43,8 @@ class Codes(support.Folder):
         return self.run_program(support.VALIDATE, *arguments)
 
     def maps(self):
-        return sorted(p.name for p in self.folder.iterdir() if p.suffix in (".dgm", ".exr"))
+        """Without files of layers, which have two dots and are part of a map."""
+        return sorted(p.name for p in self.folder.iterdir() if p.suffix in (".dgm", ".exr") and p.name.count(".") == 1)
 
     def source_of(self, name):
         mesh = Path(name).with_suffix(".obj")

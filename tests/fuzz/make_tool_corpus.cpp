@@ -29,6 +29,8 @@ void write_all(const fs::path& folder) {
         one.charts = {both.charts[k]};
         const std::string name = k == 0 ? "square" : "free";
         formats::write_dgm(one, folder / "dgm" / (name + ".dgm"));
+        // Layers of another size stand in files of their own; a seed is one file.
+        std::erase_if(one.charts[0].layers, [](const auto& l) { return l.name == "texture" || l.name == "bump"; });
         formats::write_exr(one, folder / "exr" / (name + ".exr"));
         formats::write_exr(one, folder / "exr" / (name + "_multipart.exr"), {formats::ExrLayout::kMultipart});
     }

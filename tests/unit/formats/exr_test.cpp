@@ -3,8 +3,18 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <cstring>
+#include <ImfChannelList.h>
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
 
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "model/codes.h"
@@ -73,18 +83,120 @@ TEST(ExrFile, AllOctahedralCodesComeBack) {
     EXPECT_EQ(read_exr(folder / "a.exr"), maps);
 }
 
-TEST(ExrFile, OnePartWhereSizesAgree) {
+using Names = std::vector<std::string>;
+
+Names names_of(const std::vector<std::filesystem::path>& files) {
+    Names out;
+    for (const auto& file : files) out.push_back(file.filename().string());
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
+TEST(ExrFile, OnePartForTheGridAndAFileForEachOtherSize) {
     const TempFolder folder;
     MapSet maps = random_maps(1, 0);
     dgm::test::Random random(1);
     maps.charts.push_back(random_chart(random, {.rows = 9, .cols = 14, .same_size_textures = true}));
-    write_exr(maps, folder / "one.exr");
+    EXPECT_EQ(names_of(write_exr(maps, folder / "one.exr")), Names{"one.exr"});
     EXPECT_FALSE(is_multipart(read_bytes(folder / "one.exr")));
-    write_exr(maps, folder / "many.exr", {ExrLayout::kMultipart});
+    EXPECT_EQ(names_of(write_exr(maps, folder / "many.exr", {ExrLayout::kMultipart})), Names{"many.exr"});
     EXPECT_TRUE(is_multipart(read_bytes(folder / "many.exr")));
     maps.charts[0] = random_chart(random, {.rows = 9, .cols = 14, .same_size_textures = false});
-    write_exr(maps, folder / "sizes.exr");
-    EXPECT_TRUE(is_multipart(read_bytes(folder / "sizes.exr")));
+    EXPECT_EQ(names_of(write_exr(maps, folder / "sizes.exr")),
+              (Names{"sizes.bump.exr", "sizes.exr", "sizes.texture.exr"}));
+    for (const char* name : {"sizes.bump.exr", "sizes.exr", "sizes.texture.exr"})
+        EXPECT_FALSE(is_multipart(read_bytes(folder / name))) << name;
+}
+
+TEST(ExrFile, ChartsOfOneSizeShareAFile) {
+    const TempFolder folder;
+    MapSet maps = random_maps(1, 0);
+    dgm::test::Random random(1);
+    for (const std::uint32_t rows : {9u, 5u, 9u, 5u})
+        maps.charts.push_back(random_chart(random, {.rows = rows, .cols = 14, .same_size_textures = true}));
+    EXPECT_EQ(names_of(write_exr(maps, folder / "a.exr")), (Names{"a.chart1.exr", "a.exr"}));
+    EXPECT_EQ(read_exr(folder / "a.exr"), maps);
+}
+
+/// The names of all channels and their types, as they stand in the header.
+std::map<std::string, Imf::PixelType> channels_of(const std::filesystem::path& path) {
+    std::map<std::string, Imf::PixelType> out;
+    const Imf::MultiPartInputFile file(path.c_str());
+    for (int part = 0; part < file.parts(); ++part) {
+        const Imf::ChannelList& channels = file.header(part).channels();
+        for (auto channel = channels.begin(); channel != channels.end(); ++channel)
+            EXPECT_TRUE(out.emplace(channel.name(), channel.channel().type).second) << channel.name();
+    }
+    return out;
+}
+
+// Blender, three.js and others: one letter behind the layer's name, no whole numbers, one size, one tight window,
+// no two channels of one name in all parts together.
+TEST(ExrFile, FilesAreWhatOtherProgramsTake) {
+    const TempFolder folder;
+    for (const ExrLayout layout : {ExrLayout::kAuto, ExrLayout::kMultipart})
+        for (const auto& written : write_exr(random_maps(46, 6), folder / "a.exr", {layout})) {
+            for (const auto& [name, type] : channels_of(written)) {
+                EXPECT_NE(type, Imf::UINT) << name;
+                const std::size_t dot = name.rfind('.');
+                EXPECT_EQ(name.size(), dot == std::string::npos ? 1 : dot + 2) << name;
+                EXPECT_NE(std::string("RGBAXYZUV").find(name.back()), std::string::npos) << name;
+            }
+            const Imf::MultiPartInputFile file(written.c_str());
+            for (int part = 0; part < file.parts(); ++part) {
+                EXPECT_EQ(file.header(part).dataWindow(), file.header(0).dataWindow());
+                EXPECT_EQ(file.header(part).displayWindow(), file.header(0).dataWindow());
+                for (auto entry = file.header(part).begin(); entry != file.header(part).end(); ++entry)
+                    if (std::string(entry.name()).starts_with("dgm")) {
+                        EXPECT_TRUE(std::string("int string").find(entry.attribute().typeName()) != std::string::npos);
+                    }
+            }
+        }
+}
+
+TEST(ExrFile, ASingleMapShowsPositionsAndItsTextureFirst) {
+    const TempFolder folder;
+    MapSet maps = random_maps(1, 0);
+    dgm::test::Random random(1);
+    maps.charts.push_back(random_chart(random, {.rows = 9, .cols = 14}));
+    write_exr(maps, folder / "a.exr");
+    Names names;
+    for (const auto& [name, type] : channels_of(folder / "a.exr")) {
+        names.push_back(name);
+        EXPECT_EQ(type, Imf::FLOAT) << name;
+    }
+    EXPECT_EQ(names, (Names{"B", "G", "R", "contact-area.V", "contact-mobility.V", "cover.V", "deformation-stiffness.V",
+                            "deformation.X", "deformation.Y", "deformation.Z", "diagonals.V", "normal-code.U",
+                            "normal-code.V", "normal.X", "normal.Y", "normal.Z"}));
+    using Channels = std::map<std::string, Imf::PixelType>;
+    EXPECT_EQ(channels_of(folder / "a.texture.exr"),
+              (Channels{{"A", Imf::HALF}, {"B", Imf::HALF}, {"G", Imf::HALF}, {"R", Imf::HALF}}));
+    EXPECT_EQ(channels_of(folder / "a.bump.exr"), (Channels{{"Y", Imf::HALF}}));
+}
+
+TEST(ExrFile, AFileOfLayersNamesItsMap) {
+    const TempFolder folder;
+    const auto files = write_exr(random_maps(40, 1), folder / "a.exr");
+    ASSERT_GT(files.size(), 1u);
+    EXPECT_FALSE(dgm::formats::is_exr_side_file(folder / "a.exr"));
+    for (std::size_t k = 0; k + 1 < files.size(); ++k) {
+        EXPECT_TRUE(dgm::formats::is_exr_side_file(files[k]));
+        EXPECT_EQ(code_of([&] { (void)read_exr(files[k]); }), codes::kExrUnreadable.number);
+    }
+    std::filesystem::remove(folder / "a.texture.exr");
+    EXPECT_EQ(code_of([&] { (void)read_exr(folder / "a.exr"); }), codes::kFileMissing.number);
+    EXPECT_EQ(code_of([&] { (void)dgm::formats::read_exr_head(folder / "a.exr"); }), codes::kFileMissing.number);
+}
+
+TEST(ExrFile, LayersOfAnotherBakeAreRefused) {
+    const TempFolder folder;
+    write_exr(random_maps(40, 1), folder / "a.exr");
+    MapSet other = random_maps(40, 1);
+    other.charts[0].find("texture")->bytes[5] ^= std::byte{1};
+    write_exr(other, folder / "b.exr");
+    std::filesystem::copy_file(folder / "b.texture.exr", folder / "a.texture.exr",
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_EQ(code_of([&] { (void)read_exr(folder / "a.exr"); }), codes::kHashMismatch.number);
 }
 
 TEST(ExrFile, SameMapsGiveSameBytesWithoutADate) {
@@ -97,13 +209,15 @@ TEST(ExrFile, SameMapsGiveSameBytesWithoutADate) {
     EXPECT_EQ(read_bytes(folder / "a.exr").find("capDate"), std::string::npos);
 }
 
-TEST(ExrFile, LargeTablesGetTheirOwnPart) {
+TEST(ExrFile, LargeTablesGetTheirOwnFile) {
     const TempFolder folder;
     MapSet maps = random_maps(1, 1);
     Layer* seams = maps.charts[0].find("seams");
     seams->shape = {1'100'000, 2};
     seams->bytes.assign(8'800'000, std::byte{0x5A});
+    for (std::size_t k = 0; k < seams->bytes.size(); ++k) seams->bytes[k] = static_cast<std::byte>(k * k >> 3 & 255);
     write_exr(maps, folder / "a.exr");
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.seams.exr"));
     EXPECT_TRUE(read_exr(folder / "a.exr") == maps);
 }
 
@@ -115,6 +229,11 @@ TEST(ExrFile, DamageIsAnErrorNotACrash) {
     EXPECT_EQ(code_of([&] { (void)read_exr(folder / "bad.exr"); }), codes::kExrUnreadable.number);
     write_exr(random_maps(5, 2), folder / "good.exr");
     const std::string good = read_bytes(folder / "good.exr");
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        if (const std::string name = entry.path().filename(); name.starts_with("good.") && name != "good.exr")
+            std::filesystem::copy_file(entry.path(), folder / ("bad" + name.substr(4)));
+    write_bytes(folder / "bad.exr", good);
+    EXPECT_EQ(code_of([&] { (void)read_exr(folder / "bad.exr"); }), 0);
     for (std::size_t size = 0; size < good.size(); size += 97) {
         write_bytes(folder / "bad.exr", good.substr(0, size));
         EXPECT_EQ(code_of([&] { (void)read_exr(folder / "bad.exr"); }), codes::kExrUnreadable.number) << size;
@@ -128,7 +247,8 @@ TEST(ExrFile, DamageIsAnErrorNotACrash) {
         write_bytes(folder / "bad.exr", bad);
         const int code = code_of([&] { (void)read_exr(folder / "bad.exr"); });
         EXPECT_TRUE(code == 0 || code == codes::kExrUnreadable.number || code == codes::kBadVersion.number ||
-                    code == codes::kHashMismatch.number || code == codes::kMissingChannel.number)
+                    code == codes::kHashMismatch.number || code == codes::kMissingChannel.number ||
+                    code == codes::kFileMissing.number)
             << code;
     }
 }

@@ -59,8 +59,9 @@ class Damage : public testing::Test {
         return read_bytes(folder_ / "good");
     }
     std::string good_exr(formats::ExrLayout layout) const {
-        formats::write_exr(test::good_maps(), folder_ / "good", {layout});
-        return read_bytes(folder_ / "good");
+        // Layers of other sizes stand where those of `put` are looked for.
+        formats::write_exr(test::good_maps(), folder_ / "bad", {layout});
+        return read_bytes(folder_ / "bad");
     }
     static ErrorCode runtime_opens(const std::string& bytes, bool hashes) {
         std::vector<std::max_align_t> aligned(bytes.size() / sizeof(std::max_align_t) + 1);

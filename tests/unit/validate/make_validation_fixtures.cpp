@@ -153,13 +153,16 @@ void make_container_fixtures() {
 }
 
 void make_exr_fixtures() {
-    dgm::formats::write_exr(dgm::test::good_maps(), folder / "scratch");
-    const std::string good = read_bytes(folder / "scratch");
-    fs::remove(folder / "scratch");
+    const std::vector<fs::path> files = dgm::formats::write_exr(dgm::test::good_maps(), folder / "scratch.exr");
+    const std::string good = read_bytes(files.back());
+    for (const char* name : {"DGM1016_cover", "DGM1003_header"})  // their textures are as they were
+        for (std::size_t k = 0; k + 1 < files.size(); ++k)
+            fs::copy_file(files[k], folder / (name + files[k].filename().string().substr(7)));
+    for (const fs::path& file : files) fs::remove(file);
     write_bytes("DGM1007_half.exr", good.substr(0, good.size() / 2));
     // The channel's name in the header, then its pixel type FLOAT.
     std::string bytes = good;
-    const std::string channel("cover\0\2", 7);
+    const std::string channel("cover.V\0\2", 9);
     const std::size_t at = bytes.find(channel);
     if (at == std::string::npos) std::abort();
     bytes[at + 4] = 's';

@@ -16,6 +16,7 @@
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
+#include "model/codes.h"
 #include "validate/validation.h"
 
 namespace dgm::validate {
@@ -34,7 +35,7 @@ TEST(OldFormats, Version1IsValidAgainstItsSource) {
     Options options;
     options.source = &source;
     options.sampling.samples = 20'000;
-    for (const char* name : {"format_v1.dgm", "format_v1.exr"}) {
+    for (const char* name : {"format_v1.dgm", "format_v1_exr2.exr"}) {
         const FileValidation validation = validate_file(kFixtures / name, options);
         for (const formats::Finding& f : validation.findings)
             ADD_FAILURE() << name << ": " << f.code->id() << " " << f.place << ": " << f.message;
@@ -60,7 +61,17 @@ TEST(OldFormats, Version1HoldsWhatItHeld) {
     EXPECT_EQ(names, (std::vector<std::string>{"border_faces", "border_geometry", "border_normal", "border_uv", "bump",
                                                "collision", "contact", "cover", "deformation", "diagonals", "geometry",
                                                "mask", "normal", "seams", "texture"}));
-    EXPECT_TRUE(formats::read_exr(kFixtures / "format_v1.exr") == maps) << "the EXR is the same to the bit";
+    EXPECT_TRUE(formats::read_exr(kFixtures / "format_v1_exr2.exr") == maps) << "the EXR is the same to the bit";
+}
+
+TEST(OldFormats, ExrLayout1IsRefusedByName) {
+    try {
+        (void)formats::read_exr(kFixtures / "format_v1.exr");
+        FAIL() << "it was read";
+    } catch (const model::Error& error) {
+        EXPECT_EQ(error.code().number, model::codes::kExrUnreadable.number);
+        EXPECT_NE(std::string(error.what()).find("EXR layout 1"), std::string::npos) << error.what();
+    }
 }
 
 TEST(OldFormats, TheRuntimeOpensVersion1) {
