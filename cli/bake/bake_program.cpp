@@ -34,6 +34,7 @@
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "process/hdf5_apart.h"
 #include "report/page_job.h"
 #include "report/report_files.h"
 #include "scene/scene_outcome.h"
@@ -342,6 +343,7 @@ int bake_program(int argc, char** argv, const BakeFunction& bake) noexcept {
     model::Error failure(codes::kInternal, "unknown exception");
     try {
         if (is_worker(argc, argv)) return run_worker(bake, report::make_page);
+        const Hdf5Apart hdf5;
         // A reader of our stdout that leaves (`| head`) must not leave temporaries behind.
         signal(SIGPIPE, SIG_IGN);
         const int exit_code = run_command_line(argc, argv);

@@ -10,6 +10,7 @@
 
 #include "export/export_files.h"
 #include "export/plain_maps.h"
+#include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
 #include "tool/tool.h"
 
@@ -106,6 +107,7 @@ int main(int argc, char** argv) {
     picture.text("--view", "YAW,PITCH", view, "PNG: direction in degrees [the view that shows most]");
 
     return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {
+        const dgm::bake::Hdf5Apart hdf5;
         try {
             if (chart_option->count() > 0) options.chart = chart;
             options.up = up == "z" ? dgm::render::UpAxis::kZ : dgm::render::UpAxis::kY;

@@ -8,6 +8,7 @@
 
 #include "info/file_info.h"
 #include "info/map_diff.h"
+#include "process/hdf5_apart.h"
 #include "scene/scene_help.h"
 #include "scene/scene_plan.h"
 #include "tool/tool.h"
@@ -62,6 +63,7 @@ int main(int argc, char** argv) {
     dgm::tool::Group(app, dgm::tool::kWhatItTells).flag("--json", json, "JSON for programs, instead of text");
 
     return dgm::tool::run_tool("dgm-info", argc, argv, app, kManual, [&](std::string& subject) {
+        const dgm::bake::Hdf5Apart hdf5;
         if (diff) return print_difference(files, json, subject);
         std::vector<dgm::info::FileInfo> infos;
         dgm::model::ExitCode worst = dgm::model::ExitCode::kOk;

@@ -19,6 +19,7 @@
 #include "model/codes.h"
 #include "process/byte_stream.h"
 #include "process/child_process.h"
+#include "process/sandbox.h"
 #include "process/worker_io.h"
 
 namespace dgm::bake {
@@ -31,6 +32,7 @@ using Clock = std::chrono::steady_clock;
 constexpr char kMesh = 'M', kError = 'E', kEnd = '.';
 /// More than a mesh within formats::MeshReadLimits takes.
 constexpr std::uint64_t kMaxBytes = std::uint64_t{8} << 30;
+constexpr std::uint32_t kMostCpuSeconds = 3600;  ///< beside the parent's limit of time
 constexpr auto kPause = std::chrono::milliseconds(100);
 
 bool fits_together(const model::TriMesh& mesh) {
@@ -199,7 +201,10 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
     try {
         const std::string job = read_job_text();
         const std::size_t newline = std::min(job.find('\n'), job.size() - 1);
-        limit_worker_memory(std::strtoull(job.c_str(), nullptr, 10), 1);
+        // Materials may lie anywhere, so every file may be read; nothing may be written, started or sent elsewhere.
+        const std::filesystem::path readable[] = {"/"};
+        static_cast<void>(enter_sandbox(
+            readable, {.memory_bytes = std::strtoull(job.c_str(), nullptr, 10), .cpu_seconds = kMostCpuSeconds}));
         const std::filesystem::path path = job.substr(newline + 1);
         answer = encode_import(read ? read(path) : formats::read_mesh(path));
     } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {
