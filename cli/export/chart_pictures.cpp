@@ -64,15 +64,15 @@ Image with_powers_of_two(const Image& picture, Texels texels) {
 }  // namespace
 
 ChartPictures chart_pictures(const model::Chart& chart, const bake::Reconstruction& surface, const ChartMesh& mesh,
-                             const PictureWishes& wishes) {
+                             bool power_of_two) {
     ChartPictures out;
     out.colour = render::texture_picture(chart);
-    if (wishes.normal_map && chart.find("bump") != nullptr && !mesh.normals.empty() && !mesh.uvs.empty()) {
+    if (chart.find("bump") != nullptr && !mesh.normals.empty() && !mesh.uvs.empty()) {
         out.tangents = vertex_tangents(mesh);
         out.normal_map = tangent_normal_map(chart, surface, mesh, out.tangents);
         if (!out.normal_map) out.tangents.clear();
     }
-    if (!wishes.power_of_two) return out;
+    if (!power_of_two) return out;
     if (!out.colour.pixels.empty()) out.colour = with_powers_of_two(out.colour, Texels::kColour);
     if (out.normal_map) out.normal_map = with_powers_of_two(*out.normal_map, Texels::kNormals);
     return out;

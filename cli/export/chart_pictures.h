@@ -17,15 +17,10 @@ struct ChartPictures {
     std::vector<model::Vec3d> tangents;  ///< of the mesh's vertices; empty without a normal map
 };
 
-struct PictureWishes {
-    bool normal_map = true;
-    bool power_of_two = false;  ///< both sides of each picture are those of nearest_power_of_two()
-};
-
-/// The layer `texture` and the tangent-space normal map of `mesh` (tangent_space.h).
-/// @throws as render::texture_picture and tangent_normal_map
+/// The layer `texture` and the tangent-space normal map of `mesh` (tangent_space.h). With `power_of_two` both sides of
+/// each are those of nearest_power_of_two(). @throws as render::texture_picture and tangent_normal_map
 [[nodiscard]] ChartPictures chart_pictures(const model::Chart& chart, const bake::Reconstruction& surface,
-                                           const ChartMesh& mesh, const PictureWishes& wishes);
+                                           const ChartMesh& mesh, bool power_of_two);
 
 /// Brings both pictures to one size, the larger of each side, for clients with one set of texture coordinates.
 void share_size(ChartPictures& pictures);

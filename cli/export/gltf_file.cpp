@@ -162,7 +162,7 @@ class Document {
         attributes["POSITION"] = vertices.add_positions(frame);
         if (!mesh.normals.empty()) attributes["NORMAL"] = vertices.add_normals();
         if (!mesh.uvs.empty()) {
-            ChartPictures pictures = chart_pictures(chart, surface, mesh, {true, options_.power_of_two});
+            ChartPictures pictures = chart_pictures(chart, surface, mesh, options_.power_of_two);
             if (pictures.normal_map) complete_tangents(pictures.tangents, mesh, k, options_.levels);
             add_textures(chart, pictures, vertices, attributes, material, pbr);
         }

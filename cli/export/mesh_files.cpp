@@ -69,7 +69,7 @@ void append_chart(TriMesh& out, const ChartMesh& chart, const ChartPictures& pic
 }
 
 MergedCharts merged_charts(const MapSet& maps, const std::vector<std::string>& names, const path& output,
-                           const ExportOptions& options, bool normal_maps) {
+                           const ExportOptions& options) {
     const std::vector<std::vector<model::Face>> coarse = faces_for(maps, options.lods[0], output);
     const bool normals = std::all_of(maps.charts.begin(), maps.charts.end(),
                                      [](const model::Chart& chart) { return chart.find("normal") != nullptr; });
@@ -78,8 +78,7 @@ MergedCharts merged_charts(const MapSet& maps, const std::vector<std::string>& n
         const model::Chart& chart = maps.charts[k];
         const bake::Reconstruction surface = bake::reconstruct(chart);
         const ChartMesh mesh = chart_mesh(surface, {}, coarse.empty() ? nullptr : &coarse[k]);
-        ChartPictures& pictures =
-            out.pictures.emplace_back(chart_pictures(chart, surface, mesh, {normal_maps, options.power_of_two}));
+        ChartPictures& pictures = out.pictures.emplace_back(chart_pictures(chart, surface, mesh, options.power_of_two));
         share_size(pictures);
         out.objects.push_back({names[k], out.mesh.faces.size()});
         append_chart(out.mesh, mesh, pictures, k, {chart.rows, chart.cols}, normals);
@@ -95,7 +94,7 @@ path picture_name(const path& output, const MapSet& maps, const std::string& cha
 /// Pictures stand beside the mesh; a mesh without any has no materials at all.
 void write_obj_files(const MapSet& maps, const std::vector<std::string>& names, const path& output,
                      const ExportOptions& options, StagingFolder& staging) {
-    MergedCharts charts = merged_charts(maps, names, output, options, true);
+    MergedCharts charts = merged_charts(maps, names, output, options);
     bool with_mtl = false;
     for (std::size_t k = 0; k < names.size(); ++k) {
         model::Material& material = charts.mesh.materials.emplace_back();
@@ -135,10 +134,11 @@ void add_colours(MergedCharts& charts) {
     }
 }
 
-/// A PLY has one picture, if any: that of an only chart.
+/// A PLY has one picture, if any: that of an only chart, the same as an OBJ beside it has, whose normal map may ask for
+/// another size.
 void write_ply_file(const MapSet& maps, const std::vector<std::string>& names, const path& output,
                     const ExportOptions& options, StagingFolder& staging) {
-    MergedCharts charts = merged_charts(maps, names, output, options, false);
+    MergedCharts charts = merged_charts(maps, names, output, options);
     const bool textured = std::all_of(charts.pictures.begin(), charts.pictures.end(),
                                       [](const ChartPictures& p) { return !p.colour.pixels.empty(); });
     formats::PlyWriteOptions how;

@@ -244,6 +244,48 @@ class Gltf(support.Folder):
         for channel, name in enumerate(("red", "green", "blue")):
             self.assertTrue((picture[y, x, channel] == vertices[name]).all(), name)
 
+    def test_a_folder_of_maps(self):
+        for name in ("in/robe", "in/deep/hat"):
+            (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+            self.baked(name, meshes.sheet(8), "--size", "17x17")
+        (self.folder / "in" / "broken.dgm").write_bytes(b"no map at all")
+        result = self.run_program(support.EXPORT, "in", "none.dgm", "-o", "out", "--format", "glb,obj", "--quantize")
+        self.assertEqual(result.returncode, 2, result.stderr)  # a missing file is worse than a damaged one
+        self.assertEqual(result.stdout.splitlines(), ["out/deep/hat.glb", "out/deep/hat.obj", "out/robe.glb",
+                                                      "out/robe.obj", "4 maps: 2 exported, 2 failed"])
+        tail = result.stderr.splitlines()[-3:]
+        self.assertEqual(tail[0], "dgm-export: 2 of 4 maps failed:")
+        self.assertTrue(tail[1].startswith("  in/broken.dgm: DGM1001: "), tail)
+        self.assertTrue(tail[2].startswith("  none.dgm: DGM5001: "), tail)
+        self.assertEqual(self.names(self.folder / "out"), sorted(
+            ["deep", "deep/hat.glb", "deep/hat.mtl", "deep/hat.obj", "deep/hat_normal.png", "robe.glb", "robe.mtl",
+             "robe.obj", "robe_normal.png"]))
+        self.assertIn("KHR_mesh_quantization", Glb((self.folder / "out/robe.glb").read_bytes()).json["extensionsRequired"])
+        before = self.names()
+        for arguments, word in (((["in", "-o", "x.glb"]), "folder"), (["in"], "--format"),
+                                (["in", "-o", "out/"], "--format"), (["in", "--format", "glbs"], "did you mean glb?"),
+                                (["in/robe.dgm", "-o", "in/", "--format", "dgm"], "overwrite an input"),
+                                (["in/robe.dgm", "-o", "x.glb", "--lod", "4,"], "--lod"),
+                                (["in/robe.dgm", "-o", "x.glb", "--lod-mode", "msft"], "--lod 1,4,16")):
+            refused = self.run_program(support.EXPORT, *arguments)
+            self.assertEqual(refused.returncode, 1, arguments)
+            self.assertIn(word, refused.stderr)
+        self.assertEqual(self.names(), before)
+
+    def test_levels_in_one_file(self):
+        ball = self.baked("ball", meshes.icosphere(3), "--size", "65x65")
+        glb = self.glb(ball, "--lod", "8", "--lod-mode", "msft")  # beside the full surface
+        node = glb.chart_nodes()[0]
+        (lod,) = node["extensions"]["MSFT_lod"]["ids"]
+        coarse = glb.json["nodes"][lod]
+        self.assertEqual(coarse["name"], "ball_lod8")
+        full, thin = (glb.json["meshes"][n["mesh"]]["primitives"][0] for n in (node, coarse))
+        points = glb.accessor(full["attributes"]["POSITION"])
+        faces = glb.accessor(thin["indices"]).reshape(-1, 3)
+        self.assertEqual(open_edges(points, faces), 0)
+        alone = next(self.glb(ball, "--lod", "8").primitives())
+        self.assertTrue(np.array_equal(points[faces], alone[3]["POSITION"][alone[2]]))
+
     def test_quantized_is_the_same_shape(self):
         two = self.baked("two", meshes.together(meshes.icosphere(3), meshes.sheet(8)), "--size", "33x29")
         plain, small = self.glb(two), self.glb(two, "--quantize")
