@@ -19,6 +19,7 @@ EIGEN, CGAL, EMBREE, TBB, BOOST = "Eigen", "CGAL", "Embree", "TBB", "Boost"
 HDF5, OPENEXR, ASSIMP = "HDF5", "OpenEXR", "assimp"
 FMT, JSON, TOML, CLI11, GTEST = "fmt", "nlohmann-json", "toml++", "CLI11", "GoogleTest"
 INTRINSICS, BENCHMARK, NANOFLANN = "processor intrinsics", "Google Benchmark", "nanoflann"
+MESHOPT = "meshoptimizer"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,7 +46,8 @@ CHARTS = MAPS + ("cli/geometry/resample", "cli/geometry/chart")
 GEOMETRY = CHARTS + ("cli/geometry/repair", "cli/geometry/cut_search", "cli/geometry/fit", "cli/geometry/layers")
 CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
 BAKING = ("cli/process", "cli/baking", "cli/worker", "cli/batch")
-BELOW_PROGRAMS = GEOMETRY + CONTAINERS + BAKING + ("cli/geometry/cgal", "cli/render", "cli/report", "cli/scene", "cli/tool")
+BELOW_PROGRAMS = GEOMETRY + CONTAINERS + BAKING + ("cli/geometry/cgal", "cli/render", "cli/export", "cli/report", "cli/scene",
+                                                  "cli/tool")
 
 PARTS = (
     Part("libdgm/include", 0, (), (), "what users include: the standard library alone, ever"),
@@ -81,11 +83,13 @@ PARTS = (
     Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
     Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_easy_font"),
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
+    Part("cli/export", 3.5, GEOMETRY + CONTAINERS + ("cli/render", "cli/tool"), (FMT, JSON, MESHOPT, SYSTEM),
+         "maps as meshes and pictures; a bake may ask for them, too; the only folder to see meshoptimizer"),
     Part("cli/process", 4, ("formats/model", "formats/mesh", "formats/dgm"), (FMT, SYSTEM, SECCOMP),
-         "disposable copies of the program, whatever their work; what strangers wrote is read in them"),
-    Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal",), (FMT, JSON, TBB),
+         "disposable copies of the program, whatever their work; files of strangers are read in them"),
+    Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/export"), (FMT, JSON, TBB),
          "the stages in order, in this process; introduces the parameterizers to the geometry"),
-    Part("cli/worker", 5, CONTAINERS + ("formats/model", "cli/process", "cli/baking"), (FMT, JSON, TBB, SYSTEM),
+    Part("cli/worker", 5, CONTAINERS + ("formats/model", "cli/process", "cli/baking", "cli/export"), (FMT, JSON, TBB, SYSTEM),
          "the process that bakes one asset, and its files"),
     Part("cli/batch", 6, CONTAINERS + ("formats/model", "cli/process", "cli/baking", "cli/worker"), (FMT, JSON, SYSTEM),
          "many assets: the plan, the workers, the report"),
@@ -96,13 +100,13 @@ PARTS = (
     Part("cli/bake", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/validate", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/info", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
-    Part("cli/export", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/export/program", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("samples/generate", 4, ("formats/model",), (PNG,), "makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
     Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),
     Part("samples", 6, DATA + ("cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
     Part("tests", 9, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
-                             JSON, CLI11, GTEST, BENCHMARK, NANOFLANN), "tests may look at everything"),
+                             JSON, CLI11, GTEST, BENCHMARK, NANOFLANN, MESHOPT), "tests may look at everything"),
     Part("tests/e2e/consumer", 9, RUNTIME, (), "a user's project: knows the installed runtime only"),
 )
 
@@ -110,7 +114,7 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"CGAL/", CGAL), (r"Eigen/|unsupported/Eigen/", EIGEN), (r"embree3/", EMBREE), (r"(oneapi/)?tbb/", TBB),
     (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
-    (r"toml\+\+/", TOML), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
+    (r"toml\+\+/", TOML), (r"meshoptimizer\.h", MESHOPT), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
     (r"seccomp\.h", SECCOMP), (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
     (r"(sys|linux|net|netinet|arpa)/|(fcntl|fnmatch|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),

@@ -62,8 +62,7 @@ void check_files(const CommandLine& line, const BatchPlan& plan) {
     if (!line.bake.texture.empty() && !fs::is_regular_file(line.bake.texture, ignored))
         throw model::missing_file(line.bake.texture);
     for (const PlannedAsset& asset : plan.assets)
-        for (const fs::path& output : {asset.dgm, asset.exr}) {
-            if (output.empty()) continue;
+        for (const fs::path& output : outputs_of(asset)) {
             if (!line.bake.texture.empty() && spelled_out(output) == spelled_out(line.bake.texture))
                 throw model::Error(codes::kUsage, "the output would overwrite the texture", output.string());
             for (const auto& [file, what] : further)
@@ -154,8 +153,8 @@ int print_plan(const BatchPlan& plan, const std::optional<scene::Scene>& scene) 
         const PlannedAsset& asset = plan.assets[k];
         results[k].error = asset.refusal;
         if (asset.refusal) say(stderr, failure_story(asset.source.string(), *asset.refusal));
-        for (const fs::path& output : {asset.dgm, asset.exr})
-            if (!asset.refusal && !output.empty())
+        for (const fs::path& output : outputs_of(asset))
+            if (!asset.refusal)
                 say(stdout, fmt::format("{} -> {}\n", printable(asset.source.string()),
                                         printable(output.lexically_normal().string())));
     }

@@ -83,15 +83,22 @@ void set_formats(const Raw& raw, CommandLine& out) {
                             !std::filesystem::is_directory(raw.output);
     if (text.empty()) text = names_file ? extension.substr(1) : "dgm";
     out.bake.write_dgm = out.bake.write_exr = false;
-    constexpr std::array<std::string_view, 2> kFormats{"dgm", "exr"};
+    constexpr std::array<std::string_view, 5> kFormats{"dgm", "exr", "glb", "obj", "ply"};
     for (const std::string& format : split_list("--format", text)) {
         if (format == "dgm")
             out.bake.write_dgm = true;
         else if (format == "exr")
             out.bake.write_exr = true;
-        else
+        else if (std::find(kFormats.begin(), kFormats.end(), format) == kFormats.end())
             unknown_word("--format", "format", format, kFormats);
+        else if (std::find(out.plan.exports.begin(), out.plan.exports.end(), "." + format) == out.plan.exports.end())
+            out.plan.exports.push_back("." + format);
     }
+    if (!out.bake.write_dgm && !out.bake.write_exr)
+        wrong(
+            fmt::format("--format {0}: meshes are made of a map, which stays beside them and knows what is up to date; "
+                        "write --format dgm,{0}",
+                        text));
     if (names_file && !(extension == ".dgm" ? out.bake.write_dgm : out.bake.write_exr))
         wrong(fmt::format("-o names a {} file, but --format asks for {}", extension, text));
     out.plan.write_dgm = out.bake.write_dgm;

@@ -50,7 +50,8 @@ void describe_files(CLI::App& app, Raw& raw) {
     const Group group(app, tool::kWhereThingsGo);
     group.text("-o,--output", "FILE|DIR", raw.output,
                "FILE.dgm or FILE.exr for one mesh, or a folder [the current one]");
-    group.text("--format", "F,...", raw.format, "dgm, exr or dgm,exr [dgm, or what -o FILE ends in]");
+    group.text("--format", "F,...", raw.format,
+               "dgm, exr or both, and meshes beside them: glb, obj, ply [dgm, or what -o FILE ends in]");
     group.text(
         "--report", "FILE", raw.report,
         "write what happened to each mesh, with all errors measured, to this file; FILE.html: a page to look at, with "

@@ -12,6 +12,7 @@
 
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
+#include "export/map_stamp.h"
 #include "exr/exr_reader.h"
 #include "mesh/material_files.h"
 #include "mesh/source_inputs.h"
@@ -27,12 +28,6 @@ Hash128 hash_text(const std::string& text) {
     return formats::hash_bytes(std::as_bytes(std::span(text)));
 }
 
-/// Origin of an output, as its file names it.
-struct Origin {
-    std::string generator, report_json;
-    Hash128 source_hash{}, settings_hash{};
-};
-
 /// From the first bytes, before anything is checked: to pass over a stale file without reading it.
 bool header_names(const fs::path& dgm, const Hash128& source, const Hash128& settings) {
     layout::FileHeader header{};
@@ -43,15 +38,16 @@ bool header_names(const fs::path& dgm, const Hash128& source, const Hash128& set
            std::equal(settings.begin(), settings.end(), header.settings_hash);
 }
 
-std::optional<Origin> origin_of(const fs::path& output, const BakeOptions& options) {
-    if (output.extension() != ".exr") {
-        model::MapSet maps = formats::read_dgm(output);
-        return Origin{std::move(maps.generator), std::move(maps.report_json), maps.source_hash, maps.settings_hash};
-    }
-    formats::ExrHead head = formats::read_exr_head(output);
+bool is_map(const fs::path& output) {
+    return output.extension() == ".dgm" || output.extension() == ".exr";
+}
+
+/// What a map says about where it came from; of an EXR without layers.
+std::optional<model::MapSet> origin_of(const fs::path& map, const BakeOptions& options) {
+    if (map.extension() != ".exr") return formats::read_dgm(map);
+    formats::ExrHead head = formats::read_exr_head(map);
     if (head.multipart != (options.exr_layout == ExrLayout::kMultipart)) return std::nullopt;
-    return Origin{std::move(head.maps.generator), std::move(head.maps.report_json), head.maps.source_hash,
-                  head.maps.settings_hash};
+    return std::move(head.maps);
 }
 
 }  // namespace
@@ -114,8 +110,10 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
             if (output.extension() == ".dgm" && !header_names(output, source, settings)) return std::nullopt;
         const std::string inputs = hash_inputs(mesh_file);
         std::optional<BakeReport> report;
+        std::string stamp;
         for (const fs::path& output : outputs) {
-            const std::optional<Origin> origin = origin_of(output, options);
+            if (!is_map(output)) continue;
+            const std::optional<model::MapSet> origin = origin_of(output, options);
             if (!origin || origin->generator != generator() || origin->source_hash != source ||
                 origin->settings_hash != settings)
                 return std::nullopt;
@@ -124,7 +122,10 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
                 inputs.empty() ? hash_inputs(mesh_file, report->inputs, report->missing_inputs) : inputs;
             if (now.empty() || report->inputs_hash != now || report->source_name != mesh_file.filename().string())
                 return std::nullopt;
+            stamp = exporter::map_stamp(*origin);
         }
+        for (const fs::path& output : outputs)
+            if (!is_map(output) && !exporter::carries_stamp(output, stamp)) return std::nullopt;
         return report;
     } catch (const model::Error&) {
         return std::nullopt;  // the bake will report the fault

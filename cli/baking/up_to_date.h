@@ -33,9 +33,10 @@ namespace dgm::bake {
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const std::filesystem::path& mesh_file,
                                                              const BakeOptions& options, const BakeReport& report);
 
-/// The stored report, without times, if each of `outputs` (.dgm, .exr; at least one) is whole and was made by this
-/// version from these contents with these settings. nullopt otherwise, and for whatever cannot be read. For formats
-/// where only an import tells what they name, what the import of that bake found stands in the report.
+/// The stored report, without times, if each of `outputs` (.dgm, .exr, at least one of them; .glb, .obj, .ply) is whole
+/// and was made by this version from these contents with these settings. A mesh carries the stamp of the map that it
+/// was made of (export/map_stamp.h), and its textures must be there. nullopt otherwise, and for whatever cannot be
+/// read. For formats where only an import tells what they name, the report has what the import of that bake found.
 ///
 /// A .dgm is read and checked wholly, of an EXR the headers and whether all rows are there. Not thread-safe: HDF5.
 [[nodiscard]] std::optional<BakeReport> up_to_date(const std::filesystem::path& mesh_file,

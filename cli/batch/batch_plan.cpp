@@ -133,6 +133,7 @@ class Planner {
             if (!request_.write_dgm) asset.dgm.clear();
             if (!request_.write_exr) asset.exr.clear();
         }
+        add_exports();
         check_inputs_kept();
         for (const auto& [position, asset] : refused_)
             out_.assets.insert(out_.assets.begin() + static_cast<std::ptrdiff_t>(position), asset);
@@ -211,10 +212,12 @@ class Planner {
             file_stem_ = output.parent_path() / output.stem();
             out_.folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
         } else if (formats::has_mesh_extension(output)) {
-            throw model::Error(codes::kUsage,
-                               "the output is named like a mesh; dgm-bake writes FILE.dgm, FILE.exr, or into a folder",
-                               output.string())
-                .with_hint("name a .dgm, and make a mesh of it with dgm-export");
+            throw model::Error(
+                codes::kUsage,
+                "the output is named like a mesh; dgm-bake writes FILE.dgm, FILE.exr, or into a folder, and "
+                "meshes beside them with --format, such as --format dgm,glb",
+                output.string())
+                .with_hint("name a .dgm, and make a mesh of it with --format or dgm-export");
         } else {
             out_.folder = output;
         }
@@ -225,6 +228,12 @@ class Planner {
                        : request_.output.empty() ? f.output_stem()
                                                  : out_.folder / f.output_stem();
         return out += extension;
+    }
+
+    void add_exports() {
+        for (std::size_t k = 0; k < found_.size(); ++k)
+            for (const std::string& extension : request_.exports)
+                out_.assets[k].exports.push_back(target(found_[k], extension.c_str()));
     }
 
     void settle_collisions() {
@@ -250,8 +259,8 @@ class Planner {
         std::set<fs::path> inputs;
         for (const fs::path& source : seen_) inputs.insert(source);
         for (const PlannedAsset& asset : out_.assets)
-            for (const fs::path& output : {asset.dgm, asset.exr})
-                if (!output.empty() && inputs.contains(true_path(output)))
+            for (const fs::path& output : outputs_of(asset))
+                if (inputs.contains(true_path(output)))
                     throw model::Error(codes::kUsage, "the output would overwrite an input", output.string());
     }
 
@@ -267,6 +276,14 @@ class Planner {
 };
 
 }  // namespace
+
+std::vector<fs::path> outputs_of(const PlannedAsset& asset) {
+    std::vector<fs::path> out;
+    for (const fs::path& map : {asset.dgm, asset.exr})
+        if (!map.empty()) out.push_back(map);
+    out.insert(out.end(), asset.exports.begin(), asset.exports.end());
+    return out;
+}
 
 BatchPlan plan_batch(const PlanRequest& request, const BakeOptions& options) {
     return Planner(request, options).plan();

@@ -18,6 +18,7 @@ struct PlanRequest {
     std::filesystem::path output;               ///< -o; empty: the current folder
     bool output_is_folder = false;              ///< -o ended in a slash
     bool write_dgm = true, write_exr = false;
+    std::vector<std::string> exports = {};  ///< meshes beside the map, as extensions: ".glb"
 };
 
 /// One job: what is baked, with which options, into which files.
@@ -27,7 +28,11 @@ struct PlannedAsset {
     std::optional<model::Error> refusal;  ///< set if there is nothing to start: a missing file, a folder without meshes
     std::string name;  ///< path below the input folder, the same on every machine: "organs/liver.obj"
     BakeOptions options;
+    std::vector<std::filesystem::path> exports = {};  ///< final names of meshes that are made of the map
 };
+
+/// Every file that an asset becomes, the map first. What goes beside an .obj (materials, textures) is not among them.
+[[nodiscard]] std::vector<std::filesystem::path> outputs_of(const PlannedAsset& asset);
 
 /// One part of a batch that is spread over machines: `number` of `count`, from 1.
 struct Shard {

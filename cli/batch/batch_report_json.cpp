@@ -65,8 +65,9 @@ json asset_json(const PlannedAsset& asset, const AssetResult& result) {
              {"outcome", name_of(result.outcome)},       {"seconds", result.seconds},
              {"settings", settings_json(asset.options)}, {"command", repeat_command(asset)}};
     out["outputs"] = json::array();
-    for (const std::filesystem::path& output : {asset.dgm, asset.exr})
-        if (!output.empty()) out["outputs"].push_back(shown(output));
+    for (const std::filesystem::path& output : outputs_of(asset)) out["outputs"].push_back(shown(output));
+    for (const std::filesystem::path& output : asset.exports)
+        out["settings"]["format"].push_back(output.extension().string().substr(1));
     out["files"] = json::array();
     for (const OutputFile& file : result.files)
         out["files"].push_back({{"path", shown(file.path)}, {"bytes", file.bytes}});

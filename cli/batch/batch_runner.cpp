@@ -17,6 +17,7 @@
 #include "batch/memory_budget.h"
 #include "model/codes.h"
 #include "process/signal_scope.h"
+#include "worker/export_outputs.h"
 #include "worker/output_files.h"
 #include "worker/running_worker.h"
 #include "worker/worker_protocol.h"
@@ -41,13 +42,56 @@ Outcome outcome_of(const model::Error& error) {
 struct Running : RunningWorker {
     using RunningWorker::RunningWorker;
     std::size_t asset = 0;
-    fs::path dgm, exr;           ///< temporary names
-    std::uint64_t expected = 0;  ///< bytes at its peak
+    fs::path dgm, exr;              ///< temporary names
+    std::vector<fs::path> folders;  ///< temporary, of each export
+    std::uint64_t expected = 0;     ///< bytes at its peak
     std::string stage;
     std::size_t notices = 0;
     bool out_of_memory = false;
     std::optional<WorkerMessage> last_word;  ///< ResultMessage or ErrorMessage
 };
+
+void remove_folders(const std::vector<fs::path>& folders) {
+    std::error_code ignored;
+    for (const fs::path& folder : folders) fs::remove_all(folder, ignored);
+}
+
+void remove_temporaries(const Running& r) {
+    for (const fs::path& file : {r.dgm, r.exr})  // published ones are gone
+        if (!file.empty()) remove_output(file);
+    remove_folders(r.folders);
+}
+
+/// What a worker has written, meshes first and the map last: whoever sees the map may count on what goes with it.
+std::vector<ExportedFile> written_files(const PlannedAsset& asset, const Running& r, const BakeReport& report) {
+    std::vector<ExportedFile> out;
+    const std::vector<fs::path> inputs =
+        asset.exports.empty() ? asset.exports : input_files(asset.source, asset.options, report);
+    for (std::size_t k = asset.exports.size(); k-- > 0;)
+        for (ExportedFile& file : exported_files(r.folders[k], asset.exports[k], inputs)) {
+            // An OBJ and a PLY have the same texture.
+            const auto same = [&](const ExportedFile& other) { return other.final_path == file.final_path; };
+            if (std::none_of(out.begin(), out.end(), same)) out.push_back(std::move(file));
+        }
+    for (const auto& [temporary, final_path] : {std::pair(&r.exr, &asset.exr), std::pair(&r.dgm, &asset.dgm)}) {
+        if (temporary->empty()) continue;
+        std::error_code error;
+        out.push_back({*temporary, *final_path, fs::file_size(*temporary, error)});
+        if (error)
+            throw model::Error(codes::kWriteFailed, "the written file is gone: " + error.message(),
+                               final_path->string());
+    }
+    return out;
+}
+
+void publish(const PlannedAsset& asset, const Running& r, AssetResult& result) {
+    for (const ExportedFile& file : written_files(asset, r, result.report)) {
+        try {
+            publish_output(file.temporary, file.final_path);
+        } catch (const model::Error& failure) { throw explained(failure, file.temporary); }
+        result.files.insert(result.files.begin(), OutputFile{file.final_path, file.bytes});
+    }
+}
 
 class Batch {
  public:
@@ -108,9 +152,7 @@ class Batch {
     /// Nothing to do where the same bytes would be written again.
     bool skip(std::size_t k) {
         const PlannedAsset& asset = plan_.assets[k];
-        std::vector<fs::path> outputs;
-        for (const fs::path& output : {asset.dgm, asset.exr})
-            if (!output.empty()) outputs.push_back(output);
+        const std::vector<fs::path> outputs = outputs_of(asset);
         if (batch_.force || outputs.empty()) return false;
         std::optional<BakeReport> report = up_to_date(asset.source, outputs, asset.options);
         if (!report) return false;
@@ -136,6 +178,7 @@ class Batch {
         job.options = asset.options;
         job.memory_bytes = batch_.memory_bytes;
         job.threads = threads_;
+        std::vector<fs::path> folders;
         try {
             for (const auto& [final_path, temporary] :
                  {std::pair(&asset.dgm, &job.dgm), std::pair(&asset.exr, &job.exr)}) {
@@ -144,12 +187,22 @@ class Batch {
                 check_writable(*final_path);
                 *temporary = temporary_for(*final_path);
             }
+            for (const fs::path& output : asset.exports) {
+                folders_.make_below(plan_.folder, output);
+                check_writable(output);
+                folders.push_back(make_export_folder(output));
+                job.exports.push_back(folders.back() / output.filename());
+            }
             const std::uint64_t expected = expected_peak(k);
             Running& r = running_.emplace_back(encode(job));
             r.asset = k;
             r.dgm = job.dgm, r.exr = job.exr;
+            r.folders = std::move(folders);
             r.expected = expected;
-        } catch (const model::Error& error) { fail(k, error); }
+        } catch (const model::Error& error) {
+            remove_folders(folders);
+            fail(k, error);
+        }
     }
 
     /// Takes what a worker has sent; true if it is through and its result stands.
@@ -224,26 +277,6 @@ class Batch {
                                             end.signal, strsignal(end.signal)));
         if (end.signal == 0 && r.last_word && !has_result) return std::get<ErrorMessage>(*r.last_word).error;
         return r.crash("result");
-    }
-
-    static void publish(const PlannedAsset& asset, const Running& r, AssetResult& result) {
-        for (const auto& [temporary, final_path] : {std::pair(&r.dgm, &asset.dgm), std::pair(&r.exr, &asset.exr)}) {
-            if (temporary->empty()) continue;
-            std::error_code error;
-            const std::uintmax_t bytes = fs::file_size(*temporary, error);
-            if (error)
-                throw model::Error(codes::kWriteFailed, "the written file is gone: " + error.message(),
-                                   final_path->string());
-            try {
-                publish_output(*temporary, *final_path);
-            } catch (const model::Error& failure) { throw explained(failure, *temporary); }
-            result.files.push_back({*final_path, bytes});
-        }
-    }
-
-    static void remove_temporaries(const Running& r) {
-        for (const fs::path& file : {r.dgm, r.exr})  // published ones are gone
-            if (!file.empty()) remove_output(file);
     }
 
     void fail(std::size_t k, model::Error error) {

@@ -37,6 +37,15 @@ void collect(const fs::path& root, const fs::path& folder, std::span<const std::
     }
 }
 
+/// Sorted, and each once.
+std::vector<fs::path> collected(const fs::path& root, const std::vector<std::string>& components) {
+    std::vector<fs::path> out;
+    if (!components.empty()) collect(root, {}, components, out);
+    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
 }  // namespace
 
 bool is_pattern(std::string_view text) {
@@ -53,11 +62,11 @@ std::pair<fs::path, std::vector<fs::path>> files_matching(const fs::path& patter
         else if (!text.empty() && text != "." && !(text == "**" && !components.empty() && components.back() == "**"))
             components.push_back(text);
     }
-    std::vector<fs::path> out;
-    if (!components.empty()) collect(root, {}, components, out);
-    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return {root, out};
+    return {root, collected(root, components)};
+}
+
+std::vector<fs::path> files_below(const fs::path& folder) {
+    return collected(folder, {"**"});
 }
 
 }  // namespace dgm::bake

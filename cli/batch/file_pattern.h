@@ -19,4 +19,8 @@ namespace dgm::bake {
 [[nodiscard]] std::pair<std::filesystem::path, std::vector<std::filesystem::path>> files_matching(
     const std::filesystem::path& pattern);
 
+/// The relative paths of the regular files below `folder`, as files_matching() finds them for `**`, whatever the
+/// folder's name.
+[[nodiscard]] std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder);
+
 }  // namespace dgm::bake

@@ -60,7 +60,9 @@ std::string repeat_command(const PlannedAsset& asset) {
     const BakeOptions &options = asset.options, defaults;
     std::string out = "dgm-bake " + file_word(asset.source);
     out += " -o " + file_word((asset.dgm.empty() ? asset.exr : asset.dgm).lexically_normal());
-    if (!asset.dgm.empty() && !asset.exr.empty()) out += " --format dgm,exr";
+    std::string formats = asset.dgm.empty() ? "exr" : asset.exr.empty() ? "dgm" : "dgm,exr";
+    for (const std::filesystem::path& output : asset.exports) formats += "," + output.extension().string().substr(1);
+    if (formats.find(',') != std::string::npos) out += " --format " + formats;
     add_grid(options, out);
     if (options.precision != defaults.precision)
         out += fmt::format(" --precision {}", name_of(kPrecisionNames, options.precision));

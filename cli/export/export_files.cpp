@@ -6,22 +6,21 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
+#include <functional>
 #include <vector>
 
 #include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
-#include "export/gltf_file.h"
-#include "export/level_of_detail.h"
+#include "export/chart_mesh.h"
+#include "export/mesh_files.h"
 #include "export/staging_folder.h"
 #include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "image/image.h"
 #include "mesh/mesh_reader.h"
-#include "mesh/mesh_writer.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "render/canvas.h"
@@ -45,24 +44,34 @@ constexpr std::uint32_t kPictureGap = 8;  // between pictures of several charts
     throw model::Error(model::codes::kUsage, message);
 }
 
-std::string lower_extension(const path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return extension;
+bool is_mesh(const std::string& extension) {
+    return extension == ".obj" || extension == ".ply" || extension == ".glb";
+}
+
+void check_lods(const ExportOptions& options, const std::string& extension) {
+    const std::vector<std::uint32_t>& lods = options.lods;
+    constexpr std::size_t kMostLevels = 8;
+    if (lods.empty() || lods[0] == 0) usage("--lod counts from 1");
+    if (lods.size() > kMostLevels) usage(fmt::format("--lod takes at most {} levels", kMostLevels));
+    if (std::adjacent_find(lods.begin(), lods.end(), std::greater_equal<>()) != lods.end())
+        usage("--lod: name levels from fine to coarse, such as 1,4,16");
+    if (lods != std::vector<std::uint32_t>{1} && !is_mesh(extension))
+        usage("--lod goes with an .obj, .ply or .glb output");
+    if (lods.size() > 1 && extension != ".glb") usage("several levels of detail in one file go with a .glb output");
 }
 
 void check_options(const MapSet& maps, const path& output, const ExportOptions& options) {
     const std::string extension = lower_extension(output);
     if (extension == ".gltf")
         throw model::Error(model::codes::kUnsupported, "glTF is written in its binary form; end the output in .glb");
-    constexpr std::array kKnown{".obj", ".ply", ".glb", ".exr", ".dgm", ".png"};
-    if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
+    const std::vector<std::string>& known = known_extensions();
+    if (std::find(known.begin(), known.end(), extension) == known.end())
         usage(fmt::format("the output \"{}\" must end in .obj, .ply, .glb, .exr, .dgm or .png",
                           output.filename().string()));
-    if (options.lod == 0) usage("--lod counts from 1");
-    if (options.lod > 1 && extension != ".obj" && extension != ".ply" && extension != ".glb")
-        usage("--lod goes with an .obj, .ply or .glb output");
+    check_lods(options, extension);
+    if ((options.quantize || options.compress) && extension != ".glb")
+        usage("--quantize and --compress go with a .glb output");
+    if (options.power_of_two && !is_mesh(extension)) usage("--power-of-two goes with an .obj, .ply or .glb output");
     const bool picture = extension == ".png";
     const bool asks_picture = !options.layer.empty() || options.sheet || !options.source.empty() || options.width ||
                               options.height || options.view;
@@ -79,71 +88,6 @@ MapSet only_chart(MapSet maps, std::optional<std::uint32_t> chart) {
     return maps;
 }
 
-render::ChartSurface surface_to_write(const MapSet& maps, const path& output, std::uint32_t lod) {
-    render::ChartSurface surface = render::chart_surface(maps.charts);
-    if (lod > 1) {
-        StagingFolder scratch(output);  // never published
-        thin_by_stride(surface, maps, lod, scratch.add("level_of_detail.dgm"));
-    }
-    return surface;
-}
-
-/// Textures stand beside the mesh; a mesh without any has no materials at all.
-void write_obj_files(const MapSet& maps, const path& output, std::uint32_t lod, StagingFolder& staging) {
-    render::ChartSurface surface = surface_to_write(maps, output, lod);
-    const bool textured =
-        std::any_of(surface.textures.begin(), surface.textures.end(), [](const Image& t) { return !t.pixels.empty(); });
-    if (!textured) surface.mesh.materials.clear(), surface.mesh.face_materials.clear();
-    for (std::size_t k = 0; textured && k < surface.textures.size(); ++k) {
-        if (surface.textures[k].pixels.empty()) continue;
-        const path name = fmt::format("{}_chart{}_texture.png", output.stem().string(), k);
-        formats::write_png(staging.add(name), surface.textures[k]);
-        surface.mesh.materials[k].diffuse = {};
-        surface.mesh.materials[k].diffuse_map = name;
-    }
-    formats::ObjWriteOptions options;
-    options.write_mtl = textured;
-    if (textured) static_cast<void>(staging.add(path(output.stem()).concat(".mtl")));
-    formats::write_obj(staging.add(output.filename()), surface.mesh, options);
-}
-
-void write_ply_file(const MapSet& maps, const path& output, std::uint32_t lod, StagingFolder& staging) {
-    render::ChartSurface surface = surface_to_write(maps, output, lod);
-    model::TriMesh& mesh = surface.mesh;
-    const bool textured =
-        std::all_of(surface.textures.begin(), surface.textures.end(), [](const Image& t) { return !t.pixels.empty(); });
-    if (textured) {
-        mesh.corner_colours.reserve(3 * mesh.faces.size());
-        for (std::size_t c = 0; c < 3 * mesh.faces.size(); ++c) {
-            const Image& image = surface.textures[mesh.face_materials[c / 3]];
-            const auto texel = [](double t, std::uint32_t side) {
-                return static_cast<std::uint32_t>(std::clamp(std::floor(t * side), 0.0, side - 1.0));
-            };
-            mesh.corner_colours.push_back(
-                image.at(texel(mesh.corner_uvs[c].x, image.width), texel(1 - mesh.corner_uvs[c].y, image.height)));
-        }
-    }
-    formats::PlyWriteOptions options;
-    options.doubles = std::any_of(maps.charts.begin(), maps.charts.end(), [](const Chart& c) {
-        return c.offset != std::array<double, 3>{0, 0, 0} || c.scale != std::array<double, 3>{1, 1, 1};
-    });
-    formats::write_ply(staging.add(output.filename()), mesh, options);
-}
-
-void write_glb_file(const MapSet& maps, const path& output, const ExportOptions& options, StagingFolder& staging) {
-    std::vector<std::vector<model::Face>> coarse;
-    if (options.lod > 1) {
-        StagingFolder scratch(output);  // never published
-        coarse = faces_at_stride(maps, options.lod, scratch.add("level_of_detail.dgm"));
-    }
-    const std::vector<std::byte> bytes = encode_glb(maps, coarse, options.up);
-    const path staged = staging.add(output.filename());
-    std::ofstream file(staged, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file) throw model::unwritable_file(output);
-}
-
 /// Layers of other sizes stand in files of their own beside the map.
 void write_exr_files(const MapSet& maps, const path& output, bool multipart, StagingFolder& staging) {
     const path map = staging.where(output.filename());
@@ -152,6 +96,13 @@ void write_exr_files(const MapSet& maps, const path& output, bool multipart, Sta
         if (file != map) formats::check_exr_side_place(output.parent_path() / file.filename());
         static_cast<void>(staging.add(file.filename()));
     }
+}
+
+/// A chart has the same name alone as among the others.
+std::vector<std::string> names_of(const MapSet& maps, std::optional<std::uint32_t> chart) {
+    std::vector<std::string> names = chart_names(maps);
+    if (chart) names = {names[*chart]};
+    return names;
 }
 
 render::PictureOptions picture_options(const ExportOptions& options) {
@@ -226,6 +177,18 @@ Image picture(const MapSet& maps, const ExportOptions& options, const Warn& warn
 }
 }  // namespace
 
+const std::vector<std::string>& known_extensions() {
+    static const std::vector<std::string> known{".obj", ".ply", ".glb", ".exr", ".dgm", ".png"};
+    return known;
+}
+
+std::string lower_extension(const path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
 MapSet read_maps(const path& file) {
     formats::check_map_name(file);
     constexpr std::array<char, 4> kExrMagic{'\x76', '\x2f', '\x31', '\x01'};
@@ -244,12 +207,8 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     StagingFolder staging(output);
     const bool exr = extension == ".exr";
     const std::vector<std::string> old_names = exr ? formats::exr_side_names(output) : std::vector<std::string>();
-    if (extension == ".obj")
-        write_obj_files(chosen, output, options.lod, staging);
-    else if (extension == ".ply")
-        write_ply_file(chosen, output, options.lod, staging);
-    else if (extension == ".glb")
-        write_glb_file(chosen, output, options, staging);
+    if (is_mesh(extension))
+        write_mesh_files(chosen, names_of(maps, options.chart), output, options, staging);
     else if (extension == ".png")
         formats::write_png(staging.add(output.filename()), picture(chosen, options, warn));
     else if (extension == ".dgm")

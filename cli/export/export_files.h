@@ -7,7 +7,9 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "export/gltf_file.h"
 #include "mesh/mesh_reader.h"
 #include "model/map_set.h"
 #include "render/camera.h"
@@ -24,17 +26,29 @@ struct ExportOptions {
     std::optional<std::uint32_t> width, height;  ///< PNG
     std::optional<render::View> view;            ///< PNG
     render::UpAxis up = render::UpAxis::kY;      ///< PNG, GLB: of the source
-    std::uint32_t lod = 1;                       ///< OBJ, PLY, GLB: stride in quads, see faces_at_stride()
-    bool multipart = false;                      ///< EXR: one part a layer
+    std::vector<std::uint32_t> lods{1};       ///< OBJ, PLY, GLB: stride in quads, see faces_at_stride(); GLB: several
+    LodMode lod_mode = LodMode::kMsft;        ///< GLB: of several levels
+    bool quantize = false, compress = false;  ///< GLB, see GlbOptions
+    bool power_of_two = false;                ///< OBJ, PLY, GLB: sides of pictures
+    bool multipart = false;                   ///< EXR: one part a layer
 };
 
 /// Reads a .dgm or an .exr, by content. @throws model::Error as formats::read_dgm and read_exr
 [[nodiscard]] model::MapSet read_maps(const std::filesystem::path& path);
 
-/// Writes `maps` to `output` in the form its extension names: dgm, exr, obj (with MTL and the textures as
-/// STEM_chart<k>_texture.png), ply (vertex colours from the texture), glb (encode_glb()) or png. Every file is written
-/// aside, in a folder beside the output, and moved into place when all of them are complete: on an error the old files
-/// are untouched and nothing new is left. Same maps and options, same bytes.
+/// What outputs can be, as their extensions: ".obj", ".ply", ...
+[[nodiscard]] const std::vector<std::string>& known_extensions();
+
+/// The extension of `file` in lower case, with its dot.
+[[nodiscard]] std::string lower_extension(const std::filesystem::path& file);
+
+/// Writes `maps` to `output` in the form its extension names: dgm, exr, obj (an object a chart; an MTL, textures and
+/// normal maps as STEM_texture.png and STEM_normal.png, or STEM_chart<k>_texture.png of several charts), ply (texture
+/// coordinates, vertex colours from the texture, and the texture itself of an only chart), glb (encode_glb()) or png.
+/// Meshes hold the samples that have a face, and call charts as chart_names() does.
+///
+/// Every file is written aside, in a folder beside the output, and moved into place when all of them are complete: on
+/// an error the old files are untouched and nothing new is left. Same maps and options, same bytes.
 ///
 /// `warn` hears of textures of the source that cannot be read.
 /// @throws model::Error kUsage for an unknown extension, options that do not go with it, or a chart that does not

@@ -2,169 +2,94 @@
 // cli/export/gltf_file.cpp
 //
 // [glTF 2.0] The Khronos Group. glTF 2.0 Specification, version 2.0.1 = ISO/IEC 12113:2022.
+// [MSFT_lod] Microsoft. MSFT_lod: levels of detail, a vendor extension of glTF 2.0.
 #include "export/gltf_file.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "export/chart_mesh.h"
+#include "export/chart_pictures.h"
+#include "export/glb_buffer.h"
+#include "export/glb_vertices.h"
 #include "export/tangent_space.h"
 #include "geometry/metrics/reconstruction.h"
 #include "image/image.h"
 #include "model/codes.h"
-#include "render/chart_surface.h"
 
 namespace dgm::exporter {
 namespace {
-using Json = nlohmann::ordered_json;
+using Json = GlbBuffer::Json;
 using model::Chart;
 using model::Face;
-using model::Vec2d;
 using model::Vec3d;
 
 // Names of glTF's numbers, section 5.
-constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
-constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr int kLinear = 9729, kLinearMipmapLinear = 9987, kClampToEdge = 33071, kTriangles = 4;
-constexpr double kRoughness = 0.8;  // cloth and skin more than polish; the map says nothing about it
+constexpr double kRoughness = 0.8;             // cloth and skin more than polish; the map says nothing about it
+constexpr double kCoarsestBlock = 4.0 / 1080;  // of the screen's height, until a finer level is asked for
 
-/// The binary chunk, and the buffer views and accessors that point into it.
-class Buffer {
- public:
-    Json views = Json::array(), accessors = Json::array();
-
-    /// Views start at multiples of 4, which suits every component type.
-    std::size_t add_view(std::span<const std::byte> data, int target) {
-        bytes_.resize((bytes_.size() + 3) / 4 * 4);
-        Json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", data.size()}};
-        if (target != 0) view["target"] = target;
-        bytes_.insert(bytes_.end(), data.begin(), data.end());
-        views.push_back(std::move(view));
-        return views.size() - 1;
-    }
-    template <std::size_t N>
-    std::size_t add_vertices(const std::vector<std::array<float, N>>& values) {
-        constexpr std::array kTypes{"", "", "VEC2", "VEC3", "VEC4"};
-        return add_accessor(add_view(std::as_bytes(std::span(values)), kArrayBuffer), kFloat, values.size(), kTypes[N]);
-    }
-    std::size_t add_indices(const std::vector<Face>& faces, std::size_t vertices) {
-        // 65535 means "restart" and is no vertex.
-        if (vertices > 65535)
-            return add_accessor(add_view(std::as_bytes(std::span(faces)), kElementArrayBuffer), kUnsignedInt,
-                                3 * faces.size(), "SCALAR");
-        std::vector<std::uint16_t> narrow;
-        narrow.reserve(3 * faces.size());
-        for (const Face& face : faces)
-            for (const std::uint32_t v : face) narrow.push_back(static_cast<std::uint16_t>(v));
-        return add_accessor(add_view(std::as_bytes(std::span(narrow)), kElementArrayBuffer), kUnsignedShort,
-                            narrow.size(), "SCALAR");
-    }
-    [[nodiscard]] const std::vector<std::byte>& bytes() const { return bytes_; }
-
- private:
-    std::size_t add_accessor(std::size_t view, int component, std::size_t count, const char* type) {
-        accessors.push_back(Json{{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
-        return accessors.size() - 1;
-    }
-    std::vector<std::byte> bytes_;
+/// The faces of a chart in each level, and the vertices that any of them names.
+struct ChartLevels {
+    std::vector<std::vector<Face>> faces;
+    std::vector<std::uint32_t> used;
 };
 
-std::array<float, 3> floats(const Vec3d& p) {
-    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
-/// Whether a face's edge has no other face: its border is no seam.
-bool is_open(const bake::Reconstruction& surface) {
-    std::vector<std::uint64_t> edges;
-    edges.reserve(3 * surface.welded_faces.size());
-    for (const Face& f : surface.welded_faces)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = f[k], b = f[(k + 1) % 3];
-            edges.push_back((std::uint64_t{std::min(a, b)} << 32) | std::max(a, b));
-        }
-    std::sort(edges.begin(), edges.end());
-    for (std::size_t k = 0; k < edges.size(); ++k)
-        if ((k == 0 || edges[k - 1] != edges[k]) && (k + 1 == edges.size() || edges[k + 1] != edges[k])) return true;
-    return false;
-}
-
-ChartMesh chart_mesh(const Chart& chart, const bake::Reconstruction& surface, const std::vector<Face>* coarse) {
-    const model::TriMesh& full = surface.mesh;
-    ChartMesh out;
-    out.faces = coarse != nullptr ? *coarse : full.faces;
-    const Vec3d offset{chart.offset[0], chart.offset[1], chart.offset[2]};
-    out.positions.reserve(full.positions.size());
-    for (const Vec3d& p : full.positions) out.positions.push_back(p - offset);
-    if (!full.corner_normals.empty()) out.normals.assign(full.positions.size(), {0, 0, 1});
-    if (!full.corner_uvs.empty()) out.uvs.resize(full.positions.size());
-    for (std::size_t c = 0; c < 3 * full.faces.size(); ++c) {
-        const std::uint32_t v = full.faces[c / 3][c % 3];
-        if (!out.normals.empty()) out.normals[v] = full.corner_normals[c];
-        if (!out.uvs.empty()) out.uvs[v] = {full.corner_uvs[c].y, full.corner_uvs[c].x};
+ChartLevels levels_of(const ChartMesh& mesh, std::size_t k, const std::vector<GlbLevel>& levels) {
+    ChartLevels out;
+    out.faces.push_back(mesh.faces);
+    for (std::size_t l = 1; l < levels.size(); ++l) out.faces.push_back(levels[l].faces[k]);
+    std::vector<Face> all;
+    for (const std::vector<Face>& faces : out.faces) {
+        if (faces.empty()) throw model::Error(model::codes::kBadValue, "chart " + std::to_string(k) + " has no faces");
+        all.insert(all.end(), faces.begin(), faces.end());
     }
+    out.used = named_vertices(all, mesh.positions.size());
+    for (std::vector<Face>& faces : out.faces) faces = renumbered(std::move(faces), out.used);
     return out;
 }
 
-/// The entries of `used`, in their order, as `convert` stores them.
-template <class Out, class In, class Convert>
-std::vector<Out> gathered(const std::vector<std::uint32_t>& used, const std::vector<In>& values, Convert convert) {
-    std::vector<Out> out;
-    out.reserve(used.size());
-    for (const std::uint32_t v : used) out.push_back(convert(values[v]));
-    return out;
+/// A coarser level may use samples that the first one does not: their tangents are those of the first level that does.
+void complete_tangents(std::vector<Vec3d>& tangents, ChartMesh mesh, std::size_t k,
+                       const std::vector<GlbLevel>& levels) {
+    std::vector<char> done(tangents.size(), 0);
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+        std::vector<Vec3d> own;
+        if (l > 0) mesh.faces = levels[l].faces[k], own = vertex_tangents(mesh);
+        for (const std::uint32_t v : named_vertices(mesh.faces, tangents.size())) {
+            if (done[v] == 0 && l > 0) tangents[v] = own[v];
+            done[v] = 1;
+        }
+    }
 }
 
 class Document {
  public:
-    Document(const model::MapSet& maps, render::UpAxis up) {
+    Document(const model::MapSet& maps, const GlbOptions& options)
+        : maps_(maps),
+          options_(options),
+          names_(options.names.empty() ? chart_names(maps) : options.names),
+          buffer_(options.compress) {
         root_["asset"] = {{"version", "2.0"}, {"generator", "dgm-export " DGM_VERSION}};
+        if (!options.stamp.empty()) root_["asset"]["extras"]["map"] = options.stamp;
         root_["scene"] = 0;
-        root_["scenes"] = Json::array({Json{{"nodes", {0}}}});
-        const std::string stem = std::filesystem::path(maps.source_name).stem().string();
-        Json top{{"name", stem.empty() ? "surface" : stem}, {"children", Json::array()}};
-        if (up == render::UpAxis::kZ) top["matrix"] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};  // by columns
-        root_["nodes"] = Json::array({top});
+        root_["scenes"] = Json::array({Json{{"nodes", Json::array()}}});
+        root_["nodes"] = Json::array();
+        if (maps.charts.size() > 1) {
+            Json top{{"name", asset_name(maps)}, {"children", Json::array()}};
+            if (options.up == render::UpAxis::kZ) set_matrix(top, {});
+            add_node(std::move(top), root_["scenes"][0]["nodes"]);
+        }
         for (const char* list : {"meshes", "materials", "textures", "images"}) root_[list] = Json::array();
-    }
-
-    void add_chart(const Chart& chart, const std::vector<Face>* coarse) {
-        const std::size_t k = root_["meshes"].size();
-        const std::string name = "chart" + std::to_string(k);
-        const bake::Reconstruction surface = bake::reconstruct(chart);
-        ChartMesh mesh = chart_mesh(chart, surface, coarse);
-        if (mesh.faces.empty())
-            throw model::Error(model::codes::kBadValue, "chart " + std::to_string(k) + " has no faces");
-        const std::vector<std::uint32_t> used = number_vertices(mesh);
-
-        Json attributes, material{{"name", name}}, pbr;
-        attributes["POSITION"] = add_positions(used, mesh);
-        if (!mesh.normals.empty())
-            attributes["NORMAL"] = buffer_.add_vertices(gathered<std::array<float, 3>>(used, mesh.normals, floats));
-        if (!mesh.uvs.empty()) add_textures(chart, surface, mesh, used, attributes, material, pbr);
-        pbr["metallicFactor"] = 0;
-        pbr["roughnessFactor"] = kRoughness;
-        material["pbrMetallicRoughness"] = std::move(pbr);
-        if (is_open(surface)) material["doubleSided"] = true;
-
-        const std::size_t indices = buffer_.add_indices(renumbered(mesh.faces, used), used.size());
-        root_["materials"].push_back(std::move(material));
-        root_["meshes"].push_back(Json{{"name", name},
-                                       {"primitives", Json::array({Json{{"attributes", std::move(attributes)},
-                                                                        {"indices", indices},
-                                                                        {"material", k},
-                                                                        {"mode", kTriangles}}})}});
-        Json node{{"name", name}, {"mesh", k}};
-        if (chart.offset != std::array<double, 3>{0, 0, 0}) node["translation"] = chart.offset;
-        root_["nodes"][0]["children"].push_back(root_["nodes"].size());
-        root_["nodes"].push_back(std::move(node));
+        if (options.quantize) require("KHR_mesh_quantization");
+        for (std::size_t k = 0; k < maps.charts.size(); ++k) add_chart(k);
     }
 
     /// @throws model::Error kTooLarge
@@ -176,9 +101,7 @@ class Document {
                                                   {"minFilter", kLinearMipmapLinear},
                                                   {"wrapS", kClampToEdge},
                                                   {"wrapT", kClampToEdge}}});
-        root_["accessors"] = buffer_.accessors;
-        root_["bufferViews"] = buffer_.views;
-        root_["buffers"] = Json::array({Json{{"byteLength", buffer_.bytes().size()}}});
+        buffer_.describe(root_);
         std::string text = root_.dump(-1, ' ', false, Json::error_handler_t::replace);
         text.resize((text.size() + 3) / 4 * 4, ' ');
         const std::size_t binary = (buffer_.bytes().size() + 3) / 4 * 4, total = 12 + 8 + text.size() + 8 + binary;
@@ -202,96 +125,132 @@ class Document {
     }
 
  private:
-    /// The vertices that a face names, in their order.
-    static std::vector<std::uint32_t> number_vertices(const ChartMesh& mesh) {
-        std::vector<char> named(mesh.positions.size(), 0);
-        for (const Face& face : mesh.faces)
-            for (const std::uint32_t v : face) named[v] = 1;
-        std::vector<std::uint32_t> used;
-        for (std::uint32_t v = 0; v < named.size(); ++v)
-            if (named[v] != 0) used.push_back(v);
-        return used;
+    void require(const char* extension) {
+        for (const char* list : {"extensionsUsed", "extensionsRequired"}) root_[list].push_back(extension);
     }
-    static std::vector<Face> renumbered(std::vector<Face> faces, const std::vector<std::uint32_t>& used) {
-        std::vector<std::uint32_t> number(used.back() + std::size_t{1}, 0);
-        for (std::uint32_t k = 0; k < used.size(); ++k) number[used[k]] = k;
-        for (Face& face : faces)
-            for (std::uint32_t& v : face) v = number[v];
-        return faces;
+    std::size_t add_node(Json node, Json& list) {
+        const std::size_t number = root_["nodes"].size();
+        list.push_back(number);
+        root_["nodes"].push_back(std::move(node));
+        return number;
     }
 
-    std::size_t add_positions(const std::vector<std::uint32_t>& used, const ChartMesh& mesh) {
-        const auto positions = gathered<std::array<float, 3>>(used, mesh.positions, floats);
-        std::array<float, 3> low = positions[0], high = positions[0];
-        for (const std::array<float, 3>& p : positions)
-            for (std::size_t c = 0; c < 3; ++c) {
-                if (!std::isfinite(p[c]))
-                    throw model::Error(model::codes::kNotFinite, "a vertex is not finite in single precision",
-                                       "geometry");
-                low[c] = std::min(low[c], p[c]), high[c] = std::max(high[c], p[c]);
-            }
-        const std::size_t accessor = buffer_.add_vertices(positions);
-        // As double: the shortest text of a float need not be the same number to a reader that computes in double.
-        for (const auto& [bound, values] : {std::pair{"min", low}, std::pair{"max", high}})
-            buffer_.accessors[accessor][bound] = std::array<double, 3>{values[0], values[1], values[2]};
-        return accessor;
+    /// The matrix, by columns, that turns z up into y up and applies `frame` before that.
+    static void set_matrix(Json& node, const GlbFrame& frame) {
+        const double s = frame.scale;
+        const Vec3d& t = frame.translation;
+        // + 0.0: no "-0.0" in the text.
+        node["matrix"] = {s, 0, 0, 0, 0, 0, -s, 0, 0, s, 0, 0, t.x, t.z, -t.y + 0.0, 1};
+    }
+    void place(Json& node, const GlbFrame& frame) const {
+        if (maps_.charts.size() == 1 && options_.up == render::UpAxis::kZ) return set_matrix(node, frame);
+        const Vec3d& t = frame.translation;
+        if (!(t == Vec3d{})) node["translation"] = {t.x, t.y, t.z};
+        if (frame.scale != 1) node["scale"] = {frame.scale, frame.scale, frame.scale};
     }
 
-    /// Picture y grows with u, picture x with v; corner samples lie on the middles of corner texels.
-    std::size_t add_uvs(const std::vector<std::uint32_t>& used, const ChartMesh& mesh, std::uint32_t across,
-                        std::uint32_t down) {
-        return buffer_.add_vertices(gathered<std::array<float, 2>>(used, mesh.uvs, [&](const Vec2d& uv) {
-            return std::array{static_cast<float>((uv.y * (across - 1.0) + 0.5) / across),
-                              static_cast<float>((uv.x * (down - 1.0) + 0.5) / down)};
-        }));
+    void add_chart(std::size_t k) {
+        const Chart& chart = maps_.charts[k];
+        const bake::Reconstruction surface = bake::reconstruct(chart);
+        GlbFrame frame;
+        frame.translation = {chart.offset[0], chart.offset[1], chart.offset[2]};
+        const bool coarse = !options_.levels.empty() && !options_.levels[0].faces.empty();
+        const ChartMesh mesh = chart_mesh(surface, frame.translation, coarse ? &options_.levels[0].faces[k] : nullptr);
+        const ChartLevels levels = levels_of(mesh, k, options_.levels);
+
+        Json attributes, material{{"name", names_[k]}}, pbr;
+        GlbVertices vertices(buffer_, mesh, levels.used, options_.quantize);
+        attributes["POSITION"] = vertices.add_positions(frame);
+        if (!mesh.normals.empty()) attributes["NORMAL"] = vertices.add_normals();
+        if (!mesh.uvs.empty()) {
+            ChartPictures pictures = chart_pictures(chart, surface, mesh, options_.power_of_two);
+            if (pictures.normal_map) complete_tangents(pictures.tangents, mesh, k, options_.levels);
+            add_textures(chart, pictures, vertices, attributes, material, pbr);
+        }
+        pbr["metallicFactor"] = 0;
+        pbr["roughnessFactor"] = kRoughness;
+        material["pbrMetallicRoughness"] = std::move(pbr);
+        if (is_open(surface)) material["doubleSided"] = true;
+        root_["materials"].push_back(std::move(material));
+        add_levels(k, frame, levels, attributes);
     }
+
+    void add_levels(std::size_t k, const GlbFrame& frame, const ChartLevels& levels, const Json& attributes) {
+        std::vector<Json> nodes;
+        for (std::size_t l = 0; l < levels.faces.size(); ++l) {
+            const std::string name =
+                l == 0 ? names_[k] : names_[k] + "_lod" + std::to_string(options_.levels[l].stride);
+            const std::size_t indices = buffer_.add_indices(levels.faces[l], levels.used.size());
+            nodes.push_back(Json{{"name", name}, {"mesh", root_["meshes"].size()}});
+            place(nodes.back(), frame);
+            root_["meshes"].push_back(
+                Json{{"name", name},
+                     {"primitives",
+                      Json::array({Json{
+                          {"attributes", attributes}, {"indices", indices}, {"material", k}, {"mode", kTriangles}}})}});
+        }
+        const bool msft = nodes.size() > 1 && options_.lod_mode == LodMode::kMsft;
+        Json hidden = Json::array();
+        Json& parent = maps_.charts.size() > 1 ? root_["nodes"][0]["children"] : root_["scenes"][0]["nodes"];
+        Json shown = std::move(parent);  // adding nodes moves the list that it stands in
+        const std::size_t first = add_node(std::move(nodes[0]), shown);
+        for (std::size_t l = 1; l < nodes.size(); ++l) add_node(std::move(nodes[l]), msft ? hidden : shown);
+        (maps_.charts.size() > 1 ? root_["nodes"][0]["children"] : root_["scenes"][0]["nodes"]) = std::move(shown);
+        if (!msft) return;
+        root_["nodes"][first]["extensions"]["MSFT_lod"]["ids"] = std::move(hidden);
+        root_["nodes"][first]["extras"]["MSFT_screencoverage"] = coverages(maps_.charts[k]);
+        Json& used = root_["extensionsUsed"];
+        if (std::find(used.begin(), used.end(), "MSFT_lod") == used.end()) used.push_back("MSFT_lod");
+    }
+
+    /// The least share of the screen's height for each level. The last one is drawn however small it is.
+    [[nodiscard]] Json coverages(const Chart& chart) const {
+        const double quads = std::max(chart.rows, chart.cols) - 1.0;
+        Json out = Json::array();
+        for (std::size_t l = 1; l < options_.levels.size(); ++l)
+            out.push_back(std::min(1.0, kCoarsestBlock * quads / options_.levels[l].stride));
+        out.push_back(0.0);
+        return out;
+    }
+
     std::size_t add_texture(const formats::Image& picture, const std::string& name) {
-        const std::size_t view = buffer_.add_view(formats::encode_png(picture), 0);
+        const std::size_t view = buffer_.add_view(formats::encode_png(picture));
         root_["images"].push_back(Json{{"name", name}, {"mimeType", "image/png"}, {"bufferView", view}});
         root_["textures"].push_back(Json{{"sampler", 0}, {"source", root_["images"].size() - 1}});
         return root_["textures"].size() - 1;
     }
-    void add_textures(const Chart& chart, const bake::Reconstruction& surface, const ChartMesh& mesh,
-                      const std::vector<std::uint32_t>& used, Json& attributes, Json& material, Json& pbr) {
+    void add_textures(const Chart& chart, const ChartPictures& pictures, GlbVertices& vertices, Json& attributes,
+                      Json& material, Json& pbr) {
         const std::string name = material["name"];
-        const formats::Image colour = render::texture_picture(chart);
-        std::vector<Vec3d> tangents;
-        std::optional<formats::Image> normal_map;
-        if (chart.find("bump") != nullptr && !mesh.normals.empty()) {
-            tangents = vertex_tangents(mesh);
-            normal_map = tangent_normal_map(chart, surface, mesh, tangents);
-        }
+        const formats::Image& colour = pictures.colour;
+        const std::optional<formats::Image>& normal_map = pictures.normal_map;
         std::uint32_t across = chart.cols, down = chart.rows;
         if (!colour.pixels.empty())
             across = colour.width, down = colour.height;
         else if (normal_map)
             across = normal_map->width, down = normal_map->height;
-        attributes["TEXCOORD_0"] = add_uvs(used, mesh, across, down);
+        attributes["TEXCOORD_0"] = vertices.add_uvs(across, down);
         if (!colour.pixels.empty()) pbr["baseColorTexture"] = {{"index", add_texture(colour, name + " colour")}};
         if (!normal_map) return;
         Json texture{{"index", add_texture(*normal_map, name + " normal map")}};
         if (normal_map->width != across || normal_map->height != down) {
-            attributes["TEXCOORD_1"] = add_uvs(used, mesh, normal_map->width, normal_map->height);
+            attributes["TEXCOORD_1"] = vertices.add_uvs(normal_map->width, normal_map->height);
             texture["texCoord"] = 1;
         }
-        attributes["TANGENT"] = buffer_.add_vertices(gathered<std::array<float, 4>>(used, tangents, [](const Vec3d& t) {
-            const auto [x, y, z] = floats(t);
-            return std::array{x, y, z, 1.0f};
-        }));
+        attributes["TANGENT"] = vertices.add_tangents(pictures.tangents);
         material["normalTexture"] = std::move(texture);
     }
 
+    const model::MapSet& maps_;
+    const GlbOptions& options_;
+    std::vector<std::string> names_;
     Json root_;
-    Buffer buffer_;
+    GlbBuffer buffer_;
 };
 }  // namespace
 
-std::vector<std::byte> encode_glb(const model::MapSet& maps, const std::vector<std::vector<Face>>& coarse,
-                                  render::UpAxis up) {
-    Document document(maps, up);
-    for (std::size_t k = 0; k < maps.charts.size(); ++k)
-        document.add_chart(maps.charts[k], coarse.empty() ? nullptr : &coarse[k]);
-    return document.encode();
+std::vector<std::byte> encode_glb(const model::MapSet& maps, const GlbOptions& options) {
+    return Document(maps, options).encode();
 }
 
 }  // namespace dgm::exporter

@@ -16,10 +16,6 @@
 
 namespace dgm::exporter {
 namespace {
-using model::TriMesh;
-using model::Vec2d;
-using model::Vec3d;
-
 template <class T>
 T taken(Result<T> result) {
     if (!result)
@@ -28,13 +24,6 @@ T taken(Result<T> result) {
     return std::move(result).value();
 }
 
-/// One entry a vertex from three a face; vertices without a face keep T{}.
-template <class T>
-std::vector<T> per_vertex(const TriMesh& mesh, const std::vector<T>& corners) {
-    std::vector<T> out(corners.empty() ? 0 : mesh.positions.size());
-    for (std::size_t c = 0; c < corners.size(); ++c) out[mesh.faces[c / 3][c % 3]] = corners[c];
-    return out;
-}
 /// What triangles are made of, and nothing else.
 model::MapSet shape_of(const model::MapSet& maps) {
     model::MapSet out;
@@ -67,42 +56,6 @@ std::vector<std::vector<model::Face>> faces_at_stride(const model::MapSet& maps,
         out.push_back(std::move(faces));
     }
     return out;
-}
-
-void thin_by_stride(render::ChartSurface& surface, const model::MapSet& maps, std::uint32_t stride,
-                    const std::filesystem::path& scratch) {
-    const std::vector<std::vector<model::Face>> charts = faces_at_stride(maps, stride, scratch);
-    const TriMesh full = std::move(surface.mesh);
-    const std::vector<Vec3d> normals = per_vertex(full, full.corner_normals);
-    const std::vector<Vec2d> uvs = per_vertex(full, full.corner_uvs);
-
-    TriMesh thin;
-    thin.materials = full.materials;
-    std::vector<std::uint32_t> number(full.positions.size(), ~0u);  // of a vertex in `thin`
-    std::uint32_t base = 0;
-    for (std::uint32_t k = 0; k < charts.size(); ++k) {
-        for (const model::Face& face : charts[k]) {
-            model::Face& renamed = thin.faces.emplace_back();
-            thin.face_materials.push_back(k);
-            for (std::size_t c = 0; c < 3; ++c) {
-                const std::uint32_t v = base + face[c];  // both count a chart's grid samples, then its border samples
-                if (number[v] == ~0u) {
-                    number[v] = static_cast<std::uint32_t>(thin.positions.size());
-                    thin.positions.push_back(full.positions[v]);
-                }
-                renamed[c] = number[v];
-                if (!normals.empty()) thin.corner_normals.push_back(normals[v]);
-                if (!uvs.empty()) thin.corner_uvs.push_back(uvs[v]);
-            }
-        }
-        const model::Chart& chart = maps.charts[k];
-        const model::Layer* border = chart.find("border_geometry");
-        base += chart.rows * chart.cols + static_cast<std::uint32_t>(border == nullptr ? 0 : border->shape[0]);
-    }
-    surface.mesh = std::move(thin);
-    surface.grid.clear();
-    surface.seams.clear();
-    surface.borders.clear();
 }
 
 }  // namespace dgm::exporter

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "model/map_set.h"
-#include "render/chart_surface.h"
+#include "model/vec.h"
 
 namespace dgm::exporter {
 
@@ -19,10 +19,5 @@ namespace dgm::exporter {
 /// @throws model::Error as formats::write_dgm; kBadValue if the runtime refuses the maps
 [[nodiscard]] std::vector<std::vector<model::Face>> faces_at_stride(const model::MapSet& maps, std::uint32_t stride,
                                                                     const std::filesystem::path& scratch);
-
-/// Replaces the faces of `surface`, made of all charts of `maps`, by faces_at_stride(). Vertices without a face are
-/// dropped; grid, seam and border edges too, which name vertices. @throws model::Error as faces_at_stride
-void thin_by_stride(render::ChartSurface& surface, const model::MapSet& maps, std::uint32_t stride,
-                    const std::filesystem::path& scratch);
 
 }  // namespace dgm::exporter

@@ -10,23 +10,12 @@
 #include <span>
 #include <vector>
 
+#include "export/chart_mesh.h"
 #include "image/image.h"
 #include "model/map_set.h"
 #include "model/vec.h"
 
-namespace dgm::bake {
-struct Reconstruction;
-}
-
 namespace dgm::exporter {
-
-/// One chart as it is exported: samples, and the faces that name them.
-struct ChartMesh {
-    std::vector<model::Vec3d> positions;  ///< local: without the chart's offset
-    std::vector<model::Vec3d> normals;    ///< unit; empty if the chart has none
-    std::vector<model::Vec2d> uvs;        ///< (u, v): row and column as shares of the grid
-    std::vector<model::Face> faces;
-};
 
 /// Unit tangents of the vertices, perpendicular to the normals, by the rule of [Mikkelsen 2008], that is MikkTSpace:
 /// each face's direction of growing v, projected into the vertex's normal plane and made unit, weighted by the face's

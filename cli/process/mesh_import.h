@@ -24,7 +24,8 @@ struct ImportLimits {
 };
 
 /// Starts this program again as a worker (ChildProcess), which must call import_worker() first of all, and takes over
-/// the mesh that it reads in a sandbox (sandbox.h). Its messages are not trusted: counts and indices are checked. Thread-safe.
+/// the mesh that it reads in a sandbox (sandbox.h). Its messages are not trusted: counts and indices are checked.
+/// Thread-safe.
 /// @throws model::Error as read_mesh; kWorkerCrashed, kWorkerTimeout, kWorkerMemory, kWorkerKilled; kSystemBusy
 [[nodiscard]] formats::ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits& limits = {});
 

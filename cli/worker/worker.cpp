@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "model/codes.h"
+#include "worker/export_outputs.h"
 #include "worker/output_files.h"
 #include "worker/worker_protocol.h"
 
@@ -62,6 +63,7 @@ BakeReport bake_and_write(const WorkerJob& job, const BakeFunction& bake, Progre
     if (job.options.write_dgm) write_verified(job.dgm, result.maps, OutputFormat::kDgm, job.options.exr_layout);
     progress.update("write", 0.5);
     if (job.options.write_exr) write_verified(job.exr, result.maps, OutputFormat::kExr, job.options.exr_layout);
+    write_exports(result.maps, job.exports);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     result.report.times.push_back({"write", taken.count()});
     add_resource_use(result.report);

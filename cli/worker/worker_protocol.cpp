@@ -203,10 +203,13 @@ std::filesystem::path decode_path(std::string_view text) {
 }
 
 std::string encode(const WorkerJob& job) {
+    json exports = json::array();
+    for (const std::filesystem::path& output : job.exports) exports.push_back(encode_path(output));
     return line_of({{"source", encode_path(job.source)},
                     {"options", to_object(job.options)},
                     {"dgm", encode_path(job.dgm)},
                     {"exr", encode_path(job.exr)},
+                    {"exports", exports},
                     {"memory_bytes", job.memory_bytes},
                     {"threads", job.threads}});
 }
@@ -232,6 +235,7 @@ WorkerJob decode_job(std::string_view text) {
     job.options = options_from(*options);
     job.dgm = decode_path(text_at(object, "dgm"));
     job.exr = decode_path(text_at(object, "exr"));
+    for (const std::string& output : texts_at(object, "exports")) job.exports.push_back(decode_path(output));
     job.options.write_dgm = !job.dgm.empty();
     job.options.write_exr = !job.exr.empty();
     job.options.scratch = job.dgm;

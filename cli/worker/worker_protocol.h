@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "baking/bake_options.h"
 #include "baking/bake_report.h"
@@ -23,7 +24,8 @@ inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 20;
 struct WorkerJob {
     std::filesystem::path source;
     BakeOptions options;
-    std::filesystem::path dgm, exr;  ///< temporary files to write; empty: not asked for
+    std::filesystem::path dgm, exr;              ///< temporary files to write; empty: not asked for
+    std::vector<std::filesystem::path> exports;  ///< meshes to write beside them, each into a folder of its own
     std::uint64_t memory_bytes = 0;  ///< address space the worker may take beside its own program; 0: no limit
     std::uint32_t threads = 1;
 };

@@ -8,6 +8,7 @@
 #include <set>
 #include <system_error>
 
+#include "mesh/mtl_reader.h"
 #include "model/codes.h"
 
 namespace dgm::formats {
@@ -74,14 +75,19 @@ std::vector<std::uint32_t> number_values(const std::vector<Value>& values, Key k
     return out;
 }
 
-/// A name for each material. They are words of a line in OBJ: blanks and line ends inside would end them.
+/// Names are words of a line in OBJ: blanks and line ends inside would end them.
+std::string one_word(std::string name) {
+    for (char& c : name)
+        if (static_cast<unsigned char>(c) <= ' ') c = '_';
+    return name;
+}
+
+/// A name for each material.
 std::vector<std::string> material_names(const TriMesh& mesh) {
     std::vector<std::string> out;
     std::set<std::string> used;
     for (const model::Material& material : mesh.materials) {
-        std::string name = material.name.empty() ? "material" : material.name;
-        for (char& c : name)
-            if (static_cast<unsigned char>(c) <= ' ') c = '_';
+        std::string name = one_word(material.name.empty() ? "material" : material.name);
         if (!used.insert(name).second) {
             name += "_" + std::to_string(out.size());
             while (!used.insert(name).second) name += "_";
@@ -100,13 +106,16 @@ std::string mtl_text(const TriMesh& mesh, const std::vector<std::string>& names,
         append_line(out, "d", m.diffuse.a / 255.0);
         if (!diffuse_map.empty()) out += "map_Kd " + diffuse_map + "\n";
         if (bump_map.empty()) return;
-        out += m.bump_is_normal_map ? "norm " : "map_Bump ";
-        if (m.bump_scale != 1) {
-            out += "-bm ";
-            append(out, m.bump_scale);
-            out += ' ';
+        for (const bool as_normals : {false, true}) {
+            if (as_normals ? !m.bump_is_normal_map : m.bump_is_normal_map && !is_normal_map_name(bump_map)) continue;
+            out += as_normals ? "norm " : "map_Bump ";
+            if (m.bump_scale != 1) {
+                out += "-bm ";
+                append(out, m.bump_scale);
+                out += ' ';
+            }
+            out += bump_map + "\n";
         }
-        out += bump_map + "\n";
     };
     if (mesh.materials.empty()) material("surface", {}, options.texture, options.bump);
     for (std::size_t k = 0; k < mesh.materials.size(); ++k) {
@@ -114,6 +123,50 @@ std::string mtl_text(const TriMesh& mesh, const std::vector<std::string>& names,
         material(names[k], m, m.diffuse_map.generic_string(), m.bump_map.generic_string());
     }
     return out;
+}
+
+/// Each corner's number of its texture coordinate and normal; empty where the mesh has none.
+struct CornerNumbers {
+    std::vector<std::uint32_t> uvs, normals;
+};
+
+CornerNumbers append_attributes(std::string& out, const TriMesh& mesh, const ObjWriteOptions& options) {
+    CornerNumbers numbers;
+    std::vector<model::Vec2d> uvs;
+    if (options.uvs && !mesh.corner_uvs.empty())
+        numbers.uvs = number_values(
+            mesh.corner_uvs,
+            [](const model::Vec2d& t) {
+                return std::array{t.x, t.y};
+            },
+            uvs);
+    for (const auto& t : uvs) append_line(out, "vt", t.x, t.y);
+
+    std::vector<model::Vec3d> normals;
+    if (options.normals && !mesh.corner_normals.empty())
+        numbers.normals = number_values(
+            mesh.corner_normals,
+            [](const model::Vec3d& n) {
+                return std::array{n.x, n.y, n.z};
+            },
+            normals);
+    for (const auto& n : normals) append_line(out, "vn", n.x, n.y, n.z);
+    return numbers;
+}
+
+void append_face(std::string& out, const model::Face& face, std::size_t f, const CornerNumbers& numbers) {
+    out += 'f';
+    for (std::size_t k = 0; k < 3; ++k) {
+        out += ' ';
+        append(out, std::uint64_t{face[k]} + 1);
+        if (numbers.uvs.empty() && numbers.normals.empty()) continue;
+        out += '/';
+        if (!numbers.uvs.empty()) append(out, std::uint64_t{numbers.uvs[3 * f + k]});
+        if (numbers.normals.empty()) continue;
+        out += '/';
+        append(out, std::uint64_t{numbers.normals[3 * f + k]});
+    }
+    out += '\n';
 }
 
 }  // namespace
@@ -124,50 +177,22 @@ void write_obj(const fs::path& path, const TriMesh& mesh, const ObjWriteOptions&
     std::string out;
     if (with_mtl) out += "mtllib " + path.stem().string() + ".mtl\n";
     for (const auto& p : mesh.positions) append_line(out, "v", p.x, p.y, p.z);
-
-    std::vector<model::Vec2d> uvs;
-    std::vector<std::uint32_t> uv_numbers;
-    if (options.uvs && !mesh.corner_uvs.empty())
-        uv_numbers = number_values(
-            mesh.corner_uvs,
-            [](const model::Vec2d& t) {
-                return std::array{t.x, t.y};
-            },
-            uvs);
-    for (const auto& t : uvs) append_line(out, "vt", t.x, t.y);
-
-    std::vector<model::Vec3d> normals;
-    std::vector<std::uint32_t> normal_numbers;
-    if (options.normals && !mesh.corner_normals.empty())
-        normal_numbers = number_values(
-            mesh.corner_normals,
-            [](const model::Vec3d& n) {
-                return std::array{n.x, n.y, n.z};
-            },
-            normals);
-    for (const auto& n : normals) append_line(out, "vn", n.x, n.y, n.z);
+    const CornerNumbers numbers = append_attributes(out, mesh, options);
 
     const std::vector<std::string> names = material_names(mesh);
     if (with_mtl && mesh.materials.empty()) out += "usemtl surface\n";
     std::uint32_t material = static_cast<std::uint32_t>(-1);
+    auto object = options.objects.begin();
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        for (; object != options.objects.end() && object->first_face <= f; ++object)
+            out += "o " + one_word(object->name) + "\n";
         if (with_mtl && !mesh.face_materials.empty() && mesh.face_materials[f] != material) {
             material = mesh.face_materials[f];
             out += "usemtl " + names[material] + "\n";
         }
-        out += 'f';
-        for (std::size_t k = 0; k < 3; ++k) {
-            out += ' ';
-            append(out, std::uint64_t{mesh.faces[f][k]} + 1);
-            if (uv_numbers.empty() && normal_numbers.empty()) continue;
-            out += '/';
-            if (!uv_numbers.empty()) append(out, std::uint64_t{uv_numbers[3 * f + k]});
-            if (normal_numbers.empty()) continue;
-            out += '/';
-            append(out, std::uint64_t{normal_numbers[3 * f + k]});
-        }
-        out += '\n';
+        append_face(out, mesh.faces[f], f, numbers);
     }
+    if (!options.comment.empty()) out += "# " + options.comment + "\n";
     if (with_mtl) write_text(fs::path(path).replace_extension(".mtl"), mtl_text(mesh, names, options));
     write_text(path, out);
 }

@@ -103,6 +103,19 @@ class Files(support.Folder):
                 self.assertEqual((self.folder / "ball.dgm").read_bytes(), old)
                 self.assertEqual(self.strays(), [])
 
+    @unittest.skipIf(support.SANITIZED or not FAIL_WRITES, "another library is preloaded already")
+    def test_full_disk_for_meshes(self):
+        self.bake_well("ball.obj", "-o", "ball.dgm", "--size", "17")
+        old = (self.folder / "ball.dgm").read_bytes()
+        meshes.write_obj(self.folder / "ball.obj", meshes.icosphere(1))
+        for formats in ("dgm,glb", "dgm,ply,glb"):
+            for allowed in (len(old) // 8, len(old) + 4096):
+                with self.subTest(formats=formats, allowed=allowed):
+                    result = self.full_disk(allowed, "--format", formats)
+                    self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
+                    self.assertEqual((self.folder / "ball.dgm").read_bytes(), old)
+                    self.assertEqual(self.strays(), [])
+
     def test_file_size_limit(self):
         """RLIMIT_FSIZE: the kernel's signal must not look like a crash."""
         self.bake_well("ball.obj", "-o", "ball.dgm", "--size", "9")

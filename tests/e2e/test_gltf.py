@@ -41,10 +41,15 @@ class Glb:
         assert len(values) == accessor["count"] * NUMBERS[accessor["type"]]
         return values if accessor["type"] == "SCALAR" else values.reshape(accessor["count"], -1)
 
+    def chart_nodes(self):
+        """The node of an only chart, or the children of the root."""
+        (top,) = self.json["scenes"][0]["nodes"]
+        root = self.json["nodes"][top]
+        return [self.json["nodes"][k] for k in root["children"]] if "children" in root else [root]
+
     def primitives(self):
         """(material, translation, indices, {attribute: values}) of each chart."""
-        for k in self.json["nodes"][0]["children"]:
-            node = self.json["nodes"][k]
+        for node in self.chart_nodes():
             (primitive,) = self.json["meshes"][node["mesh"]]["primitives"]
             attributes = {name: self.accessor(a) for name, a in primitive["attributes"].items()}
             bounds = self.json["accessors"][primitive["attributes"]["POSITION"]]
@@ -120,6 +125,24 @@ def read_obj(path):
     return np.array(positions), np.array(faces)
 
 
+def read_ply(path):
+    """Vertices as a structured array, and faces, of a binary PLY with triangles."""
+    data = path.read_bytes()
+    head, body = data.split(b"end_header\n", 1)
+    kinds = {"float": "<f4", "double": "<f8", "uchar": "u1"}
+    fields, counts = [], []
+    for line in head.decode().splitlines():
+        words = line.split()
+        if words[0] == "element":
+            counts.append(int(words[2]))
+        elif words[0] == "property" and words[1] != "list":
+            fields.append((words[2], kinds[words[1]]))
+    vertices = np.frombuffer(body, np.dtype(fields), counts[0])
+    faces = np.frombuffer(body[vertices.nbytes:], np.dtype([("n", "u1"), ("v", "<u4", 3)]), counts[1])
+    assert (faces["n"] == 3).all() and vertices.nbytes + faces.nbytes == len(body)
+    return vertices, faces["v"]
+
+
 def open_edges(points, faces):
     """Edges with one face, after welding equal positions."""
     _, weld = np.unique(points, axis=0, return_inverse=True)
@@ -178,6 +201,107 @@ class Gltf(support.Folder):
         self.check_is_the_obj(two, "--lod", "4")
         self.check_is_the_obj(self.baked("codes", meshes.torus(), "--size", "33x33", "--precision", "u16"))
         self.check_is_the_obj(self.baked("free", meshes.sheet(8), "--size", "33x33", "--domain", "free"))
+
+    def test_garments_can_share_a_scene(self):
+        names = []
+        for name, mesh in (("robe", meshes.sheet(8)), ("hat", meshes.icosphere(2)),
+                           ("pair of shoes", meshes.together(meshes.icosphere(2), meshes.sheet(8)))):
+            glb = self.glb(self.baked(name, mesh, "--size", "17x17"))
+            for node in glb.chart_nodes():
+                mesh = glb.json["meshes"][node["mesh"]]
+                material = glb.json["materials"][mesh["primitives"][0]["material"]]
+                self.assertEqual(node["name"], mesh["name"])
+                self.assertEqual(node["name"], material["name"])
+                names.append(node["name"])
+            obj = self.exported(f"{name}.dgm", f"{name} out.obj")
+            objects = [line[2:] for line in obj.read_text().splitlines() if line.startswith("o ")]
+            self.assertEqual(objects, [n["name"].replace(" ", "_") for n in glb.chart_nodes()])
+        self.assertEqual(names, ["robe", "hat", "pair of shoes_chart0", "pair of shoes_chart1"])
+
+    def test_meshes_of_free_charts_hold_no_strays(self):
+        sheet = self.baked("free", meshes.sheet(8), "--size", "33x33", "--domain", "free", "--method", "lscm")
+        points, faces = read_obj(self.exported(sheet, "out.obj"))
+        self.assertEqual(sorted(set(faces.reshape(-1).tolist())), list(range(len(points))))
+        with h5py.File(sheet, "r") as file:
+            self.assertLess(file["charts/0/mask"][...].min(), 1)  # there are samples outside
+        vertices, triangles = read_ply(self.exported(sheet, "out.ply"))
+        self.assertEqual(len(vertices), len(points))
+        self.assertEqual(sorted(set(triangles.reshape(-1).tolist())), list(range(len(points))))
+        self.assertTrue(np.allclose([vertices["x"], vertices["y"], vertices["z"]], points.T, rtol=1e-6, atol=1e-9))
+        self.assertLess(0.5, np.ptp(vertices["s"]))
+        self.assertTrue(((vertices["t"] >= 0) & (vertices["t"] <= 1)).all())
+
+    def test_ply_shows_its_texture_where_the_colours_are(self):
+        write_png(self.folder / "cloth.png", np.random.default_rng(7).integers(0, 256, (40, 50, 3), np.uint8))
+        ball = self.baked("ball", meshes.icosphere(2), "--size", "33x33", "--texture", "cloth.png", "--texture-size",
+                          "70x48")
+        path = self.exported(ball, "out.ply")
+        vertices, _ = read_ply(path)
+        (line,) = [l for l in path.read_bytes().split(b"end_header")[0].splitlines() if b"TextureFile" in l]
+        picture = png((self.folder / line.decode().split(" ", 2)[2]).read_bytes())
+        x = np.floor(vertices["s"] * picture.shape[1]).astype(int)
+        y = np.floor((1 - vertices["t"].astype(float)) * picture.shape[0]).astype(int)
+        for channel, name in enumerate(("red", "green", "blue")):
+            self.assertTrue((picture[y, x, channel] == vertices[name]).all(), name)
+
+    def test_a_folder_of_maps(self):
+        for name in ("in/robe", "in/deep/hat"):
+            (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+            self.baked(name, meshes.sheet(8), "--size", "17x17")
+        (self.folder / "in" / "broken.dgm").write_bytes(b"no map at all")
+        result = self.run_program(support.EXPORT, "in", "none.dgm", "-o", "out", "--format", "glb,obj", "--quantize")
+        self.assertEqual(result.returncode, 2, result.stderr)  # a missing file is worse than a damaged one
+        self.assertEqual(result.stdout.splitlines(), ["out/deep/hat.glb", "out/deep/hat.obj", "out/robe.glb",
+                                                      "out/robe.obj", "4 maps: 2 exported, 2 failed"])
+        tail = result.stderr.splitlines()[-3:]
+        self.assertEqual(tail[0], "dgm-export: 2 of 4 maps failed:")
+        self.assertTrue(tail[1].startswith("  in/broken.dgm: DGM1001: "), tail)
+        self.assertTrue(tail[2].startswith("  none.dgm: DGM5001: "), tail)
+        self.assertEqual(self.names(self.folder / "out"), sorted(
+            ["deep", "deep/hat.glb", "deep/hat.mtl", "deep/hat.obj", "deep/hat_normal.png", "robe.glb", "robe.mtl",
+             "robe.obj", "robe_normal.png"]))
+        self.assertIn("KHR_mesh_quantization", Glb((self.folder / "out/robe.glb").read_bytes()).json["extensionsRequired"])
+        before = self.names()
+        for arguments, word in (((["in", "-o", "x.glb"]), "folder"), (["in"], "--format"),
+                                (["in", "-o", "out/"], "--format"), (["in", "--format", "glbs"], "did you mean glb?"),
+                                (["in/robe.dgm", "-o", "in/", "--format", "dgm"], "overwrite an input"),
+                                (["in/robe.dgm", "-o", "x.glb", "--lod", "4,"], "--lod"),
+                                (["in/robe.dgm", "-o", "x.glb", "--lod-mode", "msft"], "--lod 1,4,16")):
+            refused = self.run_program(support.EXPORT, *arguments)
+            self.assertEqual(refused.returncode, 1, arguments)
+            self.assertIn(word, refused.stderr)
+        self.assertEqual(self.names(), before)
+
+    def test_levels_in_one_file(self):
+        ball = self.baked("ball", meshes.icosphere(3), "--size", "65x65")
+        glb = self.glb(ball, "--lod", "8", "--lod-mode", "msft")  # beside the full surface
+        node = glb.chart_nodes()[0]
+        (lod,) = node["extensions"]["MSFT_lod"]["ids"]
+        coarse = glb.json["nodes"][lod]
+        self.assertEqual(coarse["name"], "ball_lod8")
+        full, thin = (glb.json["meshes"][n["mesh"]]["primitives"][0] for n in (node, coarse))
+        points = glb.accessor(full["attributes"]["POSITION"])
+        faces = glb.accessor(thin["indices"]).reshape(-1, 3)
+        self.assertEqual(open_edges(points, faces), 0)
+        alone = next(self.glb(ball, "--lod", "8").primitives())
+        self.assertTrue(np.array_equal(points[faces], alone[3]["POSITION"][alone[2]]))
+
+    def test_quantized_is_the_same_shape(self):
+        two = self.baked("two", meshes.together(meshes.icosphere(3), meshes.sheet(8)), "--size", "33x29")
+        plain, small = self.glb(two), self.glb(two, "--quantize")
+        self.assertLess(len(small.data), 0.9 * len(plain.data))
+        for one, other in zip(plain.chart_nodes(), small.chart_nodes()):
+            (a,), (b,) = (g.json["meshes"][n["mesh"]]["primitives"] for g, n in ((plain, one), (small, other)))
+            wanted = plain.accessor(a["attributes"]["POSITION"]) + np.asarray(one.get("translation", [0, 0, 0]))
+            accessor = small.json["accessors"][b["attributes"]["POSITION"]]
+            codes = np.frombuffer(small.view(accessor["bufferView"]), "<u2").reshape(-1, 4)[:, :3]
+            self.assertEqual(accessor["min"], codes.min(0).tolist())
+            self.assertEqual(accessor["max"], codes.max(0).tolist())
+            scale = other.get("scale", [1, 1, 1])
+            self.assertEqual(len(set(scale)), 1)
+            found = np.asarray(other.get("translation", [0, 0, 0])) + scale[0] * codes / 65535
+            size = np.ptp(wanted, axis=0).max()
+            self.assertLess(abs(found - wanted).max(), 1.01 * size / 131070 + 1e-6 * size)
 
     def test_far_away_surfaces_keep_their_digits(self):
         vertices, faces = meshes.icosphere(2)

@@ -51,6 +51,84 @@ def tiny_3ds(texture):
     return chunk(0x4D4D, chunk(0x3D3D, material + mesh))
 
 
+class MeshesBesideTheMap(support.Folder):
+    FORMATS = ["--format", "dgm,exr,glb,obj,ply"]
+
+    def setUp(self):
+        super().setUp()
+        write_textured(self.folder / "sheet.obj", "sheet.mtl", "skin.png")
+        (self.folder / "skin.png").write_bytes(png((200, 10, 10)))
+
+    def outcome(self, *arguments):
+        result = self.bake("sheet.obj", "-o", "out", *(arguments or self.FORMATS), *SIZE, "--report", "r.json")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        (asset,) = json.loads((self.folder / "r.json").read_text())["assets"]
+        return asset
+
+    def test_they_are_those_of_the_exporter(self):
+        asset = self.outcome()
+        self.assertEqual(asset["settings"]["format"], ["dgm", "exr", "glb", "obj", "ply"])
+        names = ["sheet.dgm", "sheet.exr", "sheet.glb", "sheet.mtl", "sheet.obj", "sheet.ply", "sheet_normal.png",
+                 "sheet_texture.png"]
+        self.assertEqual(self.names(self.folder / "out"), names)
+        self.assertEqual(sorted({os.path.basename(file["path"]) for file in asset["files"]}), names)
+        self.assertEqual(asset["files"][0]["path"], "out/sheet.dgm")
+        for file in asset["files"]:
+            self.assertEqual(file["bytes"], (self.folder / file["path"]).stat().st_size)
+        if not support.EXPORT:
+            self.skipTest("dgm-export was not built")
+        again = self.run_program(support.EXPORT, "out/sheet.dgm", "-o", "again", "--format", "glb,obj,ply")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        for name in names[2:]:
+            self.assertEqual((self.folder / "again" / name).read_bytes(), (self.folder / "out" / name).read_bytes(), name)
+
+    def test_each_of_them_counts(self):
+        self.assertEqual(self.outcome()["outcome"], "baked")
+        again = self.outcome()
+        self.assertEqual(again["outcome"], "up to date")
+        self.assertEqual(len(again["files"]), 5)
+        out = self.folder / "out"
+        for name in ("sheet.glb", "sheet.obj", "sheet.ply", "sheet.mtl", "sheet_texture.png", "sheet_normal.png"):
+            with self.subTest(missing=name):
+                whole = (out / name).read_bytes()
+                (out / name).unlink()
+                self.assertEqual(self.outcome()["outcome"], "baked")
+                self.assertEqual((out / name).read_bytes(), whole)
+                self.assertEqual(self.outcome()["outcome"], "up to date")
+        for name in ("sheet.glb", "sheet.obj", "sheet.ply"):
+            with self.subTest(short=name):
+                (out / name).write_bytes((out / name).read_bytes()[:-1])
+                self.assertEqual(self.outcome()["outcome"], "baked")
+        (self.folder / "skin.png").write_bytes(png((10, 200, 10)))
+        old = (out / "sheet.glb").read_bytes()
+        self.assertEqual(self.outcome()["outcome"], "baked")
+        self.assertNotEqual((out / "sheet.glb").read_bytes(), old)
+        # Another map with meshes of the old one beside it.
+        self.bake_well("sheet.obj", "-o", "out", *SIZE, "--precision", "u16")
+        self.assertEqual(self.outcome("--format", "dgm,glb", "--precision", "u16")["outcome"], "baked")
+        self.assertEqual(self.outcome("--format", "dgm,glb", "--precision", "u16")["outcome"], "up to date")
+
+    def test_what_the_mesh_was_read_from_is_kept(self):
+        before = {name: (self.folder / name).read_bytes() for name in self.names()}
+        refused = self.bake("sheet.obj", "--format", "dgm,obj", *SIZE)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("overwrite", refused.stderr)
+        # cloth.obj would bring cloth.mtl, and that is the library of another name's mesh.
+        shutil.copy(self.folder / "sheet.mtl", self.folder / "cloth.mtl")
+        (self.folder / "in").mkdir()
+        text = (self.folder / "sheet.obj").read_text().replace("mtllib sheet.mtl", "mtllib ../cloth.mtl")
+        (self.folder / "in" / "cloth.obj").write_text(text)
+        (self.folder / "in" / "skin.png").write_bytes(png((9, 9, 9)))
+        refused = self.bake("in/cloth.obj", "-o", ".", "--format", "dgm,obj", *SIZE)
+        self.assertEqual(refused.returncode, 1, refused.stdout + refused.stderr)
+        self.assertIn("cloth.mtl", refused.stderr)
+        self.assertEqual((self.folder / "cloth.mtl").read_bytes(), before["sheet.mtl"])
+        self.assertFalse((self.folder / "cloth.dgm").exists())
+        self.assertEqual([n for n in self.names() if n.startswith(".")], [])
+        for name, content in before.items():
+            self.assertEqual((self.folder / name).read_bytes(), content, name)
+
+
 class UpToDate(support.Folder):
     def outcomes(self, *arguments, cwd=None):
         """Which meshes were baked, and which were left alone."""

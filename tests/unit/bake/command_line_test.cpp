@@ -48,6 +48,13 @@ TEST(CommandLine, MaxErrorInPercentOrUnits) {
     EXPECT_NE(refusal({"--max-error", "1%", "--max-error-kind", "rsm"}).find("did you mean rms?"), std::string::npos);
 }
 
+TEST(CommandLine, MeshesBesideTheMap) {
+    EXPECT_NE(refusal({"--format", "glb"}).find("--format dgm,glb"), std::string::npos);
+    EXPECT_NE(refusal({"--format", "dgm,gbl"}).find("did you mean glb?"), std::string::npos);
+    EXPECT_TRUE(parsed({"--format", "dgm,glb,obj,ply,glb"}).write_dgm);
+    EXPECT_FALSE(parsed({"--format", "exr,ply"}).write_dgm);
+}
+
 TEST(CommandLine, BudgetInBytes) {
     EXPECT_EQ(parsed({"--budget", "256KiB"}).budget_bytes, 262144U);
     EXPECT_EQ(parsed({"--budget", "1MB"}).budget_bytes, 1000000U);

@@ -46,6 +46,15 @@ TEST(RepeatCommand, GivesTheSameSettings) {
     expect_same("--format dgm,exr --exr-layout multipart", true);
 }
 
+TEST(RepeatCommand, AsksForTheSameMeshes) {
+    PlannedAsset asset{"m.obj", "", "out/m.exr", {}, "m.obj", {}};
+    asset.exports = {"out/m.glb", "out/m.ply"};
+    const CommandLine again = parsed(repeat_command(asset));
+    EXPECT_FALSE(again.plan.write_dgm);
+    EXPECT_TRUE(again.plan.write_exr);
+    EXPECT_EQ(again.plan.exports, (std::vector<std::string>{".glb", ".ply"}));
+}
+
 TEST(RepeatCommand, NamesAreQuoted) {
     EXPECT_EQ(shell_word("a b"), "'a b'");
     EXPECT_EQ(shell_word("it's; rm $x"), "'it'\\''s; rm $x'");

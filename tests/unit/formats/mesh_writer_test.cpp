@@ -80,6 +80,52 @@ TEST(ObjWriter, WritesWhatItSays) {
     EXPECT_EQ(read_bytes(folder / "t.mtl"), "newmtl surface\nKd 1 1 1\nd 1\nmap_Kd t.png\n");
 }
 
+TEST(ObjWriter, ObjectsAndNormalMaps) {
+    const TempFolder folder;
+    TriMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.faces = {{0, 1, 2}, {2, 1, 0}, {1, 2, 0}};
+    mesh.face_materials = {0, 0, 1};
+    mesh.materials.resize(2);
+    mesh.materials[0] = {"left sleeve", {}, {}, "sleeve_normal.png", true, 1};
+    mesh.materials[1] = {"collar", {}, {}, "bumps.png", true, 1};
+    write_obj(folder / "a.obj", mesh,
+              {.write_mtl = true, .objects = {{"left sleeve", 0}, {"collar", 2}}, .comment = "the end"});
+    EXPECT_EQ(read_bytes(folder / "a.obj"),
+              "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no left_sleeve\nusemtl left_sleeve\nf 1 2 3\nf 3 2 1\n"
+              "o collar\nusemtl collar\nf 2 3 1\n# the end\n");
+    // Readers of map_Bump look for heights in it, unless the name says otherwise.
+    EXPECT_EQ(read_bytes(folder / "a.mtl"),
+              "newmtl left_sleeve\nKd 1 1 1\nd 1\nmap_Bump sleeve_normal.png\nnorm sleeve_normal.png\n"
+              "newmtl collar\nKd 1 1 1\nd 1\nnorm bumps.png\n");
+    for (const char* name : {"sleeve_normal.png", "bumps.png"})
+        write_png(folder / name, dgm::formats::Image{1, 1, {{}}});
+    const auto in = read_mesh(folder / "a.obj");
+    ASSERT_EQ(in.mesh.materials.size(), 2u);
+    for (const auto& material : in.mesh.materials) EXPECT_TRUE(material.bump_is_normal_map) << material.name;
+}
+
+TEST(PlyWriter, TextureCoordinatesSplitVertices) {
+    const TempFolder folder;
+    TriMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2.5, 0}, {1, 1, 0}};
+    mesh.faces = {{0, 1, 2}, {1, 3, 2}};
+    mesh.corner_uvs = {{0, 0.25}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0.5, 1}};
+    write_ply(folder / "a.ply", mesh, {.texture = "a.png", .comment = "map 7"});
+    const std::string bytes = read_bytes(folder / "a.ply");
+    const std::string header =
+        "ply\nformat binary_little_endian 1.0\ncomment map 7 126\ncomment TextureFile a.png\nelement vertex 5\n"
+        "property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\n"
+        "element face 2\nproperty list uchar uint vertex_indices\nend_header\n";
+    ASSERT_EQ(bytes.substr(0, header.size()), header);
+    ASSERT_EQ(bytes.size(), header.size() + 126);
+    float first[5], last[5];
+    std::memcpy(first, bytes.data() + header.size(), sizeof first);
+    std::memcpy(last, bytes.data() + header.size() + 4 * 20, sizeof last);
+    EXPECT_EQ(std::vector<float>(first, first + 5), (std::vector<float>{0, 0, 0, 0, 0.25}));
+    EXPECT_EQ(std::vector<float>(last, last + 5), (std::vector<float>{0, 2.5, 0, 0.5, 1}));
+}
+
 TEST(PlyWriter, BytesAreThoseOfTheFormat) {
     const TempFolder folder;
     TriMesh mesh;

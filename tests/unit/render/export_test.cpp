@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "dgm/dgm_writer.h"
+#include "export/chart_pictures.h"
+#include "export/map_stamp.h"
 #include "exr/exr_writer.h"
 #include "geometry/metrics/reconstruction.h"
 #include "image/image.h"
@@ -88,7 +90,122 @@ TEST_F(Export, ObjReadsBackAsTheReconstructionToTheBit) {
         ASSERT_EQ(texture.at(x, y).r, std::to_integer<std::uint8_t>(layer.bytes[texel]));
         ASSERT_EQ(texture.at(x, y).g, std::to_integer<std::uint8_t>(layer.bytes[texel + 1]));
     }
-    EXPECT_EQ(files(), 4u);  // torus.obj, torus.mtl, two textures
+    EXPECT_EQ(files(), 6u);  // torus.obj, torus.mtl, two textures, two normal maps
+}
+
+TEST_F(Export, ObjNamesChartsByTheAsset) {
+    write(two_tori(), "out.obj");
+    const std::string obj = bytes("out.obj"), mtl = bytes("out.mtl");
+    for (const char* line : {"\no torus_chart0\nusemtl torus_chart0\n", "\no torus_chart1\nusemtl torus_chart1\n"})
+        EXPECT_NE(obj.find(line), std::string::npos) << line;
+    EXPECT_NE(mtl.find("newmtl torus_chart1\n"), std::string::npos);
+    for (const char* line :
+         {"map_Kd out_chart0_texture.png\n", "norm out_chart0_normal.png\n", "map_Bump out_chart0_normal.png\n"})
+        EXPECT_NE(mtl.find(line), std::string::npos) << line;
+    ExportOptions second;
+    second.chart = 1;  // the same chart has the same name alone
+    write(two_tori(), "one.obj", second);
+    EXPECT_NE(bytes("one.obj").find("\no torus_chart1\n"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "one_chart1_normal.png"));
+    MapSet one = two_tori();
+    one.charts.pop_back();
+    one.source_name = "my torus.fbx";
+    write(one, "alone.obj");
+    EXPECT_NE(bytes("alone.obj").find("\no my_torus\n"), std::string::npos);
+    EXPECT_NE(bytes("alone.mtl").find("newmtl my_torus\n"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "alone_texture.png"));
+    const auto back = formats::read_mesh(folder_ / "alone.obj");
+    EXPECT_TRUE(back.warnings.empty());
+    ASSERT_EQ(back.mesh.materials.size(), 1u);
+    EXPECT_TRUE(back.mesh.materials[0].bump_is_normal_map);
+}
+
+MapSet one_disc() {
+    MapSet maps;
+    maps.source_name = "disc.obj";
+    maps.charts = {test::disc_chart(17)};
+    return maps;
+}
+
+TEST_F(Export, MeshesHoldOnlyVerticesWithFaces) {
+    const MapSet maps = one_disc();
+    const model::TriMesh full = bake::reconstruct(maps.charts[0]).mesh;
+    std::set<std::uint32_t> used;
+    for (const model::Face& face : full.faces) used.insert(face.begin(), face.end());
+    ASSERT_LT(used.size(), full.positions.size());
+    for (const char* name : {"disc.obj", "disc.ply"}) {
+        write(maps, name);
+        const model::TriMesh mesh = formats::read_mesh(folder_ / name).mesh;
+        ASSERT_EQ(mesh.positions.size(), used.size()) << name;
+        ASSERT_EQ(mesh.faces.size(), full.faces.size()) << name;
+        for (std::size_t f = 0; f < full.faces.size(); ++f)
+            for (std::size_t k = 0; k < 3; ++k)
+                ASSERT_EQ(mesh.positions[mesh.faces[f][k]], full.positions[full.faces[f][k]]) << name;
+    }
+    EXPECT_EQ(bytes("disc.ply").find("red"), std::string::npos);  // it has no texture
+}
+
+TEST_F(Export, PowersOfTwoKeepWhatTextureCoordinatesShow) {
+    for (const auto& [side, power] : {std::pair{1u, 1u},
+                                      {2u, 2u},
+                                      {3u, 4u},
+                                      {5u, 4u},
+                                      {6u, 8u},
+                                      {65u, 64u},
+                                      {90u, 64u},
+                                      {91u, 128u},
+                                      {16384u, 16384u}})
+        EXPECT_EQ(nearest_power_of_two(side), power) << side;
+    formats::Image ramp{9, 3, std::vector<model::Rgba8>(27)};
+    for (std::uint32_t k = 0; k < 27; ++k) ramp.pixels[k] = {static_cast<std::uint8_t>(20 * (k % 9)), 7, 0, 255};
+    for (const std::uint32_t width : {8u, 16u}) {
+        const formats::Image out = resized(ramp, width, 4, Texels::kColour);
+        ASSERT_EQ(out.pixels.size(), width * 4);
+        for (std::uint32_t x = 0; x < width; ++x)  // a ramp stays the same ramp, but for a wider filter's unevenness
+            EXPECT_NEAR(out.at(x, 2).r, 160.0 * x / (width - 1), x % (width - 1) == 0 ? 3 : 1.5) << x;
+        EXPECT_EQ(out.at(1, 3).g, 7);
+    }
+    ExportOptions powers;
+    powers.power_of_two = true;
+    powers.chart = 0;
+    write(two_tori(), "p.obj", powers);
+    const formats::Image texture = formats::read_image(folder_ / "p_chart0_texture.png");
+    EXPECT_EQ(texture.width, 64u);  // of 65 x 33
+    EXPECT_EQ(texture.height, 32u);
+    EXPECT_EQ(formats::read_image(folder_ / "p_chart0_normal.png").width, 64u);
+    const model::TriMesh mesh = formats::read_mesh(folder_ / "p.obj").mesh;
+    double low = 1;
+    for (const model::Vec2d& uv : mesh.corner_uvs) low = std::min(low, uv.x);
+    EXPECT_DOUBLE_EQ(low, 0.5 / 64);
+    EXPECT_EQ(failure(two_tori(), "p.exr", powers), &model::codes::kUsage);
+}
+
+TEST_F(Export, StampsTellWhichMapAMeshCameFrom) {
+    MapSet maps = two_tori(), other = maps;
+    other.settings_hash[3] = 1;
+    EXPECT_NE(map_stamp(maps), map_stamp(other));
+    EXPECT_NE(map_stamp(maps), map_stamp(maps, "quantize;"));
+    maps.charts.pop_back();  // one chart: a PLY with a texture
+    for (const char* name : {"m.obj", "m.ply", "m.glb"}) {
+        write(maps, name);
+        const path file = folder_ / name;
+        EXPECT_TRUE(carries_stamp(file, map_stamp(maps))) << name;
+        EXPECT_FALSE(carries_stamp(file, map_stamp(other))) << name;
+        const std::string whole = bytes(name);
+        std::ofstream(file, std::ios::binary) << whole.substr(0, whole.size() - 1);
+        EXPECT_FALSE(carries_stamp(file, map_stamp(maps))) << name << " cut short";
+        std::ofstream(file, std::ios::binary) << whole;
+        EXPECT_TRUE(carries_stamp(file, map_stamp(maps))) << name;
+    }
+    std::filesystem::remove(folder_ / "m_texture.png");
+    EXPECT_FALSE(carries_stamp(folder_ / "m.obj", map_stamp(maps)));
+    EXPECT_FALSE(carries_stamp(folder_ / "m.ply", map_stamp(maps)));
+    EXPECT_TRUE(carries_stamp(folder_ / "m.glb", map_stamp(maps)));
+    EXPECT_FALSE(carries_stamp(folder_ / "none.glb", map_stamp(maps)));
+    ExportOptions small;
+    small.quantize = true;
+    write(maps, "m.glb", small);
+    EXPECT_FALSE(carries_stamp(folder_ / "m.glb", map_stamp(maps)));
 }
 
 TEST_F(Export, OneChartAlone) {
@@ -106,6 +223,14 @@ TEST_F(Export, PlyHoldsVerticesAndTheirColours) {
     EXPECT_EQ(ply.substr(0, 4), "ply\n");
     EXPECT_NE(ply.find("property uchar red"), std::string::npos);
     EXPECT_NE(ply.find("element face 1152"), std::string::npos);
+    EXPECT_NE(ply.find("property float s\nproperty float t\n"), std::string::npos);
+    EXPECT_EQ(ply.find("TextureFile"), std::string::npos);  // there are two
+    EXPECT_EQ(files(), 1u);
+    ExportOptions first;
+    first.chart = 0;
+    write(two_tori(), "one.ply", first);
+    EXPECT_NE(bytes("one.ply").find("\ncomment TextureFile one_chart0_texture.png\n"), std::string::npos);
+    EXPECT_EQ(formats::read_image(folder_ / "one_chart0_texture.png").width, 65u);
 }
 
 TEST_F(Export, DgmToExrAndBackGivesTheSameBytes) {
@@ -158,7 +283,7 @@ TEST_F(Export, LevelOfDetailKeepsBordersAndAttributes) {
     ExportOptions lod;
     lod.chart = 0;  // the tori stand in the same place
     write(maps, "full.obj", lod);
-    lod.lod = 4;
+    lod.lods = {4};
     write(maps, "thin.obj", lod);
     const model::TriMesh thin = formats::read_mesh(folder_ / "thin.obj").mesh;
     const model::TriMesh full = formats::read_mesh(folder_ / "full.obj").mesh;
@@ -191,7 +316,7 @@ TEST_F(Export, LevelOfDetailKeepsBordersAndAttributes) {
         for (std::size_t k = 0; k < 3; ++k) ++edges[std::minmax({id(f, k), id(f, (k + 1) % 3)})];
     for (const auto& [edge, faces] : edges) ASSERT_EQ(faces, 2) << edge.first << "-" << edge.second;
 
-    lod.lod = 1;
+    lod.lods = {1};
     write(maps, "one.obj", lod);
     EXPECT_EQ(formats::read_mesh(folder_ / "one.obj").mesh.positions, full.positions);
 }
@@ -202,10 +327,20 @@ TEST_F(Export, WhatCannotBeDoneIsRefusedAndLeavesNothing) {
     EXPECT_EQ(failure(maps, "x.docx"), &model::codes::kUsage);
     EXPECT_EQ(failure(maps, "no/such/folder/x.obj"), &model::codes::kWriteFailed);
     ExportOptions lod;
-    lod.lod = 2;
+    lod.lods = {2};
     EXPECT_EQ(failure(maps, "x.png", lod), &model::codes::kUsage);
-    lod.lod = 0;
+    lod.lods = {0};
     EXPECT_EQ(failure(maps, "x.obj", lod), &model::codes::kUsage);
+    for (const std::vector<std::uint32_t>& levels :
+         std::vector<std::vector<std::uint32_t>>{{}, {1, 1}, {4, 2}, {1, 2, 3, 4, 5, 6, 7, 8, 9}}) {
+        lod.lods = levels;
+        EXPECT_EQ(failure(maps, "x.glb", lod), &model::codes::kUsage);
+    }
+    lod.lods = {1, 4};
+    EXPECT_EQ(failure(maps, "x.obj", lod), &model::codes::kUsage);
+    ExportOptions small;
+    small.quantize = true;
+    EXPECT_EQ(failure(maps, "x.ply", small), &model::codes::kUsage);
     ExportOptions layer;
     layer.layer = "mask";
     EXPECT_EQ(failure(maps, "x.png", layer), &model::codes::kMissingLayer);

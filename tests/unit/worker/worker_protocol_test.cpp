@@ -23,6 +23,7 @@ TEST(WorkerProtocol, JobComesBack) {
     WorkerJob job;
     job.source = "in/caf\xe9 \n.obj";
     job.dgm = "out/.x.dgm.7.tmp";
+    job.exports = {"out/.x.glb.7.tmp/x.glb", "out/.x.obj.7.tmp/x \xe9.obj"};
     job.memory_bytes = std::uint64_t{8} << 30;
     job.threads = 3;
     job.options.size = {33, 65};
@@ -43,6 +44,7 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_EQ(back.source, job.source);
     EXPECT_EQ(back.dgm, job.dgm);
     EXPECT_TRUE(back.exr.empty());
+    EXPECT_EQ(back.exports, job.exports);
     EXPECT_TRUE(back.options.write_dgm);
     EXPECT_FALSE(back.options.write_exr);  // no name for it, so it is not asked for
     EXPECT_EQ(back.memory_bytes, job.memory_bytes);

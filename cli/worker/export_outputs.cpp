@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/worker/export_outputs.cpp
+#include "worker/export_outputs.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "export/export_files.h"
+#include "model/codes.h"
+#include "worker/output_files.h"
+
+namespace dgm::bake {
+namespace {
+namespace fs = std::filesystem;
+namespace codes = model::codes;
+}  // namespace
+
+fs::path make_export_folder(const fs::path& final_path) {
+    fs::path folder = temporary_for(final_path);
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);  // of a process with the same number, killed long ago
+    if (::mkdir(folder.c_str(), 0777) != 0) {
+        const int reason = errno;
+        throw model::Error(write_failure(reason),
+                           std::string("no folder can be made beside the output: ") + std::strerror(reason),
+                           final_path.string());
+    }
+    return folder;
+}
+
+void write_exports(const model::MapSet& maps, const std::vector<fs::path>& exports) {
+    for (const fs::path& output : exports) {
+        try {
+            exporter::export_maps(maps, output, {}, {});
+        } catch (const model::Error& error) {
+            const fs::path probe = output.parent_path() / ".probe";  // goes away with the folder
+            throw explained(error, probe);
+        }
+    }
+}
+
+std::vector<ExportedFile> exported_files(const fs::path& folder, const fs::path& final_path,
+                                         const std::vector<fs::path>& inputs) {
+    std::vector<fs::path> names;
+    std::error_code error;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+        if (std::error_code ignored; it->is_regular_file(ignored)) names.push_back(it->path().filename());
+    const auto main = std::find(names.begin(), names.end(), final_path.filename());
+    if (error || main == names.end())
+        throw model::Error(codes::kWriteFailed, "the written file is gone", final_path.string());
+    std::iter_swap(main, names.end() - 1);
+    std::sort(names.begin(), names.end() - 1);
+
+    std::vector<ExportedFile> out;
+    for (const fs::path& name : names) {
+        ExportedFile& file = out.emplace_back(ExportedFile{folder / name, final_path.parent_path() / name, 0});
+        file.bytes = fs::file_size(file.temporary, error);
+        if (error) throw model::Error(codes::kWriteFailed, "the written file is gone", file.final_path.string());
+        for (const fs::path& input : inputs)
+            if (std::error_code ignored; fs::equivalent(input, file.final_path, ignored))
+                throw model::Error(codes::kUsage, "the output would overwrite a file that the mesh was read from",
+                                   file.final_path.string());
+    }
+    return out;
+}
+
+}  // namespace dgm::bake
