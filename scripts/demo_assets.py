@@ -18,9 +18,9 @@ DRESSED = (("stomach_denim", "stomach/stomach_denim.obj", "--texture-size", "102
            ("cushion_129", "cushion/cushion.obj", "--size", "129x129", "--texture-size", "513x513"),
            ("cover_129", "cushion/cover.obj", "--size", "129x129", "--texture-size", "513x513"))
 # Picture, program, map, recorded path, further maps.
-FIGURES = (("fig11_stomach", "press_and_pull", "stomach.obj", "stomach_press_and_pull"),
+FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pull"),
            ("fig11_liver", "press_and_pull", "liver", "liver_press_and_pull"),
-           ("fig12_plane", "set_on_plane", "stomach.obj", "table"),
+           ("fig12_plane", "set_on_plane", "stomach", "table"),
            ("fig13_14_cloth", "swap_cloth", "stomach_denim", "body_in_cloth", "stomach_denim", "stomach_satin"),
            ("fig15_16_sheet", "pinch_sheet", "sheet", "sheet_pinch"),
            ("fig17_seat", "sit_on_cushion", "seat", "ball_on_seat"),

@@ -172,6 +172,8 @@ class Batch {
         const PlannedAsset& asset = plan_.assets[k];
         if (asset.refusal) return fail(k, *asset.refusal);
         if (skip(k)) return;
+        if (std::optional<model::Error> too_large = refuse_size(asset.options, batch_.memory_bytes))
+            return fail(k, std::move(*too_large));
         if (observer_.on_start) observer_.on_start(k);
         WorkerJob job;
         job.source = asset.source;

@@ -6,11 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <optional>
 #include <string>
 #include <system_error>
+
+#include "model/codes.h"
 
 namespace dgm::bake {
 namespace {
@@ -21,6 +24,8 @@ namespace fs = std::filesystem;
 constexpr double kTextBytesPerFace = 30, kBinaryBytesPerFace = 14;
 /// Above what was measured on organs, garments and scans of 560 to 70 000 faces at 33x33 to 257x257, textures included.
 constexpr double kPeakBase = 80e6, kPeakPerFace = 2000, kPeakPerSample = 2000;
+/// Below what was measured at 1025x1025 and 2049x2049: 1216 bytes a sample without a fit, 1914 to 1988 with one.
+constexpr double kLeastPerSample = 1200;
 /// A search that may go to any size ends far below the largest one.
 constexpr double kUsualSearchedSamples = 513.0 * 513.0;
 
@@ -93,6 +98,21 @@ std::uint64_t estimate_peak(const fs::path& mesh_file, const BakeOptions& option
                          : static_cast<double>(options.size.rows) * static_cast<double>(options.size.cols);
     if (options.max_error || options.budget_bytes) samples = std::min(samples, kUsualSearchedSamples);
     return static_cast<std::uint64_t>(kPeakBase + kPeakPerFace * faces + kPeakPerSample * samples);
+}
+
+std::optional<model::Error> refuse_size(const BakeOptions& options, std::uint64_t memory_bytes) {
+    if (memory_bytes == 0 || options.auto_samples || options.max_error || options.budget_bytes) return std::nullopt;
+    const auto limit = static_cast<double>(memory_bytes);
+    const double samples = static_cast<double>(options.size.rows) * static_cast<double>(options.size.cols);
+    if (kLeastPerSample * samples <= limit) return std::nullopt;
+    const double side = std::floor(std::sqrt(std::max(0.0, limit - kPeakBase) / kPeakPerSample));
+    const double largest = std::clamp(side - std::fmod(side + 1, 2), double{kMinSide}, double{kMaxSide});  // odd
+    return model::Error(
+               model::codes::kWorkerMemory,
+               fmt::format("a grid of {}x{} takes about {:.0f} GB of memory; {} MiB are enough for about {}x{}",
+                           options.size.rows, options.size.cols, kPeakPerSample * samples / 1e9, memory_bytes >> 20,
+                           largest, largest))
+        .with_hint("ask for a smaller --size, or raise --memory-limit if the machine has as much");
 }
 
 std::uint64_t available_memory() {

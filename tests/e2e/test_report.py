@@ -142,11 +142,11 @@ class Report(support.Folder):
             self.assertEqual(TIMES.sub("", page.read_text(encoding="utf-8")), TIMES.sub("", text.decode()))
             self.assertNotEqual(TIMES.sub("", text.decode()), text.decode())
         self.pages()[0].unlink()
-        self.assertIn("1 pages made, 1 kept, 0 failed", self.bake_three().stdout)
+        self.assertIn("1 page made, 1 kept, 0 failed", self.bake_three().stdout)
         first = self.pages()[0]
         first.write_text(first.read_text(encoding="utf-8").replace('name="dgm-page" content="', 'name="dgm-page" content="0'),
                          encoding="utf-8")
-        self.assertIn("1 pages made, 1 kept, 0 failed", self.bake_three().stdout)
+        self.assertIn("1 page made, 1 kept, 0 failed", self.bake_three().stdout)
         self.assertEqual([n for n in self.names() if ".tmp" in n], [])
 
     def test_a_page_that_fails_fails_no_asset(self):
@@ -155,7 +155,7 @@ class Report(support.Folder):
         result = self.bake("small.obj", "real-ball.obj", "-o", "out/", *SIZE, "--report", "out/index.html",
                            program=support.FAULTY_BAKE)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("1 pages made, 0 kept, 1 failed", result.stdout)
+        self.assertIn("1 page made, 0 kept, 1 failed", result.stdout)
         text = (self.folder / "out" / "index.html").read_text(encoding="utf-8")
         self.assertIn("no page: DGM", text)
         self.assertEqual([p.name for p in self.pages()], ["real-ball.obj.html"])

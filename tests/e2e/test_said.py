@@ -213,8 +213,10 @@ class Said(support.Folder):
         many = meshes.together(*[meshes.sheet(1)] * 12)
         meshes.write_obj(self.folder / "many.obj", many)
         result = self.stumble(support.BAKE, 3, ["DGM3007", "12 components", "next: ask for a smaller --size"],
-                              "many.obj", "--size", "8193", "--method", "tutte", "--fit", "sample")
+                              "many.obj", "--size", "8193", "--memory-limit", "0", "--method", "tutte", "--fit", "sample")
         self.assertNotIn("decimate", result.stderr)
+        self.stumble(support.BAKE, 3, ["DGM9004", "8192 MiB are enough for about 2061x2061", "--memory-limit"],
+                     "many.obj", "--size", "8193")
         (self.folder / "none.obj").touch()
         self.stumble(support.BAKE, 3, ["next: copy or export it again"], "none.obj")
 

@@ -30,6 +30,23 @@ TEST(MemoryBudget, GrowsWithTheFileAndTheGrid) {
     fs::remove(large);
 }
 
+TEST(MemoryBudget, AGridThatCannotFitIsRefusedWithTheLargestThatDoes) {
+    constexpr std::uint64_t kLimit = std::uint64_t{8} << 30;
+    BakeOptions options;
+    options.size = {8193, 8193};
+    const std::optional<model::Error> error = refuse_size(options, kLimit);
+    ASSERT_TRUE(error);
+    EXPECT_STREQ(error->what(),
+                 "a grid of 8193x8193 takes about 134 GB of memory; 8192 MiB are enough for about 2061x2061");
+    EXPECT_FALSE(refuse_size(options, 0));
+    EXPECT_FALSE(refuse_size(options, std::uint64_t{200} << 30));
+    options.size = {2061, 2061};
+    EXPECT_FALSE(refuse_size(options, kLimit));
+    options.size = {8193, 8193};
+    options.max_error = ErrorGoal{};  // the largest grid tried, not the one asked for
+    EXPECT_FALSE(refuse_size(options, kLimit));
+}
+
 TEST(MemoryBudget, SeesWhatAProcessHolds) {
     constexpr std::size_t kBytes = std::size_t{64} << 20;
     const std::uint64_t before = resident_memory(getpid());
