@@ -117,7 +117,7 @@ class Batch {
         AssetResult& result = results_[k];
         for (const fs::path& output : outputs) {
             std::error_code ignored;
-            result.files.push_back({output, fs::file_size(output, ignored)});
+            result.files.push_back({output, output_bytes(output, output == asset.exr, ignored)});
         }
         result.report = std::move(*report);
         result.outcome = Outcome::kUpToDate;
@@ -229,7 +229,7 @@ class Batch {
         for (const auto& [temporary, final_path] : {std::pair(&r.dgm, &asset.dgm), std::pair(&r.exr, &asset.exr)}) {
             if (temporary->empty()) continue;
             std::error_code error;
-            const std::uintmax_t bytes = fs::file_size(*temporary, error);
+            const std::uintmax_t bytes = output_bytes(*temporary, final_path == &asset.exr, error);
             if (error)
                 throw model::Error(codes::kWriteFailed, "the written file is gone: " + error.message(),
                                    final_path->string());
