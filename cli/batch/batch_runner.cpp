@@ -76,7 +76,7 @@ std::vector<ExportedFile> written_files(const PlannedAsset& asset, const Running
     for (const auto& [temporary, final_path] : {std::pair(&r.exr, &asset.exr), std::pair(&r.dgm, &asset.dgm)}) {
         if (temporary->empty()) continue;
         std::error_code error;
-        out.push_back({*temporary, *final_path, fs::file_size(*temporary, error)});
+        out.push_back({*temporary, *final_path, output_bytes(*temporary, final_path == &asset.exr, error)});
         if (error)
             throw model::Error(codes::kWriteFailed, "the written file is gone: " + error.message(),
                                final_path->string());
@@ -159,7 +159,7 @@ class Batch {
         AssetResult& result = results_[k];
         for (const fs::path& output : outputs) {
             std::error_code ignored;
-            result.files.push_back({output, fs::file_size(output, ignored)});
+            result.files.push_back({output, output_bytes(output, output == asset.exr, ignored)});
         }
         result.report = std::move(*report);
         result.outcome = Outcome::kUpToDate;

@@ -55,7 +55,7 @@ std::vector<std::vector<bake::AssetResult>> bake_all(const std::vector<BakeTask>
     observer.on_start = [&](std::size_t k) {
         if (on_task) on_task(task_of[k]);
     };
-    observer.on_end = [&](std::size_t k) {
+    observer.on_end = [&](std::size_t k, const bake::AssetResult&) {
         done += tasks[task_of[k]].work;
         on_share(done / work);
         std::error_code ignored;

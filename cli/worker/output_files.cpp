@@ -116,6 +116,17 @@ void publish_output(const fs::path& temporary, const fs::path& final_path) {
     formats::remove_old_exr_sides(final_path, old_names);
 }
 
+std::uintmax_t output_bytes(const fs::path& path, bool is_exr, std::error_code& error) {
+    std::uintmax_t bytes = fs::file_size(path, error);
+    if (error || !is_exr) return bytes;
+    for (const std::string& name : formats::exr_side_names(path)) {
+        const std::uintmax_t more = fs::file_size(formats::exr_side_path(path, name), error);
+        if (error) return more;
+        bytes += more;
+    }
+    return bytes;
+}
+
 void remove_output(const fs::path& temporary) noexcept {
     std::error_code error;
     fs::remove(temporary, error);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "baking/bake_options.h"
@@ -36,6 +37,9 @@ void write_verified(const std::filesystem::path& path, const model::MapSet& maps
 /// older EXR there that are not replaced are removed. The file itself is moved last.
 /// @throws model::Error kWriteFailed
 void publish_output(const std::filesystem::path& temporary, const std::filesystem::path& final_path);
+
+/// The size of a file, and with an EXR those of the files of layers beside it. `error` as std::filesystem::file_size.
+[[nodiscard]] std::uintmax_t output_bytes(const std::filesystem::path& path, bool is_exr, std::error_code& error);
 
 /// Removes a temporary file and what was written beside it.
 void remove_output(const std::filesystem::path& temporary) noexcept;

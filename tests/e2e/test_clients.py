@@ -91,8 +91,11 @@ class Clients(support.Folder):
     def test_a_bake_replaces_all_files_of_an_exr(self):
         meshes.write_obj(self.folder / "a.obj", meshes.icosphere(2))
         bake = ["a.obj", "-o", "out", "--format", "exr", "--size", "17"]
-        self.bake_well(*bake)
+        self.bake_well(*bake, "--report", "report.json")
         self.assertIn("out/a.bump.exr", self.names())
+        files = json.loads((self.folder / "report.json").read_text())["assets"][0]["files"]
+        self.assertEqual([file["bytes"] for file in files],
+                         [sum(path.stat().st_size for path in (self.folder / "out").iterdir())])
         self.bake_well(*bake, "--layers", "geometry,normal")
         self.assertEqual(self.names(self.folder / "out"), ["a.exr"])
         self.bake_well(*bake)
