@@ -17,8 +17,9 @@ namespace dgm::bake {
 /// options allow; rather too much than too little. 0 where the file cannot be looked at.
 [[nodiscard]] std::uint64_t estimate_peak(const std::filesystem::path& mesh_file, const BakeOptions& options);
 
-/// Why a worker that may take `memory_bytes` cannot bake the requested grid: it takes more, whatever the mesh. Names the
-/// largest grid that fits. nullopt where it may fit, where the grid is searched, and for `memory_bytes` 0: no limit.
+/// Why a worker that may take `memory_bytes` cannot bake the requested grid: it takes more, whatever the mesh. Names
+/// the largest grid that fits. nullopt where it may fit, where the grid is searched, and for `memory_bytes` 0, which
+/// is no limit.
 [[nodiscard]] std::optional<model::Error> refuse_size(const BakeOptions& options, std::uint64_t memory_bytes);
 
 /// Memory that this process and its children may still take without swapping: the system's available memory, or what

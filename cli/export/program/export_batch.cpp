@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "batch/file_pattern.h"
+#include "exr/exr_files.h"
 #include "model/codes.h"
 #include "worker/output_files.h"
 
@@ -59,7 +60,7 @@ struct Search {
         many = true;
         std::size_t taken = 0;
         for (const fs::path& relative : files) {
-            if (!is_map(relative)) continue;
+            if (!is_map(relative) || formats::is_exr_side_file(folder / relative)) continue;
             ++taken;
             add(folder / relative, relative, folder_name(folder));
         }
