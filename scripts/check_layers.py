@@ -81,7 +81,7 @@ PARTS = (
     Part("formats/dgm", 3, DATA, (HDF5, XXHASH, SYSTEM), "the only folder to see HDF5"),
     Part("formats/exr", 3, DATA, (OPENEXR, XXHASH, SYSTEM), "the only folder to see OpenEXR and Imath"),
     Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
-    Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_easy_font"),
+    Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_truetype"),
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
     Part("cli/export", 3.5, GEOMETRY + CONTAINERS + ("cli/render", "cli/tool"), (FMT, JSON, MESHOPT, SYSTEM),
          "maps as meshes and pictures; a bake may ask for them, too; the only folder to see meshoptimizer"),

@@ -3,22 +3,23 @@
 #include "render/canvas.h"
 
 #include <fmt/format.h>
-#include <stb_easy_font.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "model/codes.h"
 #include "render/colour.h"
+#include "render/typeface.h"
 
 namespace dgm::render {
 namespace {
 using formats::Image;
 using model::Rgba8;
+
+constexpr std::uint32_t kLine = 9;  ///< pixels a line is high at scale 1
 
 Rgba8& pixel(Image& image, std::uint32_t x, std::uint32_t y) {
     return image.pixels[std::size_t{y} * image.width + x];
@@ -28,13 +29,6 @@ Rgba8 over(Rgba8 top, Rgba8 below) {
     if (top.a == 255) return top;
     const float alpha = static_cast<float>(top.a) / 255;
     return encoded(mix(linear(below), linear(top), alpha));
-}
-
-std::string printable(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-        if (c < ' ' || c > '~') c = '?';
-    return out;
 }
 
 /// Source range [first, last) of each of `to` cells over `from` pixels, none empty.
@@ -113,29 +107,22 @@ Image fitted(const Image& image, std::uint32_t width, std::uint32_t height) {
 }
 
 void draw_text(Image& image, std::int64_t x, std::int64_t y, std::string_view text, std::uint32_t scale, Rgba8 colour) {
-    struct Vertex {
-        float x, y, z;
-        unsigned char colour[4];
-    };
-    static_assert(sizeof(Vertex) == 16);  // the layout stb_easy_font writes
-    std::string line = printable(text);
-    std::vector<Vertex> vertices(line.size() * 64 + 64);
-    const int quads = stb_easy_font_print(0, 0, line.data(), nullptr, vertices.data(),
-                                          static_cast<int>(vertices.size() * sizeof(Vertex)));
-    for (std::size_t q = 0; q < static_cast<std::size_t>(quads); ++q) {
-        const Vertex& first = vertices[4 * q];
-        const Vertex& third = vertices[4 * q + 2];
-        const auto at = [scale](float v) {
-            return static_cast<std::int64_t>(std::lround(v * static_cast<float>(scale)));
-        };
-        fill_rectangle(image, x + at(first.x), y + at(first.y), at(third.x) - at(first.x), at(third.y) - at(first.y),
-                       colour);
-    }
+    const TextMask mask = text_mask(text, kLine * scale);
+    for (std::uint32_t row = 0; row < mask.height; ++row)
+        for (std::uint32_t col = 0; col < mask.width; ++col) {
+            const std::int64_t at_x = x + col, at_y = y + row;
+            if (at_x < 0 || at_y < 0 || at_x >= image.width || at_y >= image.height) continue;
+            const unsigned covered = mask.coverage[std::size_t{row} * mask.width + col];
+            if (covered == 0) continue;
+            Rgba8 ink = colour;
+            ink.a = static_cast<std::uint8_t>(colour.a * covered / 255);
+            Rgba8& below = pixel(image, static_cast<std::uint32_t>(at_x), static_cast<std::uint32_t>(at_y));
+            below = over(ink, below);
+        }
 }
 
 std::uint32_t text_width(std::string_view text, std::uint32_t scale) {
-    std::string line = printable(text);
-    return static_cast<std::uint32_t>(stb_easy_font_width(line.data())) * scale;
+    return text_mask_width(text, kLine * scale);
 }
 
 void draw_text_centred(Image& image, std::int64_t middle_x, std::int64_t y, std::string_view text, std::uint32_t scale,

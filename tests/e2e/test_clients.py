@@ -174,7 +174,6 @@ class Clients(support.Folder):
     def test_refusals(self):
         dgm = self.baked(meshes.icosphere(1), "--size", "9")
         for arguments, said in (([dgm], "--maps"), ([dgm, "-o", "x.obj", "--maps", "m"], "--maps"),
-                                ([dgm, "-o", "x.obj", "--power-of-two"], "--power-of-two"),
                                 ([dgm, "--maps", "m", "--chart", "7"], "chart 7")):
             result = self.run_program(support.EXPORT, *arguments)
             self.assertEqual(result.returncode, 1, result.stderr)

@@ -150,7 +150,7 @@ class Files(support.Folder):
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.stderr.close)
         deadline = time.monotonic() + 60
-        while len(self.processes()) < 2 and process.poll() is None and time.monotonic() < deadline:
+        while len(self.processes()) < 3 and process.poll() is None and time.monotonic() < deadline:
             time.sleep(0.01)
         for entry in (self.folder / "out").iterdir():
             entry.unlink()

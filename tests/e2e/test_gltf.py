@@ -399,8 +399,9 @@ class Gltf(support.Folder):
         self.assertEqual(self.exported(sheet, "elsewhere/b.glb").read_bytes(), first)
         exr = self.exported(sheet, "sheet.exr")
         self.assertEqual(self.exported(exr, "c.glb").read_bytes(), first)
+        (self.folder / "file").touch()
         before = self.names()
-        result = self.run_program(support.EXPORT, sheet, "-o", "missing/d.glb")
+        result = self.run_program(support.EXPORT, sheet, "-o", "file/d.glb")
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertEqual(self.names(), before)
 

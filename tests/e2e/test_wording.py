@@ -40,10 +40,10 @@ class Wording(support.Folder):
 
     def test_a_missing_file(self):
         self.expect(2, "DGM5001", "no.dgm", "there is no such file", [
-            (INFO, "no.dgm"), (INFO, "tri.dgm", "no.dgm", "--diff"), (EXPORT, "no.dgm", "-o", "x.ply"),
-            (BENCH, "run", "no.dgm"), (VALIDATE, "no.dgm")])
-        self.expect(2, "DGM5001", "no.exr", "there is no such file",
-                    [(EXPORT, "no.exr", "-o", "x.ply"), (VALIDATE, "no.exr")])
+            (INFO, "no.dgm"), (INFO, "tri.dgm", "no.dgm", "--diff"), (BENCH, "run", "no.dgm"),
+            (VALIDATE, "no.dgm")])
+        self.expect(2, "DGM5001", "no.exr", "there is no such file", [(VALIDATE, "no.exr")])
+        self.expect(2, "DGM5001", "no.dgm", "there is no such file or folder", [(EXPORT, "no.dgm", "-o", "x.ply")])
         self.expect(2, "DGM5001", "no.obj", "there is no such file",
                     [(EXPORT, "tri.dgm", "-o", "x.png", "--source", "no.obj"), (VALIDATE, "tri.dgm", "--source", "no.obj"),
                      (BENCH, "bake", "no.obj")])
@@ -57,8 +57,9 @@ class Wording(support.Folder):
 
     def test_a_folder_instead_of_a_file(self):
         (self.folder / "folder.dgm").mkdir()
-        self.expect(2, "DGM5002", "folder.dgm", "not a regular file", [
-            (INFO, "folder.dgm"), (EXPORT, "folder.dgm", "-o", "x.ply"), (BENCH, "run", "folder.dgm")])
+        self.expect(2, "DGM5002", "folder.dgm", "not a regular file", [(BENCH, "run", "folder.dgm")])
+        self.expect(2, "DGM5001", "folder.dgm", "the folder holds no maps",
+                    [(INFO, "folder.dgm"), (EXPORT, "folder.dgm", "-o", "x.ply"), (VALIDATE, "folder.dgm")])
 
     def test_the_wrong_kind_of_file(self):
         for name in ("text.dgm", "mesh.dgm"):

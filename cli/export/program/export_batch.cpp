@@ -70,7 +70,7 @@ struct Search {
         std::error_code error;
         const fs::file_status status = fs::status(input, error);
         if (fs::is_directory(status))
-            return add_below(input, bake::files_below(input), input, "the folder holds no maps (.dgm, .exr)");
+            return add_below(input, bake::files_below(input), input, "the folder holds no maps");
         if (!fs::exists(status) && bake::is_pattern(input.native())) {
             const auto [folder, matches] = bake::files_matching(input);
             return add_below(folder, matches, input, "no map (.dgm, .exr) matches the pattern");
@@ -116,11 +116,12 @@ std::optional<fs::path> only_output(const ExportRequest& request, const Search& 
     if (folder && request.formats.empty())
         throw model::Error(codes::kUsage,
                            request.output.empty()
-                               ? "say what to write: -o FILE, or --format glb for every input"
+                               ? "say what to write: -o FILE, --maps DIR, or --format glb for every input"
                                : "-o is a folder: say what to write with --format, such as --format glb");
     if (folder || (!names_file && !request.formats.empty())) return std::nullopt;
     if (!request.formats.empty())
         throw model::Error(codes::kUsage, "-o names a file, and --format goes with a folder; leave one out");
+    if (search.found.empty()) return request.output;  // nothing to write: the inputs' faults are reported
     if (search.many || request.inputs.size() > 1)
         throw model::Error(codes::kUsage,
                            "one output file cannot hold several maps; name a folder with -o, and what to write with "

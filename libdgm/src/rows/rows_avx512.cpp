@@ -58,6 +58,13 @@ DGM_INLINE unsigned within(const Eight& v, unsigned lanes) {
     const __mmask8 above = _mm256_mask_cmp_ps_mask(static_cast<__mmask8>(lanes), v, Eight{} + 1e-24f, _CMP_GT_OQ);
     return _mm256_mask_cmp_ps_mask(above, v, Eight{} + 1e24f, _CMP_LT_OQ);
 }
+/// a * b; 0 in other lanes, whatever a and b are there.
+DGM_INLINE Sixteen product(const Sixteen& a, const Sixteen& b, unsigned lanes) {
+    return static_cast<Sixteen>(_mm512_maskz_mul_ps(static_cast<__mmask16>(lanes), a, b));
+}
+DGM_INLINE Eight product(const Eight& a, const Eight& b, unsigned lanes) {
+    return static_cast<Eight>(_mm256_maskz_mul_ps(static_cast<__mmask8>(lanes), a, b));
+}
 /// To 14 bits, the same in both widths; 0 in other lanes.
 DGM_INLINE Sixteen estimate(const Sixteen& v, unsigned lanes) {
     return static_cast<Sixteen>(_mm512_maskz_rsqrt14_ps(static_cast<__mmask16>(lanes), v));
@@ -102,9 +109,9 @@ DGM_INLINE bool strip(const NormalJob& job, std::uint32_t i0, std::uint32_t i1, 
         const unsigned in = within(square, lanes);
         const F y = estimate(square, in);
         const F inverse = 0.5f * y * multiply_add(-(square * y), y, F{} + 3.0f);
-        store(job.out.x + k, lanes, sum.x * inverse);
-        store(job.out.y + k, lanes, sum.y * inverse);
-        store(job.out.z + k, lanes, sum.z * inverse);
+        store(job.out.x + k, lanes, product(sum.x, inverse, in));
+        store(job.out.y + k, lanes, product(sum.y, inverse, in));
+        store(job.out.z + k, lanes, product(sum.z, inverse, in));
         good &= in;
         n2 = here;
         c2 = n3;

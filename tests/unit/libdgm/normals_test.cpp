@@ -140,6 +140,26 @@ TEST(Normals, TinyAndHugeSurfaces) {
                        static_cast<float>(size));
     }
 }
+// Squares of area vectors overflow a float here, in every variant of the loops.
+TEST(Normals, SamplesPulledFarBeyondTheirSurface) {
+    const ChartSpec chart = grid_chart(21, 19, sheet);
+    for (const bool plain : {true, false}) {
+        State state = make(chart, plain);
+        KernelOptions kernel;
+        kernel.reach = 1;
+        const DeformTable table = DeformTable::create(kernel).value();
+        const Vec3 pulls[] = {{1e15f, 0, 0}, {0, 1e15f, 0}, {0, 0, -1e15f}};
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            Touch touch;
+            touch.sample = 19 * (9 + k) + 9 + k % 2;
+            touch.displacement = pulls[k];
+            touch.d_max = 1e15f;
+            touch.mode = DeformMode::Plastic;
+            ASSERT_TRUE(deform(state, table, touch).ok());
+        }
+        expect_right(state);
+    }
+}
 TEST(Normals, SamplesWithoutArea) {
     State state = make_state(grid_chart(12, 12, [](double i, double) { return Point{float(i), 0, 0}; }));
     state.update_normals();

@@ -325,7 +325,9 @@ TEST_F(Export, WhatCannotBeDoneIsRefusedAndLeavesNothing) {
     const MapSet maps = two_tori();
     EXPECT_EQ(failure(maps, "x.gltf"), &model::codes::kUnsupported);
     EXPECT_EQ(failure(maps, "x.docx"), &model::codes::kUsage);
-    EXPECT_EQ(failure(maps, "no/such/folder/x.obj"), &model::codes::kWriteFailed);
+    std::ofstream(folder_ / "file") << "x";
+    EXPECT_EQ(failure(maps, "file/x.obj"), &model::codes::kWriteFailed);
+    std::filesystem::remove(folder_ / "file");
     ExportOptions lod;
     lod.lods = {2};
     EXPECT_EQ(failure(maps, "x.png", lod), &model::codes::kUsage);
