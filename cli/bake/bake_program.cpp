@@ -35,6 +35,7 @@
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "process/hdf5_apart.h"
+#include "process/sandbox.h"
 #include "report/page_job.h"
 #include "report/report_files.h"
 #include "scene/scene_outcome.h"
@@ -217,6 +218,8 @@ class Conversation {
             fmt::format("dgm-bake: {}: {}\n", printable(plan_.assets[k].source.string()), printable(notice.text)));
     }
     void tell_summary(const std::vector<AssetResult>& results) {
+        if (line_.verbose)
+            for (const std::string& lack : sandbox_lacks()) say(stderr, fmt::format("dgm-bake: sandbox: {}\n", lack));
         if (const std::string notes = notes_.line(results.size()); !notes.empty())
             say(stderr, fmt::format("dgm-bake: {}\n", notes));
         if (results.size() != 1) say(stdout, summary_line(results) + '\n');

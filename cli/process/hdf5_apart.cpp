@@ -90,8 +90,7 @@ Descriptor receive_request(int socket, Request& request) {
     close_range(kMessageDescriptor + 1, ~0U, 0);
     const std::filesystem::path path(std::string(request.path.data(), request.path_bytes));
     try {
-        const std::filesystem::path readable[] = {path};
-        static_cast<void>(enter_sandbox(readable, {.memory_bytes = std::uint64_t{2} << 30, .cpu_seconds = 60}));
+        static_cast<void>(enter_sandbox({.readable = {path}, .writable = {}}));
         Hdf5Part part;
         try {
             part = formats::read_hdf5_part(path, request.limits);

@@ -202,9 +202,9 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
         const std::string job = read_job_text();
         const std::size_t newline = std::min(job.find('\n'), job.size() - 1);
         // Materials may lie anywhere, so every file may be read; nothing may be written, started or sent elsewhere.
-        const std::filesystem::path readable[] = {"/"};
-        static_cast<void>(enter_sandbox(
-            readable, {.memory_bytes = std::strtoull(job.c_str(), nullptr, 10), .cpu_seconds = kMostCpuSeconds}));
+        static_cast<void>(
+            enter_sandbox({.readable = {"/"}, .writable = {}},
+                          {.memory_bytes = std::strtoull(job.c_str(), nullptr, 10), .cpu_seconds = kMostCpuSeconds}));
         const std::filesystem::path path = job.substr(newline + 1);
         answer = encode_import(read ? read(path) : formats::read_mesh(path));
     } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {

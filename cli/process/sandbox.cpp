@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <linux/landlock.h>
+#include <sched.h>
 #include <seccomp.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -21,8 +22,8 @@
 namespace dgm::bake {
 namespace {
 
-/// System calls that reading files, allocating and ending need.
-constexpr int kAllowed[] = {SCMP_SYS(brk),
+/// Calls that reading files, allocating and ending need.
+constexpr int kReading[] = {SCMP_SYS(brk),
                             SCMP_SYS(clock_gettime),
                             SCMP_SYS(clock_nanosleep),
                             SCMP_SYS(close),
@@ -74,6 +75,34 @@ constexpr int kAllowed[] = {SCMP_SYS(brk),
                             SCMP_SYS(write),
                             SCMP_SYS(writev)};
 
+/// Calls that writing files needs beside them. Which files, Landlock decides.
+constexpr int kWriting[] = {SCMP_SYS(access),    SCMP_SYS(chmod),     SCMP_SYS(copy_file_range), SCMP_SYS(creat),
+                            SCMP_SYS(dup),       SCMP_SYS(faccessat), SCMP_SYS(faccessat2),      SCMP_SYS(fallocate),
+                            SCMP_SYS(fchmod),    SCMP_SYS(fchmodat),  SCMP_SYS(fdatasync),       SCMP_SYS(fsync),
+                            SCMP_SYS(ftruncate), SCMP_SYS(mkdir),     SCMP_SYS(mkdirat),         SCMP_SYS(msync),
+                            SCMP_SYS(open),      SCMP_SYS(openat),    SCMP_SYS(pwrite64),        SCMP_SYS(pwritev),
+                            SCMP_SYS(rename),    SCMP_SYS(renameat),  SCMP_SYS(renameat2),       SCMP_SYS(rmdir),
+                            SCMP_SYS(sendfile),  SCMP_SYS(statfs),    SCMP_SYS(sync_file_range), SCMP_SYS(truncate),
+                            SCMP_SYS(umask),     SCMP_SYS(unlink),    SCMP_SYS(unlinkat)};
+
+/// Calls that threads need.
+constexpr int kThreading[] = {SCMP_SYS(get_mempolicy),
+                              SCMP_SYS(getcpu),
+                              SCMP_SYS(mbind),
+                              SCMP_SYS(membarrier),
+                              SCMP_SYS(nanosleep),
+                              SCMP_SYS(sched_getparam),
+                              SCMP_SYS(sched_getscheduler),
+                              SCMP_SYS(sched_setaffinity),
+                              SCMP_SYS(set_tid_address),
+                              SCMP_SYS(sysinfo)};
+
+/// Landlock's rights over what is in a folder that may be written in.
+constexpr std::uint64_t kReadRights = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+constexpr std::uint64_t kWriteRights = kReadRights | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG |
+                                       LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_REMOVE_FILE |
+                                       LANDLOCK_ACCESS_FS_REMOVE_DIR | LANDLOCK_ACCESS_FS_REFER;
+
 void limit(int resource, rlim_t most) {
     rlimit now{};
     if (getrlimit(static_cast<__rlimit_resource_t>(resource), &now) != 0) return;
@@ -82,62 +111,108 @@ void limit(int resource, rlim_t most) {
     setrlimit(static_cast<__rlimit_resource_t>(resource), &now);
 }
 
-/// Empty if the process may open the files given and no others; else why not.
-std::string restrict_files(std::span<const std::filesystem::path> readable) {
-    constexpr std::uint64_t kFile = LANDLOCK_ACCESS_FS_READ_FILE;
-    constexpr std::uint64_t kAll = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // what the first version knows
-    const landlock_ruleset_attr handled{.handled_access_fs = kAll};
+std::string failed(const char* what, int error) {
+    return std::string(what) + ": " + std::strerror(error);
+}
+
+/// Lets `path`, and all that is in a folder, be used with `rights`. False if Landlock takes no rule.
+bool add_rule(const Descriptor& rules, const std::filesystem::path& path, std::uint64_t rights) {
+    const Descriptor target(open(path.c_str(), O_PATH | O_CLOEXEC));
+    if (!target.is_open()) return true;  // what is not there cannot be used
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(path, ignored)) rights &= LANDLOCK_ACCESS_FS_READ_FILE;
+    const landlock_path_beneath_attr rule{.allowed_access = rights, .parent_fd = target.get()};
+    return syscall(SYS_landlock_add_rule, rules.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
+}
+
+/// Empty if the process may use the files given and no others; else why not.
+std::string restrict_files(const SandboxFiles& files) {
+    const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+    if (version < 0) return failed("Landlock is not there", errno);
+    // The first version cannot let a file be moved from one folder to another.
+    if (version < 2 && !files.writable.empty()) return "Landlock is of its first version, which forbids all moves";
+    constexpr std::uint64_t kFirst = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;
+    const landlock_ruleset_attr handled{.handled_access_fs = version < 2 ? kFirst : kFirst | LANDLOCK_ACCESS_FS_REFER};
     const Descriptor rules(static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0)));
-    if (!rules.is_open()) return std::string("Landlock is not there: ") + std::strerror(errno);
-    for (const std::filesystem::path& path : readable) {
-        const Descriptor target(open(path.c_str(), O_PATH | O_CLOEXEC));
-        if (!target.is_open()) continue;  // what is not there cannot be read
-        std::error_code ignored;
-        const bool is_folder = std::filesystem::is_directory(path, ignored);
-        const landlock_path_beneath_attr rule{.allowed_access = is_folder ? kFile | LANDLOCK_ACCESS_FS_READ_DIR : kFile,
-                                              .parent_fd = target.get()};
-        if (syscall(SYS_landlock_add_rule, rules.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0)
-            return std::string("Landlock takes no rule: ") + std::strerror(errno);
-    }
+    if (!rules.is_open()) return failed("Landlock makes no rules", errno);
+    for (const std::filesystem::path& path : files.readable)
+        if (!add_rule(rules, path, kReadRights)) return failed("Landlock takes no rule", errno);
+    for (const std::filesystem::path& path : files.writable)
+        if (!add_rule(rules, path, kWriteRights)) return failed("Landlock takes no rule", errno);
     if (syscall(SYS_landlock_restrict_self, rules.get(), 0) != 0)
-        return std::string("Landlock does not restrict this process: ") + std::strerror(errno);
+        return failed("Landlock does not restrict this process", errno);
     return {};
 }
 
-/// Empty if nothing but the list above is left; else why not.
-std::string restrict_calls() {
-    const std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter(seccomp_init(SCMP_ACT_ERRNO(EPERM)), seccomp_release);
-    if (!filter) return "libseccomp has no memory";
-    // Names that this processor's system does not have are left out by libseccomp itself.
-    for (const int call : kAllowed) seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0);
-    constexpr auto kWriting = static_cast<scmp_datum_t>(O_ACCMODE | O_CREAT | O_TRUNC | O_TMPFILE);
-    constexpr auto kFolder = static_cast<scmp_datum_t>(O_DIRECTORY);  // a part of O_TMPFILE
-    int added = seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
-                                 SCMP_A2(SCMP_CMP_MASKED_EQ, kWriting & ~kFolder, O_RDONLY));
-    seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, SCMP_SYS(open), 1,
-                     SCMP_A1(SCMP_CMP_MASKED_EQ, kWriting & ~kFolder, O_RDONLY));
+class CallFilter {
+ public:
+    CallFilter() : filter_(seccomp_init(SCMP_ACT_ERRNO(EPERM)), seccomp_release) {}
+    /// Names that this processor's system does not have are left out by libseccomp itself.
+    template <std::size_t N>
+    void allow(const int (&calls)[N]) {
+        for (const int call : calls) allow(call);
+    }
+    template <class... Conditions>
+    void allow(int call, const Conditions&... conditions) {
+        if (filter_) seccomp_rule_add(filter_.get(), SCMP_ACT_ALLOW, call, sizeof...(conditions), conditions...);
+    }
+    void refuse(int call, int error) {
+        if (filter_) seccomp_rule_add(filter_.get(), SCMP_ACT_ERRNO(static_cast<unsigned>(error)), call, 0);
+    }
+    /// 0, or the error.
+    [[nodiscard]] int load() const { return filter_ ? -seccomp_load(filter_.get()) : ENOMEM; }
+
+ private:
+    std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter_;
+};
+
+/// Empty if nothing but the lists above is left; else why not.
+std::string restrict_calls(bool writes, bool threads) {
+    CallFilter filter;
+    filter.allow(kReading);
+    if (writes) {
+        filter.allow(kWriting);
+    } else {
+        constexpr auto kChanging =
+            static_cast<scmp_datum_t>((O_ACCMODE | O_CREAT | O_TRUNC | O_TMPFILE) & ~O_DIRECTORY);
+        filter.allow(SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kChanging, O_RDONLY));
+        filter.allow(SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, kChanging, O_RDONLY));
+    }
+    if (threads) {
+        filter.allow(kThreading);
+        constexpr auto kThread = static_cast<scmp_datum_t>(CLONE_THREAD);
+        filter.allow(SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, kThread, kThread));
+        filter.refuse(SCMP_SYS(clone3), ENOSYS);  // its flags are out of sight: the C library takes clone() instead
+        filter.allow(SCMP_SYS(prctl), SCMP_A0(SCMP_CMP_EQ, PR_SET_NAME));
+    }
     // abort() and the like, which signal the process itself.
-    const auto self = static_cast<scmp_datum_t>(getpid());
-    seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1, SCMP_A0(SCMP_CMP_EQ, self));
-    seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), 2, SCMP_A0(SCMP_CMP_EQ, 0),
-                     SCMP_A2(SCMP_CMP_EQ, 0));  // reading one's own
-    if (added == 0) added = seccomp_load(filter.get());
-    return added == 0 ? std::string() : std::string("no list of system calls: ") + std::strerror(-added);
+    filter.allow(SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, static_cast<scmp_datum_t>(getpid())));
+    filter.allow(SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_EQ, 0), SCMP_A2(SCMP_CMP_EQ, 0));  // reading one's own
+    const int error = filter.load();
+    return error == 0 ? std::string() : failed("there is no list of system calls", error);
 }
 
 }  // namespace
 
-std::vector<std::string> enter_sandbox(std::span<const std::filesystem::path> readable, const SandboxLimits& limits) {
+std::vector<std::string> enter_sandbox(const SandboxFiles& files, const SandboxLimits& limits) {
     std::vector<std::string> missing;
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_CPU, limits.cpu_seconds);
+    if (limits.cpu_seconds > 0) limit(RLIMIT_CPU, limits.cpu_seconds);
     limit(RLIMIT_NOFILE, limits.descriptors);
-    limit_worker_memory(limits.memory_bytes, 1);
-    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
-        missing.push_back(std::string("no_new_privs is not there: ") + std::strerror(errno));
-    for (std::string reason : {restrict_files(readable), restrict_calls()})
-        if (!reason.empty()) missing.push_back(std::move(reason));
+    limit_worker_memory(limits.memory_bytes, limits.threads);
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) missing.push_back(failed("no_new_privs is not there", errno));
+    for (const std::string& reason :
+         {restrict_files(files), restrict_calls(!files.writable.empty(), limits.threads > 1)})
+        if (!reason.empty()) missing.push_back(reason);
     return missing;
+}
+
+std::vector<std::string> sandbox_lacks() {
+    std::vector<std::string> out;
+    const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+    if (version < 2) out.push_back("Landlock is not there, or of its first version: workers may write anywhere");
+    if (prctl(PR_GET_SECCOMP, 0, 0, 0, 0) < 0) out.push_back("seccomp is not there: workers may make any system call");
+    return out;
 }
 
 }  // namespace dgm::bake

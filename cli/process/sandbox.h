@@ -4,26 +4,33 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
 namespace dgm::bake {
 
 struct SandboxLimits {
-    std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< address space beside what the program has now
-    std::uint32_t cpu_seconds = 60;
-    std::uint32_t descriptors = 64;  ///< the largest number of one, too
+    std::uint64_t memory_bytes = std::uint64_t{2}
+                                 << 30;  ///< address space beside what the program has now; 0: no limit
+    std::uint32_t cpu_seconds = 60;      ///< 0: no limit
+    std::uint32_t descriptors = 1024;    ///< the largest number of one, too
+    std::uint32_t threads = 1;           ///< more than 1: it may start threads
 };
 
-/// From now on this process may read the files given (of them, folders whole), allocate, compute, and write to
-/// descriptors that it has. It opens nothing for writing, makes no files, sockets, processes or programs, signals none
-/// but itself, and gains no rights: no_new_privs, Landlock, a list of allowed system calls (libseccomp), limits of
-/// processor time, memory and descriptors. All that is refused fails with an error (EPERM, EACCES), the limit of
-/// processor time apart, which ends the process.
+struct SandboxFiles {
+    std::vector<std::filesystem::path> readable;  ///< files, and folders with all that is in them
+    std::vector<std::filesystem::path> writable;  ///< folders in which files may be made, changed and removed
+};
+
+/// From now on this process may use the files given, allocate, compute, and write to descriptors that it has. It opens
+/// no other files, makes no sockets, processes or programs, signals none but itself, and gains no rights: no_new_privs,
+/// Landlock, a list of allowed system calls (libseccomp), limits of processor time, memory and descriptors. A call that
+/// is refused fails with an error (EPERM, EACCES); the limit of processor time ends the process.
 /// @return what this system cannot take away, a line each; empty if all of it is gone. Never throws for that reason.
 /// The process must have one thread. There is no way back.
-[[nodiscard]] std::vector<std::string> enter_sandbox(std::span<const std::filesystem::path> readable,
-                                                     const SandboxLimits& limits = {});
+[[nodiscard]] std::vector<std::string> enter_sandbox(const SandboxFiles& files, const SandboxLimits& limits = {});
+
+/// What enter_sandbox() could not take away here, a line each; changes nothing.
+[[nodiscard]] std::vector<std::string> sandbox_lacks();
 
 }  // namespace dgm::bake

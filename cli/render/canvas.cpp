@@ -19,7 +19,7 @@ namespace {
 using formats::Image;
 using model::Rgba8;
 
-constexpr std::uint32_t kLine = 9;  ///< pixels a line is high at scale 1
+constexpr std::uint32_t kLine = 11;  ///< pixels a line is high at scale 1, of which one above its place
 
 Rgba8& pixel(Image& image, std::uint32_t x, std::uint32_t y) {
     return image.pixels[std::size_t{y} * image.width + x];
@@ -110,7 +110,7 @@ void draw_text(Image& image, std::int64_t x, std::int64_t y, std::string_view te
     const TextMask mask = text_mask(text, kLine * scale);
     for (std::uint32_t row = 0; row < mask.height; ++row)
         for (std::uint32_t col = 0; col < mask.width; ++col) {
-            const std::int64_t at_x = x + col, at_y = y + row;
+            const std::int64_t at_x = x + col, at_y = y + row - scale;
             if (at_x < 0 || at_y < 0 || at_x >= image.width || at_y >= image.height) continue;
             const unsigned covered = mask.coverage[std::size_t{row} * mask.width + col];
             if (covered == 0) continue;

@@ -25,7 +25,8 @@ void fill_disc(formats::Image& image, double x, double y, double radius, model::
 /// by averaging in linear light.
 [[nodiscard]] formats::Image fitted(const formats::Image& image, std::uint32_t width, std::uint32_t height);
 
-/// One line of ASCII text (typeface.h); other characters show as '?'. A line is 9 * `scale` pixels high.
+/// One line of ASCII text (typeface.h); other characters show as '?'. Letters
+/// are between y and y + 9 * `scale`, their accents and tails a little beyond.
 void draw_text(formats::Image& image, std::int64_t x, std::int64_t y, std::string_view text, std::uint32_t scale,
                model::Rgba8 colour = kInk);
 [[nodiscard]] std::uint32_t text_width(std::string_view text, std::uint32_t scale);

@@ -7,6 +7,7 @@
 
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "process/sandbox.h"
 #include "worker/worker_protocol.h"
 
 namespace dgm::report {
@@ -44,6 +45,9 @@ PageJob decode_page_job(std::string_view text) {
 
 void make_page(std::string_view text) {
     const PageJob job = decode_page_job(text);
+    const std::filesystem::path folder = job.output.has_parent_path() ? job.output.parent_path() : ".";
+    static_cast<void>(bake::enter_sandbox({.readable = {"/"}, .writable = {folder}},
+                                          {.memory_bytes = job.memory_bytes, .cpu_seconds = 0, .threads = 8}));
     const std::string page = asset_page(job.page);
     std::ofstream out(job.output, std::ios::binary | std::ios::trunc);
     out << page;

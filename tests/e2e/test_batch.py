@@ -188,6 +188,8 @@ class Batch(support.Folder):
         if not support.FAULTY_BAKE:
             self.skipTest("no faulty program")
         meshes.write_obj(self.folder / "killed-once.obj", meshes.sheet(4))
+        os.environ["DGM_KILLED_MARK"] = str(self.folder / "mark")
+        self.addCleanup(os.environ.pop, "DGM_KILLED_MARK")
         first = self.bake("killed-once.obj", *SIZE, "--report", "1.json", program=support.FAULTY_BAKE)
         self.assertEqual(first.returncode, 75, first.stderr)
         self.assertIn("DGM9006", first.stderr)

@@ -146,7 +146,7 @@ class Slurm(support.Folder):
     def test_an_array_gives_what_one_machine_gives(self):
         cluster = CLUSTER
         submitted = cluster.run("sbatch", "--parsable", "--array=1-4", f"--output={self.folder}/task-%a.out",
-                                f"--export=ALL,DGM_BAKE={support.FAULTY_BAKE}", SCRIPT, "in", "-o", "local", *SIZE,
+                                f"--export=ALL,DGM_BAKE={support.FAULTY_BAKE},DGM_KILLED_MARK={self.folder}/mark", SCRIPT, "in", "-o", "local", *SIZE,
                                 cwd=self.folder)
         self.assertEqual(submitted.returncode, 0, submitted.stderr)
         job = submitted.stdout.strip()

@@ -9,6 +9,7 @@
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,6 +18,7 @@
 #include <cstdlib>
 #include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "test_maps.h"
@@ -28,11 +30,13 @@ constexpr int kInside = 0, kOutside = 1, kLacking = 77;
 
 /// Exit code of a process that has entered a sandbox with one readable folder and tries a way out: kInside if the try
 /// failed with one of the errors of a refusal.
-int after(const std::filesystem::path& readable, const std::function<bool()>& gets_out) {
+int after(const std::filesystem::path& readable, const std::function<bool()>& gets_out,
+          const std::filesystem::path& writable = {}) {
     const pid_t child = fork();
     if (child == 0) {
-        const std::filesystem::path paths[] = {readable};
-        if (!enter_sandbox(paths).empty()) _exit(kLacking);
+        SandboxFiles files{.readable = {readable}, .writable = {}};
+        if (!writable.empty()) files.writable.push_back(writable);
+        if (!enter_sandbox(files, {.threads = writable.empty() ? 1u : 4u}).empty()) _exit(kLacking);
         errno = 0;
         const bool out = gets_out();
         _exit(out || (errno != EPERM && errno != EACCES) ? kOutside : kInside);
@@ -98,10 +102,45 @@ TEST(Sandbox, LeavesReadingAndMemory) {
     EXPECT_EQ(end, kOutside);  // here: it worked
 }
 
+TEST(Sandbox, WritesIntoItsFoldersAlone) {
+    const test::TempFolder mine, other;
+    const std::string inside = (mine / "new").string(), outside = (other / "new").string();
+    const auto makes = [](const std::string& path) {
+        const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+        return file >= 0 && write(file, "x", 1) == 1 && fsync(file) == 0;
+    };
+    const std::vector<std::pair<const char*, std::function<bool()>>> refused = {
+        {"a file elsewhere", [&] { return makes(outside); }},
+        {"a folder elsewhere", [&] { return mkdir(outside.c_str(), 0700) == 0; }},
+        {"a device", [&] { return mknod((mine / "pipe").c_str(), S_IFIFO | 0600, 0) == 0; }},
+        {"a process", [] { return fork() >= 0; }},
+        {"a program", [] { return execl("/bin/true", "true", nullptr) == 0; }},
+        {"a socket", [] { return socket(AF_INET, SOCK_STREAM, 0) >= 0; }},
+    };
+    for (const auto& [name, way] : refused) {
+        const int end = after("/", way, mine.path());
+        if (end == kLacking) GTEST_SKIP() << "this system lacks a part of the sandbox";
+        EXPECT_EQ(end, kInside) << name;
+    }
+    EXPECT_EQ(
+        after(
+            "/",
+            [&] {
+                const std::string folder = (mine / "folder").string(), moved = (mine / "moved").string();
+                bool works = makes(inside) && mkdir(folder.c_str(), 0700) == 0;
+                works = works && rename(inside.c_str(), (folder + "/new").c_str()) == 0;  // from one folder to another
+                works = works && rename((folder + "/new").c_str(), moved.c_str()) == 0 && rmdir(folder.c_str()) == 0;
+                std::thread([&] { works = works && unlink(moved.c_str()) == 0; }).join();
+                return works;
+            },
+            mine.path()),
+        kOutside);  // here: all of it worked
+}
+
 TEST(Sandbox, TimeEnds) {
     const pid_t child = fork();
     if (child == 0) {
-        static_cast<void>(enter_sandbox({}, {.cpu_seconds = 1}));
+        static_cast<void>(enter_sandbox({}, {.memory_bytes = 0, .cpu_seconds = 1}));
         for (;;) static_cast<void>(getpid());
     }
     int status = 0;
