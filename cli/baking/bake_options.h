@@ -39,7 +39,7 @@ inline constexpr std::uint64_t kLargestSearched = std::uint64_t{2049} * 2049;
 
 /// A line about a mesh, before the long part of its bake begins.
 struct Notice {
-    /// What the same notes about other meshes are counted as: "open border (fine for cloth, odd for an organ)". Empty
+    /// The name of the same notes about other meshes: "open border (fine for cloth, odd for an organ)". Empty
     /// for warnings, which are told of each mesh.
     std::string kind;
     std::string text;  ///< "note: open border (2 loops): fine for cloth, odd for an organ"

@@ -34,7 +34,10 @@ std::string counted_repair(std::uint64_t count, const std::string& kind) {
     std::size_t first = std::string::npos;
     std::array<std::string_view, 2> noun;
     for (const auto& row : kNouns)
-        if (const std::size_t at = kind.find(row[0]); count == 1 && at < first) first = at, noun = row;
+        if (const std::size_t at = kind.find(row[0]); count == 1 && at < first) {
+            first = at;
+            noun = row;
+        }
     if (first != std::string::npos) out.replace(first, noun[0].size(), noun[1]);
     return fmt::format("{} {}", count, out);
 }

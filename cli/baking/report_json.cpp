@@ -205,7 +205,7 @@ struct Writer {
     void if_any(const char* key, const std::vector<T>& list) {
         if (!list.empty()) (*this)(key, list);
     }
-    /// What differs from run to run.
+    /// Values that differ from run to run.
     template <class T>
     void of_run(const char* key, const T& v) {
         if (with_times) object[key] = value(v);

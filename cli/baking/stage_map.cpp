@@ -21,7 +21,7 @@ namespace {
 using model::Error;
 namespace codes = model::codes;
 
-/// Of all charts together: one of the largest, with 3 GB of layers.
+/// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;
 
 /// The grids of all components, each as if it were as large as the largest; see component_size.

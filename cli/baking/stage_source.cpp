@@ -66,7 +66,7 @@ void check_scale(double diagonal) {
                 fmt::format("the diagonal of the bounding box is {:.3g}; supported: 1e-15 to 1e15", diagonal));
 }
 
-/// What the import found. Files outside the mesh's folder are not named, since the name would tell of this machine:
+/// The findings of the import. Files outside the mesh's folder are not named, since a name would tell of the machine:
 /// then the hash stays empty, and the mesh is baked each time.
 void name_inputs(const std::filesystem::path& source, const formats::ImportedMesh& read, SourceFacts& facts) {
     for (const std::filesystem::path& file : read.dependencies) {

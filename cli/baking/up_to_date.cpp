@@ -42,7 +42,7 @@ bool is_map(const fs::path& output) {
     return output.extension() == ".dgm" || output.extension() == ".exr";
 }
 
-/// What a map says about where it came from; of an EXR without layers.
+/// The origin that a map names; of an EXR without layers.
 std::optional<model::MapSet> origin_of(const fs::path& map, const BakeOptions& options) {
     if (map.extension() != ".exr") return formats::read_dgm(map);
     formats::ExrHead head = formats::read_exr_head(map);

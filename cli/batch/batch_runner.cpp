@@ -62,7 +62,7 @@ void remove_temporaries(const Running& r) {
     remove_folders(r.folders);
 }
 
-/// What a worker has written, meshes first and the map last: whoever sees the map may count on what goes with it.
+/// The files of a worker, meshes first and the map last: whoever sees the map may count on what goes with it.
 std::vector<ExportedFile> written_files(const PlannedAsset& asset, const Running& r, const BakeReport& report) {
     std::vector<ExportedFile> out;
     const std::vector<fs::path> inputs =
@@ -198,7 +198,8 @@ class Batch {
             const std::uint64_t expected = expected_peak(k);
             Running& r = running_.emplace_back(encode(job));
             r.asset = k;
-            r.dgm = job.dgm, r.exr = job.exr;
+            r.dgm = job.dgm;
+            r.exr = job.exr;
             r.folders = std::move(folders);
             r.expected = expected;
         } catch (const model::Error& error) {

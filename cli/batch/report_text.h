@@ -32,7 +32,7 @@ namespace dgm::bake {
 /// "left over: out/y.dgm: its mesh y.3ds is gone", "removed: ...", and how to remove those that stay.
 [[nodiscard]] std::vector<std::string> left_over_lines(const std::vector<LeftOver>& files);
 
-/// What was asked, what was reached on which grid, and what the next grid would have given, in one line.
+/// The request, the result on which grid, and what the next grid would have given, in one line.
 [[nodiscard]] std::string search_story(const GridSearch& search, double diagonal);
 
 /// dB, repairs, warnings, charts and the candidates of `auto`, one fact a line, indented; for -v.

@@ -36,7 +36,7 @@ struct ExportOptions {
 /// Reads a .dgm or an .exr, by content. @throws model::Error as formats::read_dgm and read_exr
 [[nodiscard]] model::MapSet read_maps(const std::filesystem::path& path);
 
-/// What outputs can be, as their extensions: ".obj", ".ply", ...
+/// The kinds of output, as their extensions: ".obj", ".ply", ...
 [[nodiscard]] const std::vector<std::string>& known_extensions();
 
 /// The extension of `file` in lower case, with its dot.

@@ -42,8 +42,10 @@ void set_bounds(GlbBuffer::Json& accessor, const std::vector<std::array<Number, 
     std::array<double, 3> low{}, high{};
     for (std::size_t c = 0; c < 3; ++c) {
         low[c] = high[c] = values[0][c];
-        for (const std::array<Number, 3>& p : values)
-            low[c] = std::min<double>(low[c], p[c]), high[c] = std::max<double>(high[c], p[c]);
+        for (const std::array<Number, 3>& p : values) {
+            low[c] = std::min<double>(low[c], p[c]);
+            high[c] = std::max<double>(high[c], p[c]);
+        }
     }
     accessor["min"] = low, accessor["max"] = high;
 }

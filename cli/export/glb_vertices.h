@@ -20,7 +20,7 @@ struct GlbFrame {
 
 class GlbVertices {
  public:
-    /// Of `mesh` those that `used` names. All must outlive this.
+    /// The vertices of `mesh` that `used` names. All must outlive this.
     GlbVertices(GlbBuffer& buffer, const ChartMesh& mesh, std::span<const std::uint32_t> used, bool quantize)
         : buffer_(buffer), mesh_(mesh), used_(used), quantize_(quantize) {}
 

@@ -62,7 +62,10 @@ void complete_tangents(std::vector<Vec3d>& tangents, ChartMesh mesh, std::size_t
     std::vector<char> done(tangents.size(), 0);
     for (std::size_t l = 0; l < levels.size(); ++l) {
         std::vector<Vec3d> own;
-        if (l > 0) mesh.faces = levels[l].faces[k], own = vertex_tangents(mesh);
+        if (l > 0) {
+            mesh.faces = levels[l].faces[k];
+            own = vertex_tangents(mesh);
+        }
         for (const std::uint32_t v : named_vertices(mesh.faces, tangents.size())) {
             if (done[v] == 0 && l > 0) tangents[v] = own[v];
             done[v] = 1;
@@ -225,10 +228,13 @@ class Document {
         const formats::Image& colour = pictures.colour;
         const std::optional<formats::Image>& normal_map = pictures.normal_map;
         std::uint32_t across = chart.cols, down = chart.rows;
-        if (!colour.pixels.empty())
-            across = colour.width, down = colour.height;
-        else if (normal_map)
-            across = normal_map->width, down = normal_map->height;
+        if (!colour.pixels.empty()) {
+            across = colour.width;
+            down = colour.height;
+        } else if (normal_map) {
+            across = normal_map->width;
+            down = normal_map->height;
+        }
         attributes["TEXCOORD_0"] = vertices.add_uvs(across, down);
         if (!colour.pixels.empty()) pbr["baseColorTexture"] = {{"index", add_texture(colour, name + " colour")}};
         if (!normal_map) return;

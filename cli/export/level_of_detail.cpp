@@ -24,7 +24,7 @@ T taken(Result<T> result) {
     return std::move(result).value();
 }
 
-/// What triangles are made of, and nothing else.
+/// The layers that make triangles, and no other.
 model::MapSet shape_of(const model::MapSet& maps) {
     model::MapSet out;
     out.generator = maps.generator;

@@ -81,7 +81,7 @@ Plane normals_of(const Layer& layer) {
     return out;
 }
 
-/// What a map is, for its row of the JSON.
+/// Description of a map, for its row of the JSON.
 struct MapText {
     const char *name, *unit, *meaning;
 };
@@ -92,7 +92,8 @@ class ChartMaps {
     ChartMaps(const Chart& chart, std::string prefix, bool power_of_two, StagingFolder& staging)
         : chart_(chart), prefix_(std::move(prefix)), staging_(staging) {
         const auto side = [&](std::uint32_t samples) { return power_of_two ? std::bit_ceil(samples) : samples; };
-        width_ = side(chart.cols), height_ = side(chart.rows);
+        width_ = side(chart.cols);
+        height_ = side(chart.rows);
         if (const Layer* mask = chart.find(layers::kMask)) {
             on_surface_ = plane_of(*mask, 0, 1, 1);
             if (on_surface_.width != chart.cols || on_surface_.height != chart.rows) refuse_size(layers::kMask);

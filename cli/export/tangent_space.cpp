@@ -46,8 +46,10 @@ void for_texels(const std::array<Vec2d, 3>& uv, std::uint32_t rows, std::uint32_
             if (std::abs(here - x) > kSlack) continue;  // the row misses this edge
             for (const double y : a.x == b.x ? std::array{a.y, b.y}
                                              : std::array{a.y + (b.y - a.y) * ((here - a.x) / (b.x - a.x)),
-                                                          a.y + (b.y - a.y) * ((here - a.x) / (b.x - a.x))})
-                from = std::min(from, y), to = std::max(to, y);
+                                                          a.y + (b.y - a.y) * ((here - a.x) / (b.x - a.x))}) {
+                from = std::min(from, y);
+                to = std::max(to, y);
+            }
         }
         const double last_y = std::min(std::floor(to + kSlack), cols - 1.0);
         for (double y = std::max(std::ceil(from - kSlack), 0.0); y <= last_y; ++y) {

@@ -108,7 +108,8 @@ bool is_exr(const std::filesystem::path& path) {
 void add_decoded_layers(const model::Chart& chart, ChartInfo& out) {
     for (const model::Layer& layer : chart.layers) {
         LayerInfo& info = out.layers.emplace_back();
-        info.name = layer.name, info.type = layer.type;
+        info.name = layer.name;
+        info.type = layer.type;
         info.shape.assign(layer.shape.begin(), layer.shape.end());
         info.bytes = layer.bytes.size();
         info.hash = formats::hash_bytes(layer.bytes);
@@ -130,8 +131,11 @@ FileInfo read_file_info(const std::filesystem::path& path) {
     out.bytes = std::filesystem::file_size(path);
     out.is_exr = is_exr(path);
     out.format_version = maps.format_version;
-    out.generator = maps.generator, out.source_name = maps.source_name, out.report_json = maps.report_json;
-    out.source_hash = maps.source_hash, out.settings_hash = maps.settings_hash;
+    out.generator = maps.generator;
+    out.source_name = maps.source_name;
+    out.report_json = maps.report_json;
+    out.source_hash = maps.source_hash;
+    out.settings_hash = maps.settings_hash;
     std::size_t layers = 0;
     for (const model::Chart& chart : maps.charts) {
         layers += chart.layers.size();
@@ -148,7 +152,8 @@ FileInfo read_file_info(const std::filesystem::path& path) {
         layer.name.assign(record.name, strnlen(record.name, sizeof record.name));
         layer.type = static_cast<model::ElementType>(record.type);
         layer.shape.assign(record.shape, record.shape + record.rank);
-        layer.offset = record.offset, layer.bytes = record.bytes;
+        layer.offset = record.offset;
+        layer.bytes = record.bytes;
         std::copy(std::begin(record.hash), std::end(record.hash), layer.hash.begin());
         layer.required = (record.flags & layout::kLayerRequired) != 0;
         out.charts[record.chart].layers.push_back(std::move(layer));

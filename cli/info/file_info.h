@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/info/file_info.h
-// What a .dgm or an EXR of ours says about itself, as text for people and as JSON for programs.
+// Facts that a .dgm or an EXR of ours states, as text for people and as JSON for programs.
 #pragma once
 #include <array>
 #include <cstdint>

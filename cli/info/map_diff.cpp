@@ -42,12 +42,14 @@ std::optional<LayerDifference> compare(const model::Layer& first, const model::L
     out.layer = first.name;
     if (first.type != second.type) {
         out.kind = Kind::kType;
-        out.first = model::type_name(first.type), out.second = model::type_name(second.type);
+        out.first = model::type_name(first.type);
+        out.second = model::type_name(second.type);
         return out;
     }
     if (first.shape != second.shape) {
         out.kind = Kind::kShape;
-        out.first = model::shape_text(first.shape), out.second = model::shape_text(second.shape);
+        out.first = model::shape_text(first.shape);
+        out.second = model::shape_text(second.shape);
         return out;
     }
     const std::size_t size = layout::element_size(first.type);

@@ -33,7 +33,7 @@ class Hdf5Apart {
     pid_t pid_ = -1;
 };
 
-/// What the disposable process sends, as bytes.
+/// The message of the disposable process, as bytes.
 [[nodiscard]] std::string encode_hdf5_part(const formats::Hdf5Part& part);
 /// nullopt for bytes that are none.
 [[nodiscard]] std::optional<formats::Hdf5Part> decode_hdf5_part(std::string_view bytes);

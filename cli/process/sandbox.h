@@ -30,7 +30,7 @@ struct SandboxFiles {
 /// The process must have one thread. There is no way back.
 [[nodiscard]] std::vector<std::string> enter_sandbox(const SandboxFiles& files, const SandboxLimits& limits = {});
 
-/// What enter_sandbox() could not take away here, a line each; changes nothing.
+/// The protection that enter_sandbox() cannot give here, a line each; changes nothing.
 [[nodiscard]] std::vector<std::string> sandbox_lacks();
 
 }  // namespace dgm::bake

@@ -115,7 +115,8 @@ DrawMesh draw_mesh(const TriMesh& mesh, std::size_t most) {
         std::map<Lattice::Cell, std::pair<Vec3d, double>> places;
         for (const Corner& c : corners) {
             auto& [sum, count] = places[lattice(c.position)];
-            sum += c.position, count += 1;
+            sum += c.position;
+            count += 1;
         }
         std::vector<Corner> moved = corners;
         for (Corner& c : moved) {

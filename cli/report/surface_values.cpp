@@ -91,7 +91,8 @@ SurfaceValues surface_values(const model::Chart& chart, const bake::Reconstructi
         };
         const Stretch s = stretch_of(mesh.corners(f), grid(1) - grid(0), grid(2) - grid(0));
         if (!(s.ratio > 0) || !std::isfinite(s.ratio) || !std::isfinite(s.dilatation)) continue;
-        all_surface += s.surface, all_map += s.surface / s.ratio;
+        all_surface += s.surface;
+        all_map += s.surface / s.ratio;
         for (const std::uint32_t v : mesh.faces[f]) {
             weight[v] += s.surface;
             area[v] += s.surface * std::log2(s.ratio);
@@ -100,7 +101,10 @@ SurfaceValues surface_values(const model::Chart& chart, const bake::Reconstructi
     }
     const double mean = all_map > 0 ? std::log2(all_surface / all_map) : 0;
     for (std::size_t v = 0; v < weight.size(); ++v)
-        if (weight[v] > 0) out.area[v] = area[v] / weight[v] - mean, out.angle[v] = angle[v] / weight[v];
+        if (weight[v] > 0) {
+            out.area[v] = area[v] / weight[v] - mean;
+            out.angle[v] = angle[v] / weight[v];
+        }
     return out;
 }
 

@@ -62,8 +62,10 @@ class Thinner {
             if (high < std::size_t{m_} * n_) {
                 std::uint32_t i0 = m_, i1 = 0, j0 = n_, j1 = 0;
                 for (const std::uint32_t v : f) {
-                    i0 = std::min(i0, v / n_), i1 = std::max(i1, v / n_);
-                    j0 = std::min(j0, v % n_), j1 = std::max(j1, v % n_);
+                    i0 = std::min(i0, v / n_);
+                    i1 = std::max(i1, v / n_);
+                    j0 = std::min(j0, v % n_);
+                    j1 = std::max(j1, v % n_);
                 }
                 if (i1 == i0 + 1 && j1 == j0 + 1) quad = i0 * (n_ - 1) + j0;
             }

@@ -9,7 +9,7 @@
 namespace dgm::tool {
 namespace {
 
-/// What an option takes, without the rules that CLI11 adds behind a colon ("N:INT in [1 - 8]").
+/// The value of an option, without the rules that CLI11 adds behind a colon ("N:INT in [1 - 8]").
 std::string value_of(const CLI::Option& option) {
     if (option.get_items_expected_max() == 0) return {};
     const std::string type = option.get_type_name();

@@ -33,11 +33,11 @@ struct DgmReadLimits {
     std::uint32_t max_layers = 1u << 22;
 };
 
-/// What HDF5 alone knows of a file: texts and attributes, and where its structures differ from the index.
+/// The part of a file that HDF5 alone knows: texts and attributes, and where its structures differ from the index.
 struct Hdf5Part {
     FileFindings findings;
     std::string generator, source_name, report_json;
-    /// Of each layer but offset and scale, chart after chart, in the index's order. Empty if there are findings.
+    /// Those of each layer but offset and scale, chart after chart, in the index's order. Empty if there are findings.
     std::vector<std::map<std::string, model::AttributeValue>> attributes;
 };
 

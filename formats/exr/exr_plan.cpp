@@ -78,7 +78,8 @@ class Planner {
             PlannedFile& file = plan_.files.emplace_back();
             file.name = prefixed(number.chart, layer.name);
             PlannedPart& part = file.parts.emplace_back();
-            part.width = image.width, part.height = image.height;
+            part.width = image.width;
+            part.height = image.height;
             part.layers.push_back({number, std::move(image)});
         }
     }
@@ -94,7 +95,8 @@ class Planner {
         if (starts) {
             PlannedPart& part = parts.emplace_back();
             part.name = prefixed(number.chart, multipart ? charts_[number.chart].layers[number.layer].name : "");
-            part.width = image.width, part.height = image.height;
+            part.width = image.width;
+            part.height = image.height;
         }
         parts.back().layers.push_back({number, std::move(image)});
     }

@@ -72,7 +72,7 @@ class Error : public std::exception {
     [[nodiscard]] const Code& code() const noexcept { return *code_; }
     [[nodiscard]] const std::string& place() const noexcept { return place_; }
     [[nodiscard]] const std::string& stage() const noexcept { return stage_; }
-    /// What to do about it: the code's hint, or the one of this very failure.
+    /// The next step for the user: the code's hint, or the one of this very failure.
     [[nodiscard]] const char* hint() const noexcept { return hint_.empty() ? code_->hint : hint_.c_str(); }
     /// For a cause that the code's hint does not fit; an empty one stands for the code's.
     Error& with_hint(std::string hint) {

@@ -42,7 +42,7 @@ namespace dgm::model {
     return {codes::kWriteFailed, "the file cannot be written" + (reason.empty() ? "" : ": " + reason), path.string()};
 }
 
-/// Of a folder that is needed for an output. @param code  kWriteFailed, or a reason that may pass
+/// For a folder that is needed for an output. @param code  kWriteFailed, or a reason that may pass
 [[nodiscard]] inline Error unwritable_folder(const std::filesystem::path& path, const std::string& reason,
                                              const Code& code = codes::kWriteFailed) {
     return {code, "the folder cannot be made: " + reason, path.string()};

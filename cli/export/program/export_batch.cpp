@@ -143,7 +143,10 @@ ExportOptions options_of_kind(ExportOptions options, const std::string& extensio
     const bool glb = extension == ".glb", mesh = glb || extension == ".obj" || extension == ".ply";
     if (!glb) options.quantize = options.compress = false;
     if (!glb && options.lods.size() > 1) options.lods = none.lods;
-    if (!mesh) options.lods = none.lods, options.power_of_two = false;
+    if (!mesh) {
+        options.lods = none.lods;
+        options.power_of_two = false;
+    }
     if (extension != ".exr") options.multipart = false;
     if (extension == ".png") return options;
     options.layer.clear(), options.source.clear();
@@ -153,7 +156,7 @@ ExportOptions options_of_kind(ExportOptions options, const std::string& extensio
     return options;
 }
 
-/// What the exception at hand says. Call it in a catch block alone.
+/// The error of the exception at hand. Call it in a catch block alone.
 model::Error caught() {
     try {
         throw;

@@ -20,7 +20,7 @@
 namespace {
 using dgm::exporter::ExportOptions;
 
-/// What CLI11 fills in: plain text, checked afterwards.
+/// CLI11 fills it in: plain text, checked afterwards.
 struct CommandLine {
     std::vector<std::string> inputs;
     std::string output, maps, formats, size, view, up = "y", exr_layout = "auto", source, lod = "1", lod_mode;

@@ -8,35 +8,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/double3.h"
 #include "rows/contact_rows.h"
 #include "touch/state_impl.h"
 
 namespace dgm::detail {
-
-struct Double3 {
-    double x = 0, y = 0, z = 0;
-};
-[[nodiscard]] constexpr Double3 operator+(Double3 a, Double3 b) noexcept {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-[[nodiscard]] constexpr Double3 operator-(Double3 a, Double3 b) noexcept {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-[[nodiscard]] constexpr Double3 operator*(double s, Double3 a) noexcept {
-    return {s * a.x, s * a.y, s * a.z};
-}
-[[nodiscard]] constexpr double dot(Double3 a, Double3 b) noexcept {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-[[nodiscard]] constexpr Double3 cross(Double3 a, Double3 b) noexcept {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-[[nodiscard]] constexpr Double3 widen(Vec3 a) noexcept {
-    return {a.x, a.y, a.z};
-}
-[[nodiscard]] constexpr Vec3 narrow(Double3 a) noexcept {
-    return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
-}
 
 inline constexpr std::uint64_t kNoTriangle = ~std::uint64_t{0};
 

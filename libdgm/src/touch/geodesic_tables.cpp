@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/double3.h"
 #include "touch/geodesic.h"
 #include "touch/state_impl.h"
 
@@ -26,22 +27,15 @@ constexpr Triangle kTriangles[2][2] = {
     {{{1, 3, 0}, {{0, 0, 1, 3}, {3, 0, 3, 1}, {4, 1, 3, 0}}}, {{1, 3, 2}, {{1, 1, 2, 3}, {2, 3, 2, 1}, {5, 1, 3, 2}}}}};
 constexpr Triangle kStrip = {{0, 1, 2}, {{0, 0, 1, 2}, {1, 1, 2, 0}, {2, 2, 0, 1}}};
 
-struct Vec3d {
-    double x, y, z;
-};
-Vec3d from_to(const StateImpl& s, std::uint32_t a, std::uint32_t b) noexcept {
+Double3 from_to(const StateImpl& s, std::uint32_t a, std::uint32_t b) noexcept {
     return {double{s.rest.x[b]} - s.rest.x[a], double{s.rest.y[b]} - s.rest.y[a], double{s.rest.z[b]} - s.rest.z[a]};
 }
-double dot(const Vec3d& a, const Vec3d& b) noexcept {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 FlatTriangle flat_triangle(const StateImpl& s, std::uint32_t tail, std::uint32_t head, std::uint32_t apex) noexcept {
     const std::uint32_t a = s.representative(tail), b = s.representative(head), c = s.representative(apex);
     if (a == b || b == c || c == a) return {};
     constexpr double kThinnest = 1e-6;
-    const Vec3d e = from_to(s, tail, head), f = from_to(s, tail, apex);
-    const Vec3d n{e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
+    const Double3 e = from_to(s, tail, head), f = from_to(s, tail, apex);
+    const Double3 n = cross(e, f);
     const double e2 = dot(e, e), f2 = dot(f, f);
     if (!(e2 > kThinnest * kThinnest * f2)) return {0, f2 > 0 ? static_cast<float>(1 / kThinnest) : 1};
     return {static_cast<float>(dot(e, f) / e2), static_cast<float>(std::sqrt(dot(n, n)) / e2)};
@@ -198,7 +192,7 @@ void mark_short_edges(StateImpl& s) noexcept {
     const double most = kShort * double{s.mean_step};
     each_triangle(s, [&](const Triangle& t, std::uint32_t, std::uint32_t, const std::uint32_t* at) {
         for (const Side& side : t.side) {
-            const Vec3d e = from_to(s, at[side.tail], at[side.head]);
+            const Double3 e = from_to(s, at[side.tail], at[side.head]);
             if (!(dot(e, e) < most * most)) continue;
             for (const int end : {side.tail, side.head}) s.geodesic.corners[s.representative(at[end])] |= kCornerShort;
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/validate/surface_checks_test.cpp
-// Of a square grid the validator measures the topology along the border alone: the same as of the whole.
+// The validator measures the topology of a square grid along the border alone: the same as that of the whole.
 #include "validate/surface_checks.h"
 
 #include <gtest/gtest.h>
