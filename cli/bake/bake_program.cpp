@@ -336,6 +336,7 @@ int run_command_line(int argc, const char* const* argv) {
         say(stdout, *answer);
         return static_cast<int>(model::ExitCode::kOk);
     }
+    const Hdf5Apart hdf5;
     return run(std::get<CommandLine>(line));
 }
 
@@ -345,7 +346,6 @@ int bake_program(int argc, char** argv, const BakeFunction& bake) noexcept {
     model::Error failure(codes::kInternal, "unknown exception");
     try {
         if (is_worker(argc, argv)) return run_worker(bake, report::make_page);
-        const Hdf5Apart hdf5;
         // A reader of our stdout that leaves (`| head`) must not leave temporaries behind.
         signal(SIGPIPE, SIG_IGN);
         const int exit_code = run_command_line(argc, argv);

@@ -31,6 +31,7 @@ using formats::Hdf5Part;
 constexpr char kPart = 'H', kEnd = '.';
 /// A report of 256 MiB, attributes of 64 KiB for thousands of layers, and more.
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+constexpr std::uint64_t kMostMemory = std::uint64_t{2} << 30;
 constexpr unsigned kMostSeconds = 120;
 constexpr std::size_t kMostPath = 8192;
 
@@ -40,41 +41,47 @@ struct Request {
     std::array<char, kMostPath> path{};
 };
 
-/// Sends a request and a descriptor.
-bool send_request(int socket, const Request& request, int descriptor) {
-    iovec part{const_cast<Request*>(&request), sizeof request};
+/// A request and a descriptor as one message. It points into itself and at `request`.
+struct Envelope {
+    explicit Envelope(Request& request) : part{&request, sizeof request} {
+        message.msg_iov = &part;
+        message.msg_iovlen = 1;
+        message.msg_control = control.data();
+        message.msg_controllen = control.size();
+    }
+    Envelope(const Envelope&) = delete;
+    Envelope& operator=(const Envelope&) = delete;
+
+    iovec part;
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
     msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
-    cmsghdr* header = CMSG_FIRSTHDR(&message);
+};
+
+/// sendmsg() or recvmsg(), again where a signal comes between. True if a whole request went.
+template <class Move>
+bool moved_whole(const Move& move) {
+    ssize_t bytes = 0;
+    do bytes = move();
+    while (bytes < 0 && errno == EINTR);
+    return bytes == static_cast<ssize_t>(sizeof(Request));
+}
+
+bool send_request(int socket, Request& request, int descriptor) {
+    Envelope out(request);
+    cmsghdr* header = CMSG_FIRSTHDR(&out.message);
     header->cmsg_level = SOL_SOCKET;
     header->cmsg_type = SCM_RIGHTS;
     header->cmsg_len = CMSG_LEN(sizeof descriptor);
     std::memcpy(CMSG_DATA(header), &descriptor, sizeof descriptor);
-    ssize_t sent = 0;
-    do sent = sendmsg(socket, &message, MSG_NOSIGNAL);
-    while (sent < 0 && errno == EINTR);
-    return sent == static_cast<ssize_t>(sizeof request);
+    return moved_whole([&] { return sendmsg(socket, &out.message, MSG_NOSIGNAL); });
 }
 
 /// The next request, and the descriptor that came with it; none once the program has ended.
 Descriptor receive_request(int socket, Request& request) {
-    iovec part{&request, sizeof request};
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-    msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
-    ssize_t received = 0;
-    do received = recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
-    while (received < 0 && errno == EINTR);
-    const cmsghdr* header = CMSG_FIRSTHDR(&message);
-    if (received != static_cast<ssize_t>(sizeof request) || header == nullptr || header->cmsg_type != SCM_RIGHTS)
-        return {};
+    Envelope in(request);
+    if (!moved_whole([&] { return recvmsg(socket, &in.message, MSG_CMSG_CLOEXEC); })) return {};
+    const cmsghdr* header = CMSG_FIRSTHDR(&in.message);
+    if (header == nullptr || header->cmsg_type != SCM_RIGHTS) return {};
     int descriptor = -1;
     std::memcpy(&descriptor, CMSG_DATA(header), sizeof descriptor);
     return Descriptor(descriptor);
@@ -90,6 +97,7 @@ Descriptor receive_request(int socket, Request& request) {
     close_range(kMessageDescriptor + 1, ~0U, 0);
     const std::filesystem::path path(std::string(request.path.data(), request.path_bytes));
     try {
+        limit_worker_memory(kMostMemory, 1);
         static_cast<void>(enter_sandbox({.readable = {path}, .writable = {}}));
         Hdf5Part part;
         try {
@@ -162,13 +170,6 @@ model::AttributeValue get_value(ByteReader& in) {
     std::vector<std::uint32_t> words;
     in.get_all(words);
     return words;
-}
-
-/// nullptr for a number that no code has.
-const model::Code* code_of(std::int32_t number) {
-    for (const model::Code* code : codes::kAll)
-        if (code->number == number) return code;
-    return nullptr;
 }
 
 }  // namespace

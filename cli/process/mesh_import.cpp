@@ -52,10 +52,9 @@ bool fits_together(const model::TriMesh& mesh) {
 [[noreturn]] void throw_sent(ByteReader& in) {
     const auto number = in.get<std::int32_t>();
     std::string message = in.text(), place = in.text(), hint = in.text();
-    const model::Code* code = &codes::kInternal;
-    for (const model::Code* known : codes::kAll)
-        if (known->number == number) code = known;
-    throw model::Error(*code, std::move(message), std::move(place)).with_hint(std::move(hint));
+    const model::Code* code = code_of(number);
+    throw model::Error(code != nullptr ? *code : codes::kInternal, std::move(message), std::move(place))
+        .with_hint(std::move(hint));
 }
 
 /// All that the worker sends until its end.
@@ -202,9 +201,8 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
         const std::string job = read_job_text();
         const std::size_t newline = std::min(job.find('\n'), job.size() - 1);
         // Materials may lie anywhere, so every file may be read; nothing may be written, started or sent elsewhere.
-        static_cast<void>(
-            enter_sandbox({.readable = {"/"}, .writable = {}},
-                          {.memory_bytes = std::strtoull(job.c_str(), nullptr, 10), .cpu_seconds = kMostCpuSeconds}));
+        limit_worker_memory(std::strtoull(job.c_str(), nullptr, 10), 1);
+        static_cast<void>(enter_sandbox({.readable = {"/"}, .writable = {}, .cpu_seconds = kMostCpuSeconds}));
         const std::filesystem::path path = job.substr(newline + 1);
         answer = encode_import(read ? read(path) : formats::read_mesh(path));
     } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {

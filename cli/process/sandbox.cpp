@@ -17,7 +17,6 @@
 #include <memory>
 
 #include "process/child_process.h"
-#include "process/worker_io.h"
 
 namespace dgm::bake {
 namespace {
@@ -125,9 +124,14 @@ bool add_rule(const Descriptor& rules, const std::filesystem::path& path, std::u
     return syscall(SYS_landlock_add_rule, rules.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
 }
 
+/// The kernel's interface; negative, with errno, if it has none.
+long landlock_version() {
+    return syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+}
+
 /// Empty if the process may use the files given and no others; else why not.
-std::string restrict_files(const SandboxFiles& files) {
-    const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+std::string restrict_files(const Sandbox& files) {
+    const long version = landlock_version();
     if (version < 0) return failed("Landlock is not there", errno);
     // The first version cannot let a file be moved from one folder to another.
     if (version < 2 && !files.writable.empty()) return "Landlock is of its first version, which forbids all moves";
@@ -194,23 +198,29 @@ std::string restrict_calls(bool writes, bool threads) {
 
 }  // namespace
 
-std::vector<std::string> enter_sandbox(const SandboxFiles& files, const SandboxLimits& limits) {
+Sandbox sandbox_beside(const std::vector<std::filesystem::path>& outputs) {
+    Sandbox out{.readable = {"/"}, .writable = {}, .cpu_seconds = 0, .starts_threads = true};
+    for (const std::filesystem::path& output : outputs)
+        if (!output.empty()) out.writable.push_back(output.has_parent_path() ? output.parent_path() : ".");
+    return out;
+}
+
+std::vector<std::string> enter_sandbox(const Sandbox& sandbox) {
     std::vector<std::string> missing;
     limit(RLIMIT_CORE, 0);
-    if (limits.cpu_seconds > 0) limit(RLIMIT_CPU, limits.cpu_seconds);
-    limit(RLIMIT_NOFILE, limits.descriptors);
-    limit_worker_memory(limits.memory_bytes, limits.threads);
+    if (sandbox.cpu_seconds > 0) limit(RLIMIT_CPU, sandbox.cpu_seconds);
+    limit(RLIMIT_NOFILE, sandbox.descriptors);
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) missing.push_back(failed("no_new_privs is not there", errno));
     for (const std::string& reason :
-         {restrict_files(files), restrict_calls(!files.writable.empty(), limits.threads > 1)})
+         {restrict_files(sandbox), restrict_calls(!sandbox.writable.empty(), sandbox.starts_threads)})
         if (!reason.empty()) missing.push_back(reason);
     return missing;
 }
 
 std::vector<std::string> sandbox_lacks() {
     std::vector<std::string> out;
-    const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-    if (version < 2) out.push_back("Landlock is not there, or of its first version: workers may write anywhere");
+    if (landlock_version() < 2)
+        out.push_back("Landlock is not there, or of its first version: workers may write anywhere");
     if (prctl(PR_GET_SECCOMP, 0, 0, 0, 0) < 0) out.push_back("seccomp is not there: workers may make any system call");
     return out;
 }

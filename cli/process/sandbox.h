@@ -9,26 +9,26 @@
 
 namespace dgm::bake {
 
-struct SandboxLimits {
-    std::uint64_t memory_bytes = std::uint64_t{2}
-                                 << 30;  ///< address space beside what the program has now; 0: no limit
-    std::uint32_t cpu_seconds = 60;      ///< 0: no limit
-    std::uint32_t descriptors = 1024;    ///< the largest number of one, too
-    std::uint32_t threads = 1;           ///< more than 1: it may start threads
-};
-
-struct SandboxFiles {
+struct Sandbox {
     std::vector<std::filesystem::path> readable;  ///< files, and folders with all that is in them
     std::vector<std::filesystem::path> writable;  ///< folders in which files may be made, changed and removed
+    std::uint32_t cpu_seconds = 60;               ///< 0: no limit
+    std::uint32_t descriptors = 1024;             ///< the largest number of one, too
+    bool starts_threads = false;
 };
+
+/// For a worker that reads a mesh and all that it names, computes with threads, and writes beside each of `outputs`;
+/// empty ones count for nothing. Its time is the parent's to limit.
+[[nodiscard]] Sandbox sandbox_beside(const std::vector<std::filesystem::path>& outputs);
 
 /// From now on this process may use the files given, allocate, compute, and write to descriptors that it has. It opens
 /// no other files, makes no sockets, processes or programs, signals none but itself, and gains no rights: no_new_privs,
-/// Landlock, a list of allowed system calls (libseccomp), limits of processor time, memory and descriptors. A call that
-/// is refused fails with an error (EPERM, EACCES); the limit of processor time ends the process.
+/// Landlock, a list of allowed system calls (libseccomp), limits of processor time and descriptors. Memory is the
+/// caller's to limit (limit_worker_memory()). A call that is refused fails with an error (EPERM, EACCES); the limit of
+/// processor time ends the process.
 /// @return what this system cannot take away, a line each; empty if all of it is gone. Never throws for that reason.
 /// The process must have one thread. There is no way back.
-[[nodiscard]] std::vector<std::string> enter_sandbox(const SandboxFiles& files, const SandboxLimits& limits = {});
+[[nodiscard]] std::vector<std::string> enter_sandbox(const Sandbox& sandbox);
 
 /// The protection that enter_sandbox() cannot give here, a line each; changes nothing.
 [[nodiscard]] std::vector<std::string> sandbox_lacks();

@@ -27,6 +27,12 @@ void on_allocation_failure() {
 
 }  // namespace
 
+const model::Code* code_of(std::uint64_t number) {
+    for (const model::Code* code : model::codes::kAll)
+        if (static_cast<std::uint64_t>(code->number) == number) return code;
+    return nullptr;
+}
+
 bool is_worker(int argc, const char* const* argv) {
     return argc == 2 && std::string_view(argv[1]) == "--worker";
 }

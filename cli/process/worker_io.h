@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "model/codes.h"
+
 namespace dgm::bake {
 
 /// Descriptors that a worker finds open: the job, and where its messages go. Its stdout is its stderr, so that a
@@ -14,6 +16,9 @@ inline constexpr int kJobDescriptor = 0, kMessageDescriptor = 3;
 
 /// The message that an allocation failed. It is sent at once, without allocating, because a crash may follow.
 inline constexpr std::string_view kOutOfMemoryLine = "{\"type\":\"out-of-memory\"}\n";
+
+/// The code of a number that a worker has sent; nullptr for one that no code has.
+[[nodiscard]] const model::Code* code_of(std::uint64_t number);
 
 /// True if the arguments are those ChildProcess starts a worker with.
 [[nodiscard]] bool is_worker(int argc, const char* const* argv);

@@ -45,9 +45,7 @@ PageJob decode_page_job(std::string_view text) {
 
 void make_page(std::string_view text) {
     const PageJob job = decode_page_job(text);
-    const std::filesystem::path folder = job.output.has_parent_path() ? job.output.parent_path() : ".";
-    static_cast<void>(bake::enter_sandbox({.readable = {"/"}, .writable = {folder}},
-                                          {.memory_bytes = job.memory_bytes, .cpu_seconds = 0, .threads = 8}));
+    static_cast<void>(bake::enter_sandbox(bake::sandbox_beside({job.output})));
     const std::string page = asset_page(job.page);
     std::ofstream out(job.output, std::ios::binary | std::ios::trunc);
     out << page;

@@ -26,9 +26,6 @@ namespace {
 
 namespace codes = model::codes;
 
-/// Whatever the limit of the loops: libraries start threads of their own.
-constexpr std::uint32_t kManyThreads = 8;
-
 /// Sends progress at most ten times a second, and each new stage.
 class ProgressSender {
  public:
@@ -55,17 +52,6 @@ void add_resource_use(BakeReport& report) {
     };
     report.cpu_seconds = seconds(use.ru_utime) + seconds(use.ru_stime);
     report.peak_memory_bytes = static_cast<std::uint64_t>(use.ru_maxrss) * 1024;
-}
-
-/// The mesh and all that it names may be read; files are made in the folders of the outputs alone.
-void enter_sandbox_for(const WorkerJob& job) {
-    SandboxFiles files{.readable = {"/"}, .writable = {}};
-    for (const std::filesystem::path& output : {job.dgm, job.exr})
-        if (!output.empty())
-            files.writable.push_back(output.has_parent_path() ? output.parent_path() : std::filesystem::path("."));
-    for (const std::filesystem::path& output : job.exports) files.writable.push_back(output.parent_path());
-    static_cast<void>(
-        enter_sandbox(files, {.memory_bytes = job.memory_bytes, .cpu_seconds = 0, .threads = kManyThreads}));
 }
 
 BakeReport bake_and_write(const WorkerJob& job, const BakeFunction& bake, ProgressSender& sender) {
@@ -104,7 +90,9 @@ WorkerMessage guarded(std::uint64_t memory_bytes, const ProgressSender& sender, 
 }
 
 WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
-    enter_sandbox_for(job);
+    std::vector<std::filesystem::path> outputs = job.exports;
+    outputs.insert(outputs.end(), {job.dgm, job.exr});
+    static_cast<void>(enter_sandbox(sandbox_beside(outputs)));
     ProgressSender sender;
     job.options.on_notice = [](const Notice& notice) {
         static_cast<void>(send_message(encode(WorkerMessage{NoticeMessage{notice}})));

@@ -10,6 +10,7 @@
 
 #include "baking/option_names.h"
 #include "model/codes.h"
+#include "process/worker_io.h"
 
 namespace dgm::bake {
 namespace {
@@ -127,12 +128,6 @@ BakeOptions options_from(const json& object) {
     return out;
 }
 
-const model::Code& code_of(std::uint64_t number) {
-    for (const model::Code* code : model::codes::kAll)
-        if (static_cast<std::uint64_t>(code->number) == number) return *code;
-    return model::codes::kInternal;
-}
-
 WorkerMessage message_from(const json& object) {
     const std::string type = text_at(object, "type");
     if (type == "out-of-memory") return OutOfMemoryMessage{};
@@ -144,7 +139,8 @@ WorkerMessage message_from(const json& object) {
     if (type == "notice") return NoticeMessage{{text_at(object, "kind"), text_at(object, "text")}};
     if (type == "result") return ResultMessage{report_from_json(text_at(object, "report"))};
     if (type != "error") malformed();
-    model::Error error(code_of(number_at(object, "code", kMaxU32)), text_at(object, "message"),
+    const model::Code* code = code_of(number_at(object, "code", kMaxU32));
+    model::Error error(code != nullptr ? *code : model::codes::kInternal, text_at(object, "message"),
                        text_at(object, "place"));
     error.with_stage(text_at(object, "stage"));
     error.with_hint(text_at(object, "hint"));

@@ -21,6 +21,7 @@
 #include <thread>
 #include <vector>
 
+#include "process/worker_io.h"
 #include "test_maps.h"
 
 namespace dgm::bake {
@@ -34,9 +35,10 @@ int after(const std::filesystem::path& readable, const std::function<bool()>& ge
           const std::filesystem::path& writable = {}) {
     const pid_t child = fork();
     if (child == 0) {
-        SandboxFiles files{.readable = {readable}, .writable = {}};
-        if (!writable.empty()) files.writable.push_back(writable);
-        if (!enter_sandbox(files, {.threads = writable.empty() ? 1u : 4u}).empty()) _exit(kLacking);
+        Sandbox sandbox{.readable = {readable}, .writable = {}, .starts_threads = !writable.empty()};
+        if (!writable.empty()) sandbox.writable.push_back(writable);
+        limit_worker_memory(std::uint64_t{2} << 30, 1);
+        if (!enter_sandbox(sandbox).empty()) _exit(kLacking);
         errno = 0;
         const bool out = gets_out();
         _exit(out || (errno != EPERM && errno != EACCES) ? kOutside : kInside);
@@ -140,7 +142,7 @@ TEST(Sandbox, WritesIntoItsFoldersAlone) {
 TEST(Sandbox, TimeEnds) {
     const pid_t child = fork();
     if (child == 0) {
-        static_cast<void>(enter_sandbox({}, {.memory_bytes = 0, .cpu_seconds = 1}));
+        static_cast<void>(enter_sandbox({.readable = {}, .writable = {}, .cpu_seconds = 1}));
         for (;;) static_cast<void>(getpid());
     }
     int status = 0;

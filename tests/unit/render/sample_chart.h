@@ -3,7 +3,6 @@
 // Charts with all layers, made from formulas.
 #pragma once
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <set>
 #include <string>
@@ -14,20 +13,9 @@
 
 #include "model/map_set.h"
 #include "model/octahedral.h"
+#include "unit/geometry/metrics/test_charts.h"
 
 namespace dgm::test {
-
-template <class T>
-model::Layer make_layer(std::string name, model::ElementType type, std::vector<std::uint64_t> shape,
-                        const std::vector<T>& values) {
-    model::Layer layer;
-    layer.name = std::move(name);
-    layer.type = type;
-    layer.shape = std::move(shape);
-    layer.bytes.resize(values.size() * sizeof(T));
-    std::memcpy(layer.bytes.data(), values.data(), layer.bytes.size());
-    return layer;
-}
 
 /// Torus of radii 1 and 0.4 about the y axis, m x n samples, u around the tube and v around the axis; its opposite
 /// sides are seams. Texture: 2 x 2 texels a sample step, rows below the middle red, above green, every 16th column
