@@ -10,10 +10,12 @@
 #include <span>
 #include <system_error>
 
+#include "baking/option_names.h"
 #include "batch/file_pattern.h"
 #include "dgm/hash.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
@@ -113,6 +115,11 @@ std::vector<fs::path> files_below(const fs::path& folder) {
     return out;
 }
 
+bool is_layer(std::string_view name) {
+    return name == model::layers::kCover ||
+           std::find(kLayerNames.begin(), kLayerNames.end(), name) != kLayerNames.end();
+}
+
 fs::path true_path(const fs::path& path) {
     std::error_code error;
     fs::path out = fs::weakly_canonical(path, error);
@@ -134,6 +141,7 @@ class Planner {
             if (!request_.write_exr) asset.exr.clear();
         }
         add_exports();
+        check_side_files();
         check_inputs_kept();
         for (const auto& [position, asset] : refused_)
             out_.assets.insert(out_.assets.begin() + static_cast<std::ptrdiff_t>(position), asset);
@@ -252,6 +260,26 @@ class Planner {
                 changed = true;
             }
             if (!changed) return;
+        }
+    }
+
+    /// An EXR may have files of layers beside it. `a.texture.exr` is one of a.exr, so no asset may become that as well.
+    void check_side_files() const {
+        std::map<fs::path, fs::path> sources;
+        for (const PlannedAsset& asset : out_.assets)
+            if (!asset.exr.empty()) sources.emplace(asset.exr, asset.source);
+        for (const auto& [exr, source] : sources) {
+            fs::path stem = fs::path(exr).replace_extension();
+            const std::string layer = stem.extension().string();
+            if (layer.empty() || !is_layer(layer.substr(1))) continue;
+            stem.replace_extension();
+            if (stem.extension().native().starts_with(".chart")) stem.replace_extension();
+            const auto map = sources.find(stem += ".exr");
+            if (map == sources.end()) continue;
+            throw model::Error(
+                codes::kUsage,
+                fmt::format("{} and a layer of {} would both become {}; bake them into different folders",
+                            source.string(), map->second.string(), exr.string()));
         }
     }
 

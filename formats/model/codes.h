@@ -106,7 +106,7 @@ inline constexpr Code kMissingChannel{1016,
                                       "MISSING_CHANNEL",
                                       ExitCode::kInvalid,
                                       "an EXR lacks a channel or part, or has it with another type or size",
-                                      "save all channels as they were: 32-bit float and uint stay what they are",
+                                      "save all channels with the names that they had, in 32-bit float",
                                       "the layer that the channel belongs to cannot be made again"};
 
 // 2xxx layers and their values

@@ -139,6 +139,17 @@ TEST_F(BatchPlanTest, LinkedFoldersDoNotLoop) {
     EXPECT_EQ(lines({{root_ / "in"}, root_ / "out"}), Lines{"in/a.obj -> out/a.dgm"});
 }
 
+TEST_F(BatchPlanTest, NoAssetBecomesALayerOfAnother) {
+    PlanRequest request{{touch("in/a.obj"), touch("in/a.texture.obj"), touch("in/a.chart2.bump.obj")}, root_ / "out"};
+    EXPECT_EQ(lines(request).size(), 3U) << "maps in a .dgm have no files beside them";
+    request.write_exr = true;
+    EXPECT_EQ(refusal(request), model::codes::kUsage.number);
+    request.inputs = {root_ / "in/a.obj", root_ / "in/a.chart2.bump.obj"};
+    EXPECT_EQ(refusal(request), model::codes::kUsage.number);
+    request.inputs = {root_ / "in/a.texture.obj", touch("in/a.painted.obj"), touch("in/b.texture.obj")};
+    EXPECT_EQ(lines(request).size(), 3U);
+}
+
 TEST_F(BatchPlanTest, InputsAreNeverOutputs) {
     const fs::path mesh = touch("a.dgm");
     fs::create_directory_symlink(root_, root_ / "link");
