@@ -132,24 +132,22 @@ Repaired repair_source(Imported imported) {
 MaterialImages load_images(std::span<const model::Material> materials, const std::filesystem::path& fabric,
                            std::vector<std::string>& warnings) {
     MaterialImages out;
-    const auto try_read = [&](const std::filesystem::path& path, auto read, auto& into) {
-        if (path.empty()) return;
+    const auto try_read = [&](const model::PictureFile& picture, auto read, auto& into) {
+        if (picture.empty()) return;
         try {
-            into = read(path);
-        } catch (const Error& e) {
-            warnings.push_back("texture " + path.filename().string() + " left out: " + e.what());
-        }
+            into = read(picture);
+        } catch (const Error& e) { warnings.push_back("texture " + picture.name() + " left out: " + e.what()); }
     };
     for (const model::Material& material : materials) {
         try_read(material.diffuse_map, formats::read_image, out.colour.emplace_back());
         auto& height = out.height.emplace_back();
         if (material.bump_is_normal_map)
-            warnings.push_back("normal map " + material.bump_map.filename().string() +
+            warnings.push_back("normal map " + material.bump_map.name() +
                                " left out: only height maps go into the bump layer");
         else
             try_read(material.bump_map, formats::read_height, height);
     }
-    if (!fabric.empty()) out.fabric = formats::read_image(fabric);
+    if (!fabric.empty()) out.fabric = formats::read_image({fabric});
     return out;
 }
 

@@ -101,13 +101,13 @@ void write_obj_files(const MapSet& maps, const std::vector<std::string>& names, 
         material.name = names[k];
         const ChartPictures& pictures = charts.pictures[k];
         if (!pictures.colour.pixels.empty()) {
-            material.diffuse_map = picture_name(output, maps, names[k], "texture");
-            formats::write_png(staging.add(material.diffuse_map), pictures.colour);
+            material.diffuse_map.path = picture_name(output, maps, names[k], "texture");
+            formats::write_png(staging.add(material.diffuse_map.path), pictures.colour);
         }
         if (pictures.normal_map) {
-            material.bump_map = picture_name(output, maps, names[k], "normal");
+            material.bump_map.path = picture_name(output, maps, names[k], "normal");
             material.bump_is_normal_map = true;
-            formats::write_png(staging.add(material.bump_map), *pictures.normal_map);
+            formats::write_png(staging.add(material.bump_map.path), *pictures.normal_map);
         }
         with_mtl = with_mtl || !material.diffuse_map.empty() || !material.bump_map.empty();
     }

@@ -57,6 +57,18 @@ bool fits_together(const model::TriMesh& mesh) {
         .with_hint(std::move(hint));
 }
 
+void put_picture(ByteWriter& out, const model::PictureFile& picture) {
+    out.put(picture.path.native());
+    out.put(static_cast<char>(picture.bytes != nullptr));
+    if (picture.bytes) out.put(*picture.bytes);
+}
+
+model::PictureFile get_picture(ByteReader& in) {
+    model::PictureFile out{.path = in.text()};
+    if (in.get<char>() != 0) out.bytes = std::make_shared<const std::string>(in.text());
+    return out;
+}
+
 /// All that the worker sends until its end.
 std::string conversation(ChildProcess& child, const ImportLimits& limits, Clock::time_point deadline) {
     std::string bytes;
@@ -106,8 +118,8 @@ std::string encode_import(const ImportedMesh& imported) {
     out.put_each(mesh.materials, [&](const model::Material& material) {
         out.put(material.name);
         out.put(material.diffuse);
-        out.put(material.diffuse_map.native());
-        out.put(material.bump_map.native());
+        put_picture(out, material.diffuse_map);
+        put_picture(out, material.bump_map);
         out.put(static_cast<char>(material.bump_is_normal_map));
         out.put(material.bump_scale);
     });
@@ -150,8 +162,8 @@ std::optional<ImportedMesh> decode_import(std::string_view bytes) {
         model::Material& material = mesh.materials.emplace_back();
         material.name = in.text();
         material.diffuse = in.get<model::Rgba8>();
-        material.diffuse_map = in.text();
-        material.bump_map = in.text();
+        material.diffuse_map = get_picture(in);
+        material.bump_map = get_picture(in);
         material.bump_is_normal_map = in.get<char>() != 0;
         material.bump_scale = in.get<double>();
     });

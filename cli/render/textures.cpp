@@ -15,7 +15,7 @@ std::vector<formats::Image> read_textures(const model::TriMesh& mesh,
         try {
             textures.back() = formats::read_image(material.diffuse_map);
         } catch (const model::Error& error) {
-            warn("texture " + material.diffuse_map.string() + " is left out: " + error.what());
+            warn("texture " + material.diffuse_map.path.string() + " is left out: " + error.what());
         }
     }
     return textures;

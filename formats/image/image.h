@@ -41,11 +41,11 @@ struct GrayImage16 {
 
 /// Reads PNG, JPEG, BMP, TGA, GIF (first frame), PSD or PNM as 8-bit RGBA. The size is checked before decoding.
 /// Thread-safe. @throws model::Error kFileMissing, kReadFailed, kImageUnreadable, kTooLarge
-[[nodiscard]] Image read_image(const std::filesystem::path& path);
+[[nodiscard]] Image read_image(const model::PictureFile& picture);
 
 /// The same, as heights 0..1: 16-bit pictures keep their 16 bits; colours become gray by stb_image's integer luma.
 /// Thread-safe. @throws as read_image
-[[nodiscard]] FloatImage read_height(const std::filesystem::path& path);
+[[nodiscard]] FloatImage read_height(const model::PictureFile& picture);
 
 /// PNG file bytes: RGBA, no time or text chunks, so equal pictures give equal bytes.
 /// @throws model::Error kTooLarge if a side is 0 or beyond kMaxImageSide, kInternal if pixels do not fit the size

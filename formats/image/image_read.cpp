@@ -34,9 +34,10 @@ struct StbFree {
 
 /// A picture file in memory, its header read and its size within the limits.
 struct EncodedImage {
-    std::vector<stbi_uc> bytes;
+    std::shared_ptr<const std::string> file;
     int width = 0, height = 0;
-    [[nodiscard]] int size() const { return static_cast<int>(bytes.size()); }
+    [[nodiscard]] const stbi_uc* bytes() const { return reinterpret_cast<const stbi_uc*>(file->data()); }
+    [[nodiscard]] int size() const { return static_cast<int>(file->size()); }
     [[nodiscard]] std::size_t pixels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     }
@@ -47,22 +48,32 @@ struct EncodedImage {
     throw model::Error(codes::kImageUnreadable, reason != nullptr ? reason : "unknown kind of picture", path.string());
 }
 
-EncodedImage load(const fs::path& path) {
+void check_file_size(std::uint64_t size, const fs::path& path) {
+    if (size > kMaxFileBytes)
+        throw model::Error(codes::kTooLarge, "a picture file of " + std::to_string(size) + " bytes", path.string());
+}
+
+std::string bytes_of_file(const fs::path& path) {
     std::error_code error;
     const auto status = fs::status(path, error);
     if (!fs::exists(status)) throw model::missing_file(path);
     if (!fs::is_regular_file(status)) throw model::no_regular_file(path);
     const std::uint64_t size = fs::file_size(path, error);
     if (error) throw model::unreadable_file(path, error.message());
-    if (size > kMaxFileBytes)
-        throw model::Error(codes::kTooLarge, "a picture file of " + std::to_string(size) + " bytes", path.string());
-    EncodedImage out;
-    out.bytes.resize(size);
+    check_file_size(size, path);
+    std::string out(size, '\0');
     std::ifstream file(path, std::ios::binary);
-    if (!file || !file.read(reinterpret_cast<char*>(out.bytes.data()), static_cast<std::streamsize>(size)))
-        throw model::unreadable_file(path);
+    if (!file || !file.read(out.data(), static_cast<std::streamsize>(size))) throw model::unreadable_file(path);
+    return out;
+}
+
+EncodedImage load(const model::PictureFile& picture) {
+    const fs::path& path = picture.path;
+    EncodedImage out;
+    out.file = picture.bytes ? picture.bytes : std::make_shared<const std::string>(bytes_of_file(path));
+    check_file_size(out.file->size(), path);
     int channels = 0;
-    if (size == 0 || stbi_info_from_memory(out.bytes.data(), out.size(), &out.width, &out.height, &channels) == 0)
+    if (out.size() == 0 || stbi_info_from_memory(out.bytes(), out.size(), &out.width, &out.height, &channels) == 0)
         unreadable(path);
     constexpr int kLimit = static_cast<int>(kMaxImageSide);
     if (out.width < 1 || out.height < 1 || out.width > kLimit || out.height > kLimit)
@@ -75,13 +86,13 @@ EncodedImage load(const fs::path& path) {
 
 }  // namespace
 
-Image read_image(const fs::path& path) {
-    const EncodedImage encoded = load(path);
+Image read_image(const model::PictureFile& picture) {
+    const EncodedImage encoded = load(picture);
     Image out;
     int width = 0, height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, StbFree> pixels(
-        stbi_load_from_memory(encoded.bytes.data(), encoded.size(), &width, &height, &channels, 4));
-    if (!pixels || width != encoded.width || height != encoded.height) unreadable(path);
+        stbi_load_from_memory(encoded.bytes(), encoded.size(), &width, &height, &channels, 4));
+    if (!pixels || width != encoded.width || height != encoded.height) unreadable(picture.path);
     out.width = static_cast<std::uint32_t>(width);
     out.height = static_cast<std::uint32_t>(height);
     out.pixels.resize(encoded.pixels());
@@ -92,21 +103,21 @@ Image read_image(const fs::path& path) {
     return out;
 }
 
-FloatImage read_height(const fs::path& path) {
-    const EncodedImage encoded = load(path);
+FloatImage read_height(const model::PictureFile& picture) {
+    const EncodedImage encoded = load(picture);
     FloatImage out;
     int width = 0, height = 0, channels = 0;
     out.pixels.resize(encoded.pixels());
-    if (stbi_is_16_bit_from_memory(encoded.bytes.data(), encoded.size()) != 0) {
+    if (stbi_is_16_bit_from_memory(encoded.bytes(), encoded.size()) != 0) {
         const std::unique_ptr<stbi_us, StbFree> pixels(
-            stbi_load_16_from_memory(encoded.bytes.data(), encoded.size(), &width, &height, &channels, 1));
-        if (!pixels || width != encoded.width || height != encoded.height) unreadable(path);
+            stbi_load_16_from_memory(encoded.bytes(), encoded.size(), &width, &height, &channels, 1));
+        if (!pixels || width != encoded.width || height != encoded.height) unreadable(picture.path);
         for (std::size_t k = 0; k < out.pixels.size(); ++k)
             out.pixels[k] = static_cast<float>(pixels.get()[k]) / 65535.0f;
     } else {
         const std::unique_ptr<stbi_uc, StbFree> pixels(
-            stbi_load_from_memory(encoded.bytes.data(), encoded.size(), &width, &height, &channels, 1));
-        if (!pixels || width != encoded.width || height != encoded.height) unreadable(path);
+            stbi_load_from_memory(encoded.bytes(), encoded.size(), &width, &height, &channels, 1));
+        if (!pixels || width != encoded.width || height != encoded.height) unreadable(picture.path);
         for (std::size_t k = 0; k < out.pixels.size(); ++k)
             out.pixels[k] = static_cast<float>(pixels.get()[k]) / 255.0f;
     }

@@ -243,7 +243,7 @@ class SceneMerger {
         if (out.diffuse_map.empty()) out.diffuse_map = texture(source, aiTextureType_DIFFUSE);
         out.bump_map = texture(source, aiTextureType_HEIGHT);
         if (!out.bump_map.empty()) {
-            out.bump_is_normal_map = is_normal_map_name(out.bump_map);
+            out.bump_is_normal_map = is_normal_map_name(out.bump_map.path);
         } else {
             out.bump_map = texture(source, aiTextureType_NORMALS);
             out.bump_is_normal_map = !out.bump_map.empty();
@@ -254,21 +254,35 @@ class SceneMerger {
         return out;
     }
 
-    fs::path texture(const aiMaterial& material, aiTextureType type) {
+    model::PictureFile texture(const aiMaterial& material, aiTextureType type) {
         aiString file;
         if (material.GetTexture(type, 0, &file) != aiReturn_SUCCESS || file.length == 0) return {};
         const std::string_view name(file.C_Str());
-        if (name.starts_with('*')) {
-            warn("texture inside the mesh file is not used: " + std::string(name));
-            return {};
-        }
+        if (const auto [inside, index] = scene_.GetEmbeddedTextureAndIndex(file.C_Str()); inside != nullptr)
+            return embedded(*inside, static_cast<std::size_t>(index));
         if (auto found = finder_.find(name)) {
             out_.dependencies.push_back(*found);
-            return *found;
+            return {*found};
         }
         out_.missing.emplace_back(name);
         warn(texture_missing(name));
         return {};
+    }
+
+    /// A picture inside the mesh's file. Materials that share it share its bytes.
+    model::PictureFile embedded(const aiTexture& picture, std::size_t index) {
+        std::string name = picture.mFilename.length > 0 ? picture.mFilename.C_Str() : "";
+        if (name.empty()) name = "picture " + std::to_string(index + 1);
+        name += " in " + path_.filename().string();
+        if (picture.mHeight != 0 || picture.pcData == nullptr) {
+            warn("texture of bare pixels is not used: " + name);
+            return {};
+        }
+        pictures_.resize(scene_.mNumTextures);
+        if (!pictures_[index])
+            pictures_[index] = std::make_shared<const std::string>(reinterpret_cast<const char*>(picture.pcData),
+                                                                   std::size_t{picture.mWidth});
+        return {name, pictures_[index]};
     }
 
     void warn(std::string text) {
@@ -281,6 +295,7 @@ class SceneMerger {
     const MeshReadLimits& limits_;
     FileFinder finder_;
     ImportedMesh& out_;
+    std::vector<std::shared_ptr<const std::string>> pictures_;  ///< of the scene, once a material names them
     bool has_uvs_ = false, has_normals_ = false, has_colours_ = false;
     std::uint64_t not_triangles_ = 0, bad_faces_ = 0;
 };

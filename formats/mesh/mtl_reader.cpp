@@ -101,7 +101,7 @@ class MtlReader {
             if (const auto number = parse_number(next_word(line))) transparency_ = *number;
         } else if (word == "map_kd") {
             const MapStatement map = parse_map(line);
-            current_->material.diffuse_map = find(map.file);
+            current_->material.diffuse_map.path = find(map.file);
             current_->uv_scale = map.scale;
             current_->uv_offset = map.offset;
         } else if (word == "map_bump" || word == "bump" || word == "norm" || word == "map_kn") {
@@ -126,7 +126,7 @@ class MtlReader {
         auto& material = current_->material;
         // A height map is worth more to a bake than a normal map: it says how far.
         if (file.empty() || (is_normal_map && !material.bump_map.empty() && !material.bump_is_normal_map)) return;
-        material.bump_map = file;
+        material.bump_map.path = file;
         material.bump_is_normal_map = is_normal_map || is_normal_map_name(file);
         material.bump_scale = map.bump;
     }

@@ -120,7 +120,7 @@ std::string mtl_text(const TriMesh& mesh, const std::vector<std::string>& names,
     if (mesh.materials.empty()) material("surface", {}, options.texture, options.bump);
     for (std::size_t k = 0; k < mesh.materials.size(); ++k) {
         const model::Material& m = mesh.materials[k];
-        material(names[k], m, m.diffuse_map.generic_string(), m.bump_map.generic_string());
+        material(names[k], m, m.diffuse_map.path.generic_string(), m.bump_map.path.generic_string());
     }
     return out;
 }

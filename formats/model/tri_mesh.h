@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,24 @@ struct Rgba8 {
     friend constexpr bool operator==(const Rgba8&, const Rgba8&) = default;
 };
 
+/// A picture file that a material names. It lies on disk, or inside the mesh's own file as in a GLB.
+struct PictureFile {
+    std::filesystem::path path = {};  ///< on disk, resolved; inside a mesh file its name there; empty: no picture
+    std::shared_ptr<const std::string> bytes = {};  ///< the picture file itself, if the mesh's file holds it
+
+    [[nodiscard]] bool empty() const { return path.empty(); }
+    /// As messages name it: the file's name without its folder.
+    [[nodiscard]] std::string name() const { return path.filename().string(); }
+    friend bool operator==(const PictureFile& a, const PictureFile& b) {
+        return a.path == b.path && (a.bytes == b.bytes || (a.bytes && b.bytes && *a.bytes == *b.bytes));
+    }
+};
+
 struct Material {
     std::string name;
-    Rgba8 diffuse;                      ///< used where there is no texture
-    std::filesystem::path diffuse_map;  ///< absolute or relative to the working folder, resolved; empty if none
-    std::filesystem::path bump_map;     ///< height map or tangent-space normal map
+    Rgba8 diffuse;  ///< used where there is no texture
+    PictureFile diffuse_map;
+    PictureFile bump_map;  ///< height map or tangent-space normal map
     bool bump_is_normal_map = false;
     double bump_scale = 1;  ///< MTL's -bm
     friend bool operator==(const Material&, const Material&) = default;

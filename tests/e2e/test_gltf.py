@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 import meshes
+import pictures
 import support
 
 COMPONENTS = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -104,13 +105,8 @@ def png(data):
     return out
 
 
-def write_png(path, pixels):
-    height, width, _ = pixels.shape
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
-                     + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+def noise():
+    return np.random.default_rng(7).integers(0, 256, (40, 50, 3), np.uint8)
 
 
 def read_obj(path):
@@ -232,7 +228,7 @@ class Gltf(support.Folder):
         self.assertTrue(((vertices["t"] >= 0) & (vertices["t"] <= 1)).all())
 
     def test_ply_shows_its_texture_where_the_colours_are(self):
-        write_png(self.folder / "cloth.png", np.random.default_rng(7).integers(0, 256, (40, 50, 3), np.uint8))
+        (self.folder / "cloth.png").write_bytes(pictures.png(noise()))
         ball = self.baked("ball", meshes.icosphere(2), "--size", "33x33", "--texture", "cloth.png", "--texture-size",
                           "70x48")
         path = self.exported(ball, "out.ply")
@@ -365,7 +361,7 @@ class Gltf(support.Folder):
         self.assertLess(mapped, 0.5 * plain, (plain, mapped))
 
     def test_texture_is_the_layer(self):
-        write_png(self.folder / "cloth.png", np.random.default_rng(7).integers(0, 256, (40, 50, 3), np.uint8))
+        (self.folder / "cloth.png").write_bytes(pictures.png(noise()))
         ball = self.baked("ball", meshes.icosphere(2), "--size", "33x33", "--layers", "geometry,normal,texture",
                           "--texture", "cloth.png", "--texture-size", "70x48")
         glb = self.glb(ball)

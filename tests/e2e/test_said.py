@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A tool that says what it did: every way in which a newcomer once had to guess."""
+import base64
 import json
 import os
 import re
@@ -9,8 +10,12 @@ import subprocess
 import time
 import unittest
 
+import h5py
+import numpy as np
+
 import meshes
 import support
+from pictures import png
 
 SIZE = ["--size", "17", "--method", "tutte", "--fit", "sample"]
 
@@ -110,6 +115,21 @@ class Said(support.Folder):
         self.assertIn("textures/My\\ Skin.png", rule)
         write_gltf(self.folder / "a.gltf", meshes.sheet(4, 0.3), "my skin.png")  # the JSON stays as it was
         self.assertNotIn("up to date", self.bake_well("a.gltf", *SIZE).stdout)
+
+    def test_a_picture_inside_the_mesh_file_is_its_texture(self):
+        picture = png([[(255, 0, 0), (0, 0, 255)], [(0, 255, 0), (255, 255, 0)]])
+        write_gltf(self.folder / "a.gltf", meshes.sheet(4), "data:image/png;base64," + base64.b64encode(picture).decode())
+        result = self.bake_well("a.gltf", *SIZE, "--report", "r.json")
+        self.assertNotIn("texture", result.stdout + result.stderr)
+        with h5py.File(self.folder / "a.dgm", "r") as file:
+            inside = file["chart0/texture"][...]
+        (self.folder / "beside.png").write_bytes(picture)
+        write_gltf(self.folder / "b.gltf", meshes.sheet(4), "beside.png")
+        self.bake_well("b.gltf", *SIZE)
+        with h5py.File(self.folder / "b.dgm", "r") as file:
+            beside = file["chart0/texture"][...]
+        self.assertGreater(np.ptp(inside.astype(float), axis=(0, 1)).max(), 0.1)  # two colours, not one
+        np.testing.assert_array_equal(inside, beside)
 
     def test_names_are_stable_and_leftovers_are_told(self):
         folder = self.folder / "in"

@@ -12,19 +12,10 @@ import h5py
 
 import meshes
 import support
+from pictures import png
 
 SIZE = ["--size", "17", "--method", "tutte", "--fit", "sample"]
 FINE = ["--size", "129", "--method", "tutte", "--fit", "sample"]
-
-
-def png(colour):
-    """A PNG of one pixel."""
-    import zlib
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)) +
-            chunk(b"IDAT", zlib.compress(b"\0" + bytes(colour))) + chunk(b"IEND", b""))
 
 
 def write_textured(path, library, texture):
@@ -57,7 +48,7 @@ class MeshesBesideTheMap(support.Folder):
     def setUp(self):
         super().setUp()
         write_textured(self.folder / "sheet.obj", "sheet.mtl", "skin.png")
-        (self.folder / "skin.png").write_bytes(png((200, 10, 10)))
+        (self.folder / "skin.png").write_bytes(png([[(200, 10, 10)]]))
 
     def outcome(self, *arguments):
         result = self.bake("sheet.obj", "-o", "out", *(arguments or self.FORMATS), *SIZE, "--report", "r.json")
@@ -101,7 +92,7 @@ class MeshesBesideTheMap(support.Folder):
             with self.subTest(short=name):
                 (out / name).write_bytes((out / name).read_bytes()[:-1])
                 self.assertEqual(self.outcome()["outcome"], "baked")
-        (self.folder / "skin.png").write_bytes(png((10, 200, 10)))
+        (self.folder / "skin.png").write_bytes(png([[(10, 200, 10)]]))
         old = (out / "sheet.glb").read_bytes()
         self.assertEqual(self.outcome()["outcome"], "baked")
         self.assertNotEqual((out / "sheet.glb").read_bytes(), old)
@@ -120,7 +111,7 @@ class MeshesBesideTheMap(support.Folder):
         (self.folder / "in").mkdir()
         text = (self.folder / "sheet.obj").read_text().replace("mtllib sheet.mtl", "mtllib ../cloth.mtl")
         (self.folder / "in" / "cloth.obj").write_text(text)
-        (self.folder / "in" / "skin.png").write_bytes(png((9, 9, 9)))
+        (self.folder / "in" / "skin.png").write_bytes(png([[(9, 9, 9)]]))
         refused = self.bake("in/cloth.obj", "-o", ".", "--format", "dgm,obj", *SIZE)
         self.assertEqual(refused.returncode, 1, refused.stdout + refused.stderr)
         self.assertIn("cloth.mtl", refused.stderr)
@@ -202,10 +193,10 @@ class UpToDate(support.Folder):
         self.assertTrue(self.baked("a.obj"))
         self.assertFalse(self.baked("a.obj"))
         texture = self.folder / "textures" / "skin.png"
-        texture.write_bytes(png((255, 0, 0)))  # it was missing, and turns up
+        texture.write_bytes(png([[(255, 0, 0)]]))  # it was missing, and turns up
         self.assertTrue(self.baked("a.obj"))
         self.assertFalse(self.baked("a.obj"))
-        texture.write_bytes(png((0, 255, 0)))
+        texture.write_bytes(png([[(0, 255, 0)]]))
         self.assertTrue(self.baked("a.obj"))
         (self.folder / "unused.png").write_bytes(b"")
         self.assertFalse(self.baked("a.obj"))
@@ -215,20 +206,20 @@ class UpToDate(support.Folder):
         texture.unlink()
         self.assertTrue(self.baked("a.obj"))
         self.assertFalse(self.baked("a.obj"))
-        (self.folder / "fabric.png").write_bytes(png((1, 2, 3)))
+        (self.folder / "fabric.png").write_bytes(png([[(1, 2, 3)]]))
         self.assertTrue(self.baked("a.obj", "--texture", "fabric.png"))
         self.assertFalse(self.baked("a.obj", "--texture", self.folder / "fabric.png"))
-        (self.folder / "fabric.png").write_bytes(png((3, 2, 1)))
+        (self.folder / "fabric.png").write_bytes(png([[(3, 2, 1)]]))
         self.assertTrue(self.baked("a.obj", "--texture", "fabric.png"))
 
     def test_3ds(self):
         (self.folder / "a.3ds").write_bytes(tiny_3ds("SKIN.JPG"))
         self.assertTrue(self.baked("a.3ds"))
         self.assertFalse(self.baked("a.3ds"))
-        (self.folder / "skin.jpg").write_bytes(png((255, 0, 0)))
+        (self.folder / "skin.jpg").write_bytes(png([[(255, 0, 0)]]))
         self.assertTrue(self.baked("a.3ds"))
         self.assertFalse(self.baked("a.3ds"))
-        (self.folder / "skin.jpg").write_bytes(png((0, 255, 0)))
+        (self.folder / "skin.jpg").write_bytes(png([[(0, 255, 0)]]))
         self.assertTrue(self.baked("a.3ds"))
 
     def test_exr(self):
@@ -311,7 +302,7 @@ class BuildTools(support.Folder):
     def setUp(self):
         super().setUp()
         write_textured(self.folder / f"{self.NAME}.obj", "my skin$.mtl", "sk in.png")
-        (self.folder / "sk in.png").write_bytes(png((1, 2, 3)))
+        (self.folder / "sk in.png").write_bytes(png([[(1, 2, 3)]]))
 
     def builds_after_changes(self, build, log):
         def baked():
@@ -326,7 +317,7 @@ class BuildTools(support.Folder):
             time.sleep(0.05)
             path = self.folder / name
             if name.endswith(".png"):
-                path.write_bytes(png((3, 2, 1)))
+                path.write_bytes(png([[(3, 2, 1)]]))
             else:
                 path.write_text(path.read_text() + "# changed\n")
             count += 1

@@ -40,9 +40,9 @@ TriMesh random_mesh() {
     mesh.materials.resize(2);
     mesh.materials[0].name = "skin";
     mesh.materials[0].diffuse = {10, 20, 30, 40};
-    mesh.materials[0].diffuse_map = "skin.png";
+    mesh.materials[0].diffuse_map.path = "skin.png";
     mesh.materials[1].name = "cloth";
-    mesh.materials[1].bump_map = "cloth_height.png";
+    mesh.materials[1].bump_map.path = "cloth_height.png";
     mesh.materials[1].bump_scale = 0.125;
     return mesh;
 }
@@ -61,8 +61,8 @@ TEST(ObjWriter, ReadsBackToTheBit) {
     for (std::size_t k = 0; k < mesh.corner_normals.size(); ++k)
         EXPECT_LT(length(in.mesh.corner_normals[k] - mesh.corner_normals[k]), 1e-15);
     EXPECT_EQ(in.mesh.face_materials, mesh.face_materials);
-    mesh.materials[0].diffuse_map = folder / "skin.png";
-    mesh.materials[1].bump_map = folder / "cloth_height.png";
+    mesh.materials[0].diffuse_map.path = folder / "skin.png";
+    mesh.materials[1].bump_map.path = folder / "cloth_height.png";
     EXPECT_EQ(in.mesh.materials, mesh.materials);
 }
 
@@ -87,8 +87,8 @@ TEST(ObjWriter, ObjectsAndNormalMaps) {
     mesh.faces = {{0, 1, 2}, {2, 1, 0}, {1, 2, 0}};
     mesh.face_materials = {0, 0, 1};
     mesh.materials.resize(2);
-    mesh.materials[0] = {"left sleeve", {}, {}, "sleeve_normal.png", true, 1};
-    mesh.materials[1] = {"collar", {}, {}, "bumps.png", true, 1};
+    mesh.materials[0] = {"left sleeve", {}, {}, {"sleeve_normal.png"}, true, 1};
+    mesh.materials[1] = {"collar", {}, {}, {"bumps.png"}, true, 1};
     write_obj(folder / "a.obj", mesh,
               {.write_mtl = true, .objects = {{"left sleeve", 0}, {"collar", 2}}, .comment = "the end"});
     EXPECT_EQ(read_bytes(folder / "a.obj"),

@@ -169,10 +169,10 @@ TEST_F(Export, PowersOfTwoKeepWhatTextureCoordinatesShow) {
     powers.power_of_two = true;
     powers.chart = 0;
     write(two_tori(), "p.obj", powers);
-    const formats::Image texture = formats::read_image(folder_ / "p_chart0_texture.png");
+    const formats::Image texture = formats::read_image({folder_ / "p_chart0_texture.png"});
     EXPECT_EQ(texture.width, 64u);  // of 65 x 33
     EXPECT_EQ(texture.height, 32u);
-    EXPECT_EQ(formats::read_image(folder_ / "p_chart0_normal.png").width, 64u);
+    EXPECT_EQ(formats::read_image({folder_ / "p_chart0_normal.png"}).width, 64u);
     const model::TriMesh mesh = formats::read_mesh(folder_ / "p.obj").mesh;
     double low = 1;
     for (const model::Vec2d& uv : mesh.corner_uvs) low = std::min(low, uv.x);
@@ -230,7 +230,7 @@ TEST_F(Export, PlyHoldsVerticesAndTheirColours) {
     first.chart = 0;
     write(two_tori(), "one.ply", first);
     EXPECT_NE(bytes("one.ply").find("\ncomment TextureFile one_chart0_texture.png\n"), std::string::npos);
-    EXPECT_EQ(formats::read_image(folder_ / "one_chart0_texture.png").width, 65u);
+    EXPECT_EQ(formats::read_image({folder_ / "one_chart0_texture.png"}).width, 65u);
 }
 
 TEST_F(Export, DgmToExrAndBackGivesTheSameBytes) {
@@ -251,7 +251,7 @@ TEST_F(Export, LayerPictureOfAllChartsSideBySide) {
     ExportOptions options;
     options.layer = "geometry";
     write(two_tori(), "geometry.png", options);
-    const formats::Image image = formats::read_image(folder_ / "geometry.png");
+    const formats::Image image = formats::read_image({folder_ / "geometry.png"});
     EXPECT_EQ(image.width, 33u + 8 + 9);
     EXPECT_EQ(image.height, 17u);
     EXPECT_EQ(image.at(0, 0), (model::Rgba8{255, 128, 128, 255}));
@@ -263,14 +263,14 @@ TEST_F(Export, ShadedViewsAndSheets) {
     options.width = 400;
     options.height = 200;
     write(two_tori(), "view.png", options);
-    EXPECT_EQ(formats::read_image(folder_ / "view.png").width, 400u);
+    EXPECT_EQ(formats::read_image({folder_ / "view.png"}).width, 400u);
     const std::string once = bytes("view.png");
     write(two_tori(), "view.png", options);
     EXPECT_EQ(bytes("view.png"), once);
     options.sheet = true;
     options.chart = 0;
     write(two_tori(), "sheet.png", options);
-    EXPECT_GT(formats::read_image(folder_ / "sheet.png").height, 200u);
+    EXPECT_GT(formats::read_image({folder_ / "sheet.png"}).height, 200u);
     options.sheet = false;
     write(two_tori(), "source.obj");
     options.source = folder_ / "source.obj";

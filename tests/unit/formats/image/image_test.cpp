@@ -32,7 +32,7 @@ TEST(Png, ColoursComeBackWithAlpha) {
     for (const auto& [width, height] : {std::pair{1u, 1u}, {37u, 5u}, {300u, 200u}}) {
         const Image image = random_image(width, height);
         write_png(folder / "a.png", image);
-        EXPECT_EQ(dgm::formats::read_image(folder / "a.png"), image);
+        EXPECT_EQ(dgm::formats::read_image({folder / "a.png"}), image);
     }
 }
 
@@ -41,7 +41,7 @@ TEST(Png, SixteenBitHeightsComeBack) {
     GrayImage16 image{256, 256, {}};
     for (unsigned k = 0; k < 65536; ++k) image.pixels.push_back(static_cast<std::uint16_t>(k));
     write_png(folder / "a.png", image);
-    const auto heights = dgm::formats::read_height(folder / "a.png");
+    const auto heights = dgm::formats::read_height({folder / "a.png"});
     ASSERT_EQ(heights.pixels.size(), 65536u);
     for (unsigned k = 0; k < 65536; ++k) ASSERT_EQ(heights.pixels[k], static_cast<float>(k) / 65535.0f);
 }
@@ -54,7 +54,7 @@ TEST(Png, EightBitHeightsAreUnits) {
         image.pixels.push_back({g, g, g, 255});
     }
     write_png(folder / "a.png", image);
-    const auto heights = dgm::formats::read_height(folder / "a.png");
+    const auto heights = dgm::formats::read_height({folder / "a.png"});
     for (unsigned k = 0; k < 256; ++k) EXPECT_NEAR(heights.at(k, 0), k / 255.0, 1.0 / 255);
     EXPECT_EQ(heights.at(0, 0), 0.0f);
     EXPECT_EQ(heights.at(255, 0), 1.0f);
@@ -82,14 +82,14 @@ TEST(ImageFiles, BmpAndTgaAreRead) {
     std::string bmp("BM\x3E\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x02\0\0\0\x01\0\0\0\x01\0\x18\0", 30);
     bmp += std::string(24, '\0') + std::string("\0\0\xFF\0\xFF\0\0\0", 8);
     write_bytes(folder / "a.bmp", bmp);
-    const Image from_bmp = dgm::formats::read_image(folder / "a.bmp");
+    const Image from_bmp = dgm::formats::read_image({folder / "a.bmp"});
     ASSERT_EQ(from_bmp.width, 2u);
     EXPECT_EQ(from_bmp.at(0, 0), (dgm::model::Rgba8{255, 0, 0, 255}));
     EXPECT_EQ(from_bmp.at(1, 0), (dgm::model::Rgba8{0, 255, 0, 255}));
     // TGA, uncompressed, 1 x 2, origin at the lower left: the first row stored is the lower one.
     write_bytes(folder / "a.tga",
                 std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\2\0\x18\0", 18) + std::string("\xFF\0\0\0\0\xFF", 6));
-    const Image from_tga = dgm::formats::read_image(folder / "a.tga");
+    const Image from_tga = dgm::formats::read_image({folder / "a.tga"});
     ASSERT_EQ(from_tga.height, 2u);
     EXPECT_EQ(from_tga.at(0, 0), (dgm::model::Rgba8{255, 0, 0, 255}));
     EXPECT_EQ(from_tga.at(0, 1), (dgm::model::Rgba8{0, 0, 255, 255}));
@@ -99,10 +99,10 @@ TEST(ImageFiles, BadOnesHaveTheirCodes) {
     const TempFolder folder;
     const auto read = [&](const std::string& bytes) {
         write_bytes(folder / "bad", bytes);
-        return code_of([&] { (void)dgm::formats::read_image(folder / "bad"); });
+        return code_of([&] { (void)dgm::formats::read_image({folder / "bad"}); });
     };
-    EXPECT_EQ(code_of([&] { (void)dgm::formats::read_image(folder / "none"); }), codes::kFileMissing.number);
-    EXPECT_EQ(code_of([&] { (void)dgm::formats::read_image(folder.path()); }), codes::kReadFailed.number);
+    EXPECT_EQ(code_of([&] { (void)dgm::formats::read_image({folder / "none"}); }), codes::kFileMissing.number);
+    EXPECT_EQ(code_of([&] { (void)dgm::formats::read_image({folder.path()}); }), codes::kReadFailed.number);
     EXPECT_EQ(read(""), codes::kImageUnreadable.number);
     EXPECT_EQ(read("no picture at all"), codes::kImageUnreadable.number);
     const auto bytes = encode_png(random_image(50, 50));

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <functional>
 
 #include "image/image.h"
@@ -99,7 +100,7 @@ TEST(Import3ds, FacesMaterialsAndTexture) {
         EXPECT_EQ(material.diffuse, is_red ? (dgm::model::Rgba8{255, 0, 0, 255}) : (dgm::model::Rgba8{0, 0, 255, 255}));
         EXPECT_EQ(material.diffuse_map.empty(), !is_red);
         if (is_red) {  // in another case than the file says
-            EXPECT_EQ(material.diffuse_map, folder / "tex.png");
+            EXPECT_EQ(material.diffuse_map.path, folder / "tex.png");
         }
     }
     EXPECT_EQ(in.dependencies, (std::vector<std::filesystem::path>{folder / "tex.png"}));
@@ -113,6 +114,44 @@ TEST(Import3ds, MissingTextureIsAWarning) {
     EXPECT_EQ(in.warnings[0].substr(0, 27), "DGM3012: texture missing: T") << in.warnings[0];
     ASSERT_EQ(in.missing.size(), 1u);
     EXPECT_EQ(in.missing[0].substr(0, 1), "T");
+}
+
+/// Gives the scene a picture inside its file, which its first material names.
+void embed_picture(aiScene& scene, const std::string& png) {
+    auto* picture = new aiTexture;
+    picture->mWidth = static_cast<unsigned>(png.size());
+    picture->mHeight = 0;
+    picture->pcData = reinterpret_cast<aiTexel*>(new char[png.size() + sizeof(aiTexel)]);
+    std::memcpy(static_cast<void*>(picture->pcData), png.data(), png.size());
+    std::memcpy(picture->achFormatHint, "png", 4);
+    scene.mNumTextures = 1;
+    scene.mTextures = new aiTexture* [1] { picture };
+    const aiString name("*0");
+    scene.mMaterials[0]->RemoveProperty(AI_MATKEY_TEXTURE_DIFFUSE(0));
+    scene.mMaterials[0]->AddProperty(&name, AI_MATKEY_TEXTURE_DIFFUSE(0));
+}
+
+TEST(ImportAssimp, APictureInsideTheFileComesWithIt) {
+    const TempFolder folder;
+    const dgm::formats::Image image{2, 1, {{10, 20, 30, 255}, {200, 100, 50, 255}}};
+    write_png(folder / "tex.png", image);
+    const auto scene = two_triangles(false);
+    embed_picture(*scene, read_bytes(folder / "tex.png"));
+    export_scene(*scene, "glb2", folder / "a.glb");
+    std::filesystem::remove(folder / "tex.png");
+    const auto in = read_mesh(folder / "a.glb");
+    EXPECT_TRUE(in.warnings.empty());
+    EXPECT_TRUE(in.dependencies.empty());
+    std::size_t pictures = 0;
+    for (const dgm::model::Material& material : in.mesh.materials) {
+        if (material.diffuse_map.empty()) continue;
+        ++pictures;
+        EXPECT_EQ(material.diffuse_map.name(), "picture 1 in a.glb");
+        EXPECT_EQ(dgm::formats::read_image(material.diffuse_map), image);
+        dgm::model::PictureFile damaged{material.diffuse_map.path, std::make_shared<const std::string>("no picture")};
+        EXPECT_EQ(dgm::test::code_of([&] { (void)dgm::formats::read_image(damaged); }), codes::kImageUnreadable.number);
+    }
+    EXPECT_EQ(pictures, 1U);
 }
 
 TEST(ImportAssimp, NodesArePlacedAndMirroredFacesTurned) {

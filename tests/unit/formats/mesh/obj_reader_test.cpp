@@ -187,8 +187,8 @@ TEST_F(ObjMaterials, ColourAlphaAndMaps) {
     const auto& m = in.mesh.materials[0];
     EXPECT_EQ(m.name, "skin");
     EXPECT_EQ(m.diffuse, (Rgba8{255, 128, 0, 128}));
-    EXPECT_EQ(m.diffuse_map, folder_ / "Skin Tex.PNG");
-    EXPECT_EQ(m.bump_map, folder_ / "maps/bump.png");
+    EXPECT_EQ(m.diffuse_map.path, folder_ / "Skin Tex.PNG");
+    EXPECT_EQ(m.bump_map.path, folder_ / "maps/bump.png");
     EXPECT_EQ(m.bump_scale, 0.25);
     EXPECT_FALSE(m.bump_is_normal_map);
     EXPECT_EQ(in.mesh.face_materials, (std::vector<std::uint32_t>{0}));
@@ -218,7 +218,7 @@ TEST_F(ObjMaterials, NormalMapsAreToldFromHeights) {
     EXPECT_TRUE(read(obj_, "newmtl skin\nnorm n.png\n").mesh.materials[0].bump_is_normal_map);
     EXPECT_TRUE(read(obj_, "newmtl skin\nbump skin_normal.png\n").mesh.materials[0].bump_is_normal_map);
     const auto both = read(obj_, "newmtl skin\nbump h.png\nnorm n.png\n").mesh.materials[0];
-    EXPECT_EQ(both.bump_map, folder_ / "h.png");
+    EXPECT_EQ(both.bump_map.path, folder_ / "h.png");
     EXPECT_FALSE(both.bump_is_normal_map);
 }
 
@@ -238,7 +238,7 @@ TEST_F(ObjMaterials, WindowsPathsMayHaveBlanks) {
     const auto found = [&](const std::string& statement) {
         const ImportedMesh in =
             read("mtllib a.mtl\n" + kTriangle + "usemtl skin\nf 1 2 3\n", "newmtl skin\nmap_Kd " + statement + "\n");
-        return in.mesh.materials[0].diffuse_map.lexically_relative(folder_.path()).generic_string();
+        return in.mesh.materials[0].diffuse_map.path.lexically_relative(folder_.path()).generic_string();
     };
     const std::string one = "My Textures/skin one.png";
     EXPECT_EQ(found("My Textures\\skin one.png"), one);
