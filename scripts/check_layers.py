@@ -38,7 +38,7 @@ def rooms(*names):
     return RUNTIME + tuple(f"libdgm/src/{name}" for name in names)
 
 
-DATA = RUNTIME + ("formats/model", "formats/image")
+DATA = RUNTIME + ("formats/math", "formats/model", "formats/image")
 KERNEL = DATA + ("cli/geometry/mesh",)
 MESHES = KERNEL + ("cli/geometry/spatial", "cli/geometry/cut", "cli/geometry/simplify", "cli/geometry/metrics")
 MAPS = MESHES + ("cli/geometry/solve", "cli/geometry/parameterize")
@@ -60,6 +60,7 @@ PARTS = (
     Part("libdgm/src/contact", 0, rooms("base", "rows", "file", "surface", "touch"), (), "obstacles and volume"),
     Part("libdgm/src/query", 0, rooms("base", "rows", "file", "surface", "touch"), (), "triangles, rays, nearest samples"),
     Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
+    Part("formats/math", 0.5, (), (), "functions that round alike everywhere; the C library's do not"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
     Part("formats/image", 1, ("formats/model",), (PNG, STB), "pixels in and out; no other part decodes pictures"),
     # The rooms of the geometry: pure functions on meshes. All build without CGAL, and most without Eigen.
@@ -101,7 +102,7 @@ PARTS = (
     Part("cli/validate", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/info", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
     Part("cli/export/program", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("samples/generate", 4, ("formats/model",), (PNG,), "makes meshes; knows nothing of baking"),
+    Part("samples/generate", 4, ("formats/math", "formats/model"), (PNG,), "makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
     Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),
     Part("samples", 6, DATA + ("cli/render", "samples/support"), (), "the paper's figures, on the runtime"),

@@ -45,7 +45,7 @@ std::uint64_t parse_bytes(std::string_view name, const std::string& text, std::s
         power != std::string_view::npos) {
         const std::string_view tail = std::string_view(unit).substr(1);
         good = good && (tail.empty() || tail == "B" || tail == "IB");
-        factor = std::pow(tail == "B" ? 1000.0 : 1024.0, static_cast<double>(power + 1));
+        for (std::size_t k = 0; k <= power; ++k) factor *= tail == "B" ? 1000 : 1024;
     } else {
         good = good && (unit.empty() || unit == "B");
     }

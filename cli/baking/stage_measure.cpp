@@ -30,6 +30,7 @@ void to_source_units(SurfaceError& e, double diagonal) {
 std::vector<double> shares_of(const std::vector<double>& areas) {
     const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
     std::vector<double> out;
+    out.reserve(areas.size());
     for (const double a : areas) out.push_back(area > 0 ? a / area : 1);
     return out;
 }

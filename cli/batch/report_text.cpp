@@ -258,6 +258,7 @@ std::vector<std::string> left_out_lines(const std::vector<LeftOutFile>& files, b
 
 std::vector<std::string> left_over_lines(const std::vector<LeftOver>& files) {
     std::vector<std::string> out;
+    out.reserve(files.size() + 1);
     const bool all_stay = std::none_of(files.begin(), files.end(), [](const LeftOver& file) { return file.removed; });
     for (const LeftOver& file : files)
         out.push_back(fmt::format("{}: {}: its mesh {} {}", file.removed ? "removed" : "left over",

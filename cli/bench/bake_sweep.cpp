@@ -33,6 +33,7 @@ auto value_for(const Table& table, const std::string& word, const char* what) {
     const auto value = bake::value_of(table, word);
     if (!value) {
         std::vector<std::string> words;
+        words.reserve(std::size(table));
         for (const auto& row : table) words.emplace_back(row.name);
         throw model::Error(model::codes::kUsage, tool::unknown_word(what, word, words));
     }

@@ -19,6 +19,7 @@
 #include "export/staging_folder.h"
 #include "exr/exr_image.h"
 #include "image/image.h"
+#include "math/portable.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "model/layer_names.h"
@@ -39,13 +40,13 @@ constexpr double kFarDiagonals = 64;
 
 double light_of(std::uint8_t code) {
     const double s = code / 255.0;
-    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    return s <= 0.04045 ? s / 12.92 : math::pow((s + 0.055) / 1.055, 2.4);
 }
 std::uint8_t code_of_unit(double unit) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(unit, 0.0, 1.0) * 255));
 }
 std::uint8_t code_of_light(double light) {
-    return code_of_unit(light <= 0.0031308 ? light * 12.92 : 1.055 * std::pow(light, 1 / 2.4) - 0.055);
+    return code_of_unit(light <= 0.0031308 ? light * 12.92 : 1.055 * math::pow(light, 1 / 2.4) - 0.055);
 }
 
 /// A layer's numbers; `channels` of them from number `first` of each sample's `stride`.
@@ -65,7 +66,7 @@ Plane plane_of(const Layer& layer, std::uint32_t first, std::uint32_t channels, 
 std::array<double, 3> origin_of(const Chart& chart) {
     double diagonal = 0, farthest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        diagonal = std::hypot(diagonal, chart.bbox[k + 3] - chart.bbox[k]);
+        diagonal = math::hypot(diagonal, chart.bbox[k + 3] - chart.bbox[k]);
         farthest = std::max({farthest, std::abs(chart.bbox[k]), std::abs(chart.bbox[k + 3])});
     }
     return farthest > kFarDiagonals * diagonal ? chart.offset : std::array<double, 3>{};
@@ -208,7 +209,7 @@ class ChartMaps {
         Plane normals = on_grid(normals_of(layer), layers::kNormal);
         for (std::size_t k = 0; k < normals.pixels(); ++k) {
             double* n = normals.values.data() + 3 * k;
-            const double length = std::hypot(n[0], n[1], n[2]);
+            const double length = math::hypot(n[0], n[1], n[2]);
             const bool is_new = width_ != chart_.cols || height_ != chart_.rows;
             for (std::size_t c = 0; is_new && length > 0 && c < 3; ++c) n[c] /= length;
         }

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "geometry/metrics/bump_normals.h"
+#include "math/portable.h"
 #include "render/layer_values.h"
 
 namespace dgm::exporter {
@@ -98,7 +99,7 @@ std::vector<Vec3d> vertex_tangents(const ChartMesh& mesh) {
             const Vec3d& at = mesh.positions[f[k]];
             const Vec3d next = in_plane(mesh.positions[f[(k + 1) % 3]] - at, n);
             const Vec3d previous = in_plane(mesh.positions[f[(k + 2) % 3]] - at, n);
-            const double angle = std::acos(std::clamp(dot(next, previous), -1.0, 1.0));
+            const double angle = math::acos(std::clamp(dot(next, previous), -1.0, 1.0));
             sum[f[k]] += in_plane(along, n) * angle;
         }
     }

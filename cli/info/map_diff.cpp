@@ -12,6 +12,7 @@
 
 #include <dgm/layout.h>
 
+#include "math/portable.h"
 #include "model/element.h"
 
 namespace dgm::info {
@@ -122,7 +123,7 @@ double diagonal(const model::MapSet& maps) {
             box[axis] = none ? chart.bbox[axis] : std::min(box[axis], chart.bbox[axis]);
             box[axis + 3] = none ? chart.bbox[axis + 3] : std::max(box[axis + 3], chart.bbox[axis + 3]);
         }
-    return maps.charts.empty() ? 0 : std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
+    return maps.charts.empty() ? 0 : math::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
 }
 
 }  // namespace

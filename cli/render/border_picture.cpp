@@ -10,6 +10,7 @@
 #include <set>
 #include <vector>
 
+#include "math/portable.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "model/octahedral.h"
@@ -59,7 +60,7 @@ Image surface_image(const Chart& chart) {
 /// Angle about the middle of the square as 0..1, so that neighbours along a border have neighbouring colours.
 double turn(const Chart& chart, Vec2d pixel) {
     const double x = 2 * pixel.x / (chart.cols - 1) - 1, y = 2 * pixel.y / (chart.rows - 1) - 1;
-    return std::atan2(y, x) / (2 * std::acos(-1.0)) + 0.5;
+    return math::atan2(y, x) / (2 * math::acos(-1.0)) + 0.5;
 }
 
 double dot_radius(const Chart& chart) {

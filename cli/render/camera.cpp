@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include "math/portable.h"
+
 namespace dgm::render {
 namespace {
 using model::Vec3d;
@@ -45,10 +47,10 @@ Frame view_frame(const View& view) {
     const Vec3d up = up_direction(view.up);
     const Vec3d front = view.up == UpAxis::kY ? Vec3d{0, 0, 1} : Vec3d{0, -1, 0};
     const Vec3d side = cross(up, front);
-    const Vec3d level = std::cos(yaw) * front + std::sin(yaw) * side;
+    const Vec3d level = math::cos(yaw) * front + math::sin(yaw) * side;
     Frame frame;
-    frame.towards = std::cos(pitch) * level + std::sin(pitch) * up;
-    frame.right = std::cos(yaw) * side - std::sin(yaw) * front;
+    frame.towards = math::cos(pitch) * level + math::sin(pitch) * up;
+    frame.right = math::cos(yaw) * side - math::sin(yaw) * front;
     frame.up = cross(frame.towards, frame.right);
     return frame;
 }
@@ -126,7 +128,7 @@ Camera fit_camera(std::span<const Vec3d> points, const View& view, std::uint32_t
         camera.eye = cx * right + cy * up + (cz + 4 * smallest) * towards;
         return camera;
     }
-    const double shorter = std::tan(radians(0.5 * options.field_of_view_degrees));
+    const double shorter = math::tan(radians(0.5 * options.field_of_view_degrees));
     camera.half_width = shorter * w / std::min(w, h);
     camera.half_height = shorter * h / std::min(w, h);
     double distance = 0;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "math/portable.h"
 #include "model/codes.h"
 #include "render/colour.h"
 #include "render/typeface.h"
@@ -72,7 +73,7 @@ void fill_disc(Image& image, double x, double y, double radius, Rgba8 colour) {
          v <= clamp_to(std::ceil(y + radius), image.height); ++v)
         for (std::int64_t u = clamp_to(std::floor(x - radius), image.width);
              u <= clamp_to(std::ceil(x + radius), image.width); ++u)
-            if (std::hypot(static_cast<double>(u) - x, static_cast<double>(v) - y) <= radius)
+            if (math::hypot(static_cast<double>(u) - x, static_cast<double>(v) - y) <= radius)
                 pixel(image, static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v)) = colour;
 }
 

@@ -8,16 +8,22 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/portable.h"
+
 namespace dgm::render {
 namespace {
 constexpr model::Rgba8 kNotANumber{255, 0, 255, 255};
 
+double cube(double x) {
+    return x * x * x;
+}
+
 Rgb rgb_from_oklch(double lightness, double chroma, double hue_degrees) {
     const double hue = hue_degrees * std::numbers::pi / 180;
-    const double a = chroma * std::cos(hue), b = chroma * std::sin(hue);
-    const double l = std::pow(lightness + 0.3963377774 * a + 0.2158037573 * b, 3);
-    const double m = std::pow(lightness - 0.1055613458 * a - 0.0638541728 * b, 3);
-    const double s = std::pow(lightness - 0.0894841775 * a - 1.2914855480 * b, 3);
+    const double a = chroma * math::cos(hue), b = chroma * math::sin(hue);
+    const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b);
+    const double m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b);
+    const double s = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
     return {static_cast<float>(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
             static_cast<float>(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
             static_cast<float>(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
@@ -63,7 +69,7 @@ float linear_from_byte(std::uint8_t srgb) {
         for (int i = 0; i < 256; ++i) {
             const double c = i / 255.0;
             t[static_cast<std::size_t>(i)] =
-                static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+                static_cast<float>(c <= 0.04045 ? c / 12.92 : math::pow((c + 0.055) / 1.055, 2.4));
         }
         return t;
     }();
@@ -74,7 +80,7 @@ std::uint8_t byte_from_linear(float linear) {
     if (!(linear > 0)) return 0;
     if (linear >= 1) return 255;
     const double c = linear;
-    const double s = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+    const double s = c <= 0.0031308 ? 12.92 * c : 1.055 * math::pow(c, 1 / 2.4) - 0.055;
     return static_cast<std::uint8_t>(std::lround(255 * s));
 }
 

@@ -5,10 +5,11 @@
 #include "render/normals.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <numeric>
 #include <tuple>
+
+#include "math/portable.h"
 
 namespace dgm::render {
 namespace {
@@ -32,13 +33,13 @@ std::vector<std::uint32_t> weld_equal_positions(const std::vector<Vec3d>& positi
 
 double corner_angle(const Vec3d& at, const Vec3d& next, const Vec3d& previous) {
     const Vec3d a = next - at, b = previous - at;
-    return std::atan2(length(cross(a, b)), dot(a, b));
+    return math::atan2(length(cross(a, b)), dot(a, b));
 }
 }  // namespace
 
 std::vector<Vec3d> smooth_corner_normals(const model::TriMesh& mesh, double crease_degrees) {
     constexpr std::uint32_t kManyFaces = 64;
-    const double min_cosine = std::cos(crease_degrees * std::numbers::pi / 180);
+    const double min_cosine = math::cos(crease_degrees * std::numbers::pi / 180);
     const std::size_t corners = 3 * mesh.faces.size();
     const std::vector<std::uint32_t> weld = weld_equal_positions(mesh.positions);
 

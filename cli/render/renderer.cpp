@@ -16,6 +16,7 @@
 #include <cmath>
 #include <limits>
 
+#include "math/portable.h"
 #include "model/codes.h"
 #include "render/colour.h"
 #include "render/normals.h"
@@ -41,7 +42,7 @@ Rgb sky(double upness) {
 
 /// Keeps highlights from clipping: the identity up to 0.8, then bends to stay below 1.
 float shoulder(float x) {
-    return x <= 0.8f ? x : 0.8f + 0.2f * (1 - std::exp((0.8f - x) / 0.2f));
+    return x <= 0.8f ? x : 0.8f + 0.2f * (1 - static_cast<float>(math::exp((0.8f - x) / 0.2f)));
 }
 
 Rgb texel(const formats::Image& image, std::int64_t x, std::int64_t y) {
@@ -199,7 +200,7 @@ class Renderer {
         Rgb lit = p.colour * (light.sky * kSkyStrength + Rgb{1, 0.985f, 0.96f} * (kKeyStrength * light.key));
         const Vec3d half = normalized(key_ + to_eye, p.normal);
         const auto shine = static_cast<float>(std::max(0.0, dot(half, p.normal)));
-        if (light.key > 0) lit += Rgb{1, 1, 1} * (p.gloss * std::pow(shine, kGlossPower));
+        if (light.key > 0) lit += Rgb{1, 1, 1} * (p.gloss * static_cast<float>(math::pow(shine, kGlossPower)));
         return mix(p.colour, {shoulder(lit.r), shoulder(lit.g), shoulder(lit.b)}, p.shading);
     }
 

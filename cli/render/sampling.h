@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "math/portable.h"
 #include "model/vec.h"
 
 namespace dgm::render {
@@ -50,15 +51,18 @@ inline void tangent_frame(const model::Vec3d& n, model::Vec3d& a, model::Vec3d& 
     model::Vec3d a, b;
     tangent_frame(n, a, b);
     const double r = std::sqrt(sample.x), phi = 2 * std::numbers::pi * sample.y;
-    return r * std::cos(phi) * a + r * std::sin(phi) * b + std::sqrt(1 - sample.x) * n;
+    const auto [sine, cosine] = math::sine_cosine(phi);
+    return r * cosine * a + r * sine * b + std::sqrt(1 - sample.x) * n;
 }
 
 /// Direction within the cone about `axis` whose half angle has the given sine, uniform over its disc.
-[[nodiscard]] inline model::Vec3d cone_direction(const model::Vec3d& axis, double sine, model::Vec2d sample) {
+[[nodiscard]] inline model::Vec3d cone_direction(const model::Vec3d& axis, double half_angle_sine,
+                                                 model::Vec2d sample) {
     model::Vec3d a, b;
     tangent_frame(axis, a, b);
-    const double r = sine * std::sqrt(sample.x), phi = 2 * std::numbers::pi * sample.y;
-    return normalized(r * std::cos(phi) * a + r * std::sin(phi) * b + std::sqrt(1 - r * r) * axis);
+    const double r = half_angle_sine * std::sqrt(sample.x), phi = 2 * std::numbers::pi * sample.y;
+    const auto [sine, cosine] = math::sine_cosine(phi);
+    return normalized(r * cosine * a + r * sine * b + std::sqrt(1 - r * r) * axis);
 }
 
 }  // namespace dgm::render

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "math/portable.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "render/canvas.h"
@@ -42,10 +43,10 @@ std::array<std::string, 3> legend_words(Quantity quantity, const Scales& scales,
         return {"inside " + length_text(scales.distance, diagonal), "0",
                 "outside " + length_text(scales.distance, diagonal)};
     if (quantity == Quantity::kArea)
-        return {fmt::format("1/{:.2g} of the mean", std::exp2(scales.area)), "1",
-                fmt::format("{:.2g} times", std::exp2(scales.area))};
-    return {"1 (none)", fmt::format("{:.2g}", std::exp2(scales.angle / 2)),
-            fmt::format("{:.2g}", std::exp2(scales.angle))};
+        return {fmt::format("1/{:.2g} of the mean", math::pow(2, scales.area)), "1",
+                fmt::format("{:.2g} times", math::pow(2, scales.area))};
+    return {"1 (none)", fmt::format("{:.2g}", math::pow(2, scales.angle / 2)),
+            fmt::format("{:.2g}", math::pow(2, scales.angle))};
 }
 
 std::size_t shown_charts(const BakedAsset& baked) {

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <limits>
 
+#include "math/portable.h"
+
 namespace dgm::report {
 namespace {
 using model::Face;
@@ -69,7 +71,7 @@ Stretch stretch_of(const std::array<Vec3d, 3>& q, Vec2d p2, Vec2d p3) {
     const double a = dot(Ss, Ss), b = dot(Ss, St), c = dot(St, St);
     out.ratio = out.surface / std::abs(A);
     // s1 s2 is the ratio of areas: a difference of squares would cancel for needles.
-    out.dilatation = 0.5 * (a + c + std::hypot(a - c, 2 * b)) / out.ratio;
+    out.dilatation = 0.5 * (a + c + math::hypot(a - c, 2 * b)) / out.ratio;
     return out;
 }
 }  // namespace
@@ -95,11 +97,11 @@ SurfaceValues surface_values(const model::Chart& chart, const bake::Reconstructi
         all_map += s.surface / s.ratio;
         for (const std::uint32_t v : mesh.faces[f]) {
             weight[v] += s.surface;
-            area[v] += s.surface * std::log2(s.ratio);
-            angle[v] += s.surface * std::log2(std::max(1.0, s.dilatation));
+            area[v] += s.surface * math::log2(s.ratio);
+            angle[v] += s.surface * math::log2(std::max(1.0, s.dilatation));
         }
     }
-    const double mean = all_map > 0 ? std::log2(all_surface / all_map) : 0;
+    const double mean = all_map > 0 ? math::log2(all_surface / all_map) : 0;
     for (std::size_t v = 0; v < weight.size(); ++v)
         if (weight[v] > 0) {
             out.area[v] = area[v] / weight[v] - mean;

@@ -13,6 +13,7 @@
 
 #include "baking/option_names.h"
 #include "batch/report_text.h"
+#include "math/portable.h"
 #include "model/codes.h"
 #include "model/layer_names.h"
 
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 /// Source units that a pixel covers at the asset's nearest distance.
 double pixel_length(const SceneAsset& asset) {
     const double half_angle = asset.view.fov_degrees / 2 * std::numbers::pi / 180;
-    return 2 * *asset.distance * std::tan(half_angle) / asset.view.rows;
+    return 2 * *asset.distance * math::tan(half_angle) / asset.view.rows;
 }
 
 std::string size_text(std::uint64_t rows, std::uint64_t cols) {

@@ -12,6 +12,7 @@
 #include <dgm/state.h>
 #include <dgm/tick.h>
 
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::scene {
@@ -70,7 +71,7 @@ TickTime measure_tick(const Asset& asset, Footprint footprint, Reach reach) {
     const Chart chart = value_of(asset.chart(largest));
     StateOptions options{.max_reach = kMaxReach, .max_tools = 1};
     const auto box = chart.bbox();
-    const double diagonal = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
+    const double diagonal = math::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
     // Only a state knows the length of a step, and the memory of the timed one follows from the reach in steps.
     const double mean_step = value_of(State::create(chart, {.max_reach = 1})).mean_step();
     const double radius = reach.percent ? reach.value / 100 * diagonal : reach.value;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::validate {
@@ -131,7 +132,7 @@ void compare_error(const json& error, const std::string& place, FindingList& fin
     }
     const auto rms = get("rms"), hausdorff = get("hausdorff");
     if (rms && diagonal && *diagonal > 0)
-        expect("psnr", std::min(300.0, *rms > 0 ? 20 * std::log10(*diagonal / *rms) : 300.0));
+        expect("psnr", std::min(300.0, *rms > 0 ? 20 * math::log10(*diagonal / *rms) : 300.0));
     if (rms && hausdorff && *rms > *hausdorff * (1 + 1e-9))
         findings.error(codes::kBadReport, place + ".rms", "the mean is above the largest distance", {*rms, *hausdorff});
 }

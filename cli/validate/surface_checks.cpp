@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "math/portable.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "validate/surface.h"
@@ -164,7 +165,7 @@ void check_strip(const Surface& s, FindingList& findings) {
                     b = uv_of(element<std::uint32_t>(*faces, 3 * t + 1)),
                     c = uv_of(element<std::uint32_t>(*faces, 3 * t + 2));
         const Vec2d e = b - a, f = c - a;
-        const double area = cross(e, f), slack = kRounding * (std::hypot(e.x, e.y) + std::hypot(f.x, f.y));
+        const double area = cross(e, f), slack = kRounding * (math::hypot(e.x, e.y) + math::hypot(f.x, f.y));
         if (area >= -slack) continue;
         if (flipped++ == 0) first = t;
         worst = std::min(worst, area / 2);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "math/portable.h"
 #include "model/half.h"
 #include "model/layer_names.h"
 
@@ -84,10 +85,10 @@ void name_channels(LayerImage& image, std::string_view name, ElementType type, b
 }
 
 double linear_of_srgb(double s) {
-    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    return s <= 0.04045 ? s / 12.92 : math::pow((s + 0.055) / 1.055, 2.4);
 }
 double srgb_of_linear(double l) {
-    return l <= 0.0031308 ? l * 12.92 : 1.055 * std::pow(l, 1 / 2.4) - 0.055;
+    return l <= 0.0031308 ? l * 12.92 : 1.055 * math::pow(l, 1 / 2.4) - 0.055;
 }
 
 float float_of_half(std::uint16_t bits) {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "math/portable.h"
 #include "noise.h"
 #include "upholstery.h"
 
@@ -55,7 +56,7 @@ std::vector<ProfilePoint> profile(double height) {
     constexpr double kPiping = 0.55;
     for (const double degrees : {118., 86., 54., 22., -10., -42., -74., -106.}) {
         const double a = degrees * std::numbers::pi / 180;
-        out.push_back({0.10 + kPiping * std::cos(a), height + kPiping * std::sin(a)});
+        out.push_back({0.10 + kPiping * math::cos(a), height + kPiping * math::sin(a)});
     }
     const double h = height - 0.75;  // below the piping: a soft side, then round to the bottom
     for (const ProfilePoint p : {ProfilePoint{-0.28, 1.0},
@@ -143,7 +144,7 @@ class BoxBuilder {
         std::vector<double> drop{0};
         for (std::size_t r = 1; r < profile_.size(); ++r)
             drop.push_back(drop.back() +
-                           std::hypot(profile_[r].out - profile_[r - 1].out, profile_[r].z - profile_[r - 1].z));
+                           math::hypot(profile_[r].out - profile_[r - 1].out, profile_[r].z - profile_[r - 1].z));
         const auto uv_base = static_cast<std::uint32_t>(mesh.uvs.size());
         for (const double d : drop)
             for (int k = 0; k <= kCells; ++k) mesh.uvs.push_back({k / static_cast<double>(kCells), 1 - d / box_.tile});
@@ -170,7 +171,7 @@ class BoxBuilder {
 
 // 0 on the border of the plan, 1 a little way in: the padding's round edge.
 double padding(double x, double y, double softness) {
-    return (1 - std::exp(-softness * (1 - std::abs(x)))) * (1 - std::exp(-softness * (1 - std::abs(y))));
+    return (1 - math::exp(-softness * (1 - std::abs(x)))) * (1 - math::exp(-softness * (1 - std::abs(y))));
 }
 }  // namespace
 
@@ -182,7 +183,7 @@ PolyMesh make_chair_seat() {
     box.height = 6.5;
     box.tile = 50;
     box.top = [](double x, double y) {
-        const double dish = std::exp(-(x * x + (y + 0.1) * (y + 0.1)) / 0.32);
+        const double dish = math::exp(-(x * x + (y + 0.1) * (y + 0.1)) / 0.32);
         return padding(x, y, 7) * (2.9 - 2.1 * dish + 0.15 * noise3({2.5 * x, 2.5 * y, 0}, 141));
     };
     PolyMesh mesh = BoxBuilder(box).mesh;
@@ -204,8 +205,9 @@ PolyMesh make_chair_back() {
         double pull = 0;
         for (const auto& b : kButtons) {
             const double dx = x - b[0], dy = y - b[1], r2 = dx * dx + dy * dy;
-            const double star = 1 + 0.35 * std::cos(4 * std::atan2(dy, dx));  // the cloth pleats towards its neighbours
-            pull += 1.5 * std::exp(-r2 / 0.006) + 1.2 * std::exp(-r2 / (0.035 * star));
+            const double star =
+                1 + 0.35 * math::cos(4 * math::atan2(dy, dx));  // the cloth pleats towards its neighbours
+            pull += 1.5 * math::exp(-r2 / 0.006) + 1.2 * math::exp(-r2 / (0.035 * star));
         }
         return padding(x, y, 6) * std::max(0.2, 3.4 - pull);
     };
@@ -216,8 +218,8 @@ PolyMesh make_chair_back() {
         constexpr double kRadius = 62, kRecline = 0.20;
         const double crest = 3.2 * std::max(0.0, 1 - p.x * p.x / 529) * smooth_step(0, 26, p.y);
         const double angle = p.x / kRadius, r = kRadius - p.z;
-        const Vec3d bent{r * std::sin(angle), p.y + crest, kRadius - r * std::cos(angle)};
-        const double c = std::cos(kRecline), s = std::sin(kRecline);
+        const Vec3d bent{r * math::sin(angle), p.y + crest, kRadius - r * math::cos(angle)};
+        const double c = math::cos(kRecline), s = math::sin(kRecline);
         p = {bent.x, -bent.z * c + bent.y * s, bent.y * c + bent.z * s};
     }
     quantise(mesh);

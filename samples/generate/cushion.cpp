@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "math/portable.h"
 #include "noise.h"
 #include "upholstery.h"
 
@@ -32,17 +33,17 @@ Vec2d outline(double x, double y, double half) {
 }
 
 double bulge(double x, double y) {
-    const double a = std::max(0.0, 1 - std::pow(std::abs(x), 2.3)), b = std::max(0.0, 1 - std::pow(std::abs(y), 2.3));
-    return std::pow(a, 0.66) * std::pow(b, 0.66);
+    const double a = std::max(0.0, 1 - math::pow(std::abs(x), 2.3)), b = std::max(0.0, 1 - math::pow(std::abs(y), 2.3));
+    return math::pow(a, 0.66) * math::pow(b, 0.66);
 }
 
 // Creases: rays out of the corners, and short puckers across the seam.
 double creases(double x, double y, int side) {
     const double ax = std::abs(x), ay = std::abs(y);
-    const double corner = smooth_step(0.9, 0.25, std::hypot(1 - ax, 1 - ay));
-    const double ray = std::sin(11 * std::atan2(1 - ay, 1 - ax + 1e-9) + side + 2 * (x > 0) + 3 * (y > 0));
+    const double corner = smooth_step(0.9, 0.25, math::hypot(1 - ax, 1 - ay));
+    const double ray = math::sin(11 * math::atan2(1 - ay, 1 - ax + 1e-9) + side + 2 * (x > 0) + 3 * (y > 0));
     const double along = ax > ay ? y : x, in = 1 - std::max(ax, ay);
-    const double pucker = std::sin(34 * along + 3 * noise3({5 * along, 0.0 + side, 2.0 * (ax > ay)}, 121));
+    const double pucker = math::sin(34 * along + 3 * noise3({5 * along, 0.0 + side, 2.0 * (ax > ay)}, 121));
     return 0.30 * corner * ray +
            0.22 * pucker * smooth_step(0.0, 0.06, in) * smooth_step(0.34, 0.10, in) * (1 - corner);
 }
@@ -105,13 +106,13 @@ PolyMesh make_cushion_cover() {
         [](double x, double y, int side) {
             // The bag reaches past the cushion at +x; there its two lips gape instead of meeting.
             const Vec2d p = outline(x, y, 1.05 * kHalfWidth);
-            const double reach = smooth_step(0.2, 1.0, x), rim = std::max(0.0, 1 - std::pow(std::abs(y), 2.6));
-            const double slack = 0.55 * std::pow(rim, 0.5) * smooth_step(-1.0, -0.8, x);
+            const double reach = smooth_step(0.2, 1.0, x), rim = std::max(0.0, 1 - math::pow(std::abs(y), 2.6));
+            const double slack = 0.55 * math::pow(rim, 0.5) * smooth_step(-1.0, -0.8, x);
             const double folds =
                 0.45 * noise3({1.6 * x + 4, 3.2 * y, 2.0 * side}, 131) +
-                0.40 * std::sin(9 * y + 2 * side + 1.5 * noise3({2 * x, 2 * y, 1.0 * side}, 132)) * reach;
+                0.40 * math::sin(9 * y + 2 * side + 1.5 * noise3({2 * x, 2 * y, 1.0 * side}, 132)) * reach;
             const double closed = cushion_height(x, y, side) + slack;
-            const double lip = (2.7 + 0.5 * side * std::sin(5 * y)) * std::pow(rim, 0.7);
+            const double lip = (2.7 + 0.5 * side * math::sin(5 * y)) * math::pow(rim, 0.7);
             const double height =
                 std::max(closed, 0.0) * (1 - smooth_step(0.85, 1.0, x)) + lip * smooth_step(0.72, 1.0, x);
             const double loose = smooth_step(0.0, 0.3, rim) * smooth_step(-1.0, -0.6, x);

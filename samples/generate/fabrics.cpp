@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 
+#include "math/portable.h"
 #include "noise.h"
 
 namespace dgm::samples {
@@ -51,7 +52,7 @@ Look shade_thread(const Weave& w, const Thread& t) {
     const double a = t.across / w.thread_width;
     if (std::abs(a) >= 1) return {t.dye * (1 - w.contrast) * 0.75, 0.1};
     const double round = std::sqrt(1 - a * a);
-    const double crown = std::sqrt(std::sin(std::numbers::pi * std::clamp(t.share, 0.02, 0.98)));
+    const double crown = std::sqrt(math::sin(std::numbers::pi * std::clamp(t.share, 0.02, 0.98)));
     const double height = round * (0.55 + 0.45 * crown);
     return {t.dye * ((1 - w.contrast) + w.contrast * height) * (1 + w.fuzz * t.streak), 0.15 + 0.8 * height};
 }

@@ -2,10 +2,10 @@
 // samples/generate/liver.cpp
 // Two blended ellipsoids, the lobes, with the underside hollowed out by a third and the ligament's groove pressed in.
 #include <algorithm>
-#include <cmath>
 
 #include "atlas.h"
 #include "implicit_surface.h"
+#include "math/portable.h"
 #include "noise.h"
 #include "organs.h"
 
@@ -37,7 +37,7 @@ double liver_field(const Vec3d& p) {
     d = smooth_max(d, -ellipsoid(p, {1.5, 2.5, -7.4}, {11.5, 6.5, 8.2}), 1.4);
     const double s = groove_offset(p);
     const double front = smooth_step(3.0, -4.0, p.y);
-    d += (0.25 + 0.40 * front) * std::exp(-s * s / 0.35) * smooth_step(-3.5, 0.5, p.z + 0.3 * p.x);
+    d += (0.25 + 0.40 * front) * math::exp(-s * s / 0.35) * smooth_step(-3.5, 0.5, p.z + 0.3 * p.x);
     return d + 0.20 * fractal3(p * 0.22, 2, 51);
 }
 
@@ -52,7 +52,7 @@ Shade liver_shade(const Vec3d& p) {
     c = mix(c, rgb(158, 82, 62), 0.30 * rim);
     c = c * (1 + 0.07 * fractal3(p * 6.0, 2, 66));
     const double s = groove_offset(p);
-    const double ligament = std::exp(-s * s / 0.05) * smooth_step(-1.5, 1.5, p.z);
+    const double ligament = math::exp(-s * s / 0.05) * smooth_step(-1.5, 1.5, p.z);
     c = mix(c, rgb(206, 164, 140), 0.75 * ligament);
     return {c, std::clamp(0.55 + 0.15 * cloud - 0.28 * rim + 0.06 * lobule.id + 0.1 * ligament, 0.0, 1.0)};
 }

@@ -11,6 +11,7 @@
 
 #include "atlas.h"
 #include "implicit_surface.h"
+#include "math/portable.h"
 #include "noise.h"
 #include "organs.h"
 
@@ -128,10 +129,10 @@ class Stomach {
         const double strength = smooth_step(0.05, 0.2, at.along) * (1 - smooth_step(0.5, 0.66, at.along));
         if (strength <= 0) return 0;
         const Vec3d d = p - at.centre;
-        const double angle = std::atan2(d.y, dot(d, greater_side(sack_, at.along)));
+        const double angle = math::atan2(d.y, dot(d, greater_side(sack_, at.along)));
         const double wander = 1.1 * noise3(p * 0.22, 21);
         const double depth = 0.15 + 0.07 * noise3(p * 0.35, 22);
-        return strength * depth * (0.65 + 0.35 * std::cos(angle)) * std::cos(10 * angle + 2.5 * wander);
+        return strength * depth * (0.65 + 0.35 * math::cos(angle)) * math::cos(10 * angle + 2.5 * wander);
     }
 
     Sweep sack_{kSack}, oesophagus_{kOesophagus};
@@ -140,7 +141,7 @@ class Stomach {
 Vec3d Stomach::surface_point(double along, double angle) const {
     const Ball b = sack_.ball(along);
     const Vec3d g = greater_side(sack_, along);
-    const Vec3d direction = g * std::cos(angle) + Vec3d{0, kFlat, 0} * std::sin(angle);
+    const Vec3d direction = g * math::cos(angle) + Vec3d{0, kFlat, 0} * math::sin(angle);
     const Vec3d centre{b.centre.x, b.centre.y * kFlat, b.centre.z};
     double low = 0, high = 2.2 * b.radius;
     for (int k = 0; k < 30; ++k) {
@@ -153,9 +154,10 @@ Vec3d Stomach::surface_point(double along, double angle) const {
 Vec2d Stomach::wrapped(const Vec3d& world, const Sweep& sweep) const {
     const Sweep::Near at = sweep.nearest(flattened(world));
     const Vec3d d = flattened(world) - at.centre, t = sweep.tangent(at.along);
-    const double angle = std::atan2(d.y, dot(d, greater_side(sweep, at.along)));
+    const double angle = math::atan2(d.y, dot(d, greater_side(sweep, at.along)));
     // Beyond the ends, and where the radius changes, the nearest point of the axis stands still: go on by latitude.
-    const double latitude = std::asin(std::clamp(dot(normalized(d), t), -1.0, 1.0));
+    const double rise = std::clamp(dot(normalized(d), t), -1.0, 1.0);
+    const double latitude = math::atan2(rise, std::sqrt((1 - rise) * (1 + rise)));
     return {angle / (2 * std::numbers::pi), sweep.arc(at.along) + length(d) * latitude};
 }
 

@@ -3,8 +3,9 @@
 
     test_hashes.py DGM_BAKE SAMPLES
 
-Bytes are the same from run to run everywhere, but another compiler, maths library or processor may round differently:
-on a platform other than the one in hashes.json the test is skipped. Wanted changes: scripts/update_golden.py.
+Bytes are the same from run to run and from processor to processor, but another compiler's standard library may sort or
+draw differently: on a platform other than the one in hashes.json the test is skipped. Wanted changes:
+scripts/update_golden.py.
 """
 import json
 import sys

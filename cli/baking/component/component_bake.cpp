@@ -15,6 +15,7 @@
 #include "geometry/chart/square_chart.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/free_methods.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -60,7 +61,7 @@ SampledChart square_chart(GridSize size, Method method, const BakeOptions& optio
 
 /// The PSNR below which another kind of chart is worth its time.
 double poor_psnr(GridSize size) {
-    return kPoor + kPerDoubling * std::min(0.0, 0.5 * std::log2(samples_of(size) / (257.0 * 257.0)));
+    return kPoor + kPerDoubling * std::min(0.0, 0.5 * math::log2(samples_of(size) / (257.0 * 257.0)));
 }
 
 CutSearchOptions cut_options(GridSize size, const BakeOptions& options) {

@@ -9,6 +9,7 @@
 
 #include "geometry/chart/square_chart.h"
 #include "geometry/parameterize/square_border.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -48,7 +49,7 @@ CutMemory::Candidates CutMemory::similar(std::uint32_t m, std::uint32_t n, bool 
         if (!chosen || ratio(aspect(f.m, f.n), aspect(m, n)) <= kSameAspect) out.push_back(f);
     }
     const auto distance = [&](const Found& f) {
-        return std::log(ratio(side(f.m, f.n), side(m, n))) + std::log(ratio(aspect(f.m, f.n), aspect(m, n)));
+        return math::log(ratio(side(f.m, f.n), side(m, n))) + math::log(ratio(aspect(f.m, f.n), aspect(m, n)));
     };
     std::stable_sort(out.begin(), out.end(), [&](const Found& a, const Found& b) { return distance(a) < distance(b); });
     out.resize(std::min(out.size(), chosen ? 1 : kMostKnown));

@@ -7,6 +7,8 @@
 #include <limits>
 #include <map>
 
+#include "math/portable.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -103,7 +105,7 @@ struct Point {
 
 /// The power with which the value falls between two grids, coarse to fine.
 double slope(Point coarse, Point fine) {
-    return std::log(coarse.value / fine.value) / std::log(fine.side / coarse.side);
+    return math::log(coarse.value / fine.value) / math::log(fine.side / coarse.side);
 }
 
 bool usable(Point p) {
@@ -128,7 +130,7 @@ GridSize grid_of(std::uint64_t samples, double aspect) {
     // Either side first, the other takes the rest; the product decides.
     const std::uint32_t rows = odd_side(std::sqrt(total * aspect)), cols = odd_side(std::sqrt(total / aspect));
     const GridSize rows_first{rows, odd_side(total / rows)}, cols_first{odd_side(total / cols), cols};
-    const auto off = [&](GridSize s) { return std::abs(std::log((s.rows - 1.0) / (s.cols - 1.0) / aspect)); };
+    const auto off = [&](GridSize s) { return std::abs(math::log((s.rows - 1.0) / (s.cols - 1.0) / aspect)); };
     GridSize best{rows, cols};
     for (const GridSize s : {rows_first, cols_first})
         if (samples_of(s) <= total && samples_of(s) > samples_of(best) && off(s) < 0.05 + off({rows, cols})) best = s;
@@ -182,27 +184,27 @@ SizeSearch smallest_that_holds(std::span<const GridSize> ladder, double asked, s
             if (const auto coarse = neighbour(ladder, so_far, low, true)) {
                 const double measured = slope(*coarse, low);
                 const double best_case =
-                    low.value * std::pow(low.side / fineness(ladder.back()), std::max(0.0, measured) + 1);
+                    low.value * math::pow(low.side / fineness(ladder.back()), std::max(0.0, measured) + 1);
                 if (low.side >= kJudged && best_case > asked) {
                     bracket.out().given_up = true;
                     break;
                 }
                 power = std::clamp(measured, 1.0, 3.0);
             }
-            const double wanted = low.side * std::pow(low.value / asked, 1 / power);
+            const double wanted = low.side * math::pow(low.value / asked, 1 / power);
             next = bracket.inside(first_as_fine(ladder, std::min(wanted, kLargestJump * low.side)));
         } else if (!bracket.has_low()) {
             const Point high = point(bracket.high());
             double power = kExpected;
             if (const auto fine = neighbour(ladder, so_far, high, false))
                 power = std::clamp(slope(high, *fine), 1.0, 3.0);
-            const double wanted = high.value > 0 ? high.side * std::pow(high.value / asked, 1 / power) : 0;
+            const double wanted = high.value > 0 ? high.side * math::pow(high.value / asked, 1 / power) : 0;
             next = bracket.inside(first_as_fine(ladder, std::max(wanted, high.side / kLargestJump)));
         } else {
             const Point low = point(bracket.low()), high = point(bracket.high());
             double wanted = std::sqrt(low.side * high.side);
             if (usable(low) && usable(high) && low.value > high.value)
-                wanted = low.side * std::pow(low.value / asked, 1 / slope(low, high));
+                wanted = low.side * math::pow(low.value / asked, 1 / slope(low, high));
             next = bracket.inside(first_as_fine(ladder, wanted));
         }
     }
@@ -251,7 +253,7 @@ SizeSearch largest_that_fits(std::span<const GridSize> ladder, double budget, st
 AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure) {
     constexpr double kGain = 0.98;
     AspectChoice out;
-    const auto aspect_of = [](int step) { return std::pow(2.0, 0.5 * step); };  // in factors of sqrt 2
+    const auto aspect_of = [](int step) { return math::pow(2.0, 0.5 * step); };  // in factors of sqrt 2
     std::map<int, double> rms;
     const auto try_step = [&](int step) {
         if (!rms.contains(step)) rms[step] = out.trials.emplace_back(measure(grid_of(samples, aspect_of(step)))).rms;

@@ -11,7 +11,6 @@
 #include <CGAL/Surface_mesh_parameterization/Discrete_authalic_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/Discrete_conformal_map_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/Mean_value_coordinates_parameterizer_3.h>
-#include <CGAL/Weights/tangent_weights.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,6 +87,41 @@ class GivenBorder {
     std::span<const Vec2d> points_;
 };
 
+/// Tangent of half the angle between two vectors, from their products alone: CGAL's goes through acos and tan, which
+/// the C library rounds as the processor likes. A right angle if one of them is zero.
+double half_tangent(const Vec3d& a, const Vec3d& b) {
+    constexpr double kStraight = 1e16;  // about what a tangent in doubles gives for 90 degrees
+    const double lengths = length(a) * length(b), cosine = dot(a, b), sine = length(cross(a, b));
+    if (!(lengths > 0)) return 1;
+    return std::min(kStraight, cosine > 0 ? sine / (lengths + cosine) : (lengths - cosine) / sine);
+}
+
+/// Weight of the edge from `centre` to `at` between the edges to `before` and `after` [Floater 2003].
+double mean_value_weight(const DiskMesh& mesh, Vertex centre, Vertex before, Vertex at, Vertex after) {
+    const auto from_centre = [&](Vertex v) {
+        const auto p = mesh.point(v) - mesh.point(centre);
+        return Vec3d{p.x(), p.y(), p.z()};
+    };
+    const Vec3d edge = from_centre(at);
+    const double far = length(edge);
+    return far > 0 ? (half_tangent(from_centre(before), edge) + half_tangent(edge, from_centre(after))) / far : 0;
+}
+
+/// CGAL's frame with our weights.
+class MeanValue : public smp::Mean_value_coordinates_parameterizer_3<DiskMesh, GivenBorder, SolverTraits> {
+    using Base = smp::Mean_value_coordinates_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
+
+ public:
+    using Base::Base;
+
+ protected:
+    double compute_w_ij(const DiskMesh& mesh, Vertex i,
+                        CGAL::Vertex_around_target_circulator<DiskMesh> j) const override {
+        auto before = j, after = j;
+        return mean_value_weight(mesh, i, *--before, *j, *++after);
+    }
+};
+
 /// A fixed-border method whose rows can be made positive. `Base` supplies the published weights.
 template <typename Base>
 class GuardedWeights : public Base {
@@ -133,8 +167,7 @@ class GuardedWeights : public Base {
         row_.clear();
         visit([&](Circulator j) {
             Circulator before = j, after = j;
-            return CGAL::Weights::tangent_weight(mesh.point(*--before), mesh.point(*j), mesh.point(*++after),
-                                                 mesh.point(i));
+            return mean_value_weight(mesh, i, *--before, *j, *++after);
         });
         if (!is_positive()) row_.assign(row_.size(), 1.0);
     }
@@ -156,7 +189,6 @@ class GuardedWeights : public Base {
 };
 
 using Tutte = smp::Barycentric_mapping_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
-using MeanValue = smp::Mean_value_coordinates_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
 using Authalic = smp::Discrete_authalic_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
 using Conformal = smp::Discrete_conformal_map_parameterizer_3<DiskMesh, GivenBorder, SolverTraits>;
 

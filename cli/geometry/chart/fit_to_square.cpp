@@ -8,6 +8,7 @@
 
 #include "geometry/mesh/infinity.h"
 #include "geometry/metrics/map_metrics.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -64,7 +65,7 @@ void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border
     // Between the directions of the hull's edges the area has no minimum, but the sum of squares may.
     for (int k = 0; k < kAngles && box == Box::kLeastSquares; ++k) {
         const double angle = 0.5 * M_PI * k / kAngles;
-        consider({std::cos(angle), std::sin(angle)});
+        consider({math::cos(angle), math::sin(angle)});
     }
     const Vec2d across{-axis.y, axis.x};
     const auto [u0, u1] = extent(axis);
@@ -78,7 +79,7 @@ void divide_border(Disk& disk, std::vector<Vec2d>& uv, double rows, double cols)
     constexpr double kMaxPieces = 64;
     const auto cells = [&](std::uint32_t h) {
         const Vec2d d = uv[target(disk.mesh.faces, h)] - uv[origin(disk.mesh.faces, h)];
-        return std::hypot(d.x * rows, d.y * cols);
+        return math::hypot(d.x * rows, d.y * cols);
     };
     for (std::uint32_t h = 0; h < disk.opposite.size(); ++h) {  // grows; new border edges are short by construction
         if (disk.opposite[h] != kNone) continue;

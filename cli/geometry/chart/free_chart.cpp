@@ -17,6 +17,7 @@
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/simplify/simplify.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -52,7 +53,7 @@ std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t
     double at = 0;
     for (std::size_t k = 0; k < n; ++k) {
         const double angle = 2 * M_PI * at / floored;
-        circle.push_back({0.5 + 0.5 * std::cos(angle), 0.5 + 0.5 * std::sin(angle)});
+        circle.push_back({0.5 + 0.5 * math::cos(angle), 0.5 + 0.5 * math::sin(angle)});
         at += lengths[k];
     }
     ConvexMapSolver solver(disk.mesh.positions.size(), disk.mesh.faces, border);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/portable.h"
+
 namespace dgm::bake {
 
 std::vector<std::uint32_t> Disk::border() const {
@@ -25,7 +27,7 @@ std::vector<BorderPath> Disk::paths(double corner_degrees) const {
     const std::vector<std::uint32_t> cycle = border();
     const std::size_t n = cycle.size();
     if (n == 0) return {};  // a closed surface that nothing cuts
-    const double limit = std::cos(corner_degrees * M_PI / 180);
+    const double limit = math::cos(corner_degrees * M_PI / 180);
     const auto edge = [&](std::uint32_t h) {
         return mesh.positions[target(mesh.faces, h)] - mesh.positions[origin(mesh.faces, h)];
     };

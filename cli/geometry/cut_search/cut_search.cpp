@@ -13,6 +13,7 @@
 #include "geometry/cut_search/straight_cut.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/simplify/simplify.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -59,7 +60,7 @@ std::vector<char> border_corners(const TriMesh& mesh) {
     const auto direction = [&](std::uint32_t h) {
         return normalized(mesh.positions[target(mesh.faces, h)] - mesh.positions[origin(mesh.faces, h)], Vec3d{});
     };
-    const double limit = std::cos(50 * M_PI / 180);  // as Disk::paths
+    const double limit = math::cos(50 * M_PI / 180);  // as Disk::paths
     for (std::uint32_t h = 0; h < opposite.size(); ++h)
         if (opposite[h] == kNone)
             if (dot(direction(h), direction(next_border_half_edge(opposite, h))) < limit)

@@ -3,10 +3,10 @@
 #include "geometry/cut_search/hidden_cut.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "geometry/spatial/exposure.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -35,7 +35,7 @@ std::vector<double> hiding_factors(const TriMesh& mesh, std::span<const std::uin
         const Vec3d n = face_normal(mesh, h), m = face_normal(mesh, across);
         // Signed angle between the faces about the edge, which runs counter-clockwise in the first one.
         const Vec3d along = normalized(mesh.positions[b] - mesh.positions[a], Vec3d{});
-        const double turn = std::atan2(dot(cross(n, m), along), dot(n, m));
+        const double turn = math::atan2(dot(cross(n, m), along), dot(n, m));
         const double inward = std::clamp(-turn / kDeep, 0.0, 1.0);
         const double seen = 0.5 * (exposure[a] + exposure[b]);
         out[h] = std::max(kLeast, (kLeast + (1 - kLeast) * seen * seen) * (1 - kCrease * inward));

@@ -9,6 +9,7 @@
 
 #include "geometry/mesh/infinity.h"
 #include "geometry/parameterize/spherical_map.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -28,11 +29,11 @@ Octahedron octahedron(std::size_t k, std::size_t count) {
     const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count), r = std::sqrt(1 - z * z);
     const double at = golden * static_cast<double>(k);
     Octahedron out;
-    out.pole = {r * std::cos(at), r * std::sin(at), z};
-    const Vec3d east{-std::sin(at), std::cos(at), 0}, north = cross(out.pole, east);
+    out.pole = {r * math::cos(at), r * math::sin(at), z};
+    const Vec3d east{-math::sin(at), math::cos(at), 0}, north = cross(out.pole, east);
     for (std::size_t a = 0; a < 4; ++a) {
         const double turn = golden * static_cast<double>(k) + M_PI / 2 * static_cast<double>(a);
-        out.ends[a] = east * std::cos(turn) + north * std::sin(turn);
+        out.ends[a] = east * math::cos(turn) + north * math::sin(turn);
     }
     return out;
 }

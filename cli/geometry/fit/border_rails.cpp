@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/portable.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -131,7 +133,7 @@ void BorderRails::order_stops() {
 double BorderRails::turn_at(const Loop& loop, double t, double reach) const {
     const Vec3d p = point_at_length(loop, t), a = p - point_at_length(loop, t - reach),
                 b = point_at_length(loop, t + reach) - p;
-    return std::atan2(length(cross(a, b)), dot(a, b));
+    return math::atan2(length(cross(a, b)), dot(a, b));
 }
 
 void BorderRails::find_corners() {

@@ -3,7 +3,6 @@
 #include "geometry/fit/fit.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "geometry/fit/fit_state.h"
@@ -12,6 +11,7 @@
 #include "geometry/fit/normal_equations.h"
 #include "geometry/fit/vertex_repair.h"
 #include "geometry/metrics/turned_faces.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -38,7 +38,7 @@ struct Plan {
 /// face does not count: to repair it would cost more than was gained.
 void lower_largest(FitState& fit, const Plan& plan, FitReport& report) {
     fit.look_up_farthest();
-    const double allowed = fit.kept.rms * std::pow(10, plan.options.worst_price_db / 20);
+    const double allowed = fit.kept.rms * math::pow(10, plan.options.worst_price_db / 20);
     fit.kept.largest = fit.largest();
     const std::vector<std::uint32_t> left = fit.inverted.doubtful_faces(fit.matches, kEndUpright);
     for (int round = 0; round < plan.options.worst_rounds; ++round) {

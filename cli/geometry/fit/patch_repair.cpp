@@ -10,6 +10,7 @@
 
 #include "geometry/fit/inverted_faces.h"
 #include "geometry/mesh/infinity.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -46,8 +47,8 @@ Vec2d newton_step(const Differences& f) {
     const double gx = (f.px - f.mx) / 2, gy = (f.py - f.my) / 2;
     double xx = f.px + f.mx - 2 * f.centre, yy = f.py + f.my - 2 * f.centre;
     const double xy = (f.pp + f.mm - f.px - f.mx - f.py - f.my + 2 * f.centre) / 2;
-    const double middle = (xx + yy) / 2, least = middle - std::hypot((xx - yy) / 2, xy);
-    const double floor = 1e-3 * (std::abs(middle) + std::hypot((xx - yy) / 2, xy)) + 1e-300;
+    const double middle = (xx + yy) / 2, least = middle - math::hypot((xx - yy) / 2, xy);
+    const double floor = 1e-3 * (std::abs(middle) + math::hypot((xx - yy) / 2, xy)) + 1e-300;
     if (least < floor) {
         xx += floor - least;
         yy += floor - least;
@@ -93,7 +94,7 @@ class PatchRepair {
             ++first_point_[m.hit.face + 1];
             purse_ += kPrice * m.hit.squared;
         }
-        limit_ = std::pow(kLimit * matches.largest, 2);
+        limit_ = kLimit * kLimit * (matches.largest * matches.largest);
         for (std::size_t f = 0; f < grid_.faces.size(); ++f) first_point_[f + 1] += first_point_[f];
         std::vector<std::uint32_t> next(first_point_.begin(), first_point_.end() - 1);
         for (std::uint32_t k = 0; k < point_.size(); ++k) point_[next[matches.points[k].hit.face]++] = k;
@@ -232,7 +233,7 @@ class PatchRepair {
             double least = kInfinity, farthest = 0;
             for (std::uint32_t k = 0; k < faces_.size(); ++k) least = std::min(least, stretch(k));
             if (sweep > 0 && least > kUpright && count_inverted(faces_) == 0) break;
-            epsilon_ = std::hypot(kLeastEpsilon, kEpsilonShare * std::min(0.0, least));
+            epsilon_ = math::hypot(kLeastEpsilon, kEpsilonShare * std::min(0.0, least));
             for (const std::uint32_t c : patch_) farthest = std::max(farthest, relax(c));
             effort_ -= std::min(effort_, patch_.size());
             if (farthest < kSettled) break;

@@ -13,6 +13,7 @@
 
 #include "geometry/fit/inverted_faces.h"
 #include "geometry/mesh/infinity.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -227,8 +228,8 @@ class SearchRepair {
         log_.clear();
         change_ = 0;
         for (int k = 0; k < kHeatedTries && tries_ < kMostTries; ++k) {
-            const double heat = kHeat * std::pow(1 - static_cast<double>(k) / kHeatedTries, 2);
-            attempt_about(face, k, -kLeastGain - heat * std::log(std::max(uniform(), 1e-9)));
+            const double left = 1 - static_cast<double>(k) / kHeatedTries, heat = kHeat * (left * left);
+            attempt_about(face, k, -kLeastGain - heat * math::log(std::max(uniform(), 1e-9)));
             if (change_ < -0.5 * kInverted && !judge(face).inverted) break;
         }
         if (change_ < -0.5 * kInverted) return true;  // a face less

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "geometry/mesh/infinity.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -114,7 +115,8 @@ class VertexRepair {
         for (const double t : {0.25, 0.5, 1.0}) attempt(old + inward * t);
         for (int k = 0; k < kDirections; ++k) {
             const double angle = k * (2 * std::numbers::pi / kDirections);
-            for (const double t : {0.1, 0.3}) attempt(old + (x * std::cos(angle) + y * std::sin(angle)) * (t * reach));
+            const auto [sine, cosine] = math::sine_cosine(angle);
+            for (const double t : {0.1, 0.3}) attempt(old + (x * cosine + y * sine) * (t * reach));
         }
         grid_.positions[c] = best;
         if (best == old) return false;

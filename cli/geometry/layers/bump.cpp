@@ -75,9 +75,11 @@ double add_height_maps(const LayerInput& in, const SampleGrid& at, std::span<dou
 double bump_scale(double diagonal, double largest) {
     // In source units where half precision holds them; else in units of `scale`, so that a mesh of 1e-9 keeps its
     // relief.
-    double scale = largest > model::kHalfMax || diagonal < 1 ? std::exp2(std::floor(std::log2(diagonal))) : 1.0;
-    if (largest / scale > model::kHalfMax)  // a height map beyond all measure
-        scale = std::exp2(std::ceil(std::log2(largest / model::kHalfMax)));
+    double scale = largest > model::kHalfMax || diagonal < 1 ? std::ldexp(1, std::ilogb(diagonal)) : 1.0;
+    if (largest / scale > model::kHalfMax) {  // a height map beyond all measure
+        scale = std::ldexp(1, std::ilogb(largest / model::kHalfMax));
+        if (largest / scale > model::kHalfMax) scale *= 2;
+    }
     return scale;
 }
 

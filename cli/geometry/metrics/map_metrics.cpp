@@ -11,6 +11,8 @@
 #include <array>
 #include <cmath>
 
+#include "math/portable.h"
+
 namespace dgm::bake {
 namespace {
 using model::Face;
@@ -100,7 +102,7 @@ MapMetrics measure_map(std::span<const Vec3d> positions, std::span<const Face> f
         const Vec3d Ss = (q2 * (p3.y - p1.y) + q3 * (p1.y - p2.y)) / (2 * A);
         const Vec3d St = (q2 * (p1.x - p3.x) + q3 * (p2.x - p1.x)) / (2 * A);
         const double a = dot(Ss, Ss), b = dot(Ss, St), c = dot(St, St);
-        const double Gamma_squared = 0.5 * (a + c + std::hypot(a - c, 2 * b));
+        const double Gamma_squared = 0.5 * (a + c + math::hypot(a - c, 2 * b));
         const double surface = 0.5 * length(cross(q2, q3));
         worst = std::max(worst, Gamma_squared);
         sum.surface += surface;

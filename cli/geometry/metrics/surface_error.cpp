@@ -24,6 +24,7 @@
 
 #include "geometry/mesh/half_edges.h"
 #include "geometry/spatial/closest_point.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -186,7 +187,7 @@ Vec3d normal_at(const TriMesh& mesh, std::size_t face, const double (&bary)[3], 
 
 /// Angle between unit vectors in degrees, good to the last bits for small angles too.
 double angle_degrees(const Vec3d& a, const Vec3d& b) {
-    return std::atan2(length(cross(a, b)), dot(a, b)) * (180 / std::numbers::pi);
+    return math::atan2(length(cross(a, b)), dot(a, b)) * (180 / std::numbers::pi);
 }
 
 class Direction {
@@ -358,7 +359,7 @@ double diagonal_of(const TriMesh& mesh, const char* name) {
                                                        std::to_string(mesh.faces.size()) +
                                                        " faces, none with finite corners");
     const Vec3d size = high - low;
-    return std::hypot(size.x, size.y, size.z);
+    return math::hypot(size.x, size.y, size.z);
 }
 }  // namespace
 
@@ -366,7 +367,7 @@ double SurfaceError::psnr() const {
     constexpr double kCap = 300;  // dB
     if (!(rms > 0)) return kCap;
     if (!(diagonal > 0)) return 0;
-    return std::min(kCap, 20 * std::log10(diagonal / rms));
+    return std::min(kCap, 20 * math::log10(diagonal / rms));
 }
 
 SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, const SurfaceErrorOptions& options,

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "geometry/mesh/half_edges.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -187,7 +188,7 @@ std::vector<Vec2d> reweighted_stretch_map(const DiskView& disk, const ReweightOp
         const auto edges = solver.edges();
         for (std::size_t e = 0; e < edges.size(); ++e) {
             const double product = stretch[edges[e].first] * stretch[edges[e].second];
-            weights[e] = std::clamp(weights[e] / std::pow(product, options.exponent), 1e-12, 1e12);
+            weights[e] = std::clamp(weights[e] / math::pow(product, options.exponent), 1e-12, 1e12);
         }
         try {
             uv = solver.solve(weights, disk.border_uv);

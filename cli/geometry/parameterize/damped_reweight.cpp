@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/mesh/half_edges.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -78,7 +79,7 @@ std::vector<Vec2d> damped_stretch_map(const DiskView& disk, int solves, const mo
     for (int k = 0; k < solves && exponent > 0.1; ++k) {
         progress.update("parameterize", static_cast<double>(k) / solves);
         std::vector<double> trial = weights, power(relative.size());
-        for (std::size_t v = 0; v < power.size(); ++v) power[v] = std::pow(relative[v], -exponent);
+        for (std::size_t v = 0; v < power.size(); ++v) power[v] = math::pow(relative[v], -exponent);
         for (std::size_t e = 0; e < edges.size(); ++e)
             trial[e] = std::clamp(trial[e] * power[edges[e].first] * power[edges[e].second], 1e-12, 1e12);
         std::vector<Vec2d> moved;

@@ -14,6 +14,7 @@
 #include "geometry/mesh/infinity.h"
 #include "geometry/parameterize/rest_shapes.h"
 #include "geometry/parameterize/slim.h"
+#include "math/portable.h"
 #include "model/codes.h"
 #include "model/error.h"
 
@@ -23,7 +24,7 @@ namespace dgm::bake {
 inline double inverse_power(double s, double p) {
     if (p == 4) return 1 / (s * s * s * s);
     if (p == 0.5) return 1 / std::sqrt(s);
-    return std::pow(s, -p);
+    return math::pow(s, -p);
 }
 
 /// g'(s) = c1 s + c0 + c2 s^-2 + c3 s^-3: the energies are rows of one family, but for powers that are not 2.

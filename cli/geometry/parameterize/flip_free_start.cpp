@@ -22,6 +22,7 @@
 #include <numbers>
 
 #include "geometry/parameterize/slim.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -46,7 +47,7 @@ std::vector<Vec2d> circle(const DiskView& disk) {
     double walked = 0;
     for (std::size_t k = 0; k < n; ++k) {
         const double angle = 2 * std::numbers::pi * walked / total;
-        out[k] = {std::cos(angle), std::sin(angle)};
+        out[k] = {math::cos(angle), math::sin(angle)};
         walked += length_of[k];
     }
     return out;

@@ -17,6 +17,7 @@
 
 #include "geometry/parameterize/rest_shapes.h"
 #include "geometry/solve/sparse_cholesky.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -322,7 +323,7 @@ std::vector<Vec2d> border_on_circle(const DiskView& disk, double area) {
     std::vector<Vec2d> uv(disk.positions.size());
     for (std::size_t b = 0; b < k; ++b) {
         const double angle = 2 * std::numbers::pi * walked / around;
-        uv[disk.border[b]] = Vec2d{std::cos(angle), std::sin(angle)} * radius;
+        uv[disk.border[b]] = Vec2d{math::cos(angle), math::sin(angle)} * radius;
         walked += edge(b);
     }
     return uv;

@@ -14,6 +14,7 @@
 #include "geometry/parameterize/damped_reweight.h"
 #include "geometry/parameterize/slim.h"
 #include "geometry/simplify/simplify.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -120,7 +121,7 @@ class Ring {
 
  private:
     [[nodiscard]] static double raised(double q, double p) {
-        return p == 1 ? q : p == 0 ? 1.0 : p == 2 ? q * q : std::pow(q, p);
+        return p == 1 ? q : p == 0 ? 1.0 : p == 2 ? q * q : math::pow(q, p);
     }
     [[nodiscard]] static double numerator(const Wedge& w, Vec2d x) {
         const Vec2d d0 = w.p2 - w.p1;

@@ -16,6 +16,7 @@
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/flip_free_problem.h"
 #include "geometry/solve/sparse_cholesky.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -187,7 +188,7 @@ double find_step(const Problem& problem, NewtonSystem& system, const std::vector
         if (kCollapseShare * first >= kTooShort || hold == kHolds) return kCollapseShare * first;
         for (std::size_t f = 0; f < faces.size(); ++f)
             if (const double t = collapse_of(faces[f], x, step); t < 2 * kTooShort)
-                stiffness[f] *= std::clamp(std::pow(2 * kTooShort / t, 1.5), 4.0, 1e12);
+                stiffness[f] *= std::clamp(math::pow(2 * kTooShort / t, 1.5), 4.0, 1e12);
         progress.update(kStage, share);
     }
 }

@@ -13,6 +13,7 @@
 #include "geometry/mesh/vertex_corners.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/simplify/simplify.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -76,7 +77,7 @@ class SphereRing {
             const double xx = (r - 2 * e + l) / q, yy = (u - 2 * e + d) / q;
             const double xy = (ru + ld - r - l - u - d + 2 * e) / (2 * q);
             // As multilevel_map.cpp: the energy need not be convex.
-            const double mean = 0.5 * (xx + yy), spread = std::hypot(0.5 * (xx - yy), xy);
+            const double mean = 0.5 * (xx + yy), spread = math::hypot(0.5 * (xx - yy), xy);
             const double shift = std::max(0.0, 0.01 * (mean + spread) - (mean - spread));
             const double a = xx + shift, c = yy + shift, det = a * c - xy * xy;
             if (!(det > 0)) return x;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "math/portable.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -25,7 +27,7 @@ std::vector<std::pair<double, std::uint32_t>> sorted_by_angle(const FaceSoup& so
     std::vector<std::pair<double, std::uint32_t>> around;
     for (const std::uint32_t h : group) {
         const Vec3d d = arm(h);
-        around.emplace_back(h == group[0] ? 0.0 : std::fmod(std::atan2(dot(d, y), dot(d, x)) + 2 * M_PI, 2 * M_PI), h);
+        around.emplace_back(h == group[0] ? 0.0 : std::fmod(math::atan2(dot(d, y), dot(d, x)) + 2 * M_PI, 2 * M_PI), h);
     }
     std::sort(around.begin(), around.end());
     return around;

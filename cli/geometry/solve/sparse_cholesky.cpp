@@ -11,7 +11,6 @@
 
 #include <iostream>  // MetisSupport writes to std::cerr and does not include it
 
-#include <Eigen/Dense>
 #include <Eigen/MetisSupport>
 #include <Eigen/OrderingMethods>
 #include <algorithm>
@@ -22,6 +21,8 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/solve/rank_update.h"
+
 namespace dgm::bake {
 namespace {
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -30,7 +31,7 @@ using Wide = std::size_t;
 
 constexpr Index kNone = -1;
 constexpr Wide kPanel = 48;         // columns factorized before the rest of a front is updated
-constexpr Wide kDenseUpdate = 128;  // rows from which the update of the rest goes through Eigen's blocked product
+constexpr Wide kDenseUpdate = 128;  // rows from which the update of the rest is worth packing
 
 /// Neighbours of each node, both directions, without itself.
 struct Graph {
@@ -141,7 +142,7 @@ std::vector<Index> postorder(const std::vector<Index>& parent) {
 /// Columns [0, columns) of the lower trapezoid F (leading dimension n): L in place, and the rest of F less L L^T.
 class Front {
  public:
-    Front(double* values, Wide n) : f_(values), n_(n) {}
+    Front(double* values, Wide n, std::vector<double>& work) : f_(values), n_(n), work_(work) {}
 
     [[nodiscard]] bool factorize(Wide columns) {
         for (Wide begin = 0; begin < columns; begin += kPanel) {
@@ -157,13 +158,7 @@ class Front {
             }
             const Wide rest = n_ - end;
             if (rest >= kDenseUpdate && end - begin >= 16) {
-                Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> panel(
-                    f_ + begin * n_ + end, static_cast<Eigen::Index>(rest), static_cast<Eigen::Index>(end - begin),
-                    Eigen::OuterStride<>(static_cast<Eigen::Index>(n_)));
-                Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> trailing(
-                    f_ + end * n_ + end, static_cast<Eigen::Index>(rest), static_cast<Eigen::Index>(rest),
-                    Eigen::OuterStride<>(static_cast<Eigen::Index>(n_)));
-                trailing.selfadjointView<Eigen::Lower>().rankUpdate(panel, -1.0);
+                subtract_square(f_ + end * n_ + end, f_ + begin * n_ + end, rest, end - begin, n_, work_);
             } else {
                 for (Wide c = begin; c < end; c += 4) update(c, std::min(end, c + 4), end, n_);
             }
@@ -221,6 +216,7 @@ class Front {
 
     double* f_;
     Wide n_;
+    std::vector<double>& work_;
 };
 }  // namespace
 
@@ -428,6 +424,7 @@ bool SparseCholesky::factorize(const SparseMatrix& lower) {
     front.resize(s.largest_front * s.largest_front);
     stack.resize(s.largest_stack);
     std::vector<Wide> local(static_cast<Wide>(s.columns)), place;
+    std::vector<double> work;
     std::vector<Index> waiting;  // supernodes whose update is on the stack
     Wide top = 0;
     for (Wide k = 0; k < s.nodes.size(); ++k) {
@@ -455,7 +452,7 @@ bool SparseCholesky::factorize(const SparseMatrix& lower) {
                 for (Wide r = c; r < rest; ++r) target[place[r]] += u[c * rest + r];
             }
         }
-        if (!Front(f, n).factorize(own)) return false;
+        if (!Front(f, n, work).factorize(own)) return false;
         std::copy(f, f + own * n, s.values.begin() + static_cast<std::ptrdiff_t>(node.values_at));
         if (node.below > 0) {
             const Wide rest = n - own;

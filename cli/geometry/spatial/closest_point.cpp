@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "geometry/mesh/infinity.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -54,7 +55,7 @@ struct Nearest {
 };
 
 double box_diagonal_half(const Vec3d& half) {
-    return std::hypot(half.x, half.y, half.z);
+    return math::hypot(half.x, half.y, half.z);
 }
 
 float round_down(double x) {

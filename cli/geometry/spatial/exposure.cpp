@@ -14,6 +14,7 @@
 #include <numbers>
 
 #include "geometry/mesh/infinity.h"
+#include "math/portable.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -44,7 +45,7 @@ std::array<Vec3d, ExposureIndex::kRays> directions() {
     for (std::size_t k = 0; k < out.size(); ++k) {
         const double squared = (static_cast<double>(k) + 0.5) / ExposureIndex::kRays, radius = std::sqrt(squared);
         const double turn = golden * static_cast<double>(k);
-        out[k] = {radius * std::cos(turn), radius * std::sin(turn), std::sqrt(1 - squared)};
+        out[k] = {radius * math::cos(turn), radius * math::sin(turn), std::sqrt(1 - squared)};
     }
     return out;
 }

@@ -8,9 +8,17 @@ source=$1 work=$2 sample=$3 xxhash=$4 c=$5 cxx=$6
 shift 6
 
 rm -rf "$work" && mkdir -p "$work"
-# Debian: g++-multilib for -m32.
+# A cross compiler brings its own C library: programs start through its loader.
+loader=$("$cxx" -print-file-name=ld-linux.so.2)
+run() {
+  case $loader in
+    */i686-linux-gnu/*) "$loader" --library-path "$work:$(dirname "$loader")" "$@" ;;
+    *) LD_LIBRARY_PATH=$work "$@" ;;
+  esac
+}
+# Debian: g++-i686-linux-gnu, or g++-multilib for -m32.
 printf '#include <vector>\n#include <errno.h>\nint main() { return errno + int(std::vector<int>().size()); }\n' >"$work/try.cpp"
-if ! "$cxx" "$@" "$work/try.cpp" -o "$work/try" 2>/dev/null || ! "$work/try"; then
+if ! "$cxx" "$@" "$work/try.cpp" -o "$work/try" 2>/dev/null || ! run "$work/try"; then
   echo "skipped: $cxx $* builds no programs here"
   exit 77
 fi
@@ -22,4 +30,4 @@ done
 "$cxx" "$@" -shared -Wl,--no-undefined -Wl,--version-script="$source/libdgm/libdgm.map" "$work"/*.o -o "$work/libdgm.so"
 "$c" "$@" -std=c99 -I "$source/libdgm/include" "$source/tests/e2e/consumer/consumer.c" -L "$work" -ldgm -lm -o "$work/consumer"
 "$sample" "$work/sample.dgm"
-LD_LIBRARY_PATH=$work "$work/consumer" "$work/sample.dgm"
+run "$work/consumer" "$work/sample.dgm"

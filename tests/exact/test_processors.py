@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Do bakes give the same bytes on other processors, with other C libraries and numbers of threads?
+
+    test_processors.py DGM_BAKE_BITS ROUGH_MATHS SAMPLES
+"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM, ROUGH_MATHS, SAMPLES = sys.argv[1:4]
+# Both spellings: glibc has renamed them, and ignores those that it does not know.
+NO_FMA = "glibc.cpu.hwcaps=" + ",".join(f"-{name}{end}" for name in ("AVX512F", "AVX2", "FMA", "FMA4", "AVX")
+                                        for end in ("", "_Usable"))
+
+
+def bits(*arguments, before=(), **environment):
+    """{case: hashes} of one run."""
+    with tempfile.TemporaryDirectory(prefix="dgm-exact-") as folder:
+        result = subprocess.run([*before, PROGRAM, SAMPLES, folder, *arguments], env={**os.environ, **environment},
+                                capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        raise RuntimeError(f"exit code {result.returncode}\n{result.stdout}{result.stderr}")
+    return dict(line.split(" ", 1) for line in result.stdout.splitlines())
+
+
+class Processors(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.here = bits()
+        cls.few = bits("--few")
+
+    def compare(self, there, here=None):
+        here = here or self.here
+        self.assertEqual(list(there), list(here))
+        self.assertGreater(len(there), 4)
+        different = [name for name in here if here[name] != there[name] and name != "control"]
+        self.assertEqual(different, [])
+
+    def test_one_thread(self):
+        self.compare(bits("--threads", "1"))
+
+    def test_without_fused_instructions(self):
+        there = bits(GLIBC_TUNABLES=NO_FMA)
+        if there["control"] == self.here["control"]:
+            print("this processor has no fused instructions, or this C library takes no advice")
+        self.compare(there)
+
+    def test_another_c_library(self):
+        there = bits(LD_PRELOAD=ROUGH_MATHS)
+        self.assertNotEqual(there["control"], self.here["control"], "nothing was put before the C library's functions")
+        self.compare(there)
+
+    def test_emulated_processors(self):
+        """Libraries that choose their loops, and blocks for caches, by what the processor says of itself."""
+        qemu = shutil.which("qemu-x86_64")
+        if not qemu or os.uname().machine != "x86_64":
+            self.skipTest("needs qemu-x86_64 (Debian: qemu-user) and an x86-64 machine")
+        for model in ("Nehalem", "Haswell"):
+            with self.subTest(model=model):
+                self.compare(bits("--few", before=(qemu, "-cpu", model)), self.few)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
