@@ -92,6 +92,11 @@ Image read_image(const fs::path& path) {
     return out;
 }
 
+unsigned image_bits(const fs::path& path) {
+    const EncodedImage encoded = load(path);
+    return stbi_is_16_bit_from_memory(encoded.bytes.data(), encoded.size()) != 0 ? 16 : 8;
+}
+
 FloatImage read_height(const fs::path& path) {
     const EncodedImage encoded = load(path);
     FloatImage out;
