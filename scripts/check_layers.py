@@ -101,6 +101,8 @@ PARTS = (
     Part("cli/bake", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/validate", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/info", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
+    Part("cli/edit", 9, BELOW_PROGRAMS + ("cli/validate",), (CLI11, FMT, JSON, SYSTEM),
+         "a program; checks what it writes as dgm-validate does"),
     Part("cli/export/program", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("samples/generate", 4, ("formats/math", "formats/model"), (PNG,), "makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),

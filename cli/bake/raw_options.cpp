@@ -109,7 +109,7 @@ void describe_map(CLI::App& app, Raw& raw) {
 void describe_run(CLI::App& app, Raw& raw) {
     const Group group(app, tool::kHowItRuns);
     group.number("-j,--jobs", "N", raw.jobs, "meshes baked at a time, as far as memory reaches [one a core]");
-    group.flag("--force", raw.force, "bake what is up to date, too");
+    group.flag("--force", raw.force, "bake what is up to date, too, and replace maps that dgm-edit has painted");
     group.number("--time-limit", "S", raw.time_limit, "seconds one mesh may take [600]");
     group.text("--memory-limit", "SIZE", raw.memory_limit,
                "memory one mesh may take, such as 4GiB; 0: no limit [8GiB]");
@@ -151,7 +151,7 @@ tool::Manual manual() {
                 "75   trouble that may pass (full disk, killed worker): run it again\n"
                 "130  interrupted: run it again, it goes on where it stopped\n"
                 "A batch bakes all it can and returns its worst, in the order 130, 75, 4, 2, 3, 5.",
-            .see_also = "dgm-info(1), dgm-validate(1), dgm-export(1), dgm-bench(1)"};
+            .see_also = "dgm-info(1), dgm-validate(1), dgm-export(1), dgm-edit(1), dgm-bench(1)"};
 }
 
 void describe(CLI::App& app, Raw& raw) {

@@ -78,6 +78,13 @@ struct GridSearch {
     std::optional<GridTrial> next;          ///< max-error: the next smaller grid; budget: the next larger one
 };
 
+/// A layer of the file that dgm-edit has put into it after the bake.
+struct MapEdit {
+    std::string layer;  ///< as an artist calls it: "stiffness"
+    std::uint64_t samples = 0;
+    std::string source, source_hash;  ///< the file that it came from, without folder, and its XXH3-128
+};
+
 struct BakeReport {
     std::string source_name;
     std::string inputs_hash;  ///< of what the mesh names (up_to_date.h); empty: unknown
@@ -90,6 +97,7 @@ struct BakeReport {
     std::vector<std::string> warnings;  ///< plain language: "DGM3012: texture missing: skin.png; ..."
     std::vector<std::string> remarks;  ///< what was done as the file asks: "FBX unit of 1 cm: scaled by 0.01 to metres"
     std::vector<ChartReport> charts;
+    std::vector<MapEdit> edits;           ///< in the order they were made; none in a map as it was baked
     std::optional<GridSearch> search;     ///< only if the grid was not named
     std::vector<StageTime> times;         ///< not stored in the file
     double cpu_seconds = 0;               ///< not stored in the file

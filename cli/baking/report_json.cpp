@@ -134,6 +134,14 @@ void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, RepairCo
 }
 
 template <class A, class T>
+void fields(A& a, T& e) requires std::is_same_v<std::remove_const_t<T>, MapEdit> {
+    a("layer", e.layer);
+    a("samples", e.samples);
+    a("source", e.source);
+    a("source_hash", e.source_hash);
+}
+
+template <class A, class T>
 void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, BakeReport> {
     a("source_name", r.source_name);
     a("inputs_hash", r.inputs_hash);
@@ -147,6 +155,7 @@ void fields(A& a, T& r) requires std::is_same_v<std::remove_const_t<T>, BakeRepo
     a.if_any("remarks", r.remarks);
     a.if_any("inputs", r.inputs);
     a.if_any("missing_inputs", r.missing_inputs);
+    a.if_any("edits", r.edits);
     a("search", r.search);
     a.of_run("times", r.times);
     a.of_run("cpu_seconds", r.cpu_seconds);

@@ -42,6 +42,18 @@ bool is_map(const fs::path& output) {
     return output.extension() == ".dgm" || output.extension() == ".exr";
 }
 
+/// A map's description; of an EXR without layers.
+model::MapSet read_head(const fs::path& map) {
+    return map.extension() == ".exr" ? formats::read_exr_head(map).maps : formats::read_dgm(map);
+}
+
+/// The layers that a stored report says were edited; none if it is no report.
+std::vector<std::string> layers_in(const std::string& report_json) {
+    try {
+        return edited_layers(report_from_json(report_json));
+    } catch (const model::Error&) { return {}; }
+}
+
 /// The origin that a map names; of an EXR without layers.
 std::optional<model::MapSet> origin_of(const fs::path& map, const BakeOptions& options) {
     if (map.extension() != ".exr") return formats::read_dgm(map);
@@ -91,10 +103,26 @@ std::vector<fs::path> input_files(const fs::path& mesh_file, const BakeOptions& 
     return out;
 }
 
+std::vector<std::string> edited_layers(const BakeReport& report) {
+    std::vector<std::string> out;
+    for (const MapEdit& edit : report.edits)
+        if (std::find(out.begin(), out.end(), edit.layer) == out.end()) out.push_back(edit.layer);
+    return out;
+}
+
+std::vector<std::string> edited_layers(const fs::path& map) {
+    try {
+        std::error_code ignored;
+        if (!is_map(map) || !fs::is_regular_file(map, ignored)) return {};
+        return layers_in(read_head(map).report_json);
+    } catch (const model::Error&) { return {}; }
+}
+
 std::optional<std::string> baked_from(const fs::path& map) {
     try {
-        model::MapSet maps = map.extension() == ".exr" ? formats::read_exr_head(map).maps : formats::read_dgm(map);
+        model::MapSet maps = read_head(map);
         if (!maps.generator.starts_with("dgm-bake ")) return std::nullopt;
+        if (!layers_in(maps.report_json).empty()) return std::nullopt;
         return std::move(maps.source_name);
     } catch (const model::Error&) { return std::nullopt; }
 }

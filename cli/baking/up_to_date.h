@@ -43,8 +43,13 @@ namespace dgm::bake {
                                                    const std::vector<std::filesystem::path>& outputs,
                                                    const BakeOptions& options);
 
+/// The layers that dgm-edit has put into a .dgm or .exr, each once, in their order of time: "stiffness", "texture".
+/// None for a map as it was baked and for what cannot be read. Not thread-safe: HDF5.
+[[nodiscard]] std::vector<std::string> edited_layers(const std::filesystem::path& map);
+[[nodiscard]] std::vector<std::string> edited_layers(const BakeReport& report);
+
 /// The name of the mesh that a .dgm or .exr was baked from; nullopt if its content does not say that dgm-bake made it,
-/// or it cannot be read. Not thread-safe: HDF5.
+/// if somebody has edited it since (nobody else has that work), or it cannot be read. Not thread-safe: HDF5.
 [[nodiscard]] std::optional<std::string> baked_from(const std::filesystem::path& map);
 
 }  // namespace dgm::bake

@@ -35,7 +35,21 @@ constexpr std::size_t kMaxNotices = 20, kMaxNoticeBytes = 400;
 Outcome outcome_of(const model::Error& error) {
     const int number = error.code().number;
     const bool about_the_mesh = number / 1000 == 3 || error.code().exit == model::ExitCode::kUnsupported;
-    return about_the_mesh ? Outcome::kRefused : Outcome::kFailed;
+    return about_the_mesh || number == codes::kEditedMap.number ? Outcome::kRefused : Outcome::kFailed;
+}
+
+/// A map that dgm-edit has painted is not up to date any more, and a bake would replace it.
+std::optional<model::Error> keep_edits(const PlannedAsset& asset) {
+    for (const fs::path& map : {asset.dgm, asset.exr}) {
+        if (map.empty()) continue;
+        const std::vector<std::string> layers = edited_layers(map);
+        if (layers.empty()) continue;
+        return model::Error(codes::kEditedMap,
+                            fmt::format("the map is not up to date, but was edited since its bake, so it is kept: {}",
+                                        fmt::join(layers, ", ")),
+                            map.string());
+    }
+    return std::nullopt;
 }
 
 /// One asset while its worker runs.
@@ -172,6 +186,8 @@ class Batch {
         const PlannedAsset& asset = plan_.assets[k];
         if (asset.refusal) return fail(k, *asset.refusal);
         if (skip(k)) return;
+        if (!batch_.force)
+            if (std::optional<model::Error> edited = keep_edits(asset)) return fail(k, std::move(*edited));
         if (std::optional<model::Error> too_large = refuse_size(asset.options, batch_.memory_bytes))
             return fail(k, std::move(*too_large));
         if (observer_.on_start) observer_.on_start(k);

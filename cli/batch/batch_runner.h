@@ -25,7 +25,7 @@ struct BatchOptions {
     unsigned threads = 0;                                 ///< of one worker; 0: the cores, shared out among `jobs`
     bool stop_on_error = false;                           ///< start nothing new after an asset that was not baked
     bool shares_folders = false;                          ///< others bake into the output folder at the same time
-    bool force = false;                                   ///< bake what is up to date, too
+    bool force = false;                                   ///< bake what is up to date or was edited, too
 };
 
 enum class Outcome { kBaked, kUpToDate, kRefused, kFailed, kInterrupted, kNotStarted };
@@ -63,12 +63,13 @@ struct BatchObserver {
     std::function<void()> on_tick;  ///< at least four times a second
 };
 
-/// Runs the whole batch, each asset with the options of the plan. Outputs that are up to date (up_to_date.h) stay. A
-/// worker is started only while its estimated peak fits beside what the others may still take (memory_budget.h); one
-/// runs always. One result for each asset of the plan, in its order; what goes wrong with an asset is in its result and
-/// never an exception. Outputs appear whole or not at all; no temporary file is left. On SIGINT, SIGTERM or SIGHUP the
-/// workers are killed and the rest of the batch is kInterrupted; the signals' handlers are restored at the end. The
-/// same outputs whatever the number of jobs.
+/// Runs the whole batch, each asset with the options of the plan. Outputs that are up to date (up_to_date.h) stay; a
+/// map that is not, and that somebody has edited, stays too and its asset is refused (kEditedMap). A worker is started
+/// only while its estimated peak fits beside what the others may still take (memory_budget.h); one runs always. One
+/// result for each asset of the plan, in its order; what goes wrong with an asset is in its result and never an
+/// exception. Outputs appear whole or not at all; no temporary file is left. On SIGINT, SIGTERM or SIGHUP the workers
+/// are killed and the rest of the batch is kInterrupted; the signals' handlers are restored at the end. The same
+/// outputs whatever the number of jobs.
 /// @throws model::Error kWriteFailed if the output folder cannot be made
 [[nodiscard]] std::vector<AssetResult> run_batch(const BatchPlan& plan, const BatchOptions& batch,
                                                  const BatchObserver& observer);

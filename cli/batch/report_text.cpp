@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "baking/option_names.h"
+#include "baking/up_to_date.h"
 #include "batch/grade.h"
 #include "model/codes.h"
 
@@ -173,7 +174,10 @@ std::string search_story(const GridSearch& s, double diagonal) {
 
 std::string up_to_date_line(const AssetResult& result) {
     const auto [names, bytes] = files_text(result);
-    return fmt::format("{}: up to date, {}, {}", names, verdict_text(result.report), bytes_text(bytes));
+    std::string out = fmt::format("{}: up to date, {}, {}", names, verdict_text(result.report), bytes_text(bytes));
+    if (const auto edited = edited_layers(result.report); !edited.empty())
+        out += fmt::format(", edited: {}", printable(fmt::format("{}", fmt::join(edited, ", "))));
+    return out;
 }
 
 std::string result_line(const AssetResult& result) {

@@ -63,7 +63,7 @@ constexpr tool::Manual kManual{.synopsis =
                                    "3    a mesh of run is refused\n"
                                    "4    internal error, or a library crashed\n"
                                    "130  interrupted",
-                               .see_also = "dgm-bake(1), dgm-info(1), dgm-validate(1), dgm-export(1)"};
+                               .see_also = "dgm-bake(1), dgm-info(1), dgm-validate(1), dgm-export(1), dgm-edit(1)"};
 
 constexpr const char *kWhatIsMeasured = "What is measured", *kHowFine = "How fine";
 

@@ -74,6 +74,26 @@ std::string error_text(const nlohmann::json& report) {
     return out;
 }
 
+/// A line for each edit that the report lists (dgm-edit).
+std::string edits_text(const nlohmann::json& report) {
+    const nlohmann::json* edits = find(report, {"edits"});
+    if (edits == nullptr || !edits->is_array()) return {};
+    std::string out;
+    for (const nlohmann::json& edit : *edits) {
+        const auto text = [&](const char* key) {
+            const nlohmann::json* value = find(edit, {key});
+            return value != nullptr && value->is_string() ? value->get<std::string>() : std::string();
+        };
+        const nlohmann::json* samples = find(edit, {"samples"});
+        const std::uint64_t count =
+            samples != nullptr && samples->is_number_unsigned() ? samples->get<std::uint64_t>() : 0;
+        out += fmt::format("  edited    {}{}, from {}  {}\n", text("layer"),
+                           count > 0 ? fmt::format(": {} sample{}", count, count == 1 ? "" : "s") : "", text("source"),
+                           text("source_hash"));
+    }
+    return out;
+}
+
 std::string vector_text(std::span<const double> v) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]);
 }
@@ -168,6 +188,7 @@ std::string to_text(const FileInfo& info) {
     out += fmt::format("  source    {}  {}\n", info.source_name, formats::to_hex(info.source_hash));
     out += fmt::format("  settings  {}\n", formats::to_hex(info.settings_hash));
     if (const std::string errors = error_text(report); !errors.empty()) out += fmt::format("  measured  {}\n", errors);
+    out += edits_text(report);
     for (std::size_t k = 0; k < info.charts.size(); ++k) {
         const ChartInfo& chart = info.charts[k];
         out += fmt::format("  chart {}: {} x {}, {}, {}\n", k, chart.rows, chart.cols, domain_name(chart.domain),

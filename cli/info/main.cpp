@@ -36,7 +36,7 @@ const dgm::tool::Manual kManual{
         "5    a file is of a newer version\n"
         "7    --diff: the two differ\n"
         "With several files, that of the worst.",
-    .see_also = "dgm-bake(1), dgm-validate(1), dgm-export(1), dgm-bench(1)"};
+    .see_also = "dgm-bake(1), dgm-validate(1), dgm-export(1), dgm-edit(1), dgm-bench(1)"};
 
 int print_difference(const std::vector<std::string>& files, bool json, std::string& subject) {
     if (files.size() != 2) throw dgm::model::Error(dgm::model::codes::kUsage, "--diff takes two files");

@@ -18,9 +18,9 @@ namespace dgm::tool {
 
 /// An error as all programs tell it:
 ///
-///     dgm-export: x.dgm: DGM1003: stored bytes differ ...
+///     dgm-export: x.dgm: DGM1004: the layer ends beyond the file
 ///       at: /charts/0/normal
-///       next: the file was damaged after the bake; bake it again
+///       next: copy it again, or bake it again
 ///
 /// `subject` is the file that was worked on, or empty. A fault of a file (5xxx) begins with that file.
 [[nodiscard]] inline std::string error_text(const std::string& program, const std::string& subject,

@@ -62,7 +62,7 @@ const tool::Manual kManual{.synopsis = "dgm-validate [OPTIONS] FILE...\ndgm-vali
                                "4    internal error, or a library crashed\n"
                                "5    a file is of a newer version\n"
                                "With several files, that of the worst.",
-                           .see_also = "dgm-bake(1), dgm-info(1), dgm-export(1), dgm-bench(1)"};
+                           .see_also = "dgm-bake(1), dgm-info(1), dgm-export(1), dgm-edit(1), dgm-bench(1)"};
 
 /// "0.05%" or "0.05" to 0.05, whatever the locale.
 std::optional<double> parse_percent(std::string_view text) {

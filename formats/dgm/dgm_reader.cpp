@@ -38,13 +38,24 @@ void read_charts(const FileIndex& file, model::MapSet& maps) {
     }
 }
 
+/// Whether the file's hashes fit, rather than findings.
+struct FitList {
+    std::vector<std::vector<bool>> layers;  ///< chart by chart
+    bool rest = true;
+};
+
 /// Checks the hashes of all layers, and keeps the layers if `maps` is given.
-void read_layers(const RawFile& raw, const FileIndex& file, FindingList& findings, model::MapSet* maps) {
+/// @param fits  gets what differs, which is no finding then
+void read_layers(const RawFile& raw, const FileIndex& file, FindingList& findings, model::MapSet* maps, FitList* fits) {
+    if (fits != nullptr) fits->layers.resize(file.index.charts.size());
     for (const layout::LayerRecord& record : file.index.layers) {
         std::vector<std::byte> bytes = raw.read(record.offset, record.bytes);
         const Hash128 hash = hash_bytes(bytes);
         const std::string name = field_text(record.name).value_or(std::string());
-        if (!std::equal(hash.begin(), hash.end(), record.hash))
+        const bool is_same = std::equal(hash.begin(), hash.end(), record.hash);
+        if (fits != nullptr)
+            fits->layers[record.chart].push_back(is_same);
+        else if (!is_same)
             findings.add(codes::kHashMismatch, "the layer's bytes differ from their hash",
                          h5_place(record.chart, name));
         if (maps == nullptr) continue;
@@ -58,7 +69,7 @@ void read_layers(const RawFile& raw, const FileIndex& file, FindingList& finding
 }
 
 /// Finds damage to HDF5's own structures before HDF5 sees them. Files of other writers may lack the hash.
-void check_rest(const RawFile& raw, const FileIndex& file, FindingList& findings) {
+void check_rest(const RawFile& raw, const FileIndex& file, FindingList& findings, FitList* fits) {
     const auto& expected = file.header.rest_hash;
     if (std::all_of(std::begin(expected), std::end(expected), [](auto b) { return b == 0; })) return;
     constexpr std::uint64_t kBlock = std::uint64_t{1} << 20, kMost = std::uint64_t{1} << 30;
@@ -75,7 +86,10 @@ void check_rest(const RawFile& raw, const FileIndex& file, FindingList& findings
         for (; begin < end; begin += std::min(kBlock, end - begin))
             hasher.add(raw.read(begin, std::min(kBlock, end - begin)));
     const Hash128 hash = hasher.result();
-    if (!std::equal(hash.begin(), hash.end(), expected))
+    const bool is_same = std::equal(hash.begin(), hash.end(), expected);
+    if (fits != nullptr)
+        fits->rest = is_same;
+    else if (!is_same)
         findings.add(codes::kHashMismatch, "HDF5's own structures, or the report, differ from their hash", "/");
 }
 
@@ -104,15 +118,17 @@ void read_hdf5(const fs::path& path, const DgmReadLimits& limits, const FileInde
 
 /// @param throws  the first finding, rather than collecting them
 /// @param maps    gets the content of the file, if given
-FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws, model::MapSet* maps) {
+/// @param fits    gets which hashes fit, if given; those that do not are no findings then
+FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws, model::MapSet* maps,
+                  FitList* fits = nullptr) {
     const RawFile raw(path);
     FindingList findings(throws);
     try {
         if (const auto file = read_file_index(raw, limits, findings)) {
             const std::size_t before = findings.size();
             if (maps != nullptr) read_charts(*file, *maps);
-            read_layers(raw, *file, findings, maps);
-            check_rest(raw, *file, findings);
+            read_layers(raw, *file, findings, maps, fits);
+            check_rest(raw, *file, findings, fits);
             if (findings.size() == before) read_hdf5(path, limits, *file, findings, maps);
         }
     } catch (const EnoughFindings&) {
@@ -150,6 +166,15 @@ model::MapSet read_dgm(const fs::path& path, const DgmReadLimits& limits) {
     model::MapSet maps;
     (void)walk(path, limits, true, &maps);
     return maps;
+}
+
+ChangedDgm read_changed_dgm(const fs::path& path, const DgmReadLimits& limits) {
+    ChangedDgm out;
+    FitList fits;
+    (void)walk(path, limits, true, &out.maps, &fits);
+    out.fits = std::move(fits.layers);
+    out.rest_fits = fits.rest;
+    return out;
 }
 
 FileFindings check_container(const fs::path& path, const DgmReadLimits& limits) {

@@ -71,4 +71,16 @@ void set_hdf5_reader(Hdf5Reader reader);
 [[nodiscard]] FileFindings read_and_check(const std::filesystem::path& path, model::MapSet& maps,
                                           const DgmReadLimits& limits = {});
 
+/// A file whose layers somebody has changed in place, such as by h5py: the hashes do not fit any more.
+struct ChangedDgm {
+    model::MapSet maps;
+    std::vector<std::vector<bool>> fits;  ///< of each chart: whether each layer's bytes fit their hash
+    bool rest_fits = true;                ///< HDF5's own structures fit theirs: no attribute has changed
+};
+
+/// As read_dgm, but layers may differ from their hashes, and so may what lies between them. Header and index must fit,
+/// and the datasets be where the index says.
+/// @throws model::Error as read_dgm
+[[nodiscard]] ChangedDgm read_changed_dgm(const std::filesystem::path& path, const DgmReadLimits& limits = {});
+
 }  // namespace dgm::formats

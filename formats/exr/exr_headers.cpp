@@ -10,9 +10,11 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "exr/exr_layout.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::formats {
 namespace {
@@ -213,6 +215,19 @@ class Headers {
 void check_exr_headers(const std::filesystem::path& path, std::uint64_t file_bytes, std::uint64_t max_pixels,
                        int max_parts, std::uint64_t budget) {
     Headers(path, file_bytes, max_pixels, budget).check(max_parts);
+}
+
+std::uint64_t exr_budget(const std::filesystem::path& path, const ExrReadLimits& limits) {
+    namespace fs = std::filesystem;
+    constexpr std::uint64_t kMaxZipRatio = 1032;
+    std::error_code error;
+    const auto status = fs::status(path, error);
+    if (!fs::exists(status)) throw model::missing_file(path);
+    const std::uint64_t bytes = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
+    if (!fs::is_regular_file(status) || error) throw model::unreadable_file(path);
+    const std::uint64_t budget = std::min(limits.max_total_bytes, bytes * kMaxZipRatio);
+    check_exr_headers(path, bytes, limits.max_pixels_per_part, limits.max_parts, budget);
+    return budget;
 }
 
 }  // namespace dgm::formats

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "exr/exr_reader.h"
+
 namespace dgm::formats {
 
 /// Walks over the headers and refuses what would make OpenEXR take memory that the file cannot back: it makes room for
@@ -18,5 +20,10 @@ namespace dgm::formats {
 /// @throws model::Error kExrUnreadable
 void check_exr_headers(const std::filesystem::path& path, std::uint64_t file_bytes, std::uint64_t max_pixels,
                        int max_parts, std::uint64_t budget);
+
+/// Checks the headers and gives the bytes that the pixels of the file may unpack to: zlib packs at most 1032 to 1, and
+/// a file that promises more is lying.
+/// @throws model::Error kFileMissing, kReadFailed, kExrUnreadable
+[[nodiscard]] std::uint64_t exr_budget(const std::filesystem::path& path, const ExrReadLimits& limits);
 
 }  // namespace dgm::formats

@@ -19,6 +19,7 @@
 #include "exr/exr_headers.h"
 #include "exr/exr_part.h"
 #include "exr/exr_plan.h"
+#include "exr/exr_reading.h"
 #include "exr/exr_text.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
@@ -32,26 +33,11 @@ using model::Chart;
 using model::Layer;
 using model::MapSet;
 
-/// zlib packs at most 1032 to 1: a file that promises more is lying, and is refused before memory is spent on it.
-constexpr std::uint64_t kMaxZipRatio = 1032;
-
-/// Bytes that the pixels of a file may unpack to.
-std::uint64_t budget_of(const fs::path& path, const ExrReadLimits& limits) {
-    std::error_code error;
-    const auto status = fs::status(path, error);
-    if (!fs::exists(status)) throw model::missing_file(path);
-    const std::uint64_t bytes = fs::is_regular_file(status) ? fs::file_size(path, error) : 0;
-    if (!fs::is_regular_file(status) || error) throw model::unreadable_file(path);
-    const std::uint64_t budget = std::min(limits.max_total_bytes, bytes * kMaxZipRatio);
-    check_exr_headers(path, bytes, limits.max_pixels_per_part, limits.max_parts, budget);
-    return budget;
-}
-
 /// A file whose headers were looked at, and how many bytes its pixels may become.
 class OpenFile {
  public:
     OpenFile(const fs::path& path, const ExrReadLimits& limits)
-        : budget_(budget_of(path, limits)), file_(path.c_str(), 0, false) {
+        : budget_(exr_budget(path, limits)), file_(path.c_str(), 0, false) {
         if (file_.parts() < 1 || file_.parts() > limits.max_parts)
             throw model::Error(codes::kExrUnreadable, "impossible number of parts", path.string());
     }
@@ -271,17 +257,6 @@ void check_rows(OpenFile& file, const fs::path& path) {
         Imf::InputPart(file.pixels(), k).rawPixelData(file.pixels().header(k).dataWindow().max.y, row, bytes);
         if (!file.pixels().partComplete(k))
             throw model::Error(codes::kExrUnreadable, "part " + std::to_string(k) + " lacks rows", path.string());
-    }
-}
-
-template <class Read>
-auto reading(const fs::path& path, const Read& read) {
-    try {
-        return read();
-    } catch (const model::Error&) { throw; } catch (const std::bad_alloc&) {
-        throw model::Error(codes::kExrUnreadable, "the file needs more memory than there is", path.string());
-    } catch (const std::exception& e) {
-        throw model::Error(codes::kExrUnreadable, std::string("OpenEXR: ") + e.what(), path.string());
     }
 }
 

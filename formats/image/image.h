@@ -47,6 +47,9 @@ struct GrayImage16 {
 /// Thread-safe. @throws as read_image
 [[nodiscard]] FloatImage read_height(const model::PictureFile& picture);
 
+/// Bits of a number of the picture: 8, or 16 where read_height keeps them. Thread-safe. @throws as read_image
+[[nodiscard]] unsigned image_bits(const model::PictureFile& picture);
+
 /// PNG file bytes: RGBA, no time or text chunks, so equal pictures give equal bytes.
 /// @throws model::Error kTooLarge if a side is 0 or beyond kMaxImageSide, kInternal if pixels do not fit the size
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);

@@ -103,6 +103,11 @@ Image read_image(const model::PictureFile& picture) {
     return out;
 }
 
+unsigned image_bits(const model::PictureFile& picture) {
+    const EncodedImage encoded = load(picture);
+    return stbi_is_16_bit_from_memory(encoded.bytes(), encoded.size()) != 0 ? 16 : 8;
+}
+
 FloatImage read_height(const model::PictureFile& picture) {
     const EncodedImage encoded = load(picture);
     FloatImage out;

@@ -20,12 +20,13 @@ inline constexpr Code kBadVersion{1002,
                                   "the format version is newer than this tool",
                                   "update the tools, or bake again with the installed version",
                                   "this tool would misread what a later version may mean by the same bytes"};
-inline constexpr Code kHashMismatch{1003,
-                                    "HASH_MISMATCH",
-                                    ExitCode::kInvalid,
-                                    "stored bytes differ from their hash",
-                                    "the file was damaged after the bake; bake it again",
-                                    "a damaged file still opens and still draws, only wrongly"};
+inline constexpr Code kHashMismatch{
+    1003,
+    "HASH_MISMATCH",
+    ExitCode::kInvalid,
+    "stored bytes differ from their hash",
+    "the file was changed after the bake: bake it again, or, if you painted its layers, use dgm-edit --repair",
+    "a damaged file still opens and still draws, only wrongly"};
 inline constexpr Code kTruncated{1004,
                                  "TRUNCATED",
                                  ExitCode::kInvalid,
@@ -108,6 +109,27 @@ inline constexpr Code kMissingChannel{1016,
                                       "an EXR lacks a channel or part, or has it with another type or size",
                                       "save all channels with the names that they had, in 32-bit float",
                                       "the layer that the channel belongs to cannot be made again"};
+inline constexpr Code kEditForbidden{
+    1017,
+    "EDIT_FORBIDDEN",
+    ExitCode::kInvalid,
+    "an edit changes what may not be edited",
+    "leave that layer as it was, or change the mesh and bake it again; docs/editing.md lists what may be painted",
+    "positions, topology and the tables made of them belong together; one of them changed alone misleads every reader"};
+inline constexpr Code kEditUnrelated{
+    1018,
+    "EDIT_UNRELATED",
+    ExitCode::kInvalid,
+    "an edit does not fit the map",
+    "name the map that was exported, and the files that were made of it, in their own size",
+    "values of another grid would be painted on the wrong places of the surface"};
+inline constexpr Code kEditedMap{
+    1019,
+    "EDITED_MAP",
+    ExitCode::kInvalid,
+    "a bake would throw away what dgm-edit has put into the map",
+    "bake to another name with -o and put the paint in with dgm-edit --from, or give it up with --force",
+    "paint is hours of somebody's work, and the mesh does not contain it"};
 
 // 2xxx layers and their values
 inline constexpr Code kMissingLayer{
@@ -437,29 +459,18 @@ inline constexpr Code kSystemBusy{9007,
                                   "the asset was not tried, so nothing is known of it"};
 
 inline constexpr const Code* kAll[] = {
-    &kNotDgm,          &kBadVersion,       &kHashMismatch,
-    &kTruncated,       &kBadIndex,         &kHdf5Unreadable,
-    &kExrUnreadable,   &kLayersOverlap,    &kBadAlignment,
-    &kForeignStorage,  &kIndexDiffers,     &kUnknownLayer,
-    &kBadAttribute,    &kUnknownObject,    &kNotReproducible,
-    &kMissingChannel,  &kMissingLayer,     &kBadLayerShape,
-    &kNotFinite,       &kSeamGap,          &kBadSeamTable,
-    &kBadTopology,     &kBadValue,         &kBadCollision,
-    &kBadContact,      &kBadBounds,        &kBadReport,
-    &kBadMetric,       &kFlippedFaces,     &kLooseSamples,
-    &kBadNormal,       &kNoFaces,          &kNonOrientable,
-    &kMapInvalid,      &kMethodUnsuited,   &kImportFailed,
-    &kGridTooSmall,    &kTooLarge,         &kScaleOutOfRange,
-    &kErrorNotReached, &kBudgetTooSmall,   &kMaterialsMissing,
-    &kTextureMissing,  &kRmsExceeded,      &kHausdorffExceeded,
-    &kSourceDiffers,   &kTurnedFaces,      &kTopologyDiffers,
-    &kFileMissing,     &kReadFailed,       &kWriteFailed,
-    &kNothingToDo,     &kImageUnreadable,  &kNoSpace,
-    &kIoTrouble,       &kReportUnreadable, &kUsage,
-    &kUnsupported,     &kBadBaseline,      &kSceneInvalid,
-    &kInternal,        &kWorkerCrashed,    &kWorkerTimeout,
-    &kWorkerMemory,    &kInterrupted,      &kWorkerKilled,
-    &kSystemBusy,
+    &kNotDgm,          &kBadVersion,      &kHashMismatch,     &kTruncated,      &kBadIndex,         &kHdf5Unreadable,
+    &kExrUnreadable,   &kLayersOverlap,   &kBadAlignment,     &kForeignStorage, &kIndexDiffers,     &kUnknownLayer,
+    &kBadAttribute,    &kUnknownObject,   &kNotReproducible,  &kMissingChannel, &kEditForbidden,    &kEditUnrelated,
+    &kEditedMap,       &kMissingLayer,    &kBadLayerShape,    &kNotFinite,      &kSeamGap,          &kBadSeamTable,
+    &kBadTopology,     &kBadValue,        &kBadCollision,     &kBadContact,     &kBadBounds,        &kBadReport,
+    &kBadMetric,       &kFlippedFaces,    &kLooseSamples,     &kBadNormal,      &kNoFaces,          &kNonOrientable,
+    &kMapInvalid,      &kMethodUnsuited,  &kImportFailed,     &kGridTooSmall,   &kTooLarge,         &kScaleOutOfRange,
+    &kErrorNotReached, &kBudgetTooSmall,  &kMaterialsMissing, &kTextureMissing, &kRmsExceeded,      &kHausdorffExceeded,
+    &kSourceDiffers,   &kTurnedFaces,     &kTopologyDiffers,  &kFileMissing,    &kReadFailed,       &kWriteFailed,
+    &kNothingToDo,     &kImageUnreadable, &kNoSpace,          &kIoTrouble,      &kReportUnreadable, &kUsage,
+    &kUnsupported,     &kBadBaseline,     &kSceneInvalid,     &kInternal,       &kWorkerCrashed,    &kWorkerTimeout,
+    &kWorkerMemory,    &kInterrupted,     &kWorkerKilled,     &kSystemBusy,
 };
 
 }  // namespace dgm::model::codes

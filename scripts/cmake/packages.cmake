@@ -41,8 +41,8 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME dgm-tools)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENT_TOOLS_DESCRIPTION "Tools that bake, check and export deformable geometry maps
- dgm-bake turns meshes into regular grids of samples; dgm-validate, dgm-info, dgm-export
- and dgm-bench check, show, export and measure them.")
+ dgm-bake turns meshes into regular grids of samples; dgm-validate, dgm-info, dgm-export,
+ dgm-edit and dgm-bench check, show, export, edit and measure them.")
 
 # Debian asks each package for its licence.
 foreach(pair "runtime|libdgm0|MIT" "development|libdgm-dev|MIT" "tools|dgm-tools|GPL-3.0-or-later")

@@ -60,6 +60,17 @@ class Codes(support.Folder):
         text = self.validate("--explain", "all").stdout
         return {int(n): name for n, name in re.findall(r"^DGM(\d{4}) ([A-Z0-9_]+) \(", text, re.M)}
 
+    def paint_a_map(self):
+        """painted.dgm: baked from sheet.obj, with mobility of another hand."""
+        import h5py
+        for program, arguments in ((support.BAKE, ["sheet.obj", "-o", "painted.dgm", "--size", "9"]),
+                                   (support.EDIT, ["painted.dgm", "--repair"])):
+            result = self.run_program(program, *arguments)
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+            if program == support.BAKE:
+                with h5py.File(self.folder / "painted.dgm", "r+") as file:
+                    file["charts/0/contact"][4, 4, 1] = 0.5
+
     def bake_outcomes(self):
         """Codes by commands other than validating one file: (number, program, arguments)."""
         folder = self.folder
@@ -79,9 +90,12 @@ class Codes(support.Folder):
         (folder / "scene.toml").write_text("assets = 3\n")
         for fault in ("segfault", "hang", "memory"):
             (folder / f"{fault}.obj").write_text("a mesh that misbehaves\n")
-        bake, validate, faulty = support.BAKE, support.VALIDATE, support.FAULTY_BAKE
+        bake, validate, faulty, edit = support.BAKE, support.VALIDATE, support.FAULTY_BAKE, support.EDIT
         small = ["-o", "out", "--size", "9"]
+        self.paint_a_map()
         cases = [
+            (1017, edit, ["good.dgm", "--from", "good.dgm", "--layer", "geometry"]),
+            (1018, edit, ["good.dgm", "--from", "texts"]), (1019, bake, ["sheet.obj", "-o", "painted.dgm", "--size", "11"]),
             (3001, bake, ["points.obj", *small]), (3002, bake, ["moebius.obj", *small]),
             (3004, bake, ["sheet.obj", *small, "--method", "uv"]), (3005, bake, ["broken.3ds", *small]),
             (3006, bake, ["sieve.obj", "-o", "out", "--size", "3", "--method", "tutte"]), (3008, bake, ["huge.obj", *small]),

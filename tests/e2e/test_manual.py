@@ -11,7 +11,7 @@ import support
 
 MANUAL = Path(os.environ.get("DGM_MANUAL", "."))
 PROGRAMS = {"dgm-bake": support.BAKE, "dgm-validate": support.VALIDATE, "dgm-info": os.environ.get("DGM_INFO", ""),
-            "dgm-export": support.EXPORT}
+            "dgm-export": support.EXPORT, "dgm-edit": support.EDIT}
 if support.BENCH:
     PROGRAMS["dgm-bench"] = support.BENCH
 SECTIONS = ["Examples", "Files", "Environment", "Exit codes"]  # of every help, in this order, at its end

@@ -14,7 +14,7 @@ import support
 
 BUILD = Path(os.environ.get("DGM_BUILD", "."))
 CPACK = os.environ.get("DGM_CPACK", "cpack")
-TOOLS = ("dgm-bake", "dgm-validate", "dgm-info", "dgm-export", "dgm-bench")
+TOOLS = ("dgm-bake", "dgm-validate", "dgm-info", "dgm-export", "dgm-edit", "dgm-bench")
 
 
 class Packages(support.Folder):

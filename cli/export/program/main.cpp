@@ -104,7 +104,7 @@ const dgm::tool::Manual kManual{.synopsis =
                                     "4    internal error, or a library crashed\n"
                                     "5    the input is of a newer version, or the output of an unknown kind\n"
                                     "With several inputs all others are exported, and the code is that of the worst.",
-                                .see_also = "dgm-bake(1), dgm-info(1), dgm-validate(1), dgm-bench(1)"};
+                                .see_also = "dgm-bake(1), dgm-edit(1), dgm-info(1), dgm-validate(1), dgm-bench(1)"};
 
 void describe(CLI::App& app, CommandLine& line) {
     using dgm::tool::Group;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/fit/closest_samples.h"
+#include "geometry/layers/dilate.h"
 #include "geometry/layers/fit_layers.h"
 #include "geometry/layers/image_lookup.h"
 #include "geometry/layers/layers.h"
@@ -51,27 +52,6 @@ bool has_colour(const LayerInput& in) {
     return false;
 }
 
-/// Colours the texels that no face covers from their nearest covered neighbour, so that filtering never bleeds in
-/// black.
-void dilate(std::span<std::uint8_t> rgba, std::vector<char>& covered, std::uint32_t rows, std::uint32_t cols) {
-    std::vector<std::uint32_t> front;
-    for (std::uint32_t t = 0; t < covered.size(); ++t)
-        if (covered[t]) front.push_back(t);
-    for (std::size_t at = 0; at < front.size(); ++at) {
-        const std::uint32_t t = front[at], i = t / cols, j = t % cols;
-        const auto visit = [&](std::uint32_t to) {
-            if (covered[to]) return;
-            covered[to] = 1;
-            std::copy_n(rgba.begin() + 4 * t, 4, rgba.begin() + 4 * to);
-            front.push_back(to);
-        };
-        if (i > 0) visit(t - cols);
-        if (i + 1 < rows) visit(t + cols);
-        if (j > 0) visit(t - 1);
-        if (j + 1 < cols) visit(t + 1);
-    }
-}
-
 }  // namespace
 
 bool has_texture(const LayerInput& in) {
@@ -114,7 +94,9 @@ std::optional<model::Layer> make_texture(const LayerInput& in, std::span<const M
         covered[t] = 1;
         put(t, colour_at(in, grid.samples[t]));
     }
-    dilate(rgba, covered, rows, cols);
+    const std::vector<std::uint32_t> from = nearest_covered(covered, rows, cols);
+    for (std::size_t t = 0; t < from.size(); ++t)
+        if (from[t] != kNone && from[t] != t) std::copy_n(rgba.begin() + 4 * from[t], 4, rgba.begin() + 4 * t);
     if (points.empty()) return layer;
     std::vector<std::array<double, 4>> colours(points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {

@@ -170,7 +170,8 @@ TEST(ValidationOutput, CodesAreFoundByAnyOfTheirNames) {
               "DGM1003 HASH_MISMATCH (container and index)\n"
               "  what: stored bytes differ from their hash\n"
               "  why:  a damaged file still opens and still draws, only wrongly\n"
-              "  next: the file was damaged after the bake; bake it again\n"
+              "  next: the file was changed after the bake: bake it again, or, if you painted its layers, use dgm-edit "
+              "--repair\n"
               "  exit: 3\n");
 }
 

@@ -197,6 +197,29 @@ TEST(DgmFile, FindingsNameTheLayer) {
     EXPECT_EQ(findings[0].place, "/charts/1/normal");
 }
 
+TEST(DgmFile, ChangedLayersAreReadWhenThatIsAskedFor) {
+    const TempFolder folder;
+    MapSet maps = random_maps(5, 2);
+    write_dgm(maps, folder / "a.dgm");
+    std::string bytes = read_bytes(folder / "a.dgm");
+    const LayerRecord layer = layers_of(bytes)[1];
+    ASSERT_GT(layer.bytes, 0u);
+    bytes[layer.offset] = static_cast<char>(bytes[layer.offset] ^ 1);
+    write_bytes(folder / "a.dgm", bytes);
+    EXPECT_EQ(code_of([&] { (void)read_dgm(folder / "a.dgm"); }), codes::kHashMismatch.number);
+    const dgm::formats::ChangedDgm changed = dgm::formats::read_changed_dgm(folder / "a.dgm");
+    EXPECT_TRUE(changed.rest_fits);
+    for (std::size_t c = 0; c < maps.charts.size(); ++c)
+        for (std::size_t l = 0; l < maps.charts[c].layers.size(); ++l)
+            EXPECT_EQ(changed.fits[c][l], c != 0 || l != 1) << c << ' ' << l;
+    maps.charts[0].layers[1].bytes[0] ^= std::byte{1};
+    EXPECT_TRUE(changed.maps == maps);
+    // Header and index still have to fit.
+    bytes[200] = static_cast<char>(bytes[200] ^ 1);
+    write_bytes(folder / "a.dgm", bytes);
+    EXPECT_EQ(code_of([&] { (void)dgm::formats::read_changed_dgm(folder / "a.dgm"); }), codes::kHashMismatch.number);
+}
+
 TEST(DgmFile, ImpossibleRecordsAreRefused) {
     const TempFolder folder;
     write_dgm(random_maps(9, 1), folder / "good.dgm");
