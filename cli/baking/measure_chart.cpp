@@ -51,14 +51,14 @@ MeasuredChart measure_chart(const TriMesh& component, const SampledChart& chart,
     for (std::size_t s = 0; s < chart.grid_count(); ++s) used += chart.on_surface(s);
     report.utilisation = static_cast<double>(used) / static_cast<double>(chart.grid_count());
     for (std::size_t s = 0; s < chart.representative.size(); ++s) report.seam_pairs += chart.representative[s] != s;
-    report.source_topology = measure_topology(component.positions.size(), component.faces);
+    report.source_topology = measure_topology(component);
     report.map_topology = measure_topology(map.positions.size(), reconstruction.welded_faces);
-    if (report.source_topology.boundary_loops == 0) {
+    if (report.source_topology.boundary_loops == 0 && report.source_topology.oriented) {
         const double truth = six_volume(component);
         if (truth != 0) report.volume_relative_error = six_volume(map) / truth - 1;
     }
     const ClosestPointIndex index(component.positions, component.faces);
-    report.turned_faces = count_turned_faces(component, map, &index);
+    report.turned_faces = count_turned_faces(component, map, &index, faces_beside_reversed(reconstruction));
     SurfaceErrorOptions sampling;
     sampling.samples =
         static_cast<std::uint64_t>(std::max(kLeastSamples, static_cast<double>(measuring.samples) * measuring.share));

@@ -57,9 +57,10 @@ std::vector<Notice> notices(const Repaired& source) {
             out.push_back({"repaired: " + kind, "note: repaired: " + counted_repair(count, kind)});
     std::uint64_t loops = 0, open = 0, genus = 0;
     for (const model::TriMesh& component : source.components) {
-        const Topology topology = measure_topology(component.positions.size(), component.faces);
+        const Topology topology = measure_topology(component);
         loops += topology.boundary_loops;
         open += topology.boundary_loops > 0 ? 1 : 0;
+        if (!topology.oriented) continue;  // crosscaps are no handles
         genus += static_cast<std::uint64_t>(std::max<std::int64_t>(0, topology.genus));
     }
     if (loops > 0)

@@ -82,6 +82,21 @@ void name_inputs(const std::filesystem::path& source, const formats::ImportedMes
     facts.inputs_hash = hash_inputs(source, facts.inputs, facts.missing_inputs);
 }
 
+/// A warning, since a surface without an inside is more often a fault of the model than a Klein bottle.
+void warn_of_one_sided(Repaired& source) {
+    const auto one_sided = static_cast<std::size_t>(
+        std::count_if(source.components.begin(), source.components.end(),
+                      [](const model::TriMesh& component) { return !component.points.empty(); }));
+    if (one_sided == 0) return;
+    const std::size_t all = source.components.size();
+    const std::string subject =
+        all == 1 ? std::string("the surface has")
+                 : fmt::format("{} of {} components {}", one_sided, all, one_sided == 1 ? "has" : "have");
+    source.facts.warnings.push_back(
+        codes::kOneSided.id() + ": " + subject +
+        " one side: cut open along a seam across which normals point to opposite sides; no volume is enclosed");
+}
+
 }  // namespace
 
 Imported import_file(const std::filesystem::path& source) {
@@ -125,6 +140,7 @@ Repaired repair_source(Imported imported) {
         complete_normals(component);
         out.areas.push_back(surface_area(component));
     }
+    warn_of_one_sided(out);
     out.largest = static_cast<std::size_t>(std::max_element(out.areas.begin(), out.areas.end()) - out.areas.begin());
     return out;
 }

@@ -108,7 +108,8 @@ std::vector<std::string> search_lines(const GridSearch& s, double diagonal) {
 }
 
 std::string topology_text(const Topology& t) {
-    return fmt::format("genus {}, {}", t.genus, plural(t.boundary_loops, "border loop"));
+    return fmt::format("{}genus {}, {}", t.oriented ? "" : "one side, ", t.genus,
+                       plural(t.boundary_loops, "border loop"));
 }
 
 /// "normals 1.2 degrees off (faces 5.1, with bump 0.8)"

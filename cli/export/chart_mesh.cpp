@@ -55,6 +55,8 @@ bool is_open(const bake::Reconstruction& surface) {
             const std::uint32_t a = f[k], b = f[(k + 1) % 3];
             edges.push_back((std::uint64_t{std::min(a, b)} << 32) | std::max(a, b));
         }
+    // A surface without an inside is seen from both sides, too.
+    if (std::find(surface.reversed.begin(), surface.reversed.end(), 1) != surface.reversed.end()) return true;
     std::sort(edges.begin(), edges.end());
     for (std::size_t k = 0; k < edges.size(); ++k)
         if ((k == 0 || edges[k - 1] != edges[k]) && (k + 1 == edges.size() || edges[k + 1] != edges[k])) return true;

@@ -18,6 +18,7 @@
 #include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "model/element.h"
+#include "model/layer_names.h"
 
 namespace dgm::info {
 namespace {
@@ -191,8 +192,10 @@ std::string to_text(const FileInfo& info) {
     out += edits_text(report);
     for (std::size_t k = 0; k < info.charts.size(); ++k) {
         const ChartInfo& chart = info.charts[k];
-        out += fmt::format("  chart {}: {} x {}, {}, {}\n", k, chart.rows, chart.cols, domain_name(chart.domain),
-                           chart.method);
+        const bool one_sided = std::any_of(chart.layers.begin(), chart.layers.end(),
+                                           [](const LayerInfo& l) { return l.name == model::layers::kReversed; });
+        out += fmt::format("  chart {}: {} x {}, {}, {}{}\n", k, chart.rows, chart.cols, domain_name(chart.domain),
+                           chart.method, one_sided ? ", one side" : "");
         out += fmt::format("    box       {} .. {}\n", vector_text(std::span(chart.bbox).first(3)),
                            vector_text(std::span(chart.bbox).last(3)));
         const nlohmann::json* reports = find(report, {"charts"});

@@ -231,6 +231,17 @@ LayerPicture mask(const Chart& chart, const Layer& layer) {
                                100.0 * static_cast<double>(on) / static_cast<double>(plane.values.size()))};
 }
 
+/// The seams that the layer is about.
+LayerPicture reversed(const Chart& chart, const Layer& layer) {
+    const Layer* seams = chart.find("seams");
+    if (seams == nullptr) throw model::Error(model::codes::kMissingLayer, "there is no layer \"seams\" to draw");
+    LayerPicture out = seam_picture(chart, *seams);
+    const auto count =
+        std::count_if(layer.bytes.begin(), layer.bytes.end(), [](std::byte b) { return b != std::byte{}; });
+    out.note += fmt::format(", {} copies reversed", count);
+    return out;
+}
+
 using Painter = LayerPicture (*)(const Chart&, const Layer&);
 const std::map<std::string_view, Painter>& painters() {
     static const std::map<std::string_view, Painter> table{
@@ -245,6 +256,7 @@ const std::map<std::string_view, Painter>& painters() {
         {"diagonals", diagonals},
         {"mask", mask},
         {"seams", seam_picture},
+        {"reversed", reversed},
         {"border_uv", border_picture},
         {"border_geometry", border_picture},
         {"border_normal", border_picture},

@@ -25,6 +25,7 @@ struct LayerPicture {
 /// cover        sequential colours
 /// deformation  2 x 2 tiles: E, F / G, stiffness; F diverging, the others sequential
 /// contact      2 tiles: area, mobility (black 0 to white 1)
+/// reversed     the same as seams
 /// seams        samples of one class in one colour, by where the class first meets the border; drawn as dots
 /// diagonals    violet 0, yellow 1
 /// mask         black 0, white 1

@@ -54,6 +54,7 @@ const std::vector<LayerRule>& rules() {
         {"deformation", {kF32, kF32}, {kRows, kCols, 4}, kOptional},
         {"contact", {kF32, kF32}, {kRows, kCols, 2}, kOptional},
         {"seams", {kU32, kU32}, {kAny, 2}, kOptional},
+        {"reversed", {kU8, kU8}, {kAny}, kOptional},
         {"diagonals", {kU8, kU8}, {kQuadRows, kQuadCols}, kOptional},
         {"mask", {kU8, kU8}, {kRows, kCols}, kFreeDomain},
         {"border_uv", {kF32, kF32}, {kBorder, 2}, kFreeDomain},

@@ -71,6 +71,11 @@ class ChartComparison {
         count(claimed, "components", static_cast<std::int64_t>(t.components), codes::kBadTopology);
         count(claimed, "boundary_loops", static_cast<std::int64_t>(t.boundary_loops), codes::kBadTopology);
         count(claimed, "genus", t.genus, codes::kBadTopology);
+        const json& side = member(claimed, "oriented");
+        if (side.is_boolean() && side.get<bool>() != t.oriented)
+            findings_.error(codes::kBadTopology, place("oriented"),
+                            fmt::format("the report says {}, the chart {}", side.get<bool>() ? "two sides" : "one side",
+                                        t.oriented ? "has two" : "has one"));
         const json& source = member(report_, "source_topology");
         for (const char* key : {"components", "boundary_loops", "genus"})
             if (member(source, key).is_number() && member(claimed, key).is_number() &&

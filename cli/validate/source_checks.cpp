@@ -22,16 +22,17 @@ using bake::Topology;
 using model::TriMesh;
 namespace codes = model::codes;
 
-/// Components, boundary loops, genus.
-using Shape = std::tuple<std::uint64_t, std::uint64_t, std::int64_t>;
+/// Components, boundary loops, genus; whether the genus counts crosscaps.
+using Shape = std::tuple<std::uint64_t, std::uint64_t, std::int64_t, bool>;
 Shape shape_of(const Topology& t) {
-    return {t.components, t.boundary_loops, t.genus};
+    return {t.components, t.boundary_loops, t.genus, !t.oriented};
 }
 std::string shapes_text(const std::vector<Shape>& shapes) {
     constexpr std::size_t kMost = 4;
     std::string text;
     for (std::size_t k = 0; k < std::min(shapes.size(), kMost); ++k)
-        text += fmt::format("{}genus {} with {} borders", k == 0 ? "" : ", ", std::get<2>(shapes[k]),
+        text += fmt::format("{}{} {} with {} borders", k == 0 ? "" : ", ",
+                            std::get<3>(shapes[k]) ? "one side, genus" : "genus", std::get<2>(shapes[k]),
                             std::get<1>(shapes[k]));
     return text + (shapes.size() > kMost ? fmt::format(" and {} more", shapes.size() - kMost) : "");
 }
@@ -40,7 +41,7 @@ std::string shapes_text(const std::vector<Shape>& shapes) {
 void check_source_topology(const SourceComparison& file, const Source& source, FindingList& findings) {
     std::vector<Shape> charts, pieces;
     for (const auto& topology : file.topologies) {
-        if (!topology || !topology->manifold || !topology->oriented) return;  // reported with its chart
+        if (!topology || !topology->manifold) return;  // reported with its chart
         charts.push_back(shape_of(*topology));
     }
     for (const Topology& topology : source.topologies) pieces.push_back(shape_of(topology));
@@ -100,7 +101,7 @@ Source load_source(const std::filesystem::path& path, const MeshReader& read) {
     try {
         const bake::RepairedMesh repaired = bake::repair(source.mesh);
         for (const TriMesh& component : repaired.components) {
-            source.topologies.push_back(bake::measure_topology(component.positions.size(), component.faces));
+            source.topologies.push_back(bake::measure_topology(component));
             append_mesh(source.oriented, component);
         }
         for (model::Vec3d& p : source.oriented.positions) p = repaired.frame.centre + p * repaired.frame.diagonal;
@@ -145,7 +146,7 @@ void check_source(const SourceComparison& file, const Options& options, FileVali
                        {error.hausdorff, claims.hausdorff});
     if (options.source->oriented.faces.empty()) return;
     check_source_topology(file, *options.source, findings);
-    out.turned_faces = bake::count_turned_faces(options.source->oriented, file.surface);
+    out.turned_faces = bake::count_turned_faces(options.source->oriented, file.surface, nullptr, file.either_side);
     if (*out.turned_faces > 0)
         findings.warning(
             codes::kTurnedFaces, "/charts",

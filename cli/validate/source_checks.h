@@ -18,7 +18,8 @@ void append_mesh(model::TriMesh& whole, const model::TriMesh& part);
 /// A file that passed the checks of its own.
 struct SourceComparison {
     const model::MapSet& maps;
-    const model::TriMesh& surface;  ///< all charts
+    const model::TriMesh& surface;      ///< all charts
+    std::span<const char> either_side;  ///< of its faces, as find_turned_faces() takes them
     std::span<const std::optional<bake::Topology>> topologies;
     const ClaimedError& claimed;
 };

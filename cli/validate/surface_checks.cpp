@@ -10,6 +10,7 @@
 #include "math/portable.h"
 #include "model/codes.h"
 #include "model/element.h"
+#include "validate/side_checks.h"
 #include "validate/surface.h"
 #include "validate/table_checks.h"
 
@@ -53,8 +54,11 @@ void check_seams(const Surface& s, FindingList& findings) {
                          copy, positions[rep] == positions[copy]) &&
             torn++ == 0)
             first_torn = copy;
+        const bool reversed = !s.reconstruction.reversed.empty() && s.reconstruction.reversed[copy] != 0;
         if (normal != nullptr &&
-            !same_sample(s, *normal, s.chart.find("border_normal"), 2 * sizeof(std::int16_t), rep, copy, true) &&
+            !(reversed ? opposite_normals(s, rep, copy)
+                       : same_sample(s, *normal, s.chart.find("border_normal"), 2 * sizeof(std::int16_t), rep, copy,
+                                     true)) &&
             bent++ == 0)
             first_bent = copy;
     }
@@ -237,8 +241,8 @@ Topology check_topology(const Surface& s, FindingList& findings) {
                        {static_cast<double>(t.degenerate_faces), 0});
     if (!t.manifold)
         findings.error(codes::kBadTopology, place, "an edge has more than two faces, or a vertex more than one fan");
-    else if (!t.oriented)
-        findings.error(codes::kBadTopology, place, "neighbouring faces differ in orientation");
+    else
+        check_sides(s, t.oriented, findings);
     return t;
 }
 

@@ -58,6 +58,7 @@ void check_maps(const MapSet& maps, Options options, FileValidation& out, Findin
     if (maps.charts.empty()) findings.error(codes::kMissingLayer, "/charts", "the file holds no chart");
     std::vector<std::optional<bake::Topology>> topologies(maps.charts.size());
     TriMesh whole;
+    std::vector<char> either_side;  // of its faces
     bool complete = !maps.charts.empty();
     for (std::size_t k = 0; k < maps.charts.size(); ++k) {
         if (!check_layers(maps.charts[k], k, findings)) {
@@ -68,14 +69,19 @@ void check_maps(const MapSet& maps, Options options, FileValidation& out, Findin
             const bake::Reconstruction surface = bake::reconstruct(
                 maps.charts[k], options.source != nullptr ? bake::Corners::kFill : bake::Corners::kSkip);
             topologies[k] = check_surface(maps.charts[k], k, surface, findings);
-            if (options.source != nullptr) append_mesh(whole, surface.mesh);
+            if (options.source == nullptr) continue;
+            const std::vector<char> beside = bake::faces_beside_reversed(surface);
+            either_side.insert(either_side.end(), beside.begin(), beside.end());
+            append_mesh(whole, surface.mesh);
+            either_side.resize(whole.faces.size(), 0);
         } catch (const model::Error& error) {
             findings.error(error.code(), layer_path(k, error.place()), error.what());
             complete = false;
         }
     }
     const ClaimedError claimed = check_report(maps, topologies, findings);
-    if (options.source != nullptr && complete) check_source({maps, whole, topologies, claimed}, options, out, findings);
+    if (options.source != nullptr && complete)
+        check_source({maps, whole, either_side, topologies, claimed}, options, out, findings);
 }
 
 bool is_exr(const std::filesystem::path& path) {

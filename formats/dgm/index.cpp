@@ -40,6 +40,7 @@ const std::vector<KnownLayer>& known_layers() {
         {model::layers::kDeformation, {kF32}, {kRows, kCols, 4}},
         {model::layers::kContact, {kF32}, {kRows, kCols, 2}},
         {model::layers::kSeams, {kU32}, {kAny, 2}},
+        {model::layers::kReversed, {kU8}, {kAny}},
         {model::layers::kDiagonals, {kU8}, {kRowQuads, kColQuads}},
         {model::layers::kMask, {kU8}, {kRows, kCols}},
         {model::layers::kBorderUv, {kF32}, {kBorder, 2}},

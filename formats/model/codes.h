@@ -228,6 +228,13 @@ inline constexpr Code kBadNormal{2015,
                                  "a normal is not an octahedral code, or most normals point against their faces",
                                  "bake it again; turn normals of the source that point inwards",
                                  "lighting and the hit test take the side from the normal"};
+inline constexpr Code kBadReversed{
+    2016,
+    "BAD_REVERSED",
+    ExitCode::kInvalid,
+    "the layer `reversed` does not say on which sides of the seams the surface lies",
+    "bake it again",
+    "normals of seam copies are welded with the wrong sign, so they cancel or point into the surface"};
 
 // 3xxx source mesh and bake
 inline constexpr Code kNoFaces{3001,
@@ -241,7 +248,7 @@ inline constexpr Code kNonOrientable{
     "NON_ORIENTABLE",
     ExitCode::kInvalid,
     "the surface is non-orientable",
-    "cut the surface open in your modeller so that it has an inside and an outside",
+    "bake it with this version, which opens such a surface along a seam and warns (DGM3017)",
     "a surface without sides has no outside, so neither normals nor pressing inwards mean anything"};
 inline constexpr Code kMapInvalid{3003,
                                   "MAP_INVALID",
@@ -304,6 +311,12 @@ inline constexpr Code kTextureMissing{3012,
                                       "a picture that a material names is not there",
                                       "put it beside the mesh or into a folder called textures there",
                                       "the texture layer would show plain colours where the picture should be"};
+inline constexpr Code kOneSided{3017,
+                                "ONE_SIDED",
+                                ExitCode::kInvalid,
+                                "the surface has one side",
+                                "if it should have an inside, look for faces that are joined wrongly, and repair them",
+                                "it encloses no volume, and its normals point to opposite sides along a seam"};
 
 // 4xxx reconstruction against source
 inline constexpr Code kRmsExceeded{4001,
@@ -459,18 +472,21 @@ inline constexpr Code kSystemBusy{9007,
                                   "the asset was not tried, so nothing is known of it"};
 
 inline constexpr const Code* kAll[] = {
-    &kNotDgm,          &kBadVersion,      &kHashMismatch,     &kTruncated,      &kBadIndex,         &kHdf5Unreadable,
-    &kExrUnreadable,   &kLayersOverlap,   &kBadAlignment,     &kForeignStorage, &kIndexDiffers,     &kUnknownLayer,
-    &kBadAttribute,    &kUnknownObject,   &kNotReproducible,  &kMissingChannel, &kEditForbidden,    &kEditUnrelated,
-    &kEditedMap,       &kMissingLayer,    &kBadLayerShape,    &kNotFinite,      &kSeamGap,          &kBadSeamTable,
-    &kBadTopology,     &kBadValue,        &kBadCollision,     &kBadContact,     &kBadBounds,        &kBadReport,
-    &kBadMetric,       &kFlippedFaces,    &kLooseSamples,     &kBadNormal,      &kNoFaces,          &kNonOrientable,
-    &kMapInvalid,      &kMethodUnsuited,  &kImportFailed,     &kGridTooSmall,   &kTooLarge,         &kScaleOutOfRange,
-    &kErrorNotReached, &kBudgetTooSmall,  &kMaterialsMissing, &kTextureMissing, &kRmsExceeded,      &kHausdorffExceeded,
-    &kSourceDiffers,   &kTurnedFaces,     &kTopologyDiffers,  &kFileMissing,    &kReadFailed,       &kWriteFailed,
-    &kNothingToDo,     &kImageUnreadable, &kNoSpace,          &kIoTrouble,      &kReportUnreadable, &kUsage,
-    &kUnsupported,     &kBadBaseline,     &kSceneInvalid,     &kInternal,       &kWorkerCrashed,    &kWorkerTimeout,
-    &kWorkerMemory,    &kInterrupted,     &kWorkerKilled,     &kSystemBusy,
+    &kNotDgm,           &kBadVersion,     &kHashMismatch,    &kTruncated,       &kBadIndex,
+    &kHdf5Unreadable,   &kExrUnreadable,  &kLayersOverlap,   &kBadAlignment,    &kForeignStorage,
+    &kIndexDiffers,     &kUnknownLayer,   &kBadAttribute,    &kUnknownObject,   &kNotReproducible,
+    &kMissingChannel,   &kEditForbidden,  &kEditUnrelated,   &kEditedMap,       &kMissingLayer,
+    &kBadLayerShape,    &kNotFinite,      &kSeamGap,         &kBadSeamTable,    &kBadTopology,
+    &kBadValue,         &kBadCollision,   &kBadContact,      &kBadBounds,       &kBadReport,
+    &kBadMetric,        &kFlippedFaces,   &kLooseSamples,    &kBadNormal,       &kBadReversed,
+    &kNoFaces,          &kNonOrientable,  &kMapInvalid,      &kMethodUnsuited,  &kImportFailed,
+    &kGridTooSmall,     &kTooLarge,       &kScaleOutOfRange, &kErrorNotReached, &kBudgetTooSmall,
+    &kMaterialsMissing, &kTextureMissing, &kOneSided,        &kRmsExceeded,     &kHausdorffExceeded,
+    &kSourceDiffers,    &kTurnedFaces,    &kTopologyDiffers, &kFileMissing,     &kReadFailed,
+    &kWriteFailed,      &kNothingToDo,    &kImageUnreadable, &kNoSpace,         &kIoTrouble,
+    &kReportUnreadable, &kUsage,          &kUnsupported,     &kBadBaseline,     &kSceneInvalid,
+    &kInternal,         &kWorkerCrashed,  &kWorkerTimeout,   &kWorkerMemory,    &kInterrupted,
+    &kWorkerKilled,     &kSystemBusy,
 };
 
 }  // namespace dgm::model::codes

@@ -10,8 +10,8 @@ inline constexpr char kGeometry[] = "geometry", kNormal[] = "normal", kTexture[]
                       kCollision[] = "collision", kCover[] = "cover", kDeformation[] = "deformation",
                       kContact[] = "contact";
 /// Tables that readers of the geometry need.
-inline constexpr char kSeams[] = "seams", kDiagonals[] = "diagonals", kMask[] = "mask", kBorderUv[] = "border_uv",
-                      kBorderFaces[] = "border_faces", kBorderGeometry[] = "border_geometry",
+inline constexpr char kSeams[] = "seams", kReversed[] = "reversed", kDiagonals[] = "diagonals", kMask[] = "mask",
+                      kBorderUv[] = "border_uv", kBorderFaces[] = "border_faces", kBorderGeometry[] = "border_geometry",
                       kBorderNormal[] = "border_normal";
 
 }  // namespace dgm::model::layers

@@ -51,6 +51,9 @@ struct TriMesh {
     std::vector<Rgba8> corner_colours;
     std::vector<std::uint32_t> face_materials;  ///< empty, or one index into `materials` a face
     std::vector<Material> materials;
+    /// Of each vertex, its point of the surface; empty: each vertex is a point of its own. Vertices of one point lie on
+    /// the two sides of a curve along which a surface without an inside was opened (geometry/repair/open_one_sided.h).
+    std::vector<std::uint32_t> points;
 
     [[nodiscard]] std::array<Vec3d, 3> corners(std::size_t f) const {
         return {positions[faces[f][0]], positions[faces[f][1]], positions[faces[f][2]]};

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hard cases of every kind, made by rule: (vertices, faces) with faces counted from 0, polygons of any size."""
+import cmath
 import math
 import random
 
@@ -213,6 +214,37 @@ def klein_bottle(a=32, b=12):
     for j in range(b):
         p, q, s, t = last + j, last + (j + 1) % b, b - 1 - j, b - 1 - (j + 1) % b
         faces += [(p, s, t), (p, t, q)]
+    return vertices, faces
+
+
+def projective_plane(rings=12, n=48):
+    """Boy's surface, closed and one-sided, immersed with a triple point [Bryant, Kusner]: a disk |w| <= 1 whose border points
+    w and -w are one."""
+    def point(w):
+        below = w ** 6 + math.sqrt(5) * w ** 3 - 1
+        g = (-1.5 * (w * (1 - w ** 4) / below).imag, -1.5 * (w * (1 + w ** 4) / below).real,
+             ((1 + w ** 6) / below).imag - 0.5)
+        squared = sum(x * x for x in g)
+        return tuple(x / squared for x in g)
+    vertices = [point(0j)]
+    for k in range(1, rings + 1):
+        vertices += [point(k / rings * cmath.exp(2j * math.pi * i / n)) for i in range(n if k < rings else n // 2)]
+    def at(k, i):
+        return 1 + (k - 1) * n + i % (n if k < rings else n // 2)
+    faces = [(0, at(1, i), at(1, i + 1)) for i in range(n)]
+    for k in range(1, rings):
+        for i in range(n):
+            faces += [(at(k, i), at(k + 1, i), at(k + 1, i + 1)), (at(k, i), at(k + 1, i + 1), at(k, i + 1))]
+    return vertices, faces
+
+
+def side_by_side(*parts):
+    """Meshes in one file, each moved along x by 4 from the one before."""
+    vertices, faces = [], []
+    for k, (points, polygons) in enumerate(parts):
+        first = len(vertices)
+        vertices += [(x + 4 * k, y, z) for x, y, z in points]
+        faces += [tuple(v + first for v in polygon) for polygon in polygons]
     return vertices, faces
 
 

@@ -64,6 +64,11 @@ def sheet(n=16, height=0.2):
     return vertices, faces
 
 
+def line(n=6):
+    """Faces whose corners all lie on one line: no bake takes them (DGM3001)."""
+    return [(k, 2 * k, 3 * k) for k in range(n)], [(k, k + 1, k + 2) for k in range(n - 2)]
+
+
 def moebius(n=40, width=4):
     """A band with one side: its last column meets its first turned over."""
     vertices = []

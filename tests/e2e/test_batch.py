@@ -125,7 +125,7 @@ class Batch(support.Folder):
 
     def test_shards_make_up_the_whole(self):
         self.fill(12)
-        meshes.write_obj(self.folder / "in" / "bad.obj", meshes.moebius())
+        meshes.write_obj(self.folder / "in" / "bad.obj", meshes.line())
         whole = self.bake("in", "-o", "whole", *SIZE, "--report", "whole.json", "--dry-run")
         lines = []
         for k in (1, 2, 3):
@@ -143,7 +143,7 @@ class Batch(support.Folder):
 
     def test_merged_reports_are_those_of_a_local_run(self):
         self.fill(8)
-        meshes.write_obj(self.folder / "in" / "bad.obj", meshes.moebius())
+        meshes.write_obj(self.folder / "in" / "bad.obj", meshes.line())
         local = self.bake("in", "-o", "out", *SIZE, "--report", "local.json")
         self.assertEqual(local.returncode, 3)
         bytes_of = {n: (self.folder / "out" / n).read_bytes() for n in self.names(self.folder / "out") if ".dgm" in n}
@@ -229,7 +229,7 @@ class Batch(support.Folder):
 
     def test_reports_follow_the_schema(self):
         self.fill(2)
-        meshes.write_obj(self.folder / "in" / "bad.obj", meshes.moebius())
+        meshes.write_obj(self.folder / "in" / "bad.obj", meshes.line())
         meshes.write_obj(self.folder / "in" / "ball.obj", meshes.icosphere(2))
         self.bake("in", "gone.obj", "-o", "out", "--max-error", "1%", "--report", "report.json", "--format", "dgm,exr")
         outcomes = {asset["name"]: asset["outcome"] for asset in self.report()["assets"]}

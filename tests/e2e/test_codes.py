@@ -24,6 +24,7 @@ NO_INPUT = {
     3003: "needs a mesh on which every method fails; none is known",
     3011: "is a warning: test_said.py",
     3012: "is a warning: test_said.py",
+    3017: "is a warning: test_one_sided.py",
     3007: "needs an input beyond the tool's limits: gigabytes",
     5006: "needs a full disk: test_files.py",
     5007: "needs a failing disk or network share",
@@ -76,7 +77,6 @@ class Codes(support.Folder):
         folder = self.folder
         write = lambda name, mesh: meshes.write_obj(folder / name, mesh)
         write("sheet.obj", meshes.sheet(8))
-        write("moebius.obj", meshes.moebius())
         write("torus.obj", meshes.torus())
         vertices, faces = meshes.sheet(12)  # two faces a quad; every other quad of every other row is a hole
         write("sieve.obj", (vertices, [f for k, f in enumerate(faces)
@@ -88,7 +88,7 @@ class Codes(support.Folder):
         (folder / "texts").mkdir()
         (folder / "baseline.json").write_text("{}")
         (folder / "scene.toml").write_text("assets = 3\n")
-        for fault in ("segfault", "hang", "memory"):
+        for fault in ("segfault", "hang", "memory", "refuse"):
             (folder / f"{fault}.obj").write_text("a mesh that misbehaves\n")
         bake, validate, faulty, edit = support.BAKE, support.VALIDATE, support.FAULTY_BAKE, support.EDIT
         small = ["-o", "out", "--size", "9"]
@@ -96,7 +96,7 @@ class Codes(support.Folder):
         cases = [
             (1017, edit, ["good.dgm", "--from", "good.dgm", "--layer", "geometry"]),
             (1018, edit, ["good.dgm", "--from", "texts"]), (1019, bake, ["sheet.obj", "-o", "painted.dgm", "--size", "11"]),
-            (3001, bake, ["points.obj", *small]), (3002, bake, ["moebius.obj", *small]),
+            (3001, bake, ["points.obj", *small]), (3002, faulty, ["refuse.obj", *small]),
             (3004, bake, ["sheet.obj", *small, "--method", "uv"]), (3005, bake, ["broken.3ds", *small]),
             (3006, bake, ["sieve.obj", "-o", "out", "--size", "3", "--method", "tutte"]), (3008, bake, ["huge.obj", *small]),
             (3009, bake, ["torus.obj", *small, "--max-error", "1e-9%"]),

@@ -32,7 +32,7 @@ class Report(support.Folder):
         (self.folder / "in" / "deep").mkdir(parents=True, exist_ok=True)
         meshes.write_obj(self.folder / "in" / "ball.obj", meshes.icosphere(3))
         meshes.write_obj(self.folder / "in" / "deep" / EVIL, meshes.sheet(16))
-        meshes.write_obj(self.folder / "in" / "band.obj", meshes.moebius())
+        meshes.write_obj(self.folder / "in" / "band.obj", meshes.line())
         result = self.bake("in", "-o", "out/", *SIZE, "--report", "out/index.html", *more, program=program)
         self.assertEqual(result.returncode, 3, result.stderr)
         return result
@@ -63,7 +63,7 @@ class Report(support.Folder):
         index = self.folder / "out" / "index.html"
         dom = self.dom(index)
         self.assertIn("<h3>band.obj: refused</h3>", dom)
-        self.assertIn("<b>DGM3002</b>", dom)
+        self.assertIn("<b>DGM3001</b>", dom)
         self.assertLess(dom.index("band.obj: refused"), dom.index("<table class=\"assets\""))
         report = json.loads(re.search(r'id="report" class="run">([^<]*)<', dom).group(1))
         self.assertEqual(report["summary"]["baked"], 2)

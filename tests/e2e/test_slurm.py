@@ -134,7 +134,7 @@ class Slurm(support.Folder):
         for k in range(6):
             meshes.write_obj(source / "sub" / f"real-{k}.obj", meshes.sheet(6 + k))
         meshes.write_obj(source / "real-ball.obj", meshes.icosphere(2))
-        meshes.write_obj(source / "real-bad.obj", meshes.moebius())
+        meshes.write_obj(source / "real-bad.obj", meshes.line())
         meshes.write_obj(source / "killed-once.obj", meshes.torus(12, 8))
         self.local = self.bake("in", "-o", "local", *SIZE, "--report", "local.json")
         self.assertEqual(self.local.returncode, 3)
@@ -160,7 +160,7 @@ class Slurm(support.Folder):
         self.assertEqual(len(again), 1, said)  # the transient failure; the refused mesh is not tried again
         self.assertIn("DGM9006", again[0])
         self.assertEqual(again[0].count("back to the queue (1 of 3)"), 1)
-        self.assertIn("DGM3002", "".join(said.values()))
+        self.assertIn("DGM3001", "".join(said.values()))
 
         self.assertEqual(self.contents(self.folder / "local"), self.contents(self.folder / "expected"))
         self.assertEqual(len(self.contents(self.folder / "local")), 8)

@@ -354,7 +354,7 @@ class BuildTools(support.Folder):
 
     def test_every_asset_has_a_rule_of_its_own(self):
         meshes.write_obj(self.folder / "x.obj", meshes.sheet(3))
-        meshes.write_obj(self.folder / "bad.obj", meshes.moebius())
+        meshes.write_obj(self.folder / "bad.obj", meshes.line())
         result = self.bake("x.obj", f"{self.NAME}.obj", "bad.obj", "--format", "dgm,exr", "-o", "out", "-MF", "d",
                            *SIZE)
         self.assertEqual(result.returncode, 3)

@@ -195,7 +195,7 @@ void add_pictures(Dice& dice, ChartSpec& chart) {
 }
 
 /// Copies take the bits of their representative, be it a grid or a border sample.
-void weld(ChartSpec& chart, const SeamPairs& pairs, std::uint32_t grid) {
+void weld(Dice& dice, ChartSpec& chart, const SeamPairs& pairs, std::uint32_t grid) {
     const std::size_t bytes = chart.layer("geometry").type == ElementType::kU16 ? 6 : 12;  // f32: of the border, too
     const auto at = [&](std::uint32_t k) {
         return chart.layer(k < grid ? "geometry" : "border_geometry").bytes.data() + bytes * (k < grid ? k : k - grid);
@@ -205,7 +205,12 @@ void weld(ChartSpec& chart, const SeamPairs& pairs, std::uint32_t grid) {
         std::memcpy(at(copy), at(representative), bytes);
         flat.insert(flat.end(), {representative, copy});
     }
-    if (!pairs.empty()) chart.add("seams", ElementType::kU32, {pairs.size(), 2}, flat);
+    if (pairs.empty()) return;
+    chart.add("seams", ElementType::kU32, {pairs.size(), 2}, flat);
+    if (!dice.one_in(4)) return;  // windings as the layer has them, or not
+    std::vector<std::uint8_t> reversed(pairs.size());
+    for (auto& r : reversed) r = static_cast<std::uint8_t>(dice.one_in(20) ? dice.bits() : dice.bits() & 1);
+    chart.add("reversed", ElementType::kU8, {pairs.size()}, reversed, layout::kLayerRequired);
 }
 
 ChartSpec random_free_chart(Dice& dice, std::uint32_t m, std::uint32_t n) {
@@ -240,7 +245,8 @@ ChartSpec random_free_chart(Dice& dice, std::uint32_t m, std::uint32_t n) {
     }
     Uints border(chart.border_samples);
     std::iota(border.begin(), border.end(), grid);
-    if (dice.one_in(2)) weld(chart, classes_of(random_pairs(dice, dice.one_in(20) ? usable : border), total), grid);
+    if (dice.one_in(2))
+        weld(dice, chart, classes_of(random_pairs(dice, dice.one_in(20) ? usable : border), total), grid);
     return chart;
 }
 }  // namespace
@@ -255,7 +261,7 @@ ChartSpec random_chart(Dice& dice) {
     } else {
         chart = grid_chart(m, n, random_shape(dice, m, n));
         if (dice.one_in(5)) quantise(dice, chart);
-        weld(chart, classes_of(square_pairs(dice, m, n), m * n), m * n);
+        weld(dice, chart, classes_of(square_pairs(dice, m, n), m * n), m * n);
     }
     for (double& o : chart.offset) o = dice.one_in(5) ? dice.of({1e300, -1e15, 0.1}) : 0;
     add_pictures(dice, chart);

@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <map>
 #include <numbers>
@@ -194,6 +195,32 @@ inline TriMesh klein_bottle(std::uint32_t a, std::uint32_t b) {
         mesh.faces.push_back({p, turned(j), turned(j + 1)});
         mesh.faces.push_back({p, turned(j + 1), q});
     }
+    return mesh;
+}
+
+/// Boy's surface [Bryant, Kusner]: a projective plane, closed, one-sided. `rings` rings of `around` (even) vertices
+/// about a centre; the outermost is run through twice.
+inline TriMesh projective_plane(std::uint32_t rings, std::uint32_t around) {
+    TriMesh mesh;
+    const auto add = [&](std::complex<double> w) {
+        const std::complex<double> w3 = w * w * w, below = w3 * w3 + std::sqrt(5.0) * w3 - 1.0;
+        const Vec3d g{-1.5 * (w * (1.0 - w3 * w) / below).imag(), -1.5 * (w * (1.0 + w3 * w) / below).real(),
+                      ((1.0 + w3 * w3) / below).imag() - 0.5};
+        mesh.positions.push_back(g / dot(g, g));
+    };
+    add(0);
+    for (std::uint32_t k = 1; k <= rings; ++k)
+        for (std::uint32_t i = 0; i < (k < rings ? around : around / 2); ++i)
+            add(std::polar(double(k) / rings, 2 * std::numbers::pi * i / around));
+    const auto at = [&](std::uint32_t k, std::uint32_t i) {
+        return 1 + (k - 1) * around + i % (k < rings ? around : around / 2);
+    };
+    for (std::uint32_t i = 0; i < around; ++i) mesh.faces.push_back({0, at(1, i), at(1, i + 1)});
+    for (std::uint32_t k = 1; k < rings; ++k)
+        for (std::uint32_t i = 0; i < around; ++i) {
+            mesh.faces.push_back({at(k, i), at(k + 1, i), at(k + 1, i + 1)});
+            mesh.faces.push_back({at(k, i), at(k + 1, i + 1), at(k, i + 1)});
+        }
     return mesh;
 }
 

@@ -26,7 +26,7 @@ struct MeasuredCandidate {
 /// The welded grid surface must be the manifold that the component is.
 void check_topology(const TriMesh& component, const SampledChart& chart) {
     const Topology map = welded_topology(chart);
-    const Topology source = measure_topology(component.positions.size(), component.faces);
+    const Topology source = measure_topology(component);
     if (holds_topology(map, source)) return;
     throw Error(model::codes::kGridTooSmall,
                 chart.method + ": a grid of " + std::to_string(chart.m) + "x" + std::to_string(chart.n) +

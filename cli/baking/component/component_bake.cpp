@@ -102,7 +102,7 @@ CutSearchOptions cut_options(GridSize size, const BakeOptions& options) {
 /// Loops about handles make a free chart ragged: with 6 and 11 handles it lost 2 to 3 dB to the square, with 81 it won
 /// 14 where the square had reached 51.
 bool free_may_help(const ComponentTask& task, const Contest& contest) {
-    const bool handles = measure_topology(task.component.positions.size(), task.component.faces).genus > 0;
+    const bool handles = measure_topology(task.component).genus > 0;
     return contest.best_psnr() < poor_psnr(task.size) - (handles ? kHandles : 0);
 }
 

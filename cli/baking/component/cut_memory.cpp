@@ -64,7 +64,7 @@ Attempt<CutSearchResult> CutMemory::best_of(const Candidates& candidates, const 
     };
     const BorderGrid grid{shrunk(options.m), shrunk(options.n)}, wanted{options.m, options.n};
     const auto stretch = make_stretch_parameterizer(0);
-    const Topology source = measure_topology(component.positions.size(), component.faces);
+    const Topology source = measure_topology(component);
     const Found* best = nullptr;
     double best_rms = std::numeric_limits<double>::infinity();
     std::uint32_t best_rotation = 0;

@@ -90,7 +90,9 @@ void divide_border(Disk& disk, std::vector<Vec2d>& uv, double rows, double cols)
             const auto between = [&](std::uint32_t e, double s) {
                 return uv[origin(disk.mesh.faces, e)] * (1 - s) + uv[target(disk.mesh.faces, e)] * s;
             };
-            const Vec2d here = between(at, t), there = disk.mate[at] == kNone ? Vec2d{} : between(disk.mate[at], 1 - t);
+            const Vec2d here = between(at, t), there = disk.mate[at] == kNone
+                                                           ? Vec2d{}
+                                                           : between(disk.mate[at], disk.same_way(at) ? t : 1 - t);
             const NewVertices added = disk.split(at, t);
             uv.push_back(here);
             if (added.twin != kNone) uv.push_back(there);

@@ -87,6 +87,8 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
         for (std::uint32_t v : disk.mesh.faces[f])
             if (face_of[v] == kNone) face_of[v] = f;
     const auto grid = static_cast<std::uint32_t>(chart.grid_count());
+    const std::vector<std::uint8_t> reversed = disk.reversed_vertices();
+    if (!reversed.empty()) chart.reversed.resize(grid + border.size());
     chart.representative.resize(grid + border.size());
     for (std::uint32_t s = 0; s < grid; ++s) chart.representative[s] = s;
     for (std::uint32_t b = 0; b < border.size(); ++b) {
@@ -97,6 +99,7 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
         std::uint32_t& first = lowest[disk.weld[v]];
         if (first == kNone) first = grid + b;
         chart.representative[grid + b] = first;
+        if (!reversed.empty()) chart.reversed[grid + b] = reversed[v] ^ reversed[border[first - grid]];
     }
     join_lattice_to_border(chart, tools.triangulate);
     chart.disk = std::move(disk);
@@ -146,6 +149,7 @@ struct Layout {
 Layout lay_out(Disk disk, const Parameterizer& method, const FreeChartTools& tools, const model::Progress& progress,
                std::optional<Error>& failure) {
     Layout out{.disk = std::move(disk)};
+    out.disk.join_sides();
     // A cut of one edge leaves two border edges between the same two vertices, which no map can separate.
     if (const std::vector<std::uint32_t> edges = out.disk.border(); edges.size() == 2)
         out.disk.split(edges.front(), 0.5);
@@ -335,6 +339,7 @@ bool run_on_copy(CutTrials& trials, int most) {
                          .cut_length = trials.cut.length(),
                          .stretch = scout.last->stretch,
                          .overlaps = scout.last->overlaps};
+    trials.last->disk.join_sides();
     return true;
 }
 
@@ -404,6 +409,7 @@ SampledChart make_uv_chart(const TriMesh& component, std::uint32_t m, std::uint3
         cut.mark(h, !same);
     }
     Disk disk = cut.open();
+    disk.join_sides();
     const Topology shape = measure_topology(disk.mesh.positions.size(), disk.mesh.faces);
     if (shape.components != 1)
         throw unsuited("the texture coordinates form " + std::to_string(shape.components) + " charts, not one");

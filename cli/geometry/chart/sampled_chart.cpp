@@ -185,7 +185,7 @@ Topology welded_topology(const SampledChart& chart) {
 }
 
 bool holds_topology(const Topology& welded, const Topology& source) {
-    return welded.manifold && welded.oriented && welded.degenerate_faces == 0 &&
+    return welded.manifold && welded.oriented == source.oriented && welded.degenerate_faces == 0 &&
            welded.components == source.components && welded.boundary_loops == source.boundary_loops &&
            welded.genus == source.genus;
 }

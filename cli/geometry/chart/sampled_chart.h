@@ -36,15 +36,17 @@ struct SampledChart {
     std::vector<SurfaceSample> samples;         ///< where each sample lies; face kNone off the surface
     std::vector<Vec3d> positions;               ///< normalised frame; copies of a class are equal to the bit
     std::vector<std::uint32_t> representative;  ///< lowest sample of the class, itself if alone
-    std::vector<std::uint8_t> diagonals;        ///< (m-1)*(n-1)
-    std::vector<std::uint8_t> mask;             ///< m*n; free domain only
-    std::vector<Vec2d> border_uv;               ///< free domain only, per border sample
-    std::vector<Face> strip;                    ///< free domain only: triangles between lattice and border
-    std::optional<Lattice> lattice;             ///< that the positions of the grid lie on, if they were put on one
+    std::vector<std::uint8_t> reversed;  ///< 1 where a copy faces the other way than its representative; empty: nowhere
+    std::vector<std::uint8_t> diagonals;  ///< (m-1)*(n-1)
+    std::vector<std::uint8_t> mask;       ///< m*n; free domain only
+    std::vector<Vec2d> border_uv;         ///< free domain only, per border sample
+    std::vector<Face> strip;              ///< free domain only: triangles between lattice and border
+    std::optional<Lattice> lattice;       ///< that the positions of the grid lie on, if they were put on one
     double cut_length = 0;
     std::string note;  ///< losses that the method had to accept, in plain words; usually empty
 
     [[nodiscard]] std::size_t grid_count() const { return std::size_t{m} * n; }
+    [[nodiscard]] bool is_reversed(std::size_t sample) const { return !reversed.empty() && reversed[sample] != 0; }
     [[nodiscard]] bool on_surface(std::size_t sample) const {
         return mask.empty() || sample >= grid_count() || mask[sample] != 0;
     }
@@ -82,7 +84,7 @@ void place_samples(SampledChart& chart);
 /// Topology of the chart's surface with its seams closed: it must be that of the component.
 [[nodiscard]] Topology welded_topology(const SampledChart& chart);
 
-/// True if a welded surface is the oriented manifold that its source is: a chart must pass this before it is used.
+/// True if a welded surface is the manifold that its source is: a chart must pass this before it is used.
 [[nodiscard]] bool holds_topology(const Topology& welded, const Topology& source);
 
 /// Error of the chart's surface against its component with few samples, by which candidates are compared.

@@ -152,7 +152,14 @@ void sample_map(SampledChart& chart, const SquareBorder& border) {
     // The representative of a class is its lowest flat index, whichever place that has in the border cycle.
     std::vector<std::uint32_t> lowest(border.samples.size(), kNone);
     for (const BorderSample& s : border.samples) lowest[s.same_as] = std::min(lowest[s.same_as], s.index);
+    const bool any_reversed =
+        std::any_of(border.samples.begin(), border.samples.end(), [](const BorderSample& s) { return s.reversed; });
+    chart.reversed.assign(any_reversed ? chart.samples.size() : 0, 0);
+    std::vector<char> lowest_reversed(border.samples.size(), 0);
+    for (const BorderSample& s : border.samples)
+        if (s.index == lowest[s.same_as]) lowest_reversed[s.same_as] = s.reversed;
     for (const BorderSample& s : border.samples) {
+        if (any_reversed) chart.reversed[s.index] = s.reversed != (lowest_reversed[s.same_as] != 0);
         chart.samples[s.index] = s.at;
         chart.representative[s.index] = lowest[s.same_as];
     }

@@ -345,6 +345,7 @@ Disk CutGraph::open() const {
     Disk disk;
     disk.mesh = *mesh_;
     disk.mesh.positions.clear();
+    disk.mesh.points.clear();
     disk.opposite = opposite_;
     disk.mate.assign(opposite_.size(), kNone);
     UnionFind corners(opposite_.size());
@@ -366,6 +367,7 @@ Disk CutGraph::open() const {
             id[set] = static_cast<std::uint32_t>(disk.mesh.positions.size());
             disk.mesh.positions.push_back(mesh_->positions[v]);
             disk.weld.push_back(v);
+            if (!mesh_->points.empty()) disk.mesh.points.push_back(mesh_->points[v]);
         }
         disk.mesh.faces[c / 3][c % 3] = id[set];
     }

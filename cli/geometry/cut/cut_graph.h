@@ -54,6 +54,7 @@ class CutGraph {
 
     /// True if the surface without the cut and the border is one open disk.
     [[nodiscard]] bool opens_to_disk() const;
+    /// The weld ids are the component's vertices. Sides along which the component was opened are not joined.
     [[nodiscard]] Disk open() const;
     [[nodiscard]] double length() const;
     [[nodiscard]] double edge_cost(std::uint32_t half_edge) const;

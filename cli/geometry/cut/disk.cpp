@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "math/portable.h"
 
@@ -35,8 +36,9 @@ std::vector<BorderPath> Disk::paths(double corner_degrees) const {
     const auto node_after = [&](std::size_t k) {
         const std::uint32_t h = cycle[k], g = cycle[(k + 1) % n];
         const std::uint32_t hm = mate[h], gm = mate[g];
-        if ((hm == kNone) != (gm == kNone)) return true;
+        if ((hm == kNone) != (gm == kNone) || same_way(h) != same_way(g)) return true;
         if (hm == kNone) return dot(normalized(edge(h), Vec3d{}), normalized(edge(g), Vec3d{})) < limit;
+        if (same_way(h)) return next_border_half_edge(opposite, hm) != gm;
         // Mates run backwards: the mate of g must be followed by the mate of h. At a leaf they are each other's mate.
         return hm == g || next_border_half_edge(opposite, gm) != hm;
     };
@@ -50,7 +52,9 @@ std::vector<BorderPath> Disk::paths(double corner_degrees) const {
     starts.clear();
     for (std::size_t k = 0; k < n; ++k)
         if (is_node[weld[origin(mesh.faces, cycle[k])]]) starts.push_back(k);
-    if (starts.empty()) starts.push_back(0);
+    if (starts.empty())  // a smooth real border, or a border that is its own mate from its other half on
+        for (std::size_t k = 0; k < n; ++k)
+            if (weld[origin(mesh.faces, cycle[k])] == weld[origin(mesh.faces, cycle[0])]) starts.push_back(k);
 
     std::vector<BorderPath> out(starts.size());
     std::vector<std::uint32_t> path_of(opposite.size(), kNone);
@@ -68,14 +72,82 @@ std::vector<BorderPath> Disk::paths(double corner_degrees) const {
     for (BorderPath& path : out) {
         const std::uint32_t m = mate[path.half_edges.front()];
         if (m != kNone) path.mate = path_of[m];
+        path.same_way = same_way(path.half_edges.front());
+    }
+    return out;
+}
+
+void Disk::join_sides() {
+    if (mesh.points.empty()) return;
+    std::vector<std::uint32_t> lowest(weld_count, kNone);
+    for (std::size_t v = 0; v < weld.size(); ++v) {
+        std::uint32_t& id = lowest[mesh.points[v]];
+        id = std::min(id, weld[v]);
+    }
+    for (std::size_t v = 0; v < weld.size(); ++v) weld[v] = lowest[mesh.points[v]];
+    mesh.points.clear();
+    struct Side {
+        std::uint32_t from, to, half_edge;
+    };
+    std::vector<Side> sides;
+    for (std::uint32_t h = 0; h < opposite.size(); ++h)
+        if (opposite[h] == kNone && mate[h] == kNone)
+            sides.push_back({weld[origin(mesh.faces, h)], weld[target(mesh.faces, h)], h});
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+        return std::tie(a.from, a.to, a.half_edge) < std::tie(b.from, b.to, b.half_edge);
+    });
+    for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
+        if (sides[k].from != sides[k + 1].from || sides[k].to != sides[k + 1].to) continue;
+        mate[sides[k].half_edge] = sides[k + 1].half_edge;
+        mate[sides[k + 1].half_edge] = sides[k].half_edge;
+        ++k;
+    }
+}
+
+std::vector<std::uint8_t> Disk::reversed_vertices() const {
+    struct Link {
+        std::uint32_t from, to;
+        std::uint8_t reverses;
+    };
+    std::vector<Link> links;
+    bool any = false;
+    for (std::uint32_t h = 0; h < mate.size(); ++h) {
+        if (mate[h] == kNone) continue;
+        const std::uint32_t a = origin(mesh.faces, h), b = target(mesh.faces, h);
+        const std::uint32_t c = origin(mesh.faces, mate[h]), d = target(mesh.faces, mate[h]);
+        const bool same = same_way(h);
+        any = any || same;
+        links.push_back({a, same ? c : d, same});
+        links.push_back({b, same ? d : c, same});
+    }
+    if (!any) return {};
+    std::sort(links.begin(), links.end(), [](const Link& l, const Link& r) { return l.from < r.from; });
+    constexpr std::uint8_t kUnknown = 2;
+    std::vector<std::uint8_t> out(weld.size(), kUnknown);
+    std::vector<std::uint32_t> walk;
+    for (std::uint32_t first = 0; first < out.size(); ++first) {
+        if (out[first] != kUnknown) continue;
+        out[first] = 0;
+        walk.assign(1, first);
+        for (std::size_t at = 0; at < walk.size(); ++at) {
+            auto link = std::lower_bound(links.begin(), links.end(), walk[at],
+                                         [](const Link& l, std::uint32_t v) { return l.from < v; });
+            for (; link != links.end() && link->from == walk[at]; ++link) {
+                if (out[link->to] != kUnknown) continue;
+                out[link->to] = out[walk[at]] ^ link->reverses;
+                walk.push_back(link->to);
+            }
+        }
     }
     return out;
 }
 
 NewVertices Disk::split(std::uint32_t h, double t) {
-    const NewVertices added = split_edge(mesh, opposite, h, t, &mate);
+    const NewVertices added = split_edge(mesh, opposite, h, t, &mate, same_way(h));
     weld.push_back(weld_count);
     if (added.twin != kNone) weld.push_back(weld_count);
+    if (!mesh.points.empty())  // numbered as `weld` here
+        for (std::size_t v = added.vertex; v < weld.size(); ++v) mesh.points[v] = weld_count;
     ++weld_count;
     return added;
 }

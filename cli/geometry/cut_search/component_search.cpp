@@ -282,7 +282,9 @@ class ComponentSearch {
 
 double length_of_cut(const Disk& disk) {
     double total = 0;
-    for (const BorderPath& path : disk.paths())
+    Disk joined;
+    if (!disk.mesh.points.empty()) (joined = disk).join_sides();
+    for (const BorderPath& path : (disk.mesh.points.empty() ? disk : joined).paths())
         if (path.mate != kNone) total += 0.5 * path.length;
     return total;
 }

@@ -27,7 +27,7 @@ CutTrials::CutTrials(const TriMesh& component, const CutSearchOptions& options, 
       options_(options),
       progress_(progress),
       method_(options.reweighted ? make_reweighted_parameterizer() : make_stretch_parameterizer(0)),
-      topology_(measure_topology(component.positions.size(), component.faces)) {}
+      topology_(measure_topology(component)) {}
 
 Trial CutTrials::attempt(Disk disk, std::optional<std::uint32_t> rotation, BorderShares shares) {
     progress_.update("cut", std::min(0.95, count_ / (2.0 * options_.patience + options_.rotations + 6.0)));

@@ -86,10 +86,11 @@ double seam_exposure(const Disk& disk, const TriMesh& component, int points) {
     double passed = 0, sum = 0;
     int taken = 0;
     each_seam_edge([&](std::uint32_t h, const Vec3d& a, const Vec3d& b, double along) {
+        const double side = disk.same_way(h) ? -1 : 1;
         for (; taken < points && (taken + 0.5) / points * total <= passed + along; ++taken) {
             const double t = std::clamp(((taken + 0.5) / points * total - passed) / along, 0.0, 1.0);
             sum += index.at(a * (1 - t) + b * t,
-                            normalized(face_normal(mesh, h) + face_normal(mesh, disk.mate[h]), Vec3d{}));
+                            normalized(face_normal(mesh, h) + face_normal(mesh, disk.mate[h]) * side, Vec3d{}));
         }
         passed += along;
     });

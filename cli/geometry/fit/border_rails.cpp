@@ -28,6 +28,7 @@ BorderRails::BorderRails(const SampledChart& chart, const LinkedSurface& source,
     for (std::size_t c = 0; c < freedom_.size(); ++c)
         if (grid.on_border[c]) freedom_[c] = Freedom::kHeld;
     if (std::find(grid.on_border.begin(), grid.on_border.end(), 1) == grid.on_border.end()) return;
+    if (!grid.reversed.empty()) return;  // a border without a direction: its samples stay where they are
     find_loops();
     find_stops(chart);
     order_stops();

@@ -137,7 +137,7 @@ bool is_worse_than(const SampledChart& start, FitState& fit) {
     const double price = after.hausdorff <= kRepairLargest * before.hausdorff ? kRepairPrice : 1;
     if (before.rms * price < after.rms) return true;
     const std::vector<std::uint32_t> inverted =
-        find_turned_faces(fit.inverted.source_index(), start.surface(), kTurnedTie);
+        find_turned_faces(fit.inverted.source_index(), start.surface(), kTurnedTie, 0, fit.grid.surface.either_side);
     return inverted.size() <= fit.inverted.faces().size();
 }
 

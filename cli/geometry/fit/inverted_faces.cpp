@@ -18,20 +18,24 @@ std::vector<std::uint32_t> InvertedFaces::faces(std::span<const char> among, boo
     TriMesh surface;
     surface.positions = grid_.positions;
     std::vector<std::uint32_t> number, out;
+    std::vector<char> either_side, close_either_side;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
         if (const auto q = grid_.corners(f); (among.empty() || among[f]) && q != judged_[f].corners) {
             surface.faces.push_back(grid_.faces[f]);
             number.push_back(f);
+            if (!grid_.either_side.empty()) either_side.push_back(grid_.either_side[f]);
             judged_[f] = {q, false, false};
         }
-    const std::vector<std::uint32_t> found = find_turned_faces(source_index(), surface, kSafeTie, kSafeCosine);
+    const std::vector<std::uint32_t> found =
+        find_turned_faces(source_index(), surface, kSafeTie, kSafeCosine, either_side);
     std::vector<Face> close;
     for (const std::uint32_t k : found) {
         judged_[number[k]].nearly = true;
         close.push_back(surface.faces[k]);
+        if (!either_side.empty()) close_either_side.push_back(either_side[k]);
     }
     surface.faces = std::move(close);
-    for (const std::uint32_t k : find_turned_faces(source_index(), surface, kTurnedTie))
+    for (const std::uint32_t k : find_turned_faces(source_index(), surface, kTurnedTie, 0, close_either_side))
         judged_[number[found[k]]].inverted = true;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
         if ((among.empty() || among[f]) && (nearly ? judged_[f].nearly : judged_[f].inverted)) out.push_back(f);

@@ -16,6 +16,8 @@ struct LinkedSurface {
     std::vector<Face> faces;
     std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< kNone on a border
     std::vector<Vec3d> normals;                            ///< unit, per face; zero for a face without area
+    /// Per face, 1 beside a seam across which windings disagree (metrics/turned_faces.h); empty: nowhere.
+    std::vector<char> either_side;
 
     [[nodiscard]] std::array<Vec3d, 3> corners(std::size_t face) const {
         return {positions[faces[face][0]], positions[faces[face][1]], positions[faces[face][2]]};

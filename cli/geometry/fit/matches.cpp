@@ -96,7 +96,7 @@ void Matches::update(bool with_edges, std::span<const char> near) {
     if (source_index_) {
         for (std::size_t f = 0; f < grid.faces.size(); ++f) {
             const auto q = grid.corners(f);
-            for (const std::uint32_t c : grid.faces[f]) normal[c] += cross(q[1] - q[0], q[2] - q[0]);
+            for (const std::uint32_t c : grid.faces[f]) grid_.add_facing(normal[c], cross(q[1] - q[0], q[2] - q[0]), c);
         }
         for (Vec3d& n : normal) n = normalized(n, Vec3d{});
     }

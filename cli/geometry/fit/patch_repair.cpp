@@ -74,6 +74,19 @@ struct Patch {
     }
 };
 
+std::size_t inverted_among(const LinkedSurface& grid, const ClosestPointIndex& index,
+                           std::span<const std::uint32_t> faces) {
+    TriMesh own;
+    std::vector<char> either_side;
+    for (const std::uint32_t f : faces) {
+        if (!grid.either_side.empty()) either_side.push_back(grid.either_side[f]);
+        const auto first = static_cast<std::uint32_t>(own.positions.size());
+        for (const Vec3d& p : grid.corners(f)) own.positions.push_back(p);
+        own.faces.push_back({first, first + 1, first + 2});
+    }
+    return find_turned_faces(index, own, kSafeTie, kSafeCosine, either_side).size();
+}
+
 class PatchRepair {
  public:
     PatchRepair(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
@@ -113,13 +126,7 @@ class PatchRepair {
     }
 
     [[nodiscard]] std::size_t count_inverted(std::span<const std::uint32_t> faces) const {
-        TriMesh own;
-        for (const std::uint32_t f : faces) {
-            const auto first = static_cast<std::uint32_t>(own.positions.size());
-            for (const Vec3d& p : grid_.corners(f)) own.positions.push_back(p);
-            own.faces.push_back({first, first + 1, first + 2});
-        }
-        return find_turned_faces(index_, own, kSafeTie, kSafeCosine).size();
+        return inverted_among(grid_, index_, faces);
     }
     [[nodiscard]] bool is_inverted(std::uint32_t f) const { return count_inverted(std::array{f}) != 0; }
 

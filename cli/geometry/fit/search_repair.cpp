@@ -79,10 +79,12 @@ class SearchRepair {
     [[nodiscard]] Price measure(std::uint32_t f) const {
         const auto q = grid_.corners(f);
         const Vec3d area = cross(q[1] - q[0], q[2] - q[0]), centre = (q[0] + q[1] + q[2]) / 3;
-        const Vec3d normal = normalized(area, Vec3d{});
+        Vec3d normal = normalized(area, Vec3d{});
         if (normal == Vec3d{}) return {2 * kInverted, true};
         const ClosestPoint any = index_.query(centre, matches_.middles[f].hit.face);
         if (any.face == kNone) return {2 * kInverted, true};
+        if (!grid_.either_side.empty() && grid_.either_side[f] && dot(index_.unit_normal(any.face), normal) < 0)
+            normal = -normal;
         const double cosine = dot(index_.unit_normal(any.face), normal);
         bool inverted = false;
         if (!(cosine > kSafeCosine)) {

@@ -36,7 +36,7 @@ Sliding::Step Sliding::clamped(std::span<const Vec3d> step, std::vector<double> 
     for (const std::uint32_t f : out.faces) {
         const auto q = grid.corners(f);
         const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
-        for (const std::uint32_t c : grid.faces[f]) normal[c] += n;
+        for (const std::uint32_t c : grid.faces[f]) grid_.add_facing(normal[c], n, c);
     }
     std::vector<double> edge(count, kInfinity);
     for (const auto& [a, b] : grid_.edges) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "geometry/metrics/turned_faces.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -51,6 +53,9 @@ WeldedGrid::WeldedGrid(const SampledChart& chart) {
         }
         class_of[s] = class_of[rep];
     }
+    if (!chart.reversed.empty()) reversed.assign(sample_of.size(), 0);
+    for (std::uint32_t s = 0; s < chart.reversed.size(); ++s)
+        if (chart.reversed[s]) reversed[class_of[s]] = 1;
     face_of_quad.assign(std::size_t{chart.m - 1} * (chart.n - 1), kNone);
     std::uint32_t next = 0;
     for (std::uint32_t i = 0; i + 1 < chart.m; ++i)
@@ -87,6 +92,7 @@ void WeldedGrid::link(const SampledChart& chart) {
         k = end;
     }
     surface.update_normals();
+    surface.either_side = faces_beside_reversed(surface.faces, reversed);
 }
 
 std::uint32_t WeldedGrid::face_at(const SampledChart& chart, const Vec2d& uv) const {

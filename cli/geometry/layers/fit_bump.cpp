@@ -11,23 +11,34 @@
 namespace dgm::bake {
 namespace {
 
-/// The class of each texel: those that seams make one.
-std::vector<std::uint32_t> classes_of_texels(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
+/// The class of each texel: those that seams make one. Of two texels that face opposite ways one has the height of the
+/// other with the opposite sign.
+struct TexelClasses {
+    std::vector<std::uint32_t> of;
+    std::vector<std::uint8_t> reversed;  ///< empty: none is
+
+    [[nodiscard]] double sign(std::size_t texel) const { return reversed.empty() || !reversed[texel] ? 1 : -1; }
+};
+
+TexelClasses classes_of_texels(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
     std::vector<std::uint32_t> sample_class(chart.representative.begin(),
                                             chart.representative.begin() + chart.grid_count());
     for (std::uint32_t s = 0; s < sample_class.size(); ++s)
         if (sample_class[s] >= sample_class.size()) sample_class[s] = s;  // represented by a free chart's border sample
-    return texel_classes(chart.m, chart.n, rows, cols, sample_class);
+    TexelClasses out;
+    out.of = texel_classes(chart.m, chart.n, rows, cols, sample_class, chart.reversed, &out.reversed);
+    return out;
 }
 
 /// Both sides of a seam take their mean.
-void average_classes(std::span<const std::uint32_t> classes, std::span<double> heights) {
+void average_classes(const TexelClasses& classes, std::span<double> heights) {
     std::vector<double> sum(heights.size(), 0.0), members(heights.size(), 0.0);
     for (std::size_t t = 0; t < heights.size(); ++t) {
-        sum[classes[t]] += heights[t];
-        members[classes[t]] += 1;
+        sum[classes.of[t]] += classes.sign(t) * heights[t];
+        members[classes.of[t]] += 1;
     }
-    for (std::size_t t = 0; t < heights.size(); ++t) heights[t] = sum[classes[t]] / members[classes[t]];
+    for (std::size_t t = 0; t < heights.size(); ++t)
+        heights[t] = classes.sign(t) * (sum[classes.of[t]] / members[classes.of[t]]);
 }
 
 /// A matched point: the height it asks of the four texels around it, and its place beside the grid.
@@ -40,8 +51,8 @@ struct BumpRows {
 };
 
 BumpRows rows_of(const LayerInput& in, std::span<const MatchedPoint> points, const StoredPositions& positions,
-                 const StoredNormals& normals, std::uint32_t rows, std::uint32_t cols,
-                 std::span<const std::uint32_t> classes, std::span<const double> heights) {
+                 const StoredNormals& normals, std::uint32_t rows, std::uint32_t cols, const TexelClasses& classes,
+                 std::span<const double> heights) {
     const SampledChart& chart = in.chart;
     const double down = static_cast<double>(rows - 1) / (chart.m - 1),
                  across = static_cast<double>(cols - 1) / (chart.n - 1);
@@ -64,8 +75,8 @@ BumpRows rows_of(const LayerInput& in, std::span<const MatchedPoint> points, con
         GridRow<1>& row = out.equations.emplace_back();
         row.value[0] = h;
         for (std::size_t k = 0; k < 4; ++k) {
-            row.unknown[k] = classes[taps.texel[k]];
-            row.w[k] = taps.weight[k];
+            row.unknown[k] = classes.of[taps.texel[k]];
+            row.w[k] = classes.sign(taps.texel[k]) * taps.weight[k];
             row.value[0] -= taps.weight[k] * heights[taps.texel[k]];
         }
         out.gaps.push_back({local_position(in, p.at) - grid, normalized(normal)});
@@ -74,22 +85,22 @@ BumpRows rows_of(const LayerInput& in, std::span<const MatchedPoint> points, con
 }
 
 /// A texel that points touch with a tiny weight could move anywhere: none moves farther than twice the gap there.
-void take_step(const BumpRows& rows, std::span<const std::array<double, 1>> step,
-               std::span<const std::uint32_t> classes, std::span<double> heights) {
+void take_step(const BumpRows& rows, std::span<const std::array<double, 1>> step, const TexelClasses& classes,
+               std::span<double> heights) {
     std::vector<double> reach(heights.size(), 0.0);
     for (std::size_t k = 0; k < rows.equations.size(); ++k)
         for (const std::uint32_t texel : rows.equations[k].unknown)
             reach[texel] = std::max(reach[texel], 2 * length(rows.gaps[k].to_source));
     for (std::size_t t = 0; t < heights.size(); ++t) {
-        const double limit = std::max(reach[classes[t]], std::abs(heights[t]));
-        heights[t] = std::clamp(heights[t] + step[classes[t]][0], -limit, limit);
+        const double limit = std::max(reach[classes.of[t]], std::abs(heights[t]));
+        heights[t] = std::clamp(heights[t] + classes.sign(t) * step[classes.of[t]][0], -limit, limit);
         if (!std::isfinite(heights[t])) heights[t] = 0;
     }
 }
 
 /// Where the grid is sheared or its normals lean, heights along them may lead away from the source, and texels that no
 /// point touches may hold anything: none is better.
-void drop_useless(const BumpRows& rows, std::span<const std::uint32_t> classes, std::span<double> heights) {
+void drop_useless(const BumpRows& rows, const TexelClasses& classes, std::span<double> heights) {
     std::vector<double> gain(heights.size(), 0.0);
     for (std::size_t k = 0; k < rows.equations.size(); ++k) {
         const GridRow<1>& row = rows.equations[k];
@@ -98,10 +109,10 @@ void drop_useless(const BumpRows& rows, std::span<const std::uint32_t> classes, 
         for (std::size_t c = 0; c < 4; ++c) h += row.w[c] * heights[row.unknown[c]];
         const Vec3d rest = gap.to_source - gap.normal * h;
         const double better = dot(gap.to_source, gap.to_source) - dot(rest, rest);
-        for (std::size_t c = 0; c < 4; ++c) gain[row.unknown[c]] += row.w[c] * better;
+        for (std::size_t c = 0; c < 4; ++c) gain[row.unknown[c]] += std::abs(row.w[c]) * better;
     }
     for (std::size_t t = 0; t < heights.size(); ++t)
-        if (!(gain[classes[t]] > 0)) heights[t] = 0;
+        if (!(gain[classes.of[t]] > 0)) heights[t] = 0;
 }
 
 }  // namespace
@@ -119,7 +130,7 @@ void fit_bump(const LayerInput& in, std::span<const MatchedPoint> points, const 
     constexpr double kDamping = 1;
     constexpr int kIterations = 15, kJudgements = 3;
     if (rows < 2 || cols < 2) return;
-    const std::vector<std::uint32_t> classes = classes_of_texels(in.chart, rows, cols);
+    const TexelClasses classes = classes_of_texels(in.chart, rows, cols);
     average_classes(classes, heights);
     const BumpRows bump = rows_of(in, points, positions, normals, rows, cols, classes, heights);
     take_step(bump, grid_least_squares<1>(bump.equations, heights.size(), kDamping, kIterations), classes, heights);

@@ -46,7 +46,7 @@ void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, Sto
             GridRow<3>& row = rows.emplace_back();
             for (std::size_t c = 0; c < 3; ++c) {
                 row.unknown[c] = chart.representative[p.sample[c]];
-                row.w[c] = p.b[c];
+                row.w[c] = chart.is_reversed(p.sample[c]) ? -p.b[c] : p.b[c];
             }
             row.unknown[3] = row.unknown[0];
             row.value = {gap.x, gap.y, gap.z};
@@ -57,7 +57,8 @@ void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, Sto
         for (std::size_t s = 0; s < n.size(); ++s) {
             if (!chart.on_surface(s)) continue;
             const auto& d = step[chart.representative[s]];
-            const Vec3d moved = normalized(n[s] + Vec3d{d[0], d[1], d[2]}, n[s]);
+            const Vec3d by{d[0], d[1], d[2]};
+            const Vec3d moved = normalized(chart.is_reversed(s) ? n[s] - by : n[s] + by, n[s]);
             if (dot(moved, n[s]) > kLargestTurn) next[s] = moved;
         }
         const double now = normal_deviation(points, truth, next);
@@ -70,7 +71,7 @@ void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, Sto
     const std::size_t grid = chart.grid_count();
     for (std::size_t s = 0; s < n.size(); ++s) {
         if (!chart.on_surface(s)) continue;
-        const model::OctahedralCode code = model::encode_octahedral(n[chart.representative[s]]);
+        const model::OctahedralCode code = sample_code(chart, s, model::encode_octahedral(n[chart.representative[s]]));
         auto codes = s < grid ? values<std::int16_t>(normals.normal).subspan(2 * s, 2)
                               : values<std::int16_t>(*normals.border_normal).subspan(2 * (s - grid), 2);
         codes[0] = code[0];

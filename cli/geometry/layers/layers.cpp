@@ -44,6 +44,14 @@ std::vector<model::Layer> make_tables(const SampledChart& chart) {
             to[2 * k + 1] = sorted[k].second;
         }
         seams.required = true;
+        if (!chart.reversed.empty()) {
+            // Required: a reader that does not know it would weld opposite normals.
+            model::Layer& reversed =
+                out.emplace_back(empty_layer(model::layers::kReversed, model::ElementType::kU8, {sorted.size()}));
+            for (std::size_t k = 0; k < sorted.size(); ++k)
+                values<std::uint8_t>(reversed)[k] = chart.reversed[sorted[k].second];
+            reversed.required = true;
+        }
     }
     model::Layer& diagonals =
         out.emplace_back(empty_layer(model::layers::kDiagonals, model::ElementType::kU8, {chart.m - 1, chart.n - 1}));

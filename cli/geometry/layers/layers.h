@@ -13,6 +13,7 @@
 #include "geometry/repair/repair.h"
 #include "image/image.h"
 #include "model/map_set.h"
+#include "model/octahedral.h"
 #include "model/progress.h"
 
 namespace dgm::bake {
@@ -70,6 +71,9 @@ struct StoredNormals {
     std::vector<Vec3d> decoded;
 };
 [[nodiscard]] StoredNormals store_normals(const LayerInput& in);
+/// The code of a sample by that of its representative: of the opposite direction where the copy is reversed.
+[[nodiscard]] model::OctahedralCode sample_code(const SampledChart& chart, std::size_t sample,
+                                                model::OctahedralCode code);
 
 /// u8 [mt][nt][4]; nothing if the asset has neither textures nor colours nor a material colour.
 /// Fitted to `points` if there are any.

@@ -53,12 +53,14 @@ FaceSplit split_face(TriMesh& mesh, std::uint32_t h, std::uint32_t n, double t) 
 }
 
 NewVertices split_edge(TriMesh& mesh, std::vector<std::uint32_t>& opposite, std::uint32_t h, double t,
-                       std::vector<std::uint32_t>* mate) {
+                       std::vector<std::uint32_t>* mate, bool same_way) {
     const Vec3d a = mesh.positions[origin(mesh.faces, h)], b = mesh.positions[target(mesh.faces, h)];
     const Vec3d middle = a * (1 - t) + b * t;
     const auto add_vertex = [&] {
+        const auto added = static_cast<std::uint32_t>(mesh.positions.size());
         mesh.positions.push_back(middle);
-        return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+        if (!mesh.points.empty()) mesh.points.push_back(added);
+        return added;
     };
     const auto split_side = [&](std::uint32_t side, std::uint32_t n, double at) {
         const FaceSplit s = split_face(mesh, side, n, at);
@@ -80,14 +82,16 @@ NewVertices split_edge(TriMesh& mesh, std::vector<std::uint32_t>& opposite, std:
     const FaceSplit first = split_side(h, out.vertex, t);
     if (other == kNone) return out;
     if (across_cut) out.twin = add_vertex();
+    if (across_cut && same_way && !mesh.points.empty()) mesh.points[out.twin] = out.vertex;
     if (other == first.moved_from) other = first.moved_to;  // both sides lie in one face
-    const FaceSplit second = split_side(other, across_cut ? out.twin : out.vertex, 1 - t);
+    const FaceSplit second = split_side(other, across_cut ? out.twin : out.vertex, same_way ? t : 1 - t);
     const std::uint32_t here = out.first = h == second.moved_from ? second.moved_to : h;
     std::vector<std::uint32_t>& links = across_cut ? *mate : opposite;
-    links[here] = second.second;
-    links[second.second] = here;
-    links[other] = first.second;
-    links[first.second] = other;
+    const std::uint32_t by_here = same_way ? other : second.second, by_second = same_way ? second.second : other;
+    links[here] = by_here;
+    links[by_here] = here;
+    links[by_second] = first.second;
+    links[first.second] = by_second;
     return out;
 }
 

@@ -26,8 +26,9 @@ struct NewVertices {
 
 /// Splits edge h at t and keeps `opposite`. With `mate` given (links across a cut, for half-edges without an opposite),
 /// the edge across the cut is split at the mirrored place by a vertex of its own at the same position.
+/// @param same_way  the edge across the cut runs in the direction of h: there the surface was opened to have two sides
 NewVertices split_edge(TriMesh& mesh, std::vector<std::uint32_t>& opposite, std::uint32_t h, double t,
-                       std::vector<std::uint32_t>* mate = nullptr);
+                       std::vector<std::uint32_t>* mate = nullptr, bool same_way = false);
 
 /// Splits in the middle every edge but the first of those that join the same two vertices. `partner` gives the glued
 /// half-edge of each (kNone on a border). Returns how many were split.

@@ -23,7 +23,9 @@ using model::Vec3d;
 
 /// Vertex normals of a rows x cols lattice; `valid` points alone take part, `classes` are summed together.
 std::vector<Vec3d> lattice_normals(const std::vector<Vec3d>& points, const std::vector<char>& valid, std::uint32_t rows,
-                                   std::uint32_t cols, std::span<const std::uint32_t> classes) {
+                                   std::uint32_t cols, std::span<const std::uint32_t> classes,
+                                   std::span<const std::uint8_t> reversed) {
+    const auto facing = [&](std::uint32_t k, const Vec3d& v) { return reversed.empty() || !reversed[k] ? v : -v; };
     std::vector<Vec3d> sum(points.size(), Vec3d{});
     for (std::uint32_t i = 0; i + 1 < rows; ++i)
         for (std::uint32_t j = 0; j + 1 < cols; ++j) {
@@ -34,39 +36,51 @@ std::vector<Vec3d> lattice_normals(const std::vector<Vec3d>& points, const std::
                 const Vec3d next = points[corner[(k + 1) % 4]] - points[corner[k]];
                 const Vec3d last = points[corner[(k + 3) % 4]] - points[corner[k]];
                 const double squares = dot(next, next) * dot(last, last);
-                if (squares > 0) sum[classes[corner[k]]] += cross(next, last) / squares;
+                if (squares > 0) sum[classes[corner[k]]] += facing(corner[k], cross(next, last) / squares);
             }
         }
     std::vector<Vec3d> out(points.size());
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] = normalized(sum[classes[k]], Vec3d{});
+    for (std::uint32_t k = 0; k < out.size(); ++k) out[k] = facing(k, normalized(sum[classes[k]], Vec3d{}));
     return out;
 }
 }  // namespace
 
 std::vector<std::uint32_t> texel_classes(std::uint32_t m, std::uint32_t n, std::uint32_t rows, std::uint32_t cols,
-                                         std::span<const std::uint32_t> sample_class) {
+                                         std::span<const std::uint32_t> sample_class,
+                                         std::span<const std::uint8_t> sample_reversed,
+                                         std::vector<std::uint8_t>* reversed) {
+    if (!sample_reversed.empty()) reversed->assign(std::size_t{rows} * cols, 0);
     std::vector<std::uint32_t> classes(std::size_t{rows} * cols);
     for (std::uint32_t t = 0; t < classes.size(); ++t) classes[t] = t;
     if (rows < m || cols < n || (rows - 1) % (m - 1) != 0 || (cols - 1) % (n - 1) != 0) return classes;
     const std::uint32_t down = (rows - 1) / (m - 1), across = (cols - 1) / (n - 1);
     // A border texel is known by the classes of the samples on both sides and its share of the way.
-    std::map<std::tuple<std::uint32_t, std::uint32_t, long>, std::uint32_t> first;
+    struct Lowest {
+        std::uint32_t texel;
+        std::uint8_t turned;
+    };
+    std::map<std::tuple<std::uint32_t, std::uint32_t, long>, Lowest> first;
     for (std::uint32_t t = 0; t < classes.size(); ++t) {
         const std::uint32_t i = t / cols, j = t % cols;
         if (i != 0 && j != 0 && i + 1 != rows && j + 1 != cols) continue;
-        const std::uint32_t from = i / down * n + j / across;
+        std::uint32_t from = i / down * n + j / across, to = from;
         std::uint32_t a = sample_class[from], b = a;
         double share = 0;
         if (i % down != 0) {
-            b = sample_class[from + n];
+            to = from + n;
+            b = sample_class[to];
             share = static_cast<double>(i % down) / down;
         }
         if (j % across != 0) {
-            b = sample_class[from + 1];
+            to = from + 1;
+            b = sample_class[to];
             share = static_cast<double>(j % across) / across;
         }
-        if (b < a) std::swap(a, b), share = 1 - share;
-        classes[t] = first.try_emplace({a, b, std::lround(share * 1e6)}, t).first->second;
+        if (b < a) std::swap(a, b), std::swap(from, to), share = 1 - share;
+        const std::uint8_t turned = sample_reversed.empty() ? 0 : sample_reversed[from];
+        const auto& lowest = first.try_emplace({a, b, std::lround(share * 1e6)}, Lowest{t, turned}).first->second;
+        classes[t] = lowest.texel;
+        if (!sample_reversed.empty()) (*reversed)[t] = turned ^ lowest.turned;
     }
     return classes;
 }
@@ -124,11 +138,17 @@ BumpNormals::BumpNormals(const Chart& chart, const Reconstruction& surface)
         stored_[t] = normalized(normal, Vec3d{});
         fine[t] += stored_[t] * height(t);
     }
-    std::vector<std::uint32_t> own(surface.weld.begin(), surface.weld.begin() + m_ * n_);
+    fine_ = fine_normals(fine, valid);
+}
+
+std::vector<Vec3d> BumpNormals::fine_normals(const std::vector<Vec3d>& fine, const std::vector<char>& valid) const {
+    std::vector<std::uint32_t> own(surface_.weld.begin(), surface_.weld.begin() + m_ * n_);
     // A class whose representative is a border sample is summed at its lowest grid sample.
     std::map<std::uint32_t, std::uint32_t> lowest;
     for (std::uint32_t s = 0; s < own.size(); ++s) own[s] = lowest.try_emplace(own[s], s).first->second;
-    fine_ = lattice_normals(fine, valid, rows_, cols_, texel_classes(m_, n_, rows_, cols_, own));
+    std::vector<std::uint8_t> reversed;
+    const std::vector<std::uint32_t> classes = texel_classes(m_, n_, rows_, cols_, own, surface_.reversed, &reversed);
+    return lattice_normals(fine, valid, rows_, cols_, classes, reversed);
 }
 
 std::optional<BumpNormals> BumpNormals::of(const Chart& chart, const Reconstruction& surface) {

@@ -25,8 +25,13 @@ namespace dgm::bake {
 /// Texels that are one and the same surface point, as the lowest of them; `sample_class` likewise for the m x n grid
 /// samples. Known where texels fall on samples and at equal fractions between them, that is if rows-1 and cols-1 are
 /// multiples of m-1 and n-1; else, and inside the chart, each texel is its own.
+///
+/// With `sample_reversed` (1 where a sample faces the other way than its class), `reversed` becomes 1 where a texel
+/// faces the other way than the lowest of its class: its height has the other sign.
 [[nodiscard]] std::vector<std::uint32_t> texel_classes(std::uint32_t m, std::uint32_t n, std::uint32_t rows,
-                                                       std::uint32_t cols, std::span<const std::uint32_t> sample_class);
+                                                       std::uint32_t cols, std::span<const std::uint32_t> sample_class,
+                                                       std::span<const std::uint8_t> sample_reversed = {},
+                                                       std::vector<std::uint8_t>* reversed = nullptr);
 
 class BumpNormals {
  public:
@@ -45,6 +50,8 @@ class BumpNormals {
 
  private:
     BumpNormals(const model::Chart& chart, const Reconstruction& surface);
+    [[nodiscard]] std::vector<model::Vec3d> fine_normals(const std::vector<model::Vec3d>& fine,
+                                                         const std::vector<char>& valid) const;
     [[nodiscard]] model::Vec3d blend(const Both& n) const;
 
     const Reconstruction& surface_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "model/tri_mesh.h"
 #include "model/vec.h"
 
 namespace dgm::bake {
@@ -31,13 +32,16 @@ struct MapMetrics {
 
 struct Topology {
     std::uint64_t components = 0, boundary_loops = 0;
-    std::int64_t genus = 0;              ///< sum over the components; 0 unless manifold and oriented
-    bool manifold = false;               ///< every edge has one or two faces, every vertex one fan
-    bool oriented = false;               ///< neighbours agree in winding
+    std::int64_t genus = 0;  ///< handles, summed over the components; where not oriented, crosscaps: 1 for a
+                             ///< projective plane or a Moebius strip, 2 for a Klein bottle; 0 unless manifold
+    bool manifold = false;   ///< every edge has one or two faces, every vertex one fan
+    bool oriented = false;   ///< neighbours agree in winding
     std::uint64_t degenerate_faces = 0;  ///< faces that name a vertex twice or out of range; not part of the rest
     friend bool operator==(const Topology&, const Topology&) = default;
 };
 /// Vertices that no face names do not count. Components are joined through shared vertices.
 [[nodiscard]] Topology measure_topology(std::size_t vertex_count, std::span<const model::Face> faces);
+/// Of a component as repair() makes it, with the sides joined along which it was opened to have an inside.
+[[nodiscard]] Topology measure_topology(const model::TriMesh& component);
 
 }  // namespace dgm::bake

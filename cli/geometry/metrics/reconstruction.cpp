@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 
+#include "geometry/metrics/turned_faces.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "model/layer_names.h"
@@ -106,7 +107,7 @@ std::vector<std::uint32_t> weld_table(const Layer* seams, std::size_t vertices) 
 struct SurfaceLayers {
     const Layer* geometry = nullptr;
     const Layer *border = nullptr, *border_faces = nullptr, *border_uv = nullptr, *border_normal = nullptr;
-    const Layer *diagonals = nullptr, *mask = nullptr, *normal = nullptr, *seams = nullptr;
+    const Layer *diagonals = nullptr, *mask = nullptr, *normal = nullptr, *seams = nullptr, *reversed = nullptr;
     std::uint64_t rows = 0, cols = 0;
     std::uint64_t extra = 0;  ///< samples beside the grid
     [[nodiscard]] std::uint64_t samples() const { return rows * cols + extra; }
@@ -141,6 +142,8 @@ SurfaceLayers surface_layers(const Chart& chart) {
     out.normal = optional_layer(model::layers::kNormal, {ElementType::kI16}, {m, n, 2});
     out.border_normal = optional_layer(model::layers::kBorderNormal, {ElementType::kI16}, {out.extra, 2});
     out.seams = optional_layer(model::layers::kSeams, {ElementType::kU32}, {kAnyCount, 2});
+    out.reversed =
+        optional_layer(model::layers::kReversed, {ElementType::kU8}, {out.seams == nullptr ? 0 : out.seams->shape[0]});
     return out;
 }
 
@@ -219,6 +222,13 @@ double largest_seam_gap(const std::vector<Vec3d>& positions, const std::vector<s
 }
 }  // namespace
 
+std::vector<char> faces_beside_reversed(const Reconstruction& surface) {
+    std::vector<char> reversed(surface.reversed.empty() ? 0 : surface.weld.size(), 0);
+    for (std::size_t v = 0; v < surface.reversed.size(); ++v)
+        if (surface.reversed[v]) reversed[surface.weld[v]] = 1;
+    return faces_beside_reversed(surface.welded_faces, reversed);
+}
+
 Reconstruction reconstruct(const Chart& chart, Corners fill) {
     const SurfaceLayers layers = surface_layers(chart);
     Reconstruction out;
@@ -235,6 +245,12 @@ Reconstruction reconstruct(const Chart& chart, Corners fill) {
         fill_uvs(layers, mesh);
     }
     out.weld = weld_table(layers.seams, mesh.positions.size());
+    if (layers.reversed != nullptr) {
+        out.reversed.resize(mesh.positions.size(), 0);
+        for (std::size_t k = 0; k < layers.reversed->shape[0]; ++k)
+            out.reversed[element<std::uint32_t>(*layers.seams, 2 * k + 1)] =
+                element<std::uint8_t>(*layers.reversed, k) & 1u;
+    }
     out.seam_gap = largest_seam_gap(mesh.positions, out.weld);
     out.welded_faces.reserve(mesh.faces.size());
     for (const Face& f : mesh.faces) out.welded_faces.push_back({out.weld[f[0]], out.weld[f[1]], out.weld[f[2]]});

@@ -11,8 +11,13 @@ struct Reconstruction {
     model::TriMesh mesh;                    ///< source frame (offset and scale applied), seam copies kept apart
     std::vector<std::uint32_t> weld;        ///< per vertex: its class representative (seam table), else itself
     std::vector<model::Face> welded_faces;  ///< mesh.faces through `weld`
+    std::vector<std::uint8_t> reversed;     ///< per vertex: 1 where its faces wind against those of its representative
+                                            ///< (layer `reversed`); empty if there is no such layer
     double seam_gap = 0;                    ///< largest distance between copies of a class; must be exactly 0
 };
+
+/// Faces beside a seam with reversed copies (metrics/turned_faces.h); empty if there is none.
+[[nodiscard]] std::vector<char> faces_beside_reversed(const Reconstruction& surface);
 
 /// Are attributes of corners filled in? Positions and faces alone take a third of the time.
 enum class Corners { kFill, kSkip };

@@ -326,11 +326,17 @@ class Direction {
             if (here == Vec3d{} || there == Vec3d{}) continue;
             const Vec3d flat = use_corners_ ? normal_at(to_, found.face, found.barycentric, false) : there;
             const Vec3d bumped = *shading_ ? (*shading_)(found.face, found.barycentric) : there;
-            const double stored = angle_degrees(here, there);
-            const double face = flat == Vec3d{} ? stored : angle_degrees(here, flat);
-            const double bump = bumped == Vec3d{} ? stored : angle_degrees(here, bumped);
+            const double stored = angle_to(here, there);
+            const double face = flat == Vec3d{} ? stored : angle_to(here, flat);
+            const double bump = bumped == Vec3d{} ? stored : angle_to(here, bumped);
             angles_squared_[k] = {stored * stored, face * face, bump * bump};
         }
+    }
+
+    /// Across the seam of a surface with one side normals are opposite: there the lines count.
+    [[nodiscard]] double angle_to(const Vec3d& here, const Vec3d& there) const {
+        const double angle = angle_degrees(here, there);
+        return from_.points.empty() ? angle : std::min(angle, 180 - angle);
     }
 
     const TriMesh& from_;

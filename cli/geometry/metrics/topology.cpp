@@ -165,14 +165,23 @@ Topology measure_topology(std::size_t vertex_count, std::span<const Face> faces)
     out.manifold = edges.manifold && one_fan_a_vertex(used.uses, edges.fans, vertex_count, faces.size());
     out.oriented = edges.oriented;
     out.boundary_loops = count_loops(used.uses, edges, faces.size());
-    // Sum over components of 2 - 2g - b = V - E + F.
-    if (out.manifold && out.oriented) {
+    // Sum over components of 2 - 2g - b = V - E + F, or of 2 - g - b without an orientation.
+    if (out.manifold) {
         const std::int64_t euler = static_cast<std::int64_t>(used.vertices) - static_cast<std::int64_t>(edges.count) +
                                    static_cast<std::int64_t>(used.faces);
         out.genus =
-            (2 * static_cast<std::int64_t>(out.components) - euler - static_cast<std::int64_t>(out.boundary_loops)) / 2;
+            2 * static_cast<std::int64_t>(out.components) - euler - static_cast<std::int64_t>(out.boundary_loops);
+        if (out.oriented) out.genus /= 2;
     }
     return out;
+}
+
+Topology measure_topology(const model::TriMesh& component) {
+    if (component.points.empty()) return measure_topology(component.positions.size(), component.faces);
+    std::vector<Face> faces = component.faces;
+    for (Face& f : faces)
+        for (std::uint32_t& v : f) v = component.points[v];
+    return measure_topology(component.positions.size(), faces);
 }
 
 }  // namespace dgm::bake

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/spatial/closest_point.h"
@@ -22,13 +23,23 @@ inline constexpr double kTurnedTie = 1e-5;
 /// not count, nor do map triangles without area or with corners that are not finite: the former have no side, the
 /// latter are reported elsewhere. `index` must be built of the source. Deterministic whatever the number of threads.
 /// @param least_cosine  requires n . N > this instead
+/// @param either_side   of each face of `map`, 1 if -n will do as well; empty: of none
 [[nodiscard]] std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const model::TriMesh& map,
-                                                           double tie, double least_cosine = 0);
+                                                           double tie, double least_cosine = 0,
+                                                           std::span<const char> either_side = {});
+
+/// Faces beside a seam across which windings disagree, and their neighbours: what lies nearest to them may be the
+/// source on the other side of the seam, which faces the other way. Empty if there is no such seam.
+/// @param faces     over the points of the welded surface
+/// @param reversed  of each point, 1 if a copy of it is reversed; or empty
+[[nodiscard]] std::vector<char> faces_beside_reversed(std::span<const model::Face> faces,
+                                                      std::span<const char> reversed);
 
 /// How many there are, with a tie of kTurnedTie diagonals of the source.
 /// @param index  of the source, if there is one already
 /// @throws model::Error kInternal if the index cannot be built
 [[nodiscard]] std::size_t count_turned_faces(const model::TriMesh& source, const model::TriMesh& map,
-                                             const ClosestPointIndex* index = nullptr);
+                                             const ClosestPointIndex* index = nullptr,
+                                             std::span<const char> either_side = {});
 
 }  // namespace dgm::bake

@@ -44,6 +44,7 @@ std::vector<double> vertex_positions(const TriMesh& mesh, const BorderPath& path
 struct Laid {
     std::uint32_t start = 0, intervals = 0;
     std::uint32_t mate = kNone;
+    bool same_way = false;
     std::vector<std::uint32_t> vertices;  // of the disk, in border order
     std::vector<double> tau;              // per vertex, from the path's own start
 };
@@ -63,7 +64,7 @@ bool is_star_of_four(const std::vector<BorderPath>& paths) {
     // Each arm runs out and back; the first path of the cycle may be either.
     const std::size_t out = paths[0].mate == 1 ? 0 : 1;
     for (std::size_t p = out; p < 8; p += 2)
-        if (paths[p].mate != (p + 1) % 8) return false;
+        if (paths[p].mate != (p + 1) % 8 || paths[p].same_way) return false;
     return true;
 }
 
@@ -105,11 +106,15 @@ class BorderLayout {
             l.start = start;
             l.intervals = intervals[p];
             l.mate = paths[p].mate;
+            l.same_way = paths[p].same_way;
             for (std::uint32_t h : paths[p].half_edges) l.vertices.push_back(origin(disk.mesh.faces, h));
             l.vertices.push_back(target(disk.mesh.faces, paths[p].half_edges.back()));
             if (l.mate != kNone && l.mate < p) {
                 const std::vector<double>& other = laid_[l.mate].tau;
-                for (std::size_t i = other.size(); i-- > 0;) l.tau.push_back(l.intervals - other[i]);
+                if (paths[p].same_way)
+                    l.tau = other;
+                else
+                    for (std::size_t i = other.size(); i-- > 0;) l.tau.push_back(l.intervals - other[i]);
             } else {
                 l.tau = vertex_positions(disk.mesh, paths[p], intervals[p]);
             }
@@ -145,7 +150,10 @@ class BorderLayout {
                 static_cast<std::size_t>(std::lower_bound(path.tau.begin(), path.tau.end(), q) - path.tau.begin());
             const auto snap = [&](std::size_t i) {
                 path.tau[i] = q;
-                if (mate != nullptr) mate->tau[mate->tau.size() - 1 - i] = mate->intervals - q;
+                if (mate != nullptr && path.same_way)
+                    mate->tau[i] = q;
+                else if (mate != nullptr)
+                    mate->tau[mate->tau.size() - 1 - i] = mate->intervals - q;
             };
             constexpr double kSnap = 1e-6;  // of an interval: a vertex this near becomes the corner itself
             if (at + 1 < path.tau.size() && path.tau[at] - q < kSnap) return snap(at);
@@ -155,7 +163,10 @@ class BorderLayout {
             const auto offset = static_cast<std::ptrdiff_t>(at);
             path.vertices.insert(path.vertices.begin() + offset, added.vertex);
             path.tau.insert(path.tau.begin() + offset, q);
-            if (mate != nullptr) {
+            if (mate != nullptr && path.same_way) {
+                mate->vertices.insert(mate->vertices.begin() + offset, added.twin);
+                mate->tau.insert(mate->tau.begin() + offset, q);
+            } else if (mate != nullptr) {
                 const auto back = static_cast<std::ptrdiff_t>(mate->tau.size()) - offset;
                 mate->vertices.insert(mate->vertices.begin() + back, added.twin);
                 mate->tau.insert(mate->tau.begin() + back, mate->intervals - static_cast<double>(q));
@@ -217,9 +228,44 @@ class BorderLayout {
             }
             if (path.mate == kNone) continue;
             for (std::uint32_t q = 0; q <= path.intervals; ++q)
-                classes.unite((path.start + q) % count, (laid_[path.mate].start + path.intervals - q) % count);
+                classes.unite((path.start + q) % count, mate_of(path, q));
         }
         for (std::uint32_t t = 0; t < count; ++t) out_.samples[t].same_as = classes.find(t);
+        if (std::any_of(laid_.begin(), laid_.end(), [](const Laid& path) { return path.same_way; })) mark_reversed();
+    }
+
+    /// The border sample across the cut from interval `q` of a path that has a mate.
+    [[nodiscard]] std::uint32_t mate_of(const Laid& path, std::uint32_t q) const {
+        return (laid_[path.mate].start + (path.same_way ? q : path.intervals - q)) % grid_.count();
+    }
+
+    /// Follows each class from its first sample over the paths: a path that runs in the direction of its mate reverses.
+    void mark_reversed() {
+        struct Link {
+            std::uint32_t to;
+            bool reverses;
+        };
+        const std::uint32_t count = grid_.count();
+        std::vector<std::vector<Link>> links(count);
+        for (const Laid& path : laid_) {
+            if (path.mate == kNone) continue;
+            for (std::uint32_t q = 0; q <= path.intervals; ++q)
+                links[(path.start + q) % count].push_back({mate_of(path, q), path.same_way});
+        }
+        std::vector<char> known(count, 0);
+        std::vector<std::uint32_t> walk;
+        for (std::uint32_t first = 0; first < count; ++first) {
+            if (known[first]) continue;
+            known[first] = 1;
+            walk.assign(1, first);
+            for (std::size_t at = 0; at < walk.size(); ++at)
+                for (const Link& link : links[walk[at]]) {
+                    if (known[link.to]) continue;
+                    known[link.to] = 1;
+                    out_.samples[link.to].reversed = out_.samples[walk[at]].reversed != link.reverses;
+                    walk.push_back(link.to);
+                }
+        }
     }
 
     Disk& disk_;
@@ -303,10 +349,19 @@ std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& pat
 
 SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                BorderShares shares) {
+    disk.join_sides();
     return BorderLayout(disk, {m, n}, rotation, shares).run();
 }
 
 namespace {
+
+/// The paths that lay_square_border() lays.
+std::vector<BorderPath> joined_paths(const Disk& disk) {
+    if (disk.mesh.points.empty()) return disk.paths();
+    Disk joined = disk;
+    joined.join_sides();
+    return joined.paths();
+}
 
 /// Marks the border samples of the unrotated cycle that are leaves of the cut, or corners of the real border.
 struct BorderMarks {
@@ -319,7 +374,7 @@ struct BorderMarks {
         std::uint32_t start = 0;
         for (std::size_t p = 0; p < paths.size(); ++p) {
             const std::size_t before = (p + paths.size() - 1) % paths.size();
-            if (paths[p].mate == before && paths.size() > 1) leaf[start] = 1;
+            if (paths[p].mate == before && !paths[p].same_way && paths.size() > 1) leaf[start] = 1;
             if (paths[p].mate == kNone && paths[before].mate == kNone && paths.size() > 1) corner[start] = 1;
             start += intervals[p];
         }
@@ -335,7 +390,7 @@ struct BorderMarks {
 }  // namespace
 
 std::uint32_t nearest_rotation(const Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t wanted) {
-    const std::vector<BorderPath> paths = disk.paths();
+    const std::vector<BorderPath> paths = joined_paths(disk);
     if (has_four_real_sides(paths)) return 0;
     const BorderMarks marks(paths, {m, n});
     const std::uint32_t total = marks.grid.count();
@@ -347,7 +402,7 @@ std::uint32_t nearest_rotation(const Disk& disk, std::uint32_t m, std::uint32_t 
 
 std::vector<std::uint32_t> candidate_rotations(const Disk& disk, std::uint32_t m, std::uint32_t n,
                                                std::size_t how_many) {
-    const std::vector<BorderPath> paths = disk.paths();
+    const std::vector<BorderPath> paths = joined_paths(disk);
     if (has_four_real_sides(paths)) return {0};
     const BorderMarks marks(paths, {m, n});
     const std::uint32_t period = m == n ? m - 1 : marks.grid.count() / 2;

@@ -17,6 +17,7 @@ struct BorderSample {
     SurfaceSample at;     ///< on this side of the cut
     std::uint32_t
         same_as;  ///< position in the border cycle of the first sample of its class; itself if it is the first
+    bool reversed = false;  ///< the surface here winds against that at the first sample of its class
 };
 
 struct SquareBorder {

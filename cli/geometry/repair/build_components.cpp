@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/repair/build_components.cpp
+#include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "geometry/mesh/split_edge.h"
@@ -38,22 +40,54 @@ void copy_attributes(const TriMesh& source, std::uint32_t source_face, const std
     if (!source.face_materials.empty()) mesh.face_materials.push_back(source.face_materials[source_face]);
 }
 
+/// The edges on the two sides of an opening are found by their points alone (Disk::join_sides), so those whose points
+/// another edge joins too get a vertex in the middle, on both sides.
+std::uint64_t split_repeated_openings(TriMesh& mesh, std::vector<std::uint32_t>& partner,
+                                      std::vector<std::uint32_t>& across) {
+    const auto key = [&](std::uint32_t h) {
+        const std::uint32_t a = mesh.points[origin(mesh.faces, h)], b = mesh.points[target(mesh.faces, h)];
+        return std::pair{std::min(a, b), std::max(a, b)};
+    };
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> sides;
+    for (std::uint32_t h = 0; h < across.size(); ++h)
+        if (across[h] != kNone) sides.try_emplace(key(h), 0);
+    for (std::uint32_t h = 0; h < across.size(); ++h)
+        if (const auto found = sides.find(key(h)); found != sides.end()) ++found->second;
+    std::uint64_t splits = 0;
+    for (std::uint32_t h = 0; h < across.size(); ++h) {  // grows: a split moves half-edges to its end
+        if (across[h] == kNone) continue;
+        const auto found = sides.find(key(h));
+        if (found == sides.end() || found->second <= 2) continue;
+        split_edge(mesh, partner, h, 0.5, &across, true);
+        ++splits;
+    }
+    return splits;
+}
+
 /// Gluing may leave two different edges between the same two vertices; the later ones get a vertex in the middle, so
 /// that from here on an edge is known by its ends.
 /// @param local_faces  of each face of the soup, its number in its component's mesh
 std::uint64_t split_double_edges(std::vector<TriMesh>& meshes, const std::vector<std::uint32_t>& local_faces,
                                  std::span<const std::uint32_t> partner, const Orientation& orientation) {
-    std::vector<std::vector<std::uint32_t>> partners(meshes.size());
-    for (std::size_t c = 0; c < partners.size(); ++c) partners[c].assign(3 * meshes[c].faces.size(), kNone);
+    std::vector<std::vector<std::uint32_t>> partners(meshes.size()), across(meshes.size());
+    for (std::size_t c = 0; c < partners.size(); ++c) {
+        partners[c].assign(3 * meshes[c].faces.size(), kNone);
+        if (orientation.one_sided[c]) across[c] = partners[c];
+    }
     const auto local_half_edge = [&](std::uint32_t h) {
         if (h == kNone) return kNone;
         // A turned face has the corners (0, 2, 1): edge 0-1 is its last, 2-0 its first.
         static constexpr std::uint32_t kTurned[3] = {2, 1, 0};
         return 3 * local_faces[h / 3] + (orientation.turned[h / 3] ? kTurned[h % 3] : h % 3);
     };
-    for (std::uint32_t h = 0; h < partner.size(); ++h)
-        partners[orientation.component[h / 3]][local_half_edge(h)] = local_half_edge(partner[h]);
+    for (std::uint32_t h = 0; h < partner.size(); ++h) {
+        const std::uint32_t c = orientation.component[h / 3];
+        partners[c][local_half_edge(h)] = local_half_edge(partner[h]);
+        if (!across[c].empty()) across[c][local_half_edge(h)] = local_half_edge(orientation.across[h]);
+    }
     std::uint64_t split = 0;
+    for (std::size_t c = 0; c < partners.size(); ++c)
+        if (!across[c].empty()) split += split_repeated_openings(meshes[c], partners[c], across[c]);
     for (std::size_t c = 0; c < partners.size(); ++c) split += split_repeated_edges(meshes[c], partners[c]);
     return split;
 }
@@ -63,10 +97,13 @@ std::uint64_t split_double_edges(std::vector<TriMesh>& meshes, const std::vector
 std::vector<TriMesh> build_components(const TriMesh& source, const FaceSoup& soup,
                                       std::span<const std::uint32_t> partner, const Orientation& orientation,
                                       RepairCounts& counts) {
-    UnionFind vertex_sets = corners_by_vertex(soup, partner);
+    std::vector<std::uint32_t> joined(partner.begin(), partner.end());
+    for (std::uint32_t h = 0; h < orientation.across.size(); ++h)
+        if (orientation.across[h] != kNone) joined[h] = kNone;
+    UnionFind vertex_sets = corners_by_vertex(soup, joined), point_sets = corners_by_vertex(soup, partner);
     std::vector<TriMesh> meshes(orientation.component_count);
     for (TriMesh& mesh : meshes) mesh.materials = source.materials;
-    std::vector<std::uint32_t> local_vertex(soup.faces.size() * 3, kNone);  // of each set
+    std::vector<std::uint32_t> local_vertex(soup.faces.size() * 3, kNone), local_point = local_vertex;  // of each set
     std::vector<std::uint32_t> local_faces(soup.faces.size());
     std::vector<bool> seen(soup.positions.size(), false);
     std::uint64_t split = 0;
@@ -82,8 +119,13 @@ std::vector<TriMesh> build_components(const TriMesh& source, const FaceSoup& sou
                 const std::uint32_t v = soup.faces[f][order[k]];
                 vertex = static_cast<std::uint32_t>(mesh.positions.size());
                 mesh.positions.push_back(soup.positions[v]);
-                split += seen[v];
-                seen[v] = true;
+                std::uint32_t& point = local_point[point_sets.find(3 * f + order[k])];
+                if (point == kNone) {
+                    point = vertex;
+                    split += seen[v];
+                    seen[v] = true;
+                }
+                if (orientation.one_sided[orientation.component[f]]) mesh.points.push_back(point);
             }
             face[k] = vertex;
         }
@@ -92,7 +134,7 @@ std::vector<TriMesh> build_components(const TriMesh& source, const FaceSoup& sou
         copy_attributes(source, soup.source_face[f], order, turned, mesh);
     }
     add_count(counts, "vertices split where surfaces only touch", split);
-    add_count(counts, "double edges split", split_double_edges(meshes, local_faces, partner, orientation));
+    add_count(counts, "double edges split", split_double_edges(meshes, local_faces, joined, orientation));
     return meshes;
 }
 

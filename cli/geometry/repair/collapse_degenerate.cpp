@@ -23,6 +23,9 @@ class Collapser {
         for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
             for (const std::uint32_t v : mesh.faces[f]) faces_at_[v].push_back(f);
         gone_.assign(mesh.faces.size(), false);
+        fixed_.assign(mesh.positions.size(), false);
+        for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
+            if (mesh.points[v] != v) fixed_[v] = fixed_[mesh.points[v]] = true;
     }
 
     std::uint64_t run() {
@@ -56,7 +59,7 @@ class Collapser {
 
     bool collapse(std::uint32_t v, std::uint32_t w) {
         std::vector<std::uint32_t>&at_v = faces_at_[v], &at_w = faces_at_[w];
-        if (at_v.size() + at_w.size() > kMostFaces) return false;
+        if (fixed_[v] || at_v.size() + at_w.size() > kMostFaces) return false;
         if (!keeps_surface(v, w) || !keeps_topology(v, w)) return false;
         std::size_t corner_at_w = 0;  // of a face that goes: corners that move there take its attributes
         for (const std::uint32_t f : at_v)
@@ -171,8 +174,11 @@ class Collapser {
             if (place[v] != kNone) {
                 mesh_.positions[used] = mesh_.positions[v];
                 place[v] = used++;
+                // The first vertex of a point is before its others, and stays with them.
+                if (!mesh_.points.empty()) mesh_.points[place[v]] = place[mesh_.points[v]];
             }
         mesh_.positions.resize(used);
+        if (!mesh_.points.empty()) mesh_.points.resize(used);
         for (Face& face : mesh_.faces)
             for (std::uint32_t& v : face) v = place[v];
     }
@@ -180,6 +186,7 @@ class Collapser {
     TriMesh& mesh_;
     std::vector<std::vector<std::uint32_t>> faces_at_;
     std::vector<bool> gone_;
+    std::vector<bool> fixed_;  ///< vertices whose point has another one, which would have to move too
     std::size_t left_;
 };
 

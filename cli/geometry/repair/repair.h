@@ -18,7 +18,7 @@ struct Frame {
 struct RepairedMesh {
     Frame frame;
     /// Connected, oriented, manifold (edges with one or two faces, one fan a vertex, at most one edge between two
-    /// vertices), every vertex used; in order of their first face in the source.
+    /// vertices), every vertex used; in order of their first face in the source. One without an inside is opened.
     std::vector<model::TriMesh> components;
     RepairCounts counts;  ///< changes made
 };
@@ -32,12 +32,12 @@ struct RepairedMesh {
 ///     of the diagonal; vertices inside a surface are left as the file connects them, so two coincident sheets stay
 ///     two;
 ///  3. an edge of more than two faces is taken apart into pairs by the angle around it;
-///  4. windings are made to agree; a closed component whose windings were mixed is turned outward;
+///  4. windings are made to agree; a closed component whose windings were mixed is turned outward; a component without
+///     an inside is opened along a short curve, and `points` keeps which vertices are one (model/tri_mesh.h);
 ///  5. faces without height are flipped away where a neighbour can take their longest edge, collapsed where no
 ///     neighbour has height either, and dropped where a whole component has none.
 ///
-/// @throws model::Error kNoFaces if nothing with an area is left, kNonOrientable with the first face where the sides
-/// meet
+/// @throws model::Error kNoFaces if nothing with an area is left
 [[nodiscard]] RepairedMesh repair(const model::TriMesh& source);
 
 }  // namespace dgm::bake

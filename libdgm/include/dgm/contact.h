@@ -88,7 +88,7 @@ enum class ContactStatus : std::uint32_t {
     Clear = 0,     ///< nothing is beyond the obstacle
     Contact = 1,   ///< projected, and bulged if the options ask for it
     Restored = 2,  ///< a limit was exceeded: the shape is as it was before the call, bit for bit
-    Open = 3,      ///< the surface has a border, hence no volume: projected and smoothed
+    Open = 3,      ///< the surface has a border or one side, hence no volume: projected and smoothed
 };
 
 /// Effect of a contact.
@@ -118,10 +118,13 @@ class ContactSolver {
     DGM_API ContactSolver(ContactSolver&& other) noexcept;
     DGM_API ContactSolver& operator=(ContactSolver&& other) noexcept;
     DGM_API ~ContactSolver();
-    /// Says whether every edge of the welded surface has two sides, so that it encloses a volume.
+    /// Says whether every edge of the welded surface has two faces that wind alike, so that it encloses a volume.
     [[nodiscard]] DGM_API bool closed() const noexcept;
-    /// Volume of the present shape by its welded triangles; 0 if it is open. O(samples).
+    /// Volume of the present shape by its welded triangles; 0 if it is open or has one side. O(samples).
     [[nodiscard]] DGM_API double volume(const State& state) const noexcept;
+    /// The same, but refuses by name. @return Unsupported if the surface has one side or a border (the message says
+    ///         which), BadArgument if the solver was made for a state of another size.
+    [[nodiscard]] DGM_API Result<double> enclosed_volume(const State& state) const noexcept;
     [[nodiscard]] detail::ContactImpl* impl() const noexcept { return impl_; }
 
  private:

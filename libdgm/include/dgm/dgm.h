@@ -12,6 +12,7 @@
  *              or free; a free one also has border samples, and border sample b has the index rows * cols + b
  *   seam       the line along which a surface was cut open. A sample on it is stored more than once: its seam copies
  *              form a weld class, whose lowest index is its representative. All copies have the same bits at all times
+ *              (on a surface with one side, some have the opposite normal, to the bit: formats/SPEC.md section 3.5)
  *   state      the deformable copy of a chart. It keeps three shapes: rest (as baked), permanent (rest and plastic
  *              touches) and present (permanent and elastic touches)
  *   mean step  the square root of the mean area of a quad at rest: the typical length of a grid step
@@ -478,7 +479,8 @@ DGM_API dgm_code dgm_state_mesh_counts_at(const dgm_state* state, uint32_t lod_s
                                           dgm_mesh_counts* counts, dgm_error* error);
 
 /* Writes the present shape of a state, as dgm_chart_reconstruct() writes a chart. Normals are those of the present
- * shape, whether or not dgm_state_update_normals() was called; copies of a weld class get the same bits.
+ * shape, whether or not dgm_state_update_normals() was called; copies of a weld class get the same bits, or opposite
+ * ones where a surface with one side was opened.
  *
  * vertices     where they go, and the level of detail; NULL: no vertices, full detail, triangles
  * indices      receives the indices; NULL: none
@@ -875,9 +877,18 @@ DGM_API void dgm_contact_solver_destroy(dgm_contact_solver* solver);
  * Else 0, also if `solver` is NULL. O(1). */
 DGM_API uint32_t dgm_contact_solver_closed(const dgm_contact_solver* solver);
 
-/* Returns the volume that the present shape encloses, local units cubed, negative for inward normals; 0 for an open
- * surface, for a state of another size than the solver's, and if a pointer is NULL. Cost: O(samples). */
+/* Returns the volume that the present shape encloses, local units cubed, negative for inward normals; 0 for an open or
+ * one-sided surface, for a state of another size than the solver's, and if a pointer is NULL. Cost: O(samples). */
 DGM_API double dgm_contact_solver_volume(const dgm_contact_solver* solver, const dgm_state* state);
+
+/* Gives the volume that the present shape encloses, as dgm_contact_solver_volume(), but refuses by name.
+ *
+ * volume  receives the volume, local units cubed; unchanged on an error
+ *
+ * Returns DGM_UNSUPPORTED if the surface has a border or one side only (the message says which), DGM_BAD_ARGUMENT if a
+ * pointer is NULL or the solver was made for a state of another size. Cost: O(samples). */
+DGM_API dgm_code dgm_contact_solver_enclosed_volume(const dgm_contact_solver* solver, const dgm_state* state,
+                                                    double* volume, dgm_error* error);
 
 /* Moves the present shape out of an obstacle (paper, section 6): samples in it are projected onto its border, and
  * the surface around them bulges. Copies of a weld class stay equal; the mobility of a sample scales its

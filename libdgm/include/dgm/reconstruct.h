@@ -85,7 +85,8 @@ struct VertexTarget {
                                                      const ReconstructOptions& options = {}) noexcept;
 
 /// Writes the present shape of a state. Normals are the normalized sums of the area vectors of the triangles around a
-/// sample, across seams, so all copies of a weld class get the same bits; a sample without area gets 0.
+/// sample, across seams, so all copies of a weld class get the same bits, or the opposite ones where a surface with one
+/// side was opened; a sample without area gets 0.
 [[nodiscard]] DGM_API Result<MeshCounts> reconstruct(const State& state, const VertexTarget& vertices,
                                                      std::span<std::uint32_t> indices,
                                                      const ReconstructOptions& options = {}) noexcept;

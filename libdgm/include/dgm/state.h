@@ -45,7 +45,8 @@ struct StateUsage {
 /// A chart's shape that tools can touch. Independent of the Asset once created.
 ///
 /// Memory: about 130 bytes a sample, all taken at creation; no later call allocates. One thread at a time. Copies of a
-/// weld class have the same bits at all times.
+/// weld class have the same bits at all times; on a surface with one side (layer `reversed`) reversed copies have the
+/// opposite normal, to the bit.
 class State {
  public:
     /// Decodes the geometry, and stiffness and mobility if there are such layers, and checks the chart's values as

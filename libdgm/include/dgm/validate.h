@@ -17,6 +17,7 @@ namespace dgm {
 ///  - on the surface E and G lie in 0 .. kMaxForm, |F| too, stiffness and mobility in 0 .. 1;
 ///  - seam pairs are in range and on the border (of the grid in a square domain, border samples in a free one), the
 ///    representative is the lowest index of its weld class, and no copy is listed twice;
+///  - `reversed` is as long as the list of pairs;
 ///  - copies of a class have the same stored bits.
 /// No call of this library can crash, abort or open a seam on a chart that passes. Layers may be absent, but a free
 /// domain needs its mask, and the geometry of border samples if it has any.

@@ -63,6 +63,14 @@ uint32_t dgm_contact_solver_closed(const dgm_contact_solver* solver) {
 double dgm_contact_solver_volume(const dgm_contact_solver* solver, const dgm_state* state) {
     return solver == nullptr || state == nullptr ? 0.0 : solver->value.volume(state->value);
 }
+dgm_code dgm_contact_solver_enclosed_volume(const dgm_contact_solver* solver, const dgm_state* state, double* volume,
+                                            dgm_error* error) {
+    if (solver == nullptr || state == nullptr || volume == nullptr) return finish(kNull, error);
+    auto r = solver->value.enclosed_volume(state->value);
+    if (!r) return finish(r.error(), error);
+    *volume = r.value();
+    return finish({}, error);
+}
 
 dgm_code dgm_resolve_contact(dgm_state* state, const dgm_contact_solver* solver, const dgm_obstacle* obstacle,
                              const dgm_contact_options* options, dgm_contact_report* report, dgm_error* error) {

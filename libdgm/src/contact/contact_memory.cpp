@@ -86,4 +86,15 @@ double ContactSolver::volume(const State& state) const noexcept {
     return six / 6;
 }
 
+Result<double> ContactSolver::enclosed_volume(const State& state) const noexcept {
+    const detail::StateImpl& s = *state.impl();
+    if (s.open_surface)
+        return Error{ErrorCode::Unsupported, kNoOffset,
+                     s.reversed.empty() ? "the surface has a border, so it encloses no volume"
+                                        : "the surface has one side, so it encloses no volume"};
+    if (!impl_->closed || s.tables.total != impl_->total || s.tables.cols != impl_->cols)
+        return Error{ErrorCode::BadArgument, kNoOffset, "the solver was made for another state"};
+    return volume(state);
+}
+
 }  // namespace dgm

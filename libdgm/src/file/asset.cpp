@@ -33,7 +33,7 @@ LayerView view_of(const AssetImpl& asset, const detail::LayerInfo& info) noexcep
 
 /// Is this a table that every reader needs to understand a chart?
 bool is_table(const char* name) noexcept {
-    for (const char* table : {"seams", "diagonals", "mask"})
+    for (const char* table : {"seams", "reversed", "diagonals", "mask"})
         if (std::strcmp(name, table) == 0) return true;
     return std::strncmp(name, "border_", 7) == 0;
 }

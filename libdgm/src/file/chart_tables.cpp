@@ -72,6 +72,10 @@ Result<ChartTables> read_tables(const Chart& chart) noexcept {
     if (const auto* faces = elements<std::uint32_t>(chart, "border_faces", &t.faces_offset, &count))
         t.faces = {faces, count};
     if (const auto* seams = elements<std::uint32_t>(chart, "seams", &t.seams_offset, &count)) t.seams = {seams, count};
+    std::uint64_t at = 0;
+    t.reversed = elements<std::uint8_t>(chart, "reversed", &at, &count);
+    if (t.reversed != nullptr && count != t.seams.size() / 2)
+        return Error{ErrorCode::BadSeamTable, at, "`reversed` is not as long as `seams`"};
     return t;
 }
 

@@ -39,6 +39,7 @@ struct ChartTables {
     const std::uint8_t* diagonals = nullptr;
     const std::int16_t* normal = nullptr;
     const std::int16_t* border_normal = nullptr;
+    const std::uint8_t* reversed = nullptr;  ///< of each seam pair: the copy's faces wind against the representative's
     const float* border_uv = nullptr;
     const float* deformation = nullptr;  ///< E, F, G, stiffness of each grid sample
     const float* contact = nullptr;      ///< area, mobility of each grid sample
@@ -67,8 +68,8 @@ struct ChartTables {
     }
 };
 
-/// @return MissingLayer without geometry, without the mask of a free domain, or without geometry or uv of its border
-///         samples.
+/// @return BadSeamTable if `reversed` is not as long as `seams`; MissingLayer without geometry, without the mask of a
+///         free domain, or without geometry or uv of its border samples.
 [[nodiscard]] Result<ChartTables> read_tables(const Chart& chart) noexcept;
 
 }  // namespace dgm::detail

@@ -32,6 +32,7 @@ constexpr LayerRule kRules[] = {
     {"deformation", ElementType::kF32, ElementType::kF32, 3, {Side::kRows, Side::kCols, Side::k4}},
     {"contact", ElementType::kF32, ElementType::kF32, 3, {Side::kRows, Side::kCols, Side::k2}},
     {"seams", ElementType::kU32, ElementType::kU32, 2, {Side::kAny, Side::k2}},
+    {"reversed", ElementType::kU8, ElementType::kU8, 1, {Side::kAny}},
     {"diagonals", ElementType::kU8, ElementType::kU8, 2, {Side::kQuadRows, Side::kQuadCols}},
     {"mask", ElementType::kU8, ElementType::kU8, 2, {Side::kRows, Side::kCols}, true},
     {"border_uv", ElementType::kF32, ElementType::kF32, 2, {Side::kBorder, Side::k2}, true},

@@ -4,7 +4,7 @@
 //
 // Inside the grid the ring is a closed polygon and rows.h does many at a time in float. At borders and seams, and where
 // float would not do, ring_normal() sums triangles in double, copies in ascending order: every copy of a class gets the
-// same bits, and no coordinate that fits a float overflows.
+// same bits (the opposite ones where it is reversed), and no coordinate that fits a float overflows.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -48,12 +48,18 @@ void each_triangle(const Surface& s, std::uint32_t sample, Visit visit) noexcept
         visit(s.faces.data() + 3 * std::size_t{s.face_of[k]});
 }
 
-/// Around all copies, in ascending order.
+/// Around all copies, in ascending order, as seen from the side of `sample`.
 template <class Visit>
 void each_triangle_welded(const Surface& s, std::uint32_t sample, Visit visit) noexcept {
     const std::uint32_t id = s.class_id(sample);
-    if (id == kNone) return each_triangle(s, sample, visit);
-    for (const std::uint32_t copy : s.members(id)) each_triangle(s, copy, visit);
+    const std::span<const std::uint32_t> copies = id == kNone ? std::span(&sample, 1) : s.members(id);
+    for (const std::uint32_t copy : copies) {
+        const bool turned = s.is_reversed(copy) != s.is_reversed(sample);
+        each_triangle(s, copy, [&](const std::uint32_t* f) {
+            const std::uint32_t face[3] = {f[0], f[turned ? 2 : 1], f[turned ? 1 : 2]};
+            visit(face);
+        });
+    }
 }
 }  // namespace
 
@@ -168,7 +174,8 @@ void put_irregular(Surface& s, std::uint32_t sample) noexcept {
     const Vec3 n = ring_normal(s, Surface::fixed(s.now), sample);
     const std::uint32_t id = s.class_id(sample);
     if (id == kNone) return put(s, sample, n);
-    for (const std::uint32_t copy : s.members(id)) put(s, copy, n);
+    for (const std::uint32_t copy : s.members(id))
+        put(s, copy, s.is_reversed(copy) != s.is_reversed(sample) ? Vec3{-n.x, -n.y, -n.z} : n);
 }
 
 /// A sample of the grid's border, or beside a free border: its own normal and those of its border faces.

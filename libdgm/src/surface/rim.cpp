@@ -72,6 +72,7 @@ Result<bool> find_rim(Surface& s) noexcept {
         for (; k < at && edges[k].a == first.a && edges[k].b == first.b; ++k) balance += edges[k].way;
         if (balance == 0) continue;
         closed = false;
+        if (balance % 2 == 0) continue;  // two faces that wind alike: no border, but no inside either
         mark(first.a);
         mark(first.b);
     }

@@ -7,6 +7,9 @@
 // by side the mate's direction t' points along -t: that fixes the turn between the two charts (outward here = inward
 // there). The leaf of a cut path has one copy only and no class; by itself it stands for its class, so the edges next
 // to it find each other too.
+//
+// Where a surface without an inside was opened, the mate runs in the same direction. No turn lays it beside the edge,
+// so it gets no link: distances go on over the welded triangles (touch/geodesic.h), Footprint::Grid ends.
 #include <algorithm>
 #include <cmath>
 
@@ -161,6 +164,10 @@ Result<void> build_classes(Surface& s) noexcept {
     for (std::size_t k = 2; k < s.class_start.size(); ++k) s.class_start[k] += s.class_start[k - 1];
     for (std::uint32_t sample = 0; sample < s.total(); ++sample)
         if (s.class_of[sample] != kNone) s.class_members[s.class_start[s.class_of[sample] + 1]++] = sample;
+    if (s.tables.reversed == nullptr) return {};
+    if (!s.reversed.allocate(s.allocator, s.total())) return kNoMemory;
+    for (std::size_t k = 0; k < pairs.size() / 2; ++k)
+        s.reversed[pairs[2 * k + 1]] = load_once(s.tables.reversed + k) & 1;
     return {};
 }
 

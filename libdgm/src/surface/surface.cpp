@@ -146,7 +146,8 @@ std::uint64_t surface_bytes(const ChartTables& t) noexcept {
     // A sample: mask, diagonal, ring, stiffness and mobility, class and links, changes.
     return 16 * plane_floats(t.total) * sizeof(float) + std::uint64_t{t.total} * (3 + 8 + 8 + 4) +
            tiles * (4 * sizeof(Box) + 32 + 9 * 8) + 2 * (std::uint64_t{t.rows} + t.cols) * 8 + (t.total - t.grid) +
-           t.faces.size() * 40 + t.seams.size() * 80 + (t.rows + t.cols) * std::uint64_t{128};
+           t.faces.size() * 40 + t.seams.size() * 80 + (t.reversed != nullptr ? t.total : 0) +
+           (t.rows + t.cols) * std::uint64_t{128};
 }
 
 Result<void> fill_surface(Surface& s, const ChartTables& t, bool plain_loops) noexcept {
@@ -167,6 +168,7 @@ Result<void> fill_surface(Surface& s, const ChartTables& t, bool plain_loops) no
     weld_positions(s);
     if (auto r = build_links(s); !r) return r;
     s.tables.seams = {};
+    s.tables.reversed = nullptr;
     if (auto r = copy_behaviour(s, own); !r) return r;
     if (auto r = build_rings(s); !r) return r;
     if (auto r = build_pyramid(s); !r) return r;

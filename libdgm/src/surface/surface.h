@@ -83,6 +83,7 @@ struct Surface {
     Array<std::uint32_t> link_start;  ///< by place in class_members
     Array<SeamLink> links;
     std::uint32_t class_count = 0;
+    Array<std::uint8_t> reversed;  ///< per sample: its faces wind against those of its representative; empty: nowhere
 
     std::uint32_t tile_rows = 0, tile_cols = 0;
     Array<std::uint8_t> tile_flags;
@@ -117,6 +118,7 @@ struct Surface {
     [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t id) const noexcept {
         return {class_members.data() + class_start[id], class_start[id + 1] - class_start[id]};
     }
+    [[nodiscard]] bool is_reversed(std::uint32_t s) const noexcept { return !reversed.empty() && reversed[s] != 0; }
     [[nodiscard]] std::uint32_t representative(std::uint32_t s) const noexcept {
         const std::uint32_t id = class_id(s);
         return id == kNone ? s : class_members[class_start[id]];
@@ -177,7 +179,8 @@ void refit(Surface& surface, Pyramid& pyramid) noexcept;
 [[nodiscard, gnu::cold]] Result<void> build_rings(Surface& surface) noexcept;
 /// Mean squared differences of normals from those of the faces around them, at rest.
 void measure_roughness(Surface& surface) noexcept;
-/// Twice the area vector of the welded ring of a sample, and its slope as in RingJob.
+/// Twice the area vector of the welded ring of a sample, and its slope as in RingJob. Faces at copies that are reversed
+/// against `sample` count the other way round, so that such copies get opposite vectors, to the bit.
 struct RingForm {
     double sum[6] = {};  ///< area, slope
 };

@@ -51,7 +51,8 @@ class Irregular {
         const std::uint32_t place = place_in_cell(s_, sample);
         const PatchCell& c = p_.cells[s_.patch_scratch.slot_of[cell_of(s_, sample)]];
         float* to = s_.press.forms.data() + std::size_t{kFormFloats} * row_of(c, place / 8) + place % 8;
-        for (int k = 0; k < 6; ++k) to[8 * k] = static_cast<float>(form.sum[k] * double{s_.normal_scale});
+        const double scale = s_.is_reversed(sample) ? -double{s_.normal_scale} : double{s_.normal_scale};
+        for (int k = 0; k < 6; ++k) to[8 * k] = static_cast<float>(form.sum[k] * scale);
     }
     [[nodiscard]] bool keeps(const PatchCell& c, std::uint32_t place) const noexcept {
         return (p_.rows[row_of(c, place / 8)].keep >> place % 8 & 1) != 0;

@@ -44,14 +44,14 @@ StateUsage State::usage() const noexcept {
     const std::uint64_t bytes =
         sizeof s +
         detail::bytes_of(s.planes, s.mask, s.diagonals, s.ring, s.faces, s.border_uv, s.face_start, s.face_of,
-                         s.stiffness, s.mobility, s.class_of, s.class_start, s.class_members, s.link_start, s.links,
-                         s.tile_flags, s.tile_list, s.next_tiles, s.tile_border_start, s.tile_border, s.tile_face_start,
-                         s.tile_faces, s.tile_link_start, s.tile_links, s.changes.cells, s.changes.blocks,
-                         s.changes.bands, s.fading.time, s.fading.left, s.fading.plain.tiles, s.fading.special.tiles,
-                         s.now_boxes.boxes, s.base_boxes.boxes, s.walk.slot_of, s.walk.nodes, s.walk.heap,
-                         s.walk.visited, f.key, f.weight, f.samples, f.classes, f.class_seen, s.geodesic.triangles,
-                         s.geodesic.links, s.geodesic.corners, s.geodesic.windows, s.tools, s.patch_scratch.slot_of,
-                         s.patch_scratch.flags, s.press.plane, s.press.forms, s.press.saved) +
+                         s.stiffness, s.mobility, s.class_of, s.class_start, s.class_members, s.reversed, s.link_start,
+                         s.links, s.tile_flags, s.tile_list, s.next_tiles, s.tile_border_start, s.tile_border,
+                         s.tile_face_start, s.tile_faces, s.tile_link_start, s.tile_links, s.changes.cells,
+                         s.changes.blocks, s.changes.bands, s.fading.time, s.fading.left, s.fading.plain.tiles,
+                         s.fading.special.tiles, s.now_boxes.boxes, s.base_boxes.boxes, s.walk.slot_of, s.walk.nodes,
+                         s.walk.heap, s.walk.visited, f.key, f.weight, f.samples, f.classes, f.class_seen,
+                         s.geodesic.triangles, s.geodesic.links, s.geodesic.corners, s.geodesic.windows, s.tools,
+                         s.patch_scratch.slot_of, s.patch_scratch.flags, s.press.plane, s.press.forms, s.press.saved) +
         detail::patch_bytes(s);
     detail::RectList active = s.elastic;
     detail::add_fading(s, active);

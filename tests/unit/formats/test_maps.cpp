@@ -62,7 +62,9 @@ Chart random_chart(Random& random, const MapChoice& choice) {
     add("cover", kF32, {m, n});
     add("deformation", kF32, {m, n, 4});
     add("contact", kF32, {m, n, 2});
-    add("seams", kU32, {random.below(50), 2});
+    const std::uint64_t pairs = random.below(50);
+    add("seams", kU32, {pairs, 2});
+    add("reversed", kU8, {pairs}).required = true;
     add("diagonals", kU8, {m - 1, n - 1});
     if (choice.free_domain) {
         const std::uint64_t k = 3 + random.below(40);

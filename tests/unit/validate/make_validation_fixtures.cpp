@@ -237,6 +237,13 @@ void make_layer_fixtures() {
             poke<std::int16_t>(normal, k, static_cast<std::int16_t>(-value));
         }
     });
+    maps_fixture("DGM2016_reversed.dgm", [&](MapSet& m) {  // the surface has two sides
+        const std::uint64_t pairs = layer(m, 0, "seams").shape[0];
+        std::vector<std::uint8_t> reversed(pairs, 0);
+        reversed[3] = 1;
+        m.charts[0].layers.push_back(
+            dgm::test::make_layer<std::uint8_t>("reversed", ElementType::kU8, {pairs}, reversed));
+    });
 }
 
 void make_source_fixtures() {

@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "geometry/cut/cut_graph.h"
+#include "geometry/repair/repair.h"
 #include "model/codes.h"
 #include "support/disk_checks.h"
 #include "support/meshes.h"
@@ -265,6 +266,43 @@ TEST(SquareBorder, KeepsItsPromisesOnEverySurface) {
             }
         }
         ++at;
+    }
+}
+
+/// Surfaces with one side are opened in the repair; the border joins the two sides again, and says which copies face
+/// the other way: those that an odd number of such sides lies between.
+TEST(SquareBorder, JoinsTheSidesOfOneSidedSurfaces) {
+    for (const TriMesh& source :
+         {test::moebius(9, 3), test::moebius(30, 4), test::klein_bottle(16, 12), test::projective_plane(6, 24)}) {
+        const TriMesh mesh = repair(source).components[0];
+        CutGraph cut(mesh);
+        cut.cut_to_disk();
+        for (int branches = 0; branches < 3; ++branches) {
+            if (branches > 0) cut.join(static_cast<std::uint32_t>(mesh.positions.size() * branches / 3));
+            for (const auto& [m, n, rotation] :
+                 {std::tuple{17u, 17u, 0u}, {17u, 17u, 5u}, {15u, 22u, 71u}, {33u, 9u, 13u}}) {
+                SCOPED_TRACE("rotation " + std::to_string(rotation) + " branches " + std::to_string(branches));
+                Disk disk = cut.open();
+                const SquareBorder border = lay_square_border(disk, m, n, rotation);
+                ASSERT_NO_FATAL_FAILURE(expect_laid(disk, border, m, n));
+                const std::vector<std::uint8_t> reversed = disk.reversed_vertices();
+                ASSERT_FALSE(reversed.empty());
+                std::size_t against = 0;
+                for (const BorderSample& s : border.samples) {
+                    const BorderSample& first = border.samples[s.same_as];
+                    against += s.reversed;
+                    EXPECT_FALSE(first.reversed);
+                    for (int k = 0; k < 3; ++k)
+                        for (int l = 0; l < 3; ++l)
+                            if (s.at.b[k] == 1 && first.at.b[l] == 1) {
+                                const std::uint32_t a = disk.mesh.faces[s.at.face][k],
+                                                    b = disk.mesh.faces[first.at.face][l];
+                                EXPECT_EQ(s.reversed, reversed[a] != reversed[b]) << "sample " << s.index;
+                            }
+                }
+                EXPECT_GT(against, 2u);
+            }
+        }
     }
 }
 
