@@ -96,6 +96,7 @@ std::vector<ObjCorner> build_faces(ObjText& text, TriMesh& mesh) {
     std::vector<CornerTriple> triples;
     std::vector<Vec3d> loop;
     std::vector<ObjCorner> ring, face_corners;
+    PolygonBudget budget;
     mesh.faces.reserve(text.triangles);
     for (const ObjPolygon& polygon : text.polygons) {
         if (!check_corners(text, polygon)) continue;
@@ -103,7 +104,7 @@ std::vector<ObjCorner> build_faces(ObjText& text, TriMesh& mesh) {
         loop.clear();
         for (const ObjCorner& corner : ring) loop.push_back(text.positions[corner.position]);
         triples.clear();
-        if (!triangulate_polygon(loop, triples)) text.tallies.fans.add(polygon.spot);
+        if (!triangulate_polygon(loop, triples, budget)) text.tallies.fans.add(polygon.spot);
         for (const CornerTriple& triple : triples) {
             mesh.faces.push_back({ring[triple[0]].position, ring[triple[1]].position, ring[triple[2]].position});
             for (const std::uint32_t k : triple) face_corners.push_back(ring[k]);
