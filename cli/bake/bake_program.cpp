@@ -116,7 +116,7 @@ int merge(const CommandLine& line) {
         say(stdout, merged.text);
     } else if (line.html_report) {
         check_writable(line.report);
-        if (write_html(line, {nlohmann::json::parse(merged.text), true}))
+        if (write_html(line, {nlohmann::json::parse(merged.text), true, line.bake.asset_roots}))
             return static_cast<int>(model::ExitCode::kInterrupted);
     } else {
         write_whole(line.report, merged.text);
@@ -280,6 +280,7 @@ int run(const CommandLine& line) {
     if (!line.scene.empty()) scene = scene::read_scene(line.scene);
     BatchPlan plan = scene ? scene::plan_batch(*scene, line.plan.output.empty() ? fs::path(".") : line.plan.output)
                            : plan_batch(line.plan, line.bake);
+    for (PlannedAsset& asset : plan.assets) asset.options.asset_roots = line.bake.asset_roots;  // a scene grants none
     check_files(line, plan);
     std::vector<LeftOver> left_over;
     if (!scene) left_over = find_left_over(plan, !line.plan.output.empty());
@@ -315,7 +316,7 @@ int run(const CommandLine& line) {
         if (outcome) scene::add_scene(report, *scene, *outcome);
         add_other_files(report, plan.left_out, left_over);
         if (line.html_report)
-            interrupted = write_html(line, {std::move(report), false});
+            interrupted = write_html(line, {std::move(report), false, line.bake.asset_roots});
         else
             write_whole(line.report, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
     }

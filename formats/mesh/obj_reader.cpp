@@ -28,8 +28,9 @@ constexpr std::size_t kMaxWarnings = 100;
 
 /// Gives `out` the materials that the file names, in the order of first use.
 /// @return  beside each material, how its picture lies in texture space
-std::vector<MtlMaterial> resolve_materials(const ObjText& text, const fs::path& path, ImportedMesh& out) {
-    FileFinder finder(path);
+std::vector<MtlMaterial> resolve_materials(const ObjText& text, const fs::path& path, const MeshReadLimits& limits,
+                                           ImportedMesh& out) {
+    FileFinder finder(path, limits.asset_roots);
     MtlLibrary library;
     read_mtl_libraries(text.libraries, finder, library, out.warnings, out.dependencies);
     std::vector<MtlMaterial> materials;
@@ -218,7 +219,7 @@ ImportedMesh read_obj(const fs::path& path, const MeshReadLimits& limits) {
             .with_hint("copy or export it again: nothing is in it");
     ObjText text = parse_obj(bytes, path, limits);
     ImportedMesh out;
-    const std::vector<MtlMaterial> materials = resolve_materials(text, path, out);
+    const std::vector<MtlMaterial> materials = resolve_materials(text, path, limits, out);
     const std::vector<ObjCorner> face_corners = build_faces(text, out.mesh);
     if (out.mesh.faces.empty()) no_faces(text, path);
     fill_uvs(text, face_corners, materials, out.mesh);
