@@ -34,6 +34,7 @@
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/sandbox.h"
 #include "report/page_job.h"
@@ -338,6 +339,7 @@ int run_command_line(int argc, const char* const* argv) {
         return static_cast<int>(model::ExitCode::kOk);
     }
     const Hdf5Apart hdf5;
+    const ExrApart exr;
     return run(std::get<CommandLine>(line));
 }
 

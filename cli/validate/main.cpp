@@ -20,6 +20,7 @@
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
 #include "tool/tool.h"
@@ -244,6 +245,7 @@ int main(int argc, char** argv) {
     dgm::validate::declare(app, line);
     return dgm::tool::run_tool("dgm-validate", argc, argv, app, dgm::validate::kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
+        const dgm::bake::ExrApart exr;
         return static_cast<int>(dgm::validate::run(line, subject));
     });
 }

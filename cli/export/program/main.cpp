@@ -13,6 +13,7 @@
 #include "export/export_files.h"
 #include "export/plain_maps.h"
 #include "export/program/export_batch.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
 #include "tool/tool.h"
@@ -223,6 +224,7 @@ int main(int argc, char** argv) {
     describe(app, line);
     return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
+        const dgm::bake::ExrApart exr;
         return run(line, subject);
     });
 }
