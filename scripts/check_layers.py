@@ -86,7 +86,7 @@ PARTS = (
     Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
     Part("cli/export", 3.5, GEOMETRY + CONTAINERS + ("cli/render", "cli/tool"), (FMT, JSON, MESHOPT, SYSTEM),
          "maps as meshes and pictures; a bake may ask for them, too; the only folder to see meshoptimizer"),
-    Part("cli/process", 4, ("formats/model", "formats/mesh", "formats/dgm"), (FMT, SYSTEM, SECCOMP),
+    Part("cli/process", 4, ("formats/model", "formats/mesh", "formats/dgm", "formats/exr"), (FMT, SYSTEM, SECCOMP),
          "disposable copies of the program, whatever their work; files of strangers are read in them"),
     Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/export"), (FMT, JSON, TBB),
          "the stages in order, in this process; introduces the parameterizers to the geometry"),

@@ -34,6 +34,7 @@
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/sandbox.h"
 #include "report/page_job.h"
@@ -116,7 +117,7 @@ int merge(const CommandLine& line) {
         say(stdout, merged.text);
     } else if (line.html_report) {
         check_writable(line.report);
-        if (write_html(line, {nlohmann::json::parse(merged.text), true}))
+        if (write_html(line, {nlohmann::json::parse(merged.text), true, line.bake.asset_roots}))
             return static_cast<int>(model::ExitCode::kInterrupted);
     } else {
         write_whole(line.report, merged.text);
@@ -280,6 +281,7 @@ int run(const CommandLine& line) {
     if (!line.scene.empty()) scene = scene::read_scene(line.scene);
     BatchPlan plan = scene ? scene::plan_batch(*scene, line.plan.output.empty() ? fs::path(".") : line.plan.output)
                            : plan_batch(line.plan, line.bake);
+    for (PlannedAsset& asset : plan.assets) asset.options.asset_roots = line.bake.asset_roots;  // a scene grants none
     check_files(line, plan);
     std::vector<LeftOver> left_over;
     if (!scene) left_over = find_left_over(plan, !line.plan.output.empty());
@@ -315,7 +317,7 @@ int run(const CommandLine& line) {
         if (outcome) scene::add_scene(report, *scene, *outcome);
         add_other_files(report, plan.left_out, left_over);
         if (line.html_report)
-            interrupted = write_html(line, {std::move(report), false});
+            interrupted = write_html(line, {std::move(report), false, line.bake.asset_roots});
         else
             write_whole(line.report, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
     }
@@ -337,6 +339,7 @@ int run_command_line(int argc, const char* const* argv) {
         return static_cast<int>(model::ExitCode::kOk);
     }
     const Hdf5Apart hdf5;
+    const ExrApart exr;
     return run(std::get<CommandLine>(line));
 }
 

@@ -188,8 +188,16 @@ void set_run(const Raw& raw, CommandLine& out) {
     out.quiet = raw.quiet;
 }
 
+void set_asset_roots(const Raw& raw, BakeOptions& bake) {
+    for (const std::string& root : raw.asset_roots) {
+        if (!std::filesystem::is_directory(root)) wrong(fmt::format("--asset-root: {} is not a folder", root));
+        bake.asset_roots.emplace_back(root);
+    }
+}
+
 CommandLine to_merge(const Raw& raw) {
     CommandLine out;
+    set_asset_roots(raw, out.bake);
     if (raw.inputs.empty())
         wrong("--merge-reports: name the reports, for instance: --merge-reports a.json b.json -o all.json");
     for (const std::string& input : raw.inputs) out.to_merge.emplace_back(input);
@@ -200,10 +208,10 @@ CommandLine to_merge(const Raw& raw) {
 
 /// A scene file says what is baked; what the command line says beside it is how and where to.
 void check_scene(const Raw& raw, const std::vector<std::string>& given) {
-    constexpr std::array<std::string_view, 17> kHow{
+    constexpr std::array<std::string_view, 18> kHow{
         "--output",  "--jobs",   "--time-limit",    "--memory-limit",  "--keep-going", "--stop-on-error",
         "--dry-run", "--report", "--report-format", "--progress",      "--verbose",    "--quiet",
-        "--force",   "--shard",  "--depfile",       "--merge-reports", "INPUT"};
+        "--force",   "--shard",  "--depfile",       "--merge-reports", "--asset-root", "INPUT"};
     if (raw.inputs.size() > 1) wrong("a scene file is baked by itself: name no other inputs");
     for (const std::string& option : given)
         if (std::find(kHow.begin(), kHow.end(), option) == kHow.end())
@@ -251,6 +259,7 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     out.bake.exr_layout = choice("--exr-layout", kExrLayoutNames, raw.exr_layout);
     if (!raw.layers.empty()) set_layers(raw.layers, out.bake);
     out.bake.texture = raw.texture;
+    set_asset_roots(raw, out.bake);
     if (!raw.texture_size.empty())
         out.bake.texture_size = parse_size("--texture-size", raw.texture_size, 1, kMaxTextureSide);
     if (!raw.bump_size.empty()) out.bake.bump_size = parse_size("--bump-size", raw.bump_size, 2, kMaxTextureSide);

@@ -85,6 +85,9 @@ void describe_layers(CLI::App& app, Raw& raw) {
     group.text("--layers", "L,...", raw.layers,
                "comma-separated: " + words(kLayerNames, ", ") + " [all that have data]; geometry is always there");
     group.text("--texture", "FILE", raw.texture, "image that replaces the materials' textures");
+    group.value("--asset-root", "DIR", raw.asset_roots,
+                "folder beside the mesh's from which it may name materials, textures and buffers, such as a shared "
+                "library; repeatable");
     group.text("--texture-size", "MxN", raw.texture_size,
                "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
     group.text("--bump-size", "MxN", raw.bump_size, "heights of the bump layer, MxN or N [two a grid step]");

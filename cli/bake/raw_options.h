@@ -12,7 +12,7 @@ namespace dgm::bake {
 
 /// Values from CLI11: plain text, checked afterwards with messages of ours.
 struct Raw {
-    std::vector<std::string> inputs;
+    std::vector<std::string> inputs, asset_roots;
     std::string output, size, max_error, max_error_kind, budget,
         method = "auto", domain = "auto", fit = "l2", precision = "f32", layers, texture, texture_size, bump_size,
         ablate, format, exr_layout = "auto", report, report_format, memory_limit = "8GiB", progress = "auto", shard,

@@ -77,6 +77,8 @@ struct BakeOptions {
     ExrLayout exr_layout = ExrLayout::kAuto;
 
     [[nodiscard]] bool ablates(std::string_view part) const;
+    /// Folders beside the mesh's that hold files it may name. Not a setting: what is found there is (inputs_hash).
+    std::vector<std::filesystem::path> asset_roots = {};
     /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
     std::filesystem::path scratch;
     /// Told each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.

@@ -72,7 +72,7 @@ BakeResult bake_imported(Imported imported, std::optional<MaterialImages> images
 BakeResult bake_asset(const std::filesystem::path& source, const BakeOptions& options,
                       const model::Progress& progress) {
     StageLog log(progress);
-    Imported imported = log.run("import", [&](const auto&) { return import_file(source); });
+    Imported imported = log.run("import", [&](const auto&) { return import_file(source, options.asset_roots); });
     return bake_imported(std::move(imported), std::nullopt, options, log);
 }
 

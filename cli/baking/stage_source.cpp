@@ -9,6 +9,7 @@
 #include "baking/stages.h"
 #include "baking/up_to_date.h"
 #include "dgm/hash.h"
+#include "mesh/asset_folders.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
 
@@ -17,6 +18,9 @@ namespace {
 
 using model::Error;
 namespace codes = model::codes;
+
+/// More charts a program takes only if it asks for them (dgm::OpenOptions::max_charts).
+constexpr std::size_t kMostCharts = std::size_t{1} << 16;
 
 [[noreturn]] void malformed(const std::string& message) {
     throw Error(codes::kImportFailed, "the mesh in memory is malformed: " + message);
@@ -66,20 +70,20 @@ void check_scale(double diagonal) {
                 fmt::format("the diagonal of the bounding box is {:.3g}; supported: 1e-15 to 1e15", diagonal));
 }
 
-/// The findings of the import. Files outside the mesh's folder are not named, since a name would tell of the machine:
-/// then the hash stays empty, and the mesh is baked each time.
-void name_inputs(const std::filesystem::path& source, const formats::ImportedMesh& read, SourceFacts& facts) {
+/// The findings of the import.
+void name_inputs(const std::filesystem::path& source, std::span<const std::filesystem::path> asset_roots,
+                 const formats::ImportedMesh& read, SourceFacts& facts) {
+    const formats::AssetFolders folders(source, asset_roots);
     for (const std::filesystem::path& file : read.dependencies) {
-        const std::filesystem::path name =
-            file.lexically_normal().lexically_relative(source.parent_path().lexically_normal());
-        if (name.empty() || name.is_absolute() || *name.begin() == "..") {
+        std::string name = folders.name_of(file);
+        if (name.empty()) {  // it was there a moment ago: unknown inputs, so that the mesh is baked again next time
             facts.inputs.clear();
             return;
         }
-        facts.inputs.push_back(name.generic_string());
+        facts.inputs.push_back(std::move(name));
     }
     facts.missing_inputs = read.missing;
-    facts.inputs_hash = hash_inputs(source, facts.inputs, facts.missing_inputs);
+    facts.inputs_hash = hash_inputs(source, facts.inputs, facts.missing_inputs, asset_roots);
 }
 
 /// A warning, since a surface without an inside is more often a fault of the model than a Klein bottle.
@@ -99,13 +103,14 @@ void warn_of_one_sided(Repaired& source) {
 
 }  // namespace
 
-Imported import_file(const std::filesystem::path& source) {
+Imported import_file(const std::filesystem::path& source, std::span<const std::filesystem::path> asset_roots) {
     Imported out;
     // The hashes come first: a file that changes while it is read makes the output stale, not wrong.
     out.facts.source_hash = formats::hash_file(source);
-    out.facts.inputs_hash = hash_inputs(source);
-    formats::ImportedMesh read = formats::read_mesh(source);
-    if (out.facts.inputs_hash.empty()) name_inputs(source, read, out.facts);
+    out.facts.inputs_hash = hash_inputs(source, asset_roots);
+    formats::ImportedMesh read = formats::read_mesh(
+        source, {.asset_roots = std::vector<std::filesystem::path>(asset_roots.begin(), asset_roots.end())});
+    if (out.facts.inputs_hash.empty()) name_inputs(source, asset_roots, read, out.facts);
     out.facts.name = source.filename().string();
     out.facts.vertices = read.mesh.positions.size();
     out.facts.faces = read.mesh.faces.size();
@@ -130,6 +135,10 @@ Imported import_mesh(model::TriMesh mesh, std::string name) {
 Repaired repair_source(Imported imported) {
     RepairedMesh repaired = repair(imported.mesh);
     check_scale(repaired.frame.diagonal);
+    if (repaired.components.size() > kMostCharts)
+        throw Error(codes::kTooLarge, fmt::format("{} separate components; a map has at most {} charts, one for each",
+                                                  repaired.components.size(), kMostCharts))
+            .with_hint("join the components, or bake them in several files");
     Repaired out;
     out.frame = repaired.frame;
     out.components = std::move(repaired.components);

@@ -47,9 +47,10 @@ struct Imported {
     SourceFacts facts;
 };
 
-/// Reads and hashes the mesh file.
+/// Reads and hashes the mesh file, with what it names below its folder and `asset_roots`.
 /// @throws model::Error as formats::read_mesh and hash_inputs
-[[nodiscard]] Imported import_file(const std::filesystem::path& source);
+[[nodiscard]] Imported import_file(const std::filesystem::path& source,
+                                   std::span<const std::filesystem::path> asset_roots = {});
 /// Takes a mesh from memory; its content is hashed.
 /// @throws model::Error kImportFailed if an index or the length of an array is wrong
 [[nodiscard]] Imported import_mesh(model::TriMesh mesh, std::string name);

@@ -17,6 +17,7 @@
 #include "mesh/material_files.h"
 #include "mesh/source_inputs.h"
 #include "model/codes.h"
+#include "model/file_errors.h"
 
 namespace dgm::bake {
 namespace {
@@ -68,8 +69,8 @@ const char* generator() {
     return "dgm-bake " DGM_VERSION;
 }
 
-std::string hash_inputs(const fs::path& mesh_file) {
-    const auto inputs = formats::source_inputs(mesh_file);
+std::string hash_inputs(const fs::path& mesh_file, std::span<const fs::path> asset_roots) {
+    const auto inputs = formats::source_inputs(mesh_file, asset_roots);
     if (!inputs) return {};
     std::vector<std::string> files;
     for (const fs::path& file : inputs->files)
@@ -82,11 +83,15 @@ std::string hash_inputs(const fs::path& mesh_file) {
 }
 
 std::string hash_inputs(const fs::path& mesh_file, const std::vector<std::string>& inputs,
-                        const std::vector<std::string>& missing) {
-    formats::FileFinder finder(mesh_file);
+                        const std::vector<std::string>& missing, std::span<const fs::path> asset_roots) {
+    const formats::AssetFolders folders(mesh_file, asset_roots);
+    formats::FileFinder finder(mesh_file, asset_roots);
     std::string text;
-    for (const std::string& name : inputs)
-        text += formats::to_hex(formats::hash_file(mesh_file.parent_path() / name)) + ' ' + name + '\n';
+    for (const std::string& name : inputs) {
+        const std::optional<fs::path> file = folders.resolve(name);
+        if (!file) throw model::missing_file(name);
+        text += formats::to_hex(formats::hash_file(*file)) + ' ' + name + '\n';
+    }
     for (const std::string& name : missing) {
         if (finder.find(name)) return {};
         text += "missing " + name + '\n';
@@ -96,9 +101,11 @@ std::string hash_inputs(const fs::path& mesh_file, const std::vector<std::string
 
 std::vector<fs::path> input_files(const fs::path& mesh_file, const BakeOptions& options, const BakeReport& report) {
     std::vector<fs::path> out{mesh_file};
-    if (const auto inputs = formats::source_inputs(mesh_file))
+    const formats::AssetFolders folders(mesh_file, options.asset_roots);
+    if (const auto inputs = formats::source_inputs(mesh_file, options.asset_roots))
         out.insert(out.end(), inputs->files.begin(), inputs->files.end());
-    for (const std::string& name : report.inputs) out.push_back(mesh_file.parent_path() / name);
+    for (const std::string& name : report.inputs)
+        if (auto file = folders.resolve(name)) out.push_back(std::move(*file));
     if (!options.texture.empty()) out.push_back(options.texture);
     return out;
 }
@@ -136,7 +143,7 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
         const Hash128 settings = hash_text(canonical_settings(options)), source = formats::hash_file(mesh_file);
         for (const fs::path& output : outputs)
             if (output.extension() == ".dgm" && !header_names(output, source, settings)) return std::nullopt;
-        const std::string inputs = hash_inputs(mesh_file);
+        const std::string inputs = hash_inputs(mesh_file, options.asset_roots);
         std::optional<BakeReport> report;
         std::string stamp;
         for (const fs::path& output : outputs) {
@@ -147,7 +154,8 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
                 return std::nullopt;
             report = report_from_json(origin->report_json);
             const std::string& now =
-                inputs.empty() ? hash_inputs(mesh_file, report->inputs, report->missing_inputs) : inputs;
+                inputs.empty() ? hash_inputs(mesh_file, report->inputs, report->missing_inputs, options.asset_roots)
+                               : inputs;
             if (now.empty() || report->inputs_hash != now || report->source_name != mesh_file.filename().string())
                 return std::nullopt;
             stamp = exporter::map_stamp(*origin);

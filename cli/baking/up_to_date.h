@@ -6,6 +6,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,15 @@ namespace dgm::bake {
 /// XXH3-128 in hexadecimal over the names (without folders) and contents of the files that the mesh names, and over the
 /// names of missing files: a texture that appears later changes it. Empty where only an import could find out.
 /// @throws model::Error kReadFailed and the like, for the mesh or a file it names
-[[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file);
+[[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file,
+                                      std::span<const std::filesystem::path> asset_roots = {});
 
-/// The same where an import has told: of the files `inputs`, from the mesh's folder, and of names that lead nowhere.
-/// Empty if one of `missing` is there now.
-/// @throws model::Error kFileMissing, kReadFailed
+/// The same where an import has told: of the files `inputs`, from the mesh's folder or an asset root
+/// (AssetFolders::name_of), and of names that lead nowhere. Empty if one of `missing` is there now.
+/// @throws model::Error kFileMissing, also for a name that leads elsewhere; kReadFailed
 [[nodiscard]] std::string hash_inputs(const std::filesystem::path& mesh_file, const std::vector<std::string>& inputs,
-                                      const std::vector<std::string>& missing);
+                                      const std::vector<std::string>& missing,
+                                      std::span<const std::filesystem::path> asset_roots = {});
 
 /// Every file that a bake of `mesh_file` reads: the mesh, what it names, and the texture of `options`. `report` is that
 /// of the bake; it tells where only an import does.

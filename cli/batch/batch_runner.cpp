@@ -196,6 +196,8 @@ class Batch {
         job.options = asset.options;
         job.memory_bytes = batch_.memory_bytes;
         job.threads = threads_;
+        // Only where the clock of time_limit_seconds fails: threads that wait for others take some time, too.
+        job.cpu_seconds = static_cast<std::uint32_t>(std::min(60 + batch_.time_limit_seconds * (threads_ + 1.0), 4e9));
         std::vector<fs::path> folders;
         try {
             for (const auto& [final_path, temporary] :

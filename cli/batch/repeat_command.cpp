@@ -68,6 +68,7 @@ std::string repeat_command(const PlannedAsset& asset) {
         out += fmt::format(" --precision {}", name_of(kPrecisionNames, options.precision));
     if (!options.layers.empty()) out += " --layers " + joined(options.layers);
     if (!options.texture.empty()) out += " --texture " + file_word(options.texture);
+    for (const std::filesystem::path& root : options.asset_roots) out += " --asset-root " + file_word(root);
     if (options.texture_size) out += " --texture-size " + size_text(*options.texture_size);
     if (options.bump_size) out += " --bump-size " + size_text(*options.bump_size);
     if (options.exr_layout != defaults.exr_layout)

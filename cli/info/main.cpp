@@ -8,6 +8,7 @@
 
 #include "info/file_info.h"
 #include "info/map_diff.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "scene/scene_help.h"
 #include "scene/scene_plan.h"
@@ -64,6 +65,7 @@ int main(int argc, char** argv) {
 
     return dgm::tool::run_tool("dgm-info", argc, argv, app, kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
+        const dgm::bake::ExrApart exr;
         if (diff) return print_difference(files, json, subject);
         std::vector<dgm::info::FileInfo> infos;
         dgm::model::ExitCode worst = dgm::model::ExitCode::kOk;

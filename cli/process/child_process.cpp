@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -69,8 +70,31 @@ Descriptor job_file(std::string_view job) {
     return file;
 }
 
+/// The part of this program's environment that a worker needs: how libraries are found and tuned, the locale,
+/// and what sanitizers and coverage write where. Passwords and keys that callers pass on by it are not among that.
+std::vector<char*> worker_environment() {
+    constexpr std::array<std::string_view, 21> kKept{"PATH=",         "LD_LIBRARY_PATH=",
+                                                     "LD_PRELOAD=",   "LANG=",
+                                                     "LC_ALL=",       "TZ=",
+                                                     "TMPDIR=",       "GLIBC_TUNABLES=",
+                                                     "MALLOC_",       "TBB_",
+                                                     "OMP_",          "ASAN_OPTIONS=",
+                                                     "LSAN_OPTIONS=", "UBSAN_OPTIONS=",
+                                                     "TSAN_OPTIONS=", "MSAN_OPTIONS=",
+                                                     "GCOV_",         "LLVM_PROFILE_FILE=",
+                                                     "EMBREE_",       "HDF5_",
+                                                     "DGM_"};
+    std::vector<char*> out;
+    for (char** variable = environ; *variable != nullptr; ++variable)
+        if (std::any_of(kKept.begin(), kKept.end(),
+                        [&](std::string_view start) { return std::string_view(*variable).starts_with(start); }))
+            out.push_back(*variable);
+    out.push_back(nullptr);
+    return out;
+}
+
 /// Between fork and exec: async-signal-safe calls only.
-[[noreturn]] void become_worker(pid_t parent, int job, int messages, int errors) {
+[[noreturn]] void become_worker(pid_t parent, int job, int messages, int errors, char* const* environment) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(kCannotStart);  // it died before prctl was heard
     const rlimit no_core{0, 0};
@@ -86,10 +110,10 @@ Descriptor job_file(std::string_view job) {
     sigprocmask(SIG_SETMASK, &none, nullptr);
     const bool placed = dup2(job, kJobDescriptor) >= 0 && dup2(errors, STDOUT_FILENO) >= 0 &&
                         dup2(errors, STDERR_FILENO) >= 0 && dup2(messages, kMessageDescriptor) >= 0;
-    if (placed) {
+    if (placed && close_range(kMessageDescriptor + 1, ~0U, CLOSE_RANGE_CLOEXEC) == 0) {
         char name[] = "dgm-bake", flag[] = "--worker";
         char* const arguments[] = {name, flag, nullptr};
-        execv("/proc/self/exe", arguments);
+        execve("/proc/self/exe", arguments, environment);
     }
     constexpr std::string_view kMessage = "/proc/self/exe cannot be run again\n";
     [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kMessage.data(), kMessage.size());
@@ -128,10 +152,13 @@ int Descriptor::release() {
 ChildProcess::ChildProcess(std::string_view job) {
     const Descriptor input = job_file(job);
     Pipe message_pipe = make_pipe(), error_pipe = make_pipe();
+    std::vector<char*> environment = worker_environment();
     const pid_t parent = getpid();
     const pid_t child = fork();
     if (child < 0) fail("fork");
-    if (child == 0) become_worker(parent, input.get(), message_pipe.write_end.get(), error_pipe.write_end.get());
+    if (child == 0)
+        become_worker(parent, input.get(), message_pipe.write_end.get(), error_pipe.write_end.get(),
+                      environment.data());
     pid_ = child;
     messages_ = std::move(message_pipe.read_end);
     errors_ = std::move(error_pipe.read_end);

@@ -3,19 +3,16 @@
 // The HDF5 part of .dgm files is read in disposable processes: HDF5 1.10 crashes on structures that somebody has made
 // to that end, and hashes without a key do not keep anybody from making them.
 #pragma once
-#include <sys/types.h>
-
 #include <mutex>
 
 #include "dgm/dgm_reader.h"
-#include "process/child_process.h"
+#include "process/fork_server.h"
 
 namespace dgm::bake {
 
 /// While it lives, formats::read_dgm() and its like read every file's HDF5 part in a process of its own, which can read
 /// that file and do nothing else (sandbox.h). If it dies, the file has a finding and the program goes on.
-/// The processes are copies of one that is made by the constructor: create it first of all in main(), before any thread
-/// and before anything large is loaded. One at a time.
+/// Create it as a ForkServer. One at a time.
 class Hdf5Apart {
  public:
     /// @throws model::Error kSystemBusy if the system has no process, memory or descriptor left
@@ -29,8 +26,7 @@ class Hdf5Apart {
 
  private:
     std::mutex one_file_;
-    Descriptor server_;
-    pid_t pid_ = -1;
+    ForkServer server_;
 };
 
 /// The message of the disposable process, as bytes.

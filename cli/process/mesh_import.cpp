@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "mesh/asset_folders.h"
 #include "model/codes.h"
 #include "process/byte_stream.h"
 #include "process/child_process.h"
@@ -103,6 +104,16 @@ ChildEnd end_of(ChildProcess& child, Clock::time_point deadline) {
     }
 }
 
+/// Pictures that the program will open itself: a worker that is not itself any more could name any file.
+bool stays_home(const ImportedMesh& mesh, const formats::AssetFolders& folders) {
+    const auto is_home = [&](const model::PictureFile& picture) {
+        return picture.empty() || picture.bytes != nullptr || folders.hold(picture.path);
+    };
+    return std::all_of(mesh.mesh.materials.begin(), mesh.mesh.materials.end(), [&](const model::Material& material) {
+        return is_home(material.diffuse_map) && is_home(material.bump_map);
+    });
+}
+
 }  // namespace
 
 std::string encode_import(const ImportedMesh& imported) {
@@ -182,7 +193,11 @@ std::optional<ImportedMesh> decode_import(std::string_view bytes) {
 ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits& limits) {
     const auto deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.seconds));
-    ChildProcess child(std::to_string(limits.memory_bytes) + "\n" + path.native());
+    ByteWriter job;
+    job.put(limits.memory_bytes);
+    job.put(path.native());
+    job.put_each(limits.asset_roots, [&](const std::filesystem::path& root) { job.put(root.native()); });
+    ChildProcess child(job.take());
     std::string bytes = conversation(child, limits, deadline);
     const ChildEnd end = end_of(child, deadline);
     // Whatever a library made of a failed allocation, the shortage is the cause.
@@ -199,7 +214,9 @@ ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits&
             fmt::format("the import's process was ended by signal {} ({})", end.signal, strsignal(end.signal)),
             path.string());
     if (end.exit_code == 0)
-        if (auto mesh = decode_import(bytes)) return std::move(*mesh);
+        if (auto mesh = decode_import(bytes);
+            mesh && stays_home(*mesh, formats::AssetFolders(path, limits.asset_roots)))
+            return std::move(*mesh);
     throw model::Error(codes::kWorkerCrashed,
                        fmt::format("the import's process ended with exit code {} and no mesh", end.exit_code),
                        path.string());
@@ -210,13 +227,16 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
     if (!has_message_descriptor()) return static_cast<int>(model::ExitCode::kUsage);
     std::string answer;
     try {
-        const std::string job = read_job_text();
-        const std::size_t newline = std::min(job.find('\n'), job.size() - 1);
-        // Materials may lie anywhere, so every file may be read; nothing may be written, started or sent elsewhere.
-        limit_worker_memory(std::strtoull(job.c_str(), nullptr, 10), 1);
-        static_cast<void>(enter_sandbox({.readable = {"/"}, .writable = {}, .cpu_seconds = kMostCpuSeconds}));
-        const std::filesystem::path path = job.substr(newline + 1);
-        answer = encode_import(read ? read(path) : formats::read_mesh(path));
+        const std::string text = read_job_text();
+        ByteReader job(text);
+        limit_worker_memory(job.get<std::uint64_t>(), 1);
+        const std::filesystem::path path = job.text();
+        formats::MeshReadLimits limits;
+        job.get_each([&] { limits.asset_roots.emplace_back(job.text()); });
+        Sandbox sandbox = import_sandbox(path, limits.asset_roots);
+        sandbox.cpu_seconds = kMostCpuSeconds;
+        static_cast<void>(enter_sandbox(sandbox));
+        answer = encode_import(read ? read(path, limits) : formats::read_mesh(path, limits));
     } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {
         return static_cast<int>(model::ExitCode::kInternal);  // reported already
     } catch (const std::exception& error) {

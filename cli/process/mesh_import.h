@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "mesh/mesh_reader.h"
 #include "model/error.h"
@@ -16,15 +17,18 @@
 namespace dgm::bake {
 
 /// formats::read_mesh, or a test's replacement.
-using MeshReader = std::function<formats::ImportedMesh(const std::filesystem::path&)>;
+using MeshReader =
+    std::function<formats::ImportedMesh(const std::filesystem::path&, const formats::MeshReadLimits& limits)>;
 
 struct ImportLimits {
     double seconds = 600;                                 ///< wall clock
     std::uint64_t memory_bytes = std::uint64_t{8} << 30;  ///< address space of the worker beside its own program
+    std::vector<std::filesystem::path> asset_roots = {};  ///< folders beside the mesh's that hold files it may name
 };
 
 /// Starts this program again as a worker (ChildProcess), which must call import_worker() first of all, and takes over
-/// the mesh that it reads in a sandbox (sandbox.h). Its messages are not trusted: counts and indices are checked.
+/// the mesh that it reads in a sandbox (sandbox.h). Its messages are not trusted: counts, indices and the folders of
+/// pictures are checked.
 /// Thread-safe.
 /// @throws model::Error as read_mesh; kWorkerCrashed, kWorkerTimeout, kWorkerMemory, kWorkerKilled; kSystemBusy
 [[nodiscard]] formats::ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits& limits = {});

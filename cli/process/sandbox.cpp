@@ -6,6 +6,7 @@
 #include <linux/landlock.h>
 #include <sched.h>
 #include <seccomp.h>
+#include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -14,7 +15,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <memory>
+#include <utility>
 
 #include "process/child_process.h"
 
@@ -22,12 +25,15 @@ namespace dgm::bake {
 namespace {
 
 /// Calls that reading files, allocating and ending need.
-constexpr int kReading[] = {SCMP_SYS(brk),
+constexpr int kReading[] = {SCMP_SYS(access),
+                            SCMP_SYS(brk),
                             SCMP_SYS(clock_gettime),
                             SCMP_SYS(clock_nanosleep),
                             SCMP_SYS(close),
                             SCMP_SYS(exit),
                             SCMP_SYS(exit_group),
+                            SCMP_SYS(faccessat),
+                            SCMP_SYS(faccessat2),
                             SCMP_SYS(fcntl),
                             SCMP_SYS(flock),
                             SCMP_SYS(fstat),
@@ -75,14 +81,20 @@ constexpr int kReading[] = {SCMP_SYS(brk),
                             SCMP_SYS(writev)};
 
 /// Calls that writing files needs beside them. Which files, Landlock decides.
-constexpr int kWriting[] = {SCMP_SYS(access),    SCMP_SYS(chmod),     SCMP_SYS(copy_file_range), SCMP_SYS(creat),
-                            SCMP_SYS(dup),       SCMP_SYS(faccessat), SCMP_SYS(faccessat2),      SCMP_SYS(fallocate),
-                            SCMP_SYS(fchmod),    SCMP_SYS(fchmodat),  SCMP_SYS(fdatasync),       SCMP_SYS(fsync),
-                            SCMP_SYS(ftruncate), SCMP_SYS(mkdir),     SCMP_SYS(mkdirat),         SCMP_SYS(msync),
-                            SCMP_SYS(open),      SCMP_SYS(openat),    SCMP_SYS(pwrite64),        SCMP_SYS(pwritev),
-                            SCMP_SYS(rename),    SCMP_SYS(renameat),  SCMP_SYS(renameat2),       SCMP_SYS(rmdir),
-                            SCMP_SYS(sendfile),  SCMP_SYS(statfs),    SCMP_SYS(sync_file_range), SCMP_SYS(truncate),
-                            SCMP_SYS(umask),     SCMP_SYS(unlink),    SCMP_SYS(unlinkat)};
+constexpr int kWriting[] = {SCMP_SYS(chmod),     SCMP_SYS(copy_file_range),
+                            SCMP_SYS(creat),     SCMP_SYS(dup),
+                            SCMP_SYS(fallocate), SCMP_SYS(fchmod),
+                            SCMP_SYS(fchmodat),  SCMP_SYS(fdatasync),
+                            SCMP_SYS(fsync),     SCMP_SYS(ftruncate),
+                            SCMP_SYS(mkdir),     SCMP_SYS(mkdirat),
+                            SCMP_SYS(msync),     SCMP_SYS(open),
+                            SCMP_SYS(openat),    SCMP_SYS(pwrite64),
+                            SCMP_SYS(pwritev),   SCMP_SYS(rename),
+                            SCMP_SYS(renameat),  SCMP_SYS(renameat2),
+                            SCMP_SYS(rmdir),     SCMP_SYS(sendfile),
+                            SCMP_SYS(statfs),    SCMP_SYS(sync_file_range),
+                            SCMP_SYS(truncate),  SCMP_SYS(umask),
+                            SCMP_SYS(unlink),    SCMP_SYS(unlinkat)};
 
 /// Calls that threads need.
 constexpr int kThreading[] = {SCMP_SYS(get_mempolicy),
@@ -95,6 +107,14 @@ constexpr int kThreading[] = {SCMP_SYS(get_mempolicy),
                               SCMP_SYS(sched_setaffinity),
                               SCMP_SYS(set_tid_address),
                               SCMP_SYS(sysinfo)};
+
+/// Beyond any map of the largest grid with all its layers, its textures and the meshes made of it.
+constexpr std::uint64_t kMostOutputBytes = std::uint64_t{64} << 30;
+
+/// Libraries that others load when they are first used, and what tells them about processors and memory.
+constexpr const char* kSystemFiles[] = {
+    "/lib",         "/lib64",        "/usr/lib",      "/usr/lib64", "/usr/local/lib", "/etc/ld.so.cache",   "/dev/null",
+    "/dev/urandom", "/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/self",     "/sys/devices/system"};
 
 /// Landlock's rights over what is in a folder that may be written in.
 constexpr std::uint64_t kReadRights = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
@@ -198,8 +218,20 @@ std::string restrict_calls(bool writes, bool threads) {
 
 }  // namespace
 
-Sandbox sandbox_beside(const std::vector<std::filesystem::path>& outputs) {
-    Sandbox out{.readable = {"/"}, .writable = {}, .cpu_seconds = 0, .starts_threads = true};
+Sandbox import_sandbox(const std::filesystem::path& mesh, std::vector<std::filesystem::path> readable) {
+    Sandbox out{.readable = std::move(readable), .writable = {}};
+    out.readable.push_back(mesh);  // it may be a link to another folder
+    out.readable.push_back(mesh.has_parent_path() ? mesh.parent_path() : ".");
+    out.readable.insert(out.readable.end(), std::begin(kSystemFiles), std::end(kSystemFiles));
+    return out;
+}
+
+Sandbox worker_sandbox(const std::filesystem::path& mesh, std::vector<std::filesystem::path> readable,
+                       const std::vector<std::filesystem::path>& outputs) {
+    Sandbox out = import_sandbox(mesh, std::move(readable));
+    out.cpu_seconds = 0;
+    out.starts_threads = true;
+    out.file_bytes = kMostOutputBytes;
     for (const std::filesystem::path& output : outputs)
         if (!output.empty()) out.writable.push_back(output.has_parent_path() ? output.parent_path() : ".");
     return out;
@@ -210,6 +242,9 @@ std::vector<std::string> enter_sandbox(const Sandbox& sandbox) {
     limit(RLIMIT_CORE, 0);
     if (sandbox.cpu_seconds > 0) limit(RLIMIT_CPU, sandbox.cpu_seconds);
     limit(RLIMIT_NOFILE, sandbox.descriptors);
+    signal(SIGXFSZ, SIG_IGN);
+    limit(RLIMIT_FSIZE, sandbox.file_bytes);
+    if (!sandbox.starts_threads) limit(RLIMIT_NPROC, 0);  // the system counts threads as processes
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) missing.push_back(failed("no_new_privs is not there", errno));
     for (const std::string& reason :
          {restrict_files(sandbox), restrict_calls(!sandbox.writable.empty(), sandbox.starts_threads)})

@@ -104,7 +104,7 @@ Comparison compare(BakedAsset& baked, const model::TriMesh& source) {
 }  // namespace
 
 std::string asset_page(const AssetPage& page) {
-    const formats::ImportedMesh source = formats::read_mesh(page.source);
+    const formats::ImportedMesh source = formats::read_mesh(page.source, {.asset_roots = page.asset_roots});
     BakedAsset baked = read_back(page, source.mesh);
     const Comparison comparison = compare(baked, source.mesh);
     const std::string head = fmt::format(

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace dgm::report {
 
@@ -15,6 +16,7 @@ struct AssetPage {
     std::string command;           ///< to bake it again
     std::string key;               ///< what the page was made from; see page_key
     std::string index_link;        ///< relative, from the page to the index
+    std::vector<std::filesystem::path> asset_roots = {};  ///< as BakeOptions has them
 };
 
 /// Raised when pages look or say something else for the same input.

@@ -14,12 +14,15 @@ namespace dgm::report {
 using nlohmann::json;
 
 std::string encode(const PageJob& job) {
+    json roots = json::array();
+    for (const std::filesystem::path& root : job.page.asset_roots) roots.push_back(bake::encode_path(root));
     const json page{{"asset", job.page.asset},
                     {"source", bake::encode_path(job.page.source)},
                     {"map", bake::encode_path(job.page.map)},
                     {"command", bake::encode_path(job.page.command)},
                     {"key", job.page.key},
                     {"index_link", job.page.index_link},
+                    {"asset_roots", roots},
                     {"output", bake::encode_path(job.output)}};
     return json{{"page", page}, {"memory_bytes", job.memory_bytes}, {"threads", job.threads}}.dump(
         -1, ' ', false, json::error_handler_t::replace);
@@ -33,6 +36,8 @@ PageJob decode_page_job(std::string_view text) {
         PageJob job;
         job.page = {page.at("asset"), path_at("source"),    path_at("map"), path_at("command").string(),
                     page.at("key"),   page.at("index_link")};
+        for (const json& root : page.at("asset_roots"))
+            job.page.asset_roots.push_back(bake::decode_path(root.get<std::string>()));
         job.output = path_at("output");
         job.memory_bytes = limits.memory_bytes;
         job.threads = limits.threads;
@@ -45,7 +50,9 @@ PageJob decode_page_job(std::string_view text) {
 
 void make_page(std::string_view text) {
     const PageJob job = decode_page_job(text);
-    static_cast<void>(bake::enter_sandbox(bake::sandbox_beside({job.output})));
+    std::vector<std::filesystem::path> readable = job.page.asset_roots;
+    readable.push_back(job.page.map.has_parent_path() ? job.page.map.parent_path() : ".");  // an EXR's layers, too
+    static_cast<void>(bake::enter_sandbox(bake::worker_sandbox(job.page.source, std::move(readable), {job.output})));
     const std::string page = asset_page(job.page);
     std::ofstream out(job.output, std::ios::binary | std::ios::trunc);
     out << page;

@@ -82,6 +82,7 @@ class Report {
           report_(shown.report),
           assets_(report_.at("assets")),
           merged_(shown.merged),
+          asset_roots_(shown.asset_roots),
           limits_(limits),
           states_(assets_.size()),
           keys_(assets_.size()) {}
@@ -123,7 +124,8 @@ class Report {
                          asset.at("files").at(0).at("path").get<std::string>(),
                          asset.value("command", std::string()),
                          {},
-                         index_link_};
+                         index_link_,
+                         asset_roots_};
         try {
             task.job.page.key = page_key(task.job.page);
         } catch (const model::Error& error) {
@@ -185,6 +187,7 @@ class Report {
     const json& report_;
     const json& assets_;
     bool merged_;
+    std::vector<fs::path> asset_roots_;
     PageLimits limits_;
     std::vector<PageState> states_;
     std::vector<std::string> keys_;

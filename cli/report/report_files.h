@@ -28,6 +28,7 @@ struct ReportToShow {
     /// Put together from several: pages that show the same contents stay, whatever the run they were made in. Else a
     /// newly baked asset gets a new page, for its times.
     bool merged = false;
+    std::vector<std::filesystem::path> asset_roots = {};  ///< as BakeOptions has them
 };
 
 /// Makes the pages that are not there yet and the index's text. Meshes and maps are looked for where the report says,

@@ -20,6 +20,7 @@
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
 #include "tool/tool.h"
@@ -33,7 +34,7 @@ namespace {
 using model::ExitCode;
 
 struct CommandLine {
-    std::vector<std::string> files, severities, reports;
+    std::vector<std::string> files, severities, reports, asset_roots;
     std::string source, format = "text", explain, max_rms, max_hausdorff, baseline, write_baseline;
     std::size_t max_issues = std::numeric_limits<std::size_t>::max();
     unsigned jobs = 0;
@@ -82,6 +83,8 @@ void declare_checks(CLI::App& app, CommandLine& line) {
     const tool::Group source(app, "Against the source"), judged(app, "What counts");
     source.text("--source", "MESH", line.source,
                 "mesh to measure the reconstruction against, or a folder that holds the meshes of all files");
+    source.value("--asset-root", "DIR", line.asset_roots,
+                 "folder beside the mesh's from which it may name files, as for dgm-bake; repeatable");
     source
         .text("--max-rms", "X%", line.max_rms,
               "largest rms distance, in % of the source's bounding-box diagonal [what the file's report claims, plus 1 "
@@ -199,7 +202,9 @@ ExitCode run(const CommandLine& line, std::string& subject) {
     RunOptions options;
     options.files = expand_names(line.files);
     options.source = line.source;
-    options.read_mesh = [](const std::filesystem::path& path) { return bake::import_apart(path).mesh; };
+    bake::ImportLimits limits;
+    limits.asset_roots.assign(line.asset_roots.begin(), line.asset_roots.end());
+    options.read_mesh = [limits](const std::filesystem::path& path) { return bake::import_apart(path, limits).mesh; };
     if (!line.max_rms.empty()) options.max_rms_percent = parse_percent(line.max_rms);
     if (!line.max_hausdorff.empty()) options.max_hausdorff_percent = parse_percent(line.max_hausdorff);
     for (const std::string& rule : line.severities) add_severity_rule(options.severities, rule);
@@ -240,6 +245,7 @@ int main(int argc, char** argv) {
     dgm::validate::declare(app, line);
     return dgm::tool::run_tool("dgm-validate", argc, argv, app, dgm::validate::kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
+        const dgm::bake::ExrApart exr;
         return static_cast<int>(dgm::validate::run(line, subject));
     });
 }

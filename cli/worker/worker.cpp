@@ -14,6 +14,8 @@
 #include <new>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "model/codes.h"
 #include "process/sandbox.h"
@@ -92,7 +94,11 @@ WorkerMessage guarded(std::uint64_t memory_bytes, const ProgressSender& sender, 
 WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
     std::vector<std::filesystem::path> outputs = job.exports;
     outputs.insert(outputs.end(), {job.dgm, job.exr});
-    static_cast<void>(enter_sandbox(sandbox_beside(outputs)));
+    std::vector<std::filesystem::path> readable = job.options.asset_roots;
+    if (!job.options.texture.empty()) readable.push_back(job.options.texture);
+    Sandbox sandbox = worker_sandbox(job.source, std::move(readable), outputs);
+    sandbox.cpu_seconds = job.cpu_seconds;
+    static_cast<void>(enter_sandbox(sandbox));
     ProgressSender sender;
     job.options.on_notice = [](const Notice& notice) {
         static_cast<void>(send_message(encode(WorkerMessage{NoticeMessage{notice}})));

@@ -84,6 +84,9 @@ json to_object(const BakeOptions& options) {
     if (options.texture_bytes) out["texture_bytes"] = *options.texture_bytes;
     if (options.texel_length) out["texel_length"] = *options.texel_length;
     out["ablate"] = options.ablate;
+    json roots = json::array();
+    for (const std::filesystem::path& root : options.asset_roots) roots.push_back(encode_path(root));
+    out["asset_roots"] = std::move(roots);
     if (options.auto_samples) out["auto_samples"] = *options.auto_samples;
     if (options.budget_bytes) out["budget_bytes"] = *options.budget_bytes;
     if (options.max_error)
@@ -125,6 +128,7 @@ BakeOptions options_from(const json& object) {
     }
     out.layers = texts_at(object, "layers");
     out.ablate = texts_at(object, "ablate");
+    for (const std::string& root : texts_at(object, "asset_roots")) out.asset_roots.push_back(decode_path(root));
     return out;
 }
 
@@ -207,7 +211,8 @@ std::string encode(const WorkerJob& job) {
                     {"exr", encode_path(job.exr)},
                     {"exports", exports},
                     {"memory_bytes", job.memory_bytes},
-                    {"threads", job.threads}});
+                    {"threads", job.threads},
+                    {"cpu_seconds", job.cpu_seconds}});
 }
 
 JobLimits decode_limits(std::string_view text) {
@@ -238,6 +243,7 @@ WorkerJob decode_job(std::string_view text) {
     const JobLimits limits = decode_limits(text);
     job.memory_bytes = limits.memory_bytes;
     job.threads = limits.threads;
+    job.cpu_seconds = static_cast<std::uint32_t>(number_at(object, "cpu_seconds", kMaxU32));
     return job;
 }
 

@@ -28,6 +28,7 @@ struct WorkerJob {
     std::vector<std::filesystem::path> exports;  ///< meshes to write beside them, each into a folder of its own
     std::uint64_t memory_bytes = 0;  ///< address space the worker may take beside its own program; 0: no limit
     std::uint32_t threads = 1;
+    std::uint32_t cpu_seconds = 0;  ///< processor time of all threads, should the parent's clock fail; 0: no limit
 };
 
 struct ProgressMessage {

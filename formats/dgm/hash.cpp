@@ -52,8 +52,9 @@ Hash128 hash_file(const std::filesystem::path& path) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) throw model::missing_file(path);
+    if (!std::filesystem::is_regular_file(status)) throw model::no_regular_file(path);  // opening a pipe would wait
     std::ifstream file(path, std::ios::binary);
-    if (!std::filesystem::is_regular_file(status) || !file) throw model::unreadable_file(path);
+    if (!file) throw model::unreadable_file(path);
     Hasher hasher;
     std::vector<char> block(std::size_t{1} << 20);
     while (file) {

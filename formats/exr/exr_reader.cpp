@@ -260,44 +260,70 @@ void check_rows(OpenFile& file, const fs::path& path) {
     }
 }
 
+ExrReader& exr_reader() {
+    static ExrReader reader;
+    return reader;
+}
+
+MapSet with_pixels(const fs::path& path, const ExrReadLimits& limits) {
+    OpenFile own(path, limits);
+    const Description description(own.header(), path);
+    MapSet maps = description.read(own.budget());
+    const ExrPlan plan = plan_of(maps, description.layout(), path);
+    check_tables(maps, plan, path);
+    read_pixels(own, plan.files.front(), maps.charts, path);
+    for (std::size_t k = 1; k < plan.files.size(); ++k) {
+        const fs::path side = exr_side_path(path, plan.files[k].name);
+        OpenFile file = open_side(side, path, limits);
+        read_pixels(file, plan.files[k], maps.charts, side);
+    }
+    description.check_hashes(maps);
+    return maps;
+}
+
+ExrHead without_pixels(const fs::path& path, const ExrReadLimits& limits) {
+    OpenFile own(path, limits);
+    const Description description(own.header(), path);
+    ExrHead head;
+    head.maps = description.read(own.budget());
+    const ExrLayout layout = description.layout();
+    head.multipart = layout == ExrLayout::kMultipart;
+    check_rows(own, path);
+    for (const PlannedFile& file : plan_of(head.maps, layout, path).files) {
+        if (file.name.empty()) continue;
+        const fs::path side_path = exr_side_path(path, file.name);
+        OpenFile side = open_side(side_path, path, limits);
+        check_rows(side, side_path);
+        head.beside.push_back(file.name);
+    }
+    return head;
+}
+
+ExrHead read_anywhere(const fs::path& path, const ExrReadLimits& limits, ExrPixels pixels) {
+    return exr_reader() ? exr_reader()(path, limits, pixels) : read_exr_here(path, limits, pixels);
+}
+
 }  // namespace
 
-MapSet read_exr(const fs::path& path, const ExrReadLimits& limits) {
+ExrHead read_exr_here(const fs::path& path, const ExrReadLimits& limits, ExrPixels pixels) {
     return reading(path, [&] {
-        OpenFile own(path, limits);
-        const Description description(own.header(), path);
-        MapSet maps = description.read(own.budget());
-        const ExrPlan plan = plan_of(maps, description.layout(), path);
-        check_tables(maps, plan, path);
-        read_pixels(own, plan.files.front(), maps.charts, path);
-        for (std::size_t k = 1; k < plan.files.size(); ++k) {
-            const fs::path side = exr_side_path(path, plan.files[k].name);
-            OpenFile file = open_side(side, path, limits);
-            read_pixels(file, plan.files[k], maps.charts, side);
-        }
-        description.check_hashes(maps);
-        return maps;
+        if (pixels == ExrPixels::kSkip) return without_pixels(path, limits);
+        ExrHead out;
+        out.maps = with_pixels(path, limits);
+        return out;
     });
 }
 
+MapSet read_exr(const fs::path& path, const ExrReadLimits& limits) {
+    return read_anywhere(path, limits, ExrPixels::kRead).maps;
+}
+
 ExrHead read_exr_head(const fs::path& path, const ExrReadLimits& limits) {
-    return reading(path, [&] {
-        OpenFile own(path, limits);
-        const Description description(own.header(), path);
-        ExrHead head;
-        head.maps = description.read(own.budget());
-        const ExrLayout layout = description.layout();
-        head.multipart = layout == ExrLayout::kMultipart;
-        check_rows(own, path);
-        for (const PlannedFile& file : plan_of(head.maps, layout, path).files) {
-            if (file.name.empty()) continue;
-            const fs::path side_path = exr_side_path(path, file.name);
-            OpenFile side = open_side(side_path, path, limits);
-            check_rows(side, side_path);
-            head.beside.push_back(file.name);
-        }
-        return head;
-    });
+    return read_anywhere(path, limits, ExrPixels::kSkip);
+}
+
+void set_exr_reader(ExrReader reader) {
+    exr_reader() = std::move(reader);
 }
 
 }  // namespace dgm::formats

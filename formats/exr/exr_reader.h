@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,5 +37,16 @@ struct ExrHead {
 /// Thread-safe.
 /// @throws model::Error as read_exr, also for a file that lost its end
 [[nodiscard]] ExrHead read_exr_head(const std::filesystem::path& path, const ExrReadLimits& limits = {});
+
+enum class ExrPixels : std::uint8_t { kRead, kSkip };
+
+/// read_exr() or read_exr_head(), by `pixels`, in this process whatever set_exr_reader() says; with pixels only the
+/// maps are filled in. @throws model::Error as they
+[[nodiscard]] ExrHead read_exr_here(const std::filesystem::path& path, const ExrReadLimits& limits, ExrPixels pixels);
+
+/// From now on read_exr() and read_exr_head() call `reader`, which does what read_exr_here() does elsewhere; an empty
+/// one ends that. Not thread-safe.
+using ExrReader = std::function<ExrHead(const std::filesystem::path&, const ExrReadLimits&, ExrPixels)>;
+void set_exr_reader(ExrReader reader);
 
 }  // namespace dgm::formats

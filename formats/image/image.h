@@ -40,7 +40,8 @@ struct GrayImage16 {
 };
 
 /// Reads PNG, JPEG, BMP, TGA, GIF (first frame), PSD or PNM as 8-bit RGBA. The size is checked before decoding.
-/// Thread-safe. @throws model::Error kFileMissing, kReadFailed, kImageUnreadable, kTooLarge
+/// Thread-safe. @throws model::Error kFileMissing, kReadFailed, kImageUnreadable, kTooLarge; std::bad_alloc if memory
+/// is short, which says nothing about the picture
 [[nodiscard]] Image read_image(const model::PictureFile& picture);
 
 /// The same, as heights 0..1: 16-bit pictures keep their 16 bits; colours become gray by stb_image's integer luma.

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <new>
+#include <string_view>
 #include <system_error>
 
 #include "image/image.h"
@@ -35,7 +37,7 @@ struct StbFree {
 /// A picture file in memory, its header read and its size within the limits.
 struct EncodedImage {
     std::shared_ptr<const std::string> file;
-    int width = 0, height = 0;
+    int width = 0, height = 0, channels = 0;
     [[nodiscard]] const stbi_uc* bytes() const { return reinterpret_cast<const stbi_uc*>(file->data()); }
     [[nodiscard]] int size() const { return static_cast<int>(file->size()); }
     [[nodiscard]] std::size_t pixels() const {
@@ -43,8 +45,24 @@ struct EncodedImage {
     }
 };
 
+bool is_16_bit(const EncodedImage& image) {
+    return stbi_is_16_bit_from_memory(image.bytes(), image.size()) != 0;
+}
+
+/// stb counts the bytes of decoded pixels as an int.
+void check_decoded(const EncodedImage& image, std::uint64_t channels, const fs::path& path) {
+    const std::uint64_t bytes = std::uint64_t{image.pixels()} * channels * (is_16_bit(image) ? 2 : 1);
+    if (bytes > static_cast<std::uint64_t>(INT_MAX))
+        throw model::Error(codes::kTooLarge,
+                           std::to_string(image.width) + " x " + std::to_string(image.height) +
+                               " pixels of 16 bits: decoded it has 2 GiB or more; store it with 8 bits, or smaller",
+                           path.string());
+}
+
+/// After check_decoded(): "outofmem" is then what it says.
 [[noreturn]] void unreadable(const fs::path& path) {
     const char* reason = stbi_failure_reason();
+    if (reason != nullptr && std::string_view(reason) == "outofmem") throw std::bad_alloc();
     throw model::Error(codes::kImageUnreadable, reason != nullptr ? reason : "unknown kind of picture", path.string());
 }
 
@@ -72,8 +90,7 @@ EncodedImage load(const model::PictureFile& picture) {
     EncodedImage out;
     out.file = picture.bytes ? picture.bytes : std::make_shared<const std::string>(bytes_of_file(path));
     check_file_size(out.file->size(), path);
-    int channels = 0;
-    if (out.size() == 0 || stbi_info_from_memory(out.bytes(), out.size(), &out.width, &out.height, &channels) == 0)
+    if (out.size() == 0 || stbi_info_from_memory(out.bytes(), out.size(), &out.width, &out.height, &out.channels) == 0)
         unreadable(path);
     constexpr int kLimit = static_cast<int>(kMaxImageSide);
     if (out.width < 1 || out.height < 1 || out.width > kLimit || out.height > kLimit)
@@ -88,6 +105,7 @@ EncodedImage load(const model::PictureFile& picture) {
 
 Image read_image(const model::PictureFile& picture) {
     const EncodedImage encoded = load(picture);
+    check_decoded(encoded, 4, picture.path);
     Image out;
     int width = 0, height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, StbFree> pixels(
@@ -104,16 +122,16 @@ Image read_image(const model::PictureFile& picture) {
 }
 
 unsigned image_bits(const model::PictureFile& picture) {
-    const EncodedImage encoded = load(picture);
-    return stbi_is_16_bit_from_memory(encoded.bytes(), encoded.size()) != 0 ? 16 : 8;
+    return is_16_bit(load(picture)) ? 16 : 8;
 }
 
 FloatImage read_height(const model::PictureFile& picture) {
     const EncodedImage encoded = load(picture);
+    check_decoded(encoded, static_cast<std::uint64_t>(encoded.channels), picture.path);
     FloatImage out;
     int width = 0, height = 0, channels = 0;
     out.pixels.resize(encoded.pixels());
-    if (stbi_is_16_bit_from_memory(encoded.bytes(), encoded.size()) != 0) {
+    if (is_16_bit(encoded)) {
         const std::unique_ptr<stbi_us, StbFree> pixels(
             stbi_load_16_from_memory(encoded.bytes(), encoded.size(), &width, &height, &channels, 1));
         if (!pixels || width != encoded.width || height != encoded.height) unreadable(picture.path);

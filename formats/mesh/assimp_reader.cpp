@@ -7,8 +7,12 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <set>
+#include <span>
 #include <string_view>
+#include <system_error>
 
+#include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/material.h>
@@ -17,8 +21,10 @@
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 
+#include "mesh/asset_folders.h"
 #include "mesh/material_files.h"
 #include "mesh/mtl_reader.h"
+#include "mesh/polygon.h"
 #include "mesh/text_input.h"
 #include "model/codes.h"
 
@@ -29,18 +35,46 @@ namespace codes = model::codes;
 namespace fs = std::filesystem;
 using model::Vec3d;
 
-/// Remembers which further files an importer opens (the buffers of a glTF, say).
-class RecordingIo : public Assimp::DefaultIOSystem {
+/// Files that an importer asked for beside the mesh itself.
+struct OpenedFiles {
+    std::vector<fs::path> opened, refused;
+};
+
+/// Opens the further files that an importer asks for (the buffers of a glTF, say), for reading, if they lie where a
+/// mesh may name files. Remembers which.
+class GuardedIo : public Assimp::DefaultIOSystem {
  public:
-    explicit RecordingIo(std::vector<fs::path>& opened) : opened_(opened) {}
+    GuardedIo(const fs::path& mesh_file, std::span<const fs::path> asset_roots, OpenedFiles& files)
+        : mesh_file_(mesh_file.string()), folders_(mesh_file, asset_roots), files_(files) {}
+
+    bool Exists(const char* file) const override { return may_open(file) && DefaultIOSystem::Exists(file); }
+
     Assimp::IOStream* Open(const char* file, const char* mode) override {
+        const bool reads =
+            mode != nullptr && mode[0] == 'r' && std::string_view(mode).find('+') == std::string_view::npos;
+        if (!reads) return nullptr;
+        if (!may_open(file)) {
+            files_.refused.emplace_back(file);
+            return nullptr;
+        }
         Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
-        if (stream != nullptr) opened_.emplace_back(file);
+        if (stream != nullptr) files_.opened.emplace_back(file);
         return stream;
     }
 
  private:
-    std::vector<fs::path>& opened_;
+    /// True for a file that is not there as well, unless its name leads elsewhere.
+    [[nodiscard]] bool may_open(const fs::path& file) const {
+        if (file == mesh_file_) return true;
+        std::error_code error;
+        const fs::file_status status = fs::status(file, error);
+        if (fs::exists(status)) return fs::is_regular_file(status) && folders_.hold(file);
+        return folders_.hold(file.has_parent_path() ? file.parent_path() : fs::path("."));
+    }
+
+    fs::path mesh_file_;
+    AssetFolders folders_;
+    OpenedFiles& files_;
 };
 
 /// A node's place in the scene, in double: position = linear * p + offset.
@@ -103,7 +137,7 @@ std::uint8_t byte_of(float value) {
 class SceneMerger {
  public:
     SceneMerger(const aiScene& scene, const fs::path& path, const MeshReadLimits& limits, ImportedMesh& out)
-        : scene_(scene), path_(path), limits_(limits), finder_(path), out_(out) {
+        : scene_(scene), path_(path), limits_(limits), finder_(path, limits.asset_roots), out_(out) {
         for (unsigned k = 0; k < scene.mNumMeshes; ++k) {
             const aiMesh& mesh = *scene.mMeshes[k];
             has_uvs_ = has_uvs_ || mesh.HasTextureCoords(0);
@@ -132,6 +166,7 @@ class SceneMerger {
             for (unsigned k = entry.node->mNumChildren; k > 0; --k)
                 stack.push_back({entry.node->mChildren[k - 1], placement});
         }
+        if (fans_ > 0) warn(std::to_string(fans_) + " polygons are flat or cross themselves and were split as fans");
         if (not_triangles_ > 0) out_.dropped.emplace_back("lines and points", not_triangles_);
         if (bad_faces_ > 0) out_.dropped.emplace_back("faces with vertices that do not exist", bad_faces_);
     }
@@ -195,21 +230,32 @@ class SceneMerger {
             mesh.positions.push_back(placement.point(to_vec(source.mVertices[k])));
         const bool mirrors = placement.mirrors();
         for (unsigned f = 0; f < source.mNumFaces; ++f) {
-            const aiFace& face = source.mFaces[f];
-            if (face.mNumIndices != 3) {
+            const std::span<const unsigned> face(source.mFaces[f].mIndices, source.mFaces[f].mNumIndices);
+            if (face.size() < 3) {
                 ++not_triangles_;
                 continue;
             }
-            std::array<unsigned, 3> index{face.mIndices[0], face.mIndices[1], face.mIndices[2]};
-            if (std::max({index[0], index[1], index[2]}) >= source.mNumVertices) {
+            if (*std::max_element(face.begin(), face.end()) >= source.mNumVertices) {
                 ++bad_faces_;
                 continue;
             }
-            if (mirrors) std::swap(index[1], index[2]);
-            mesh.faces.push_back({base + index[0], base + index[1], base + index[2]});
-            mesh.face_materials.push_back(source.mMaterialIndex);
-            for (const unsigned k : index) append_corner(source, k, placement);
+            split(face, source);
+            for (const CornerTriple& triple : triples_) {
+                std::array<unsigned, 3> index{face[triple[0]], face[triple[1]], face[triple[2]]};
+                if (mirrors) std::swap(index[1], index[2]);
+                mesh.faces.push_back({base + index[0], base + index[1], base + index[2]});
+                mesh.face_materials.push_back(source.mMaterialIndex);
+                for (const unsigned k : index) append_corner(source, k, placement);
+            }
         }
+    }
+
+    /// Makes triples_ of a polygon's corners. assimp has split all polygons but where some are large.
+    void split(std::span<const unsigned> face, const aiMesh& source) {
+        triples_.clear();
+        loop_.clear();
+        for (const unsigned k : face) loop_.push_back(to_vec(source.mVertices[k]));
+        if (!triangulate_polygon(loop_, triples_, budget_)) ++fans_;
     }
 
     void append_corner(const aiMesh& source, unsigned k, const Placement& placement) {
@@ -260,12 +306,13 @@ class SceneMerger {
         const std::string_view name(file.C_Str());
         if (const auto [inside, index] = scene_.GetEmbeddedTextureAndIndex(file.C_Str()); inside != nullptr)
             return embedded(*inside, static_cast<std::size_t>(index));
-        if (auto found = finder_.find(name)) {
+        const FoundFile found = finder_.find(name);
+        if (found) {
             out_.dependencies.push_back(*found);
             return {*found};
         }
         out_.missing.emplace_back(name);
-        warn(texture_missing(name));
+        warn(texture_missing(name, found.why));
         return {};
     }
 
@@ -297,23 +344,65 @@ class SceneMerger {
     ImportedMesh& out_;
     std::vector<std::shared_ptr<const std::string>> pictures_;  ///< of the scene, once a material names them
     bool has_uvs_ = false, has_normals_ = false, has_colours_ = false;
-    std::uint64_t not_triangles_ = 0, bad_faces_ = 0;
+    std::uint64_t not_triangles_ = 0, bad_faces_ = 0, fans_ = 0;
+    PolygonBudget budget_;
+    std::vector<Vec3d> loop_;  ///< of one polygon, like the next
+    std::vector<CornerTriple> triples_;
 };
+
+/// assimp takes a time that grows with the square of a polygon's corners, and more.
+constexpr unsigned kLargestForAssimp = 256;
+
+unsigned largest_polygon(const aiScene& scene) {
+    unsigned most = 0;
+    for (const aiMesh* mesh : std::span(scene.mMeshes, scene.mNumMeshes))
+        for (const aiFace& face : std::span(mesh->mFaces, mesh->mNumFaces)) most = std::max(most, face.mNumIndices);
+    return most;
+}
+
+/// Leaves the importers of the file's extension, or for an unknown one those of the formats that a folder search takes:
+/// the others have no business with a stranger's bytes.
+void drop_importers(Assimp::Importer& importer, const fs::path& path) {
+    const std::string extension = lower_case(path.extension().string());
+    const bool is_known = importer.IsExtensionSupported(extension);
+    for (std::size_t k = importer.GetImporterCount(); k-- > 0;) {
+        Assimp::BaseImporter* one = importer.GetImporter(k);
+        std::set<std::string> extensions;
+        one->GetExtensionList(extensions);
+        const bool wanted = std::any_of(extensions.begin(), extensions.end(), [&](const std::string& its) {
+            return is_known ? "." + its == extension : has_mesh_extension("x." + its);
+        });
+        if (!wanted && importer.UnregisterLoader(one) == aiReturn_SUCCESS) delete one;
+    }
+}
+
+/// The error of a mesh that needs a file which it may not name.
+model::Error refusal(const fs::path& file, const fs::path& mesh) {
+    const fs::path relative = file.lexically_relative(mesh.parent_path());
+    const std::string name = relative.empty() ? file.string() : relative.string();
+    if (is_special_file(file)) return {codes::kReferenceNoFile, "it needs " + name, mesh.string()};
+    return {codes::kReferenceOutside, "it needs " + name, mesh.string()};
+}
 
 }  // namespace
 
 ImportedMesh read_with_assimp(const fs::path& path, const MeshReadLimits& limits) {
     ImportedMesh out;
-    std::vector<fs::path> opened;
+    OpenedFiles files;
     Assimp::Importer importer;
-    importer.SetIOHandler(new RecordingIo(opened));  // the importer owns it
+    importer.SetIOHandler(new GuardedIo(path, limits.asset_roots, files));  // the importer owns it
+    drop_importers(importer, path);
     // Degenerate and invalid data stay in: repair counts what it drops. assimp computes no normals either.
     const aiScene* scene = nullptr;
     try {
-        scene = importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_TransformUVCoords);
+        scene = importer.ReadFile(path.string(), aiProcess_TransformUVCoords);
+        if (scene != nullptr && largest_polygon(*scene) <= kLargestForAssimp)
+            scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     } catch (const std::exception& e) {
+        if (!files.refused.empty()) throw refusal(files.refused.front(), path);
         throw model::Error(codes::kImportFailed, std::string("assimp: ") + e.what(), path.string());
     }
+    if (!files.refused.empty()) throw refusal(files.refused.front(), path);
     if (scene == nullptr || scene->mRootNode == nullptr)
         throw model::Error(codes::kImportFailed, std::string("assimp: ") + importer.GetErrorString(), path.string());
     SceneMerger(*scene, path, limits, out).run();
@@ -321,7 +410,7 @@ ImportedMesh read_with_assimp(const fs::path& path, const MeshReadLimits& limits
         throw model::Error(codes::kNoFaces, "no usable faces in " + std::to_string(scene->mNumMeshes) + " meshes",
                            path.string());
     const fs::path self = path.lexically_normal();
-    for (const fs::path& file : opened)
+    for (const fs::path& file : files.opened)
         if (file.lexically_normal() != self) out.dependencies.push_back(file);
     std::sort(out.dependencies.begin(), out.dependencies.end());
     out.dependencies.erase(std::unique(out.dependencies.begin(), out.dependencies.end()), out.dependencies.end());

@@ -19,8 +19,8 @@ namespace codes = model::codes;
 namespace fs = std::filesystem;
 
 /// The start of a file, to see whether it is OBJ where the extension does not say so.
-std::string read_head(const fs::path& path) {
-    std::string head(std::size_t{1} << 16, '\0');
+std::string read_head(const fs::path& path, std::size_t most) {
+    std::string head(most, '\0');
     std::ifstream file(path, std::ios::binary);
     file.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(file.gcount()));
@@ -43,17 +43,28 @@ void check_file(const fs::path& path, const MeshReadLimits& limits) {
                            path.string());
 }
 
+/// assimp 5.2 reads on for ever where a PLY header has no end.
+void check_ply_header(const fs::path& path) {
+    constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
+    const std::string head = read_head(path, kMaxHeader);
+    if (!head.starts_with("ply")) return;
+    LineReader lines(head);
+    std::string_view line;
+    while (lines.next(line)) {
+        if (trim(line) == "end_header") return;
+    }
+    throw model::Error(codes::kImportFailed, "the PLY header has no end_header", path.string());
+}
+
 }  // namespace
 
 ImportedMesh read_mesh(const fs::path& path, const MeshReadLimits& limits) {
     check_file(path, limits);
     const std::string extension = lower_case(path.extension().string());
     if (extension == ".obj") return read_obj(path, limits);
-    if (!assimp_knows_extension(extension) && looks_like_obj(read_head(path))) return read_obj(path, limits);
-    // assimp 5.2 reads on for ever where a PLY header has no end.
-    const std::string head = read_head(path);
-    if (head.starts_with("ply") && head.find("end_header") == std::string::npos)
-        throw model::Error(codes::kImportFailed, "the PLY header has no end_header", path.string());
+    if (!assimp_knows_extension(extension) && looks_like_obj(read_head(path, std::size_t{1} << 16)))
+        return read_obj(path, limits);
+    check_ply_header(path);
     return read_with_assimp(path, limits);
 }
 

@@ -21,6 +21,7 @@ struct MeshReadLimits {
     std::uint64_t max_file_bytes = std::uint64_t{4} << 30;
     std::uint64_t max_faces = 20'000'000;  ///< triangles, after polygons are split
     std::uint64_t max_vertices = 60'000'000;
+    std::vector<std::filesystem::path> asset_roots = {};  ///< folders beside the mesh's that hold files it may name
 };
 
 struct ImportedMesh {
@@ -36,10 +37,12 @@ struct ImportedMesh {
 /// says nothing. All objects are merged, node transforms applied, polygons triangulated; faces keep the file's order.
 /// Vertices that no face uses stay, and so do those that are not finite: repair counts and drops them.
 /// corner_normals, corner_uvs and corner_colours are empty only if no face has them. Paths in materials are resolved
-/// against the mesh's folder without regard to case; a missing one is a warning and an empty path.
+/// against the mesh's folder and the asset roots without regard to case (material_files.h); one that is missing or lies
+/// elsewhere is a warning and an empty path.
 /// FBX, Collada and glTF come out in metres and with y up, as far as the file states its units and axes; 3DS with y up.
 /// Deterministic. May abort or take long on hostile files of the kinds that assimp reads: run it in a worker process.
-/// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE:COLUMN), kTooLarge
+/// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE:COLUMN), kTooLarge;
+///         kReferenceOutside, kReferenceNoFile for a file without which there is no mesh (the buffer of a glTF)
 [[nodiscard]] ImportedMesh read_mesh(const std::filesystem::path& path, const MeshReadLimits& limits = {});
 
 }  // namespace dgm::formats

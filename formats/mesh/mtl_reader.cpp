@@ -133,12 +133,12 @@ class MtlReader {
 
     fs::path find(const std::string& name) {
         if (name.empty()) return {};
-        if (auto found = finder_.find(name)) {
+        const FoundFile found = finder_.find(name);
+        if (found)
             dependencies_.push_back(*found);
-            return *found;
-        }
-        warnings_.push_back(texture_missing(name));
-        return {};
+        else
+            warnings_.push_back(texture_missing(name, found.why));
+        return *found;
     }
 
     void finish() {
@@ -177,27 +177,29 @@ void read_mtl(const fs::path& path, FileFinder& finder, MtlLibrary& library, std
 void read_mtl_libraries(std::span<const std::string> statements, FileFinder& finder, MtlLibrary& library,
                         std::vector<std::string>& warnings, std::vector<fs::path>& dependencies) {
     const auto read_library = [&](std::string_view name) {
-        const auto found = finder.find(name);
-        if (!found) return false;
+        FoundFile found = finder.find(name);
+        if (!found) return found;
         dependencies.push_back(*found);
         read_mtl(*found, finder, library, warnings, dependencies);
-        return true;
+        return found;
     };
     std::set<std::string_view> seen;
     for (const std::string& statement : statements) {
-        if (!seen.insert(statement).second || read_library(statement)) continue;
+        if (!seen.insert(statement).second) continue;
+        const FoundFile whole = read_library(statement);
+        if (whole) continue;
         // Not one name with spaces: then several names.
         std::string_view rest = statement;
         std::size_t words = 0, found = 0;
         for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest)) {
             ++words;
-            if (read_library(name)) {
+            const FoundFile one = read_library(name);
+            if (one)
                 ++found;
-            } else if (words > 1 || !trim(rest).empty()) {
-                warnings.push_back(library_missing(name));
-            }
+            else if (words > 1 || !trim(rest).empty())
+                warnings.push_back(library_missing(name, one.why));
         }
-        if (words == 1 && found == 0) warnings.push_back(library_missing(statement));
+        if (words == 1 && found == 0) warnings.push_back(library_missing(statement, whole.why));
     }
 }
 

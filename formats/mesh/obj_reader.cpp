@@ -28,8 +28,9 @@ constexpr std::size_t kMaxWarnings = 100;
 
 /// Gives `out` the materials that the file names, in the order of first use.
 /// @return  beside each material, how its picture lies in texture space
-std::vector<MtlMaterial> resolve_materials(const ObjText& text, const fs::path& path, ImportedMesh& out) {
-    FileFinder finder(path);
+std::vector<MtlMaterial> resolve_materials(const ObjText& text, const fs::path& path, const MeshReadLimits& limits,
+                                           ImportedMesh& out) {
+    FileFinder finder(path, limits.asset_roots);
     MtlLibrary library;
     read_mtl_libraries(text.libraries, finder, library, out.warnings, out.dependencies);
     std::vector<MtlMaterial> materials;
@@ -96,6 +97,7 @@ std::vector<ObjCorner> build_faces(ObjText& text, TriMesh& mesh) {
     std::vector<CornerTriple> triples;
     std::vector<Vec3d> loop;
     std::vector<ObjCorner> ring, face_corners;
+    PolygonBudget budget;
     mesh.faces.reserve(text.triangles);
     for (const ObjPolygon& polygon : text.polygons) {
         if (!check_corners(text, polygon)) continue;
@@ -103,7 +105,7 @@ std::vector<ObjCorner> build_faces(ObjText& text, TriMesh& mesh) {
         loop.clear();
         for (const ObjCorner& corner : ring) loop.push_back(text.positions[corner.position]);
         triples.clear();
-        if (!triangulate_polygon(loop, triples)) text.tallies.fans.add(polygon.spot);
+        if (!triangulate_polygon(loop, triples, budget)) text.tallies.fans.add(polygon.spot);
         for (const CornerTriple& triple : triples) {
             mesh.faces.push_back({ring[triple[0]].position, ring[triple[1]].position, ring[triple[2]].position});
             for (const std::uint32_t k : triple) face_corners.push_back(ring[k]);
@@ -217,7 +219,7 @@ ImportedMesh read_obj(const fs::path& path, const MeshReadLimits& limits) {
             .with_hint("copy or export it again: nothing is in it");
     ObjText text = parse_obj(bytes, path, limits);
     ImportedMesh out;
-    const std::vector<MtlMaterial> materials = resolve_materials(text, path, out);
+    const std::vector<MtlMaterial> materials = resolve_materials(text, path, limits, out);
     const std::vector<ObjCorner> face_corners = build_faces(text, out.mesh);
     if (out.mesh.faces.empty()) no_faces(text, path);
     fill_uvs(text, face_corners, materials, out.mesh);

@@ -5,15 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
+#include <queue>
+#include <utility>
 
 namespace dgm::formats {
 namespace {
 
 using model::Vec2d;
 using model::Vec3d;
-
-constexpr std::uint64_t kMaxPointTests = std::uint64_t{1} << 28;
 
 double turn(Vec2d a, Vec2d b, Vec2d c) {
     return cross(b - a, c - a);
@@ -64,9 +66,83 @@ void append_fan(std::span<const std::uint32_t> loop, std::vector<CornerTriple>& 
     for (std::size_t k = 1; k + 1 < loop.size(); ++k) out.push_back({loop[0], loop[k], loop[k + 1]});
 }
 
+/// The corners that may spoil an ear, by place: a grid over the polygon, with about one of them a cell. A triangle then
+/// meets few, however many there are.
+class ReflexGrid {
+ public:
+    ReflexGrid(std::span<const Vec2d> points, std::span<const std::uint32_t> reflex) : points_(points) {
+        low_ = high_ = points[0];
+        for (const Vec2d& p : points) {
+            low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
+            high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
+        }
+        side_ = static_cast<int>(std::clamp(std::sqrt(static_cast<double>(reflex.size())), 1.0, kMaxSide));
+        cells_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
+        for (const std::uint32_t k : reflex) cell_of(points[k]).push_back(k);
+    }
+
+    void remove(std::uint32_t k, std::uint64_t& work) {
+        auto& cell = cell_of(points_[k]);
+        work += cell.size();
+        std::erase(cell, k);
+    }
+
+    /// Calls `test` with those in the cells that the triangle meets, until it returns true. Adds to `work` what was
+    /// looked at. @return whether it did
+    template <class Test>
+    bool any_near(const std::array<Vec2d, 3>& triangle, std::uint64_t& work, const Test& test) const {
+        const auto [bottom, top] = std::minmax({triangle[0].y, triangle[1].y, triangle[2].y});
+        for (int row = row_of(bottom), last = row_of(top); row <= last; ++row) {
+            const double step = (high_.y - low_.y) / side_, y = low_.y + row * step;
+            const auto [left, right] = span_of(triangle, y - kSlack, y + step + kSlack);
+            for (int column = column_of(left - kSlack), end = column_of(right + kSlack); column <= end; ++column) {
+                const auto& cell = cells_[index(row, column)];
+                work += 1 + cell.size();
+                for (const std::uint32_t k : cell)
+                    if (test(k)) return true;
+            }
+        }
+        return false;
+    }
+
+ private:
+    static constexpr double kMaxSide = 2048;
+    static constexpr double kSlack = 1e-9;  ///< the polygon's longer side is 1: beyond all rounding
+
+    [[nodiscard]] std::size_t index(int row, int column) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) + static_cast<std::size_t>(column);
+    }
+    [[nodiscard]] int place(double x, double low, double high) const {
+        return high > low ? static_cast<int>(std::clamp((x - low) / (high - low) * side_, 0.0, side_ - 1.0)) : 0;
+    }
+    [[nodiscard]] int row_of(double y) const { return place(y, low_.y, high_.y); }
+    [[nodiscard]] int column_of(double x) const { return place(x, low_.x, high_.x); }
+    std::vector<std::uint32_t>& cell_of(Vec2d p) { return cells_[index(row_of(p.y), column_of(p.x))]; }
+
+    /// The least and largest x of the triangle between two heights.
+    static std::pair<double, double> span_of(const std::array<Vec2d, 3>& triangle, double low, double high) {
+        double left = std::numeric_limits<double>::infinity(), right = -left;
+        const auto add = [&](double x) { left = std::min(left, x), right = std::max(right, x); };
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec2d a = triangle[k], b = triangle[(k + 1) % 3];
+            if (a.y >= low && a.y <= high) add(a.x);
+            for (const double y : {low, high})
+                if ((a.y < y) != (b.y < y)) add(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)));
+        }
+        return {left, right};
+    }
+
+    std::span<const Vec2d> points_;
+    Vec2d low_, high_;
+    int side_ = 1;
+    std::vector<std::vector<std::uint32_t>> cells_;
+};
+
 class EarClipper {
  public:
-    explicit EarClipper(std::vector<Vec2d> points) : points_(std::move(points)), size_(points_.size()) {
+    /// @param most  point tests that it may take
+    EarClipper(std::vector<Vec2d> points, std::uint64_t most)
+        : points_(std::move(points)), size_(points_.size()), most_(most) {
         next_.resize(size_);
         previous_.resize(size_);
         ear_length_.resize(size_);
@@ -74,37 +150,41 @@ class EarClipper {
             next_[k] = static_cast<std::uint32_t>((k + 1) % size_);
             previous_[k] = static_cast<std::uint32_t>((k + size_ - 1) % size_);
         }
+        for (std::uint32_t k = 0; k < size_; ++k)
+            if (!is_convex_corner(k)) reflex_.push_back(k);
+        if (reflex_.size() <= kFewReflex) return;
+        grid_.emplace(points_, reflex_);
+        is_reflex_.resize(size_);
+        for (const std::uint32_t k : reflex_) is_reflex_[k] = true;
     }
+
+    [[nodiscard]] std::uint64_t work() const { return tests_; }
 
     bool run(std::vector<CornerTriple>& out) {
         std::size_t left = size_;
         std::uint32_t start = 0;
-        for (std::uint32_t k = 0; k < size_; ++k)
-            if (!is_convex_corner(k)) reflex_.push_back(k);
-        for (std::uint32_t k = 0; k < size_; ++k) measure_ear(k);
+        measure_all(start, left);
         while (left > 3) {
-            std::uint32_t best = best_ear(start, left);
-            if (!std::isfinite(ear_length_[best])) {
+            std::optional<std::uint32_t> best = best_ear();
+            if (!best) {
                 // Clipping a far ear can free another one, so look again before giving up.
-                for (std::uint32_t k = start, seen = 0; seen < left; k = next_[k], ++seen) measure_ear(k);
-                best = best_ear(start, left);
+                measure_all(start, left);
+                best = best_ear();
             }
-            if (!std::isfinite(ear_length_[best]) || tests_ > kMaxPointTests) {
+            if (!best || tests_ > most_) {
                 std::vector<std::uint32_t> loop;
                 for (std::uint32_t k = start, seen = 0; seen < left; k = next_[k], ++seen) loop.push_back(k);
                 append_fan(loop, out);
                 return false;
             }
-            const std::uint32_t before = previous_[best], after = next_[best];
-            out.push_back({before, best, after});
+            const std::uint32_t before = previous_[*best], after = next_[*best];
+            out.push_back({before, *best, after});
             next_[before] = after;
             previous_[after] = before;
-            if (start == best) start = after;
+            ear_length_[*best] = kNoEar;
+            if (start == *best) start = after;
             --left;
-            // Corners only turn convex by clipping, and a clipped one is no obstacle.
-            std::erase_if(reflex_, [&](std::uint32_t k) {
-                return k == best || ((k == before || k == after) && is_convex_corner(k));
-            });
+            forget(*best, before, after);
             measure_ear(before);
             measure_ear(after);
         }
@@ -113,41 +193,85 @@ class EarClipper {
     }
 
  private:
+    /// Up to so many, going through all of them takes less time than a grid.
+    static constexpr std::size_t kFewReflex = 64;
+    static constexpr double kNoEar = std::numeric_limits<double>::infinity();
+    struct Ear {
+        double length;
+        std::uint32_t corner;
+        friend bool operator>(const Ear& a, const Ear& b) {
+            return a.length != b.length ? a.length > b.length : a.corner > b.corner;
+        }
+    };
+
     [[nodiscard]] bool is_convex_corner(std::uint32_t k) const {
         return turn(points_[previous_[k]], points_[k], points_[next_[k]]) > 0;
     }
 
-    std::uint32_t best_ear(std::uint32_t start, std::size_t left) {
-        std::uint32_t best = start;
-        std::uint32_t k = start;
-        for (std::size_t seen = 0; seen < left; ++seen, k = next_[k])
-            if (ear_length_[k] < ear_length_[best]) best = k;
-        tests_ += left;
-        return best;
+    void measure_all(std::uint32_t start, std::size_t left) {
+        for (std::uint32_t k = start, seen = 0; seen < left; k = next_[k], ++seen) measure_ear(k);
     }
 
-    /// Squared length of the diagonal that cuts off corner k; infinite if k is no ear.
+    /// The corner that the shortest diagonal cuts off, the first of several.
+    std::optional<std::uint32_t> best_ear() {
+        while (!ears_.empty()) {
+            const Ear ear = ears_.top();
+            if (ear_length_[ear.corner] == ear.length) return ear.corner;
+            ears_.pop();  // measured again since, or gone
+            ++tests_;
+        }
+        return std::nullopt;
+    }
+
+    /// Corners only turn convex by clipping, and a clipped one is no obstacle.
+    void forget(std::uint32_t clipped, std::uint32_t before, std::uint32_t after) {
+        const auto is_done = [&](std::uint32_t k) {
+            return k == clipped || ((k == before || k == after) && is_convex_corner(k));
+        };
+        if (!grid_) {
+            std::erase_if(reflex_, is_done);
+            return;
+        }
+        for (const std::uint32_t k : {before, after})  // the clipped one is convex
+            if (is_reflex_[k] && is_done(k)) {
+                grid_->remove(k, tests_);
+                is_reflex_[k] = false;
+            }
+    }
+
+    /// Squared length of the diagonal that cuts off corner k; kNoEar if k is no ear.
     void measure_ear(std::uint32_t k) {
-        ear_length_[k] = std::numeric_limits<double>::infinity();
-        if (!is_convex_corner(k) || tests_ > kMaxPointTests) return;
+        ear_length_[k] = kNoEar;
+        ++tests_;
+        if (tests_ > most_ || !is_convex_corner(k)) return;
         const std::uint32_t ia = previous_[k], ic = next_[k];
         const Vec2d a = points_[ia], b = points_[k], c = points_[ic];
-        tests_ += reflex_.size();
         // If any corner lies inside, a reflex one does.
-        for (const std::uint32_t q : reflex_) {
-            if (q == ia || q == ic) continue;
+        const auto lies_inside = [&](std::uint32_t q) {
+            if (q == ia || q == ic) return false;
             const Vec2d p = points_[q];
             // A corner that lies on one of a, b, c (a slit or bridge) does not spoil the ear by itself.
-            if (p == a || p == b || p == c) continue;
-            if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return;
+            if (p == a || p == b || p == c) return false;
+            return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+        };
+        if (!grid_) {
+            tests_ += reflex_.size();
+            if (std::any_of(reflex_.begin(), reflex_.end(), lies_inside)) return;
+        } else if (grid_->any_near({a, b, c}, tests_, lies_inside)) {
+            return;
         }
         ear_length_[k] = dot(c - a, c - a);
+        ears_.push({ear_length_[k], k});
     }
 
     std::vector<Vec2d> points_;
     std::size_t size_;
+    std::uint64_t most_;
     std::vector<std::uint32_t> next_, previous_, reflex_;
     std::vector<double> ear_length_;
+    std::priority_queue<Ear, std::vector<Ear>, std::greater<>> ears_;
+    std::optional<ReflexGrid> grid_;  ///< for many reflex corners, instead of reflex_
+    std::vector<bool> is_reflex_;     ///< those in grid_
     std::uint64_t tests_ = 0;
 };
 
@@ -159,7 +283,8 @@ bool is_convex(std::span<const Vec2d> p) {
 
 }  // namespace
 
-bool triangulate_polygon(std::span<const Vec3d> corners, std::vector<CornerTriple>& out) {
+bool triangulate_polygon(std::span<const Vec3d> corners, std::vector<CornerTriple>& out, PolygonBudget& budget) {
+    budget.earn(corners.size());
     if (corners.size() == 3) {
         out.push_back({0, 1, 2});
         return true;
@@ -176,7 +301,10 @@ bool triangulate_polygon(std::span<const Vec3d> corners, std::vector<CornerTripl
         out.push_back({0, 2, 3});
         return true;
     }
-    return EarClipper(std::move(flat)).run(out);
+    EarClipper clipper(std::move(flat), budget.left());
+    const bool done = clipper.run(out);
+    budget.spend(clipper.work());
+    return done;
 }
 
 }  // namespace dgm::formats

@@ -32,7 +32,7 @@ std::vector<std::size_t> line_starts(std::string_view text, std::string_view wor
     return out;
 }
 
-SourceInputs inputs_of_obj(const fs::path& path) {
+SourceInputs inputs_of_obj(const fs::path& path, std::span<const fs::path> asset_roots) {
     const std::string text = read_text_file(path, MeshReadLimits{}.max_file_bytes);
     std::vector<std::string> statements;
     for (const std::size_t at : line_starts(text, "mtllib")) {
@@ -41,7 +41,7 @@ SourceInputs inputs_of_obj(const fs::path& path) {
         if (lines.next(line) && lower_case(next_word(line)) == "mtllib") statements.emplace_back(trim(line));
     }
     SourceInputs out;
-    FileFinder finder(path);
+    FileFinder finder(path, asset_roots);
     MtlLibrary library;
     read_mtl_libraries(statements, finder, library, out.missing, out.files);
     return out;
@@ -79,28 +79,28 @@ std::vector<std::string> map_names(std::string_view bytes) {
     return out;
 }
 
-SourceInputs inputs_of_3ds(const fs::path& path) {
+SourceInputs inputs_of_3ds(const fs::path& path, std::span<const fs::path> asset_roots) {
     SourceInputs out;
-    FileFinder finder(path);
+    FileFinder finder(path, asset_roots);
     for (const std::string& name : map_names(read_text_file(path, MeshReadLimits{}.max_file_bytes))) {
         if (name.empty()) continue;
         if (const auto found = finder.find(name))
             out.files.push_back(*found);
         else
-            out.missing.push_back(texture_missing(name));
+            out.missing.push_back(texture_missing(name, found.why));
     }
     return out;
 }
 
 }  // namespace
 
-std::optional<SourceInputs> source_inputs(const fs::path& mesh_file) {
+std::optional<SourceInputs> source_inputs(const fs::path& mesh_file, std::span<const fs::path> asset_roots) {
     const std::string extension = lower_case(mesh_file.extension().string());
     SourceInputs out;
     if (extension == ".obj")
-        out = inputs_of_obj(mesh_file);
+        out = inputs_of_obj(mesh_file, asset_roots);
     else if (extension == ".3ds")
-        out = inputs_of_3ds(mesh_file);
+        out = inputs_of_3ds(mesh_file, asset_roots);
     else if (extension != ".ply" && extension != ".stl" && extension != ".off")
         return std::nullopt;
     std::sort(out.files.begin(), out.files.end());

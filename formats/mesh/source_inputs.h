@@ -5,6 +5,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,10 @@ struct SourceInputs {
 
 /// OBJ: its material libraries and the textures they name; 3DS: the textures of its materials; PLY, STL and OFF name
 /// nothing. Textures of materials that no face uses count, too. nullopt for every other format: only a full import can
-/// find out. Never fails on the content of a file: words that cannot be understood name nothing.
+/// find out. Files are looked for as FileFinder does. Never fails on the content of a file: words that cannot be
+/// understood name nothing.
 /// @throws model::Error kFileMissing, kReadFailed, kTooLarge
-[[nodiscard]] std::optional<SourceInputs> source_inputs(const std::filesystem::path& mesh_file);
+[[nodiscard]] std::optional<SourceInputs> source_inputs(const std::filesystem::path& mesh_file,
+                                                        std::span<const std::filesystem::path> asset_roots = {});
 
 }  // namespace dgm::formats

@@ -24,7 +24,7 @@ using dgm::formats::ImportedMesh;
     for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
-ImportedMesh import(const std::filesystem::path& path) {
+ImportedMesh import(const std::filesystem::path& path, const dgm::formats::MeshReadLimits& limits) {
     const std::string fault = path.stem().string();
     if (fault == "segfault") std::raise(SIGSEGV);
     if (fault == "abort") std::abort();
@@ -49,7 +49,8 @@ ImportedMesh import(const std::filesystem::path& path) {
         }
     if (fault == "chatty")
         for (int k = 0; k < 100000; ++k) std::puts("a library says something on stdout");
-    ImportedMesh mesh = dgm::formats::read_mesh(path);
+    ImportedMesh mesh = dgm::formats::read_mesh(path, limits);
+    if (fault == "stray") mesh.mesh.materials.resize(1), mesh.mesh.materials[0].diffuse_map = "/etc/passwd";
     if (fault == "lie") mesh.mesh.faces[0][0] = 1000000;
     return mesh;
 }

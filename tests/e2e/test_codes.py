@@ -24,6 +24,8 @@ NO_INPUT = {
     3003: "needs a mesh on which every method fails; none is known",
     3011: "is a warning: test_said.py",
     3012: "is a warning: test_said.py",
+    3013: "needs files beside the mesh's folder: test_references.py",
+    3014: "needs a pipe that a mesh names: test_references.py",
     3017: "is a warning: test_one_sided.py",
     3007: "needs an input beyond the tool's limits: gigabytes",
     5006: "needs a full disk: test_files.py",

@@ -17,8 +17,8 @@ class Import(support.Folder):
     def test_every_way_to_fail(self):
         cases = {"segfault": ("DGM9002", 4), "abort": ("DGM9002", 4), "killed": ("DGM9006", None), "hang": ("DGM9003", 3),
                  "hang-deaf": ("DGM9003", 3), "quit": ("DGM9002", 4), "quit-5": ("DGM9002", 4), "throw": ("DGM9001", 4),
-                 "babble": ("DGM9002", 4), "lie": ("DGM9002", 4), "memory": ("DGM9004", 3), "chatty": ("320 faces", 0),
-                 "good": ("320 faces", 0)}
+                 "babble": ("DGM9002", 4), "lie": ("DGM9002", 4), "stray": ("DGM9002", 4), "memory": ("DGM9004", 3),
+                 "chatty": ("320 faces", 0), "good": ("320 faces", 0)}
         if support.SANITIZED:
             del cases["memory"]
         for name, (said, code) in cases.items():

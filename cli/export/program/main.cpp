@@ -13,6 +13,7 @@
 #include "export/export_files.h"
 #include "export/plain_maps.h"
 #include "export/program/export_batch.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
 #include "tool/tool.h"
@@ -22,7 +23,7 @@ using dgm::exporter::ExportOptions;
 
 /// CLI11 fills it in: plain text, checked afterwards.
 struct CommandLine {
-    std::vector<std::string> inputs;
+    std::vector<std::string> inputs, asset_roots;
     std::string output, maps, formats, size, view, up = "y", exr_layout = "auto", source, lod = "1", lod_mode;
     std::uint32_t chart = 0;
     CLI::Option* chart_option = nullptr;
@@ -136,6 +137,8 @@ void describe(CLI::App& app, CommandLine& line) {
     picture.text("--layer", "NAME", line.options.layer, "PNG: the picture of this layer");
     picture.flag("--sheet", line.options.sheet, "PNG: all layers of each chart on one sheet");
     picture.text("--source", "MESH", line.source, "PNG: source, reconstruction, grid and error side by side");
+    picture.value("--asset-root", "DIR", line.asset_roots,
+                  "folder beside the mesh's from which it may name files, as for dgm-bake; repeatable");
     picture.text("--size", "WxH", line.size, "PNG: width and height in pixels");
     picture.text("--view", "YAW,PITCH", line.view, "PNG: direction in degrees [the view that shows most]");
 }
@@ -170,7 +173,9 @@ void set_options(CommandLine& line) {
     }
     set_levels(line);
     options.source = line.source;
-    options.read_mesh = [](const std::filesystem::path& path) { return dgm::bake::import_apart(path); };
+    dgm::bake::ImportLimits limits;
+    limits.asset_roots.assign(line.asset_roots.begin(), line.asset_roots.end());
+    options.read_mesh = [limits](const std::filesystem::path& path) { return dgm::bake::import_apart(path, limits); };
     options.multipart = line.exr_layout == "multipart";
 }
 
@@ -219,6 +224,7 @@ int main(int argc, char** argv) {
     describe(app, line);
     return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
+        const dgm::bake::ExrApart exr;
         return run(line, subject);
     });
 }

@@ -27,6 +27,7 @@
 namespace dgm::bake {
 namespace {
 
+constexpr std::uint64_t kMostBytes = 1 << 16;
 constexpr int kInside = 0, kOutside = 1, kLacking = 77;
 
 /// Exit code of a process that has entered a sandbox with one readable folder and tries a way out: kInside if the try
@@ -37,6 +38,7 @@ int after(const std::filesystem::path& readable, const std::function<bool()>& ge
     if (child == 0) {
         Sandbox sandbox{.readable = {readable}, .writable = {}, .starts_threads = !writable.empty()};
         if (!writable.empty()) sandbox.writable.push_back(writable);
+        sandbox.file_bytes = writable.empty() ? 0 : kMostBytes;
         limit_worker_memory(std::uint64_t{2} << 30, 1);
         if (!enter_sandbox(sandbox).empty()) _exit(kLacking);
         errno = 0;
@@ -137,6 +139,54 @@ TEST(Sandbox, WritesIntoItsFoldersAlone) {
             },
             mine.path()),
         kOutside);  // here: all of it worked
+}
+
+TEST(Sandbox, AWorkerReadsWhatItsMeshMayNameAlone) {
+    const test::TempFolder mine, library, other, out;
+    for (const test::TempFolder* folder : {&mine, &library, &other}) test::write_bytes(*folder / "a", "x");
+    std::filesystem::create_symlink(other / "a", mine / "link");
+    const auto opens = [](const std::filesystem::path& path) {
+        const int file = open(path.c_str(), O_RDONLY);
+        return file >= 0;
+    };
+    const auto inside = [&](const std::filesystem::path& path) {
+        const pid_t child = fork();
+        if (child == 0) {
+            const Sandbox sandbox = worker_sandbox(mine / "m.obj", {library.path()}, {out / "m.dgm"});
+            if (!enter_sandbox(sandbox).empty()) _exit(kLacking);
+            _exit(opens(path) ? kOutside : kInside);
+        }
+        int status = 0;
+        waitpid(child, &status, 0);
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    };
+    if (inside(mine / "a") == kLacking) GTEST_SKIP() << "this system lacks a part of the sandbox";
+    EXPECT_EQ(inside(mine / "a"), kOutside);
+    EXPECT_EQ(inside(library / "a"), kOutside);
+    for (const std::filesystem::path& path :
+         {other / "a", mine / "link", std::filesystem::path("/etc/passwd"), std::filesystem::path("/etc/shadow"),
+          std::filesystem::path("/root"), std::filesystem::path("/home"), std::filesystem::path("/tmp"),
+          std::filesystem::path("/proc/1/environ")})
+        EXPECT_EQ(inside(path), kInside) << path;
+}
+
+TEST(Sandbox, FilesDoNotGrowWithoutEnd) {
+    const test::TempFolder mine;
+    const std::string path = (mine / "large").string();
+    const int end = after(
+        "/",
+        [&] {
+            const int file = open(path.c_str(), O_WRONLY | O_CREAT, 0600);
+            const std::string block(kMostBytes, 'x');
+            if (file < 0 || write(file, block.data(), block.size()) != static_cast<ssize_t>(kMostBytes)) return false;
+            const bool refused = write(file, "x", 1) < 0 && errno == EFBIG;
+            errno = EPERM;  // for after()
+            return !refused;
+        },
+        mine.path());
+    if (end == kLacking) GTEST_SKIP() << "this system lacks a part of the sandbox";
+    EXPECT_EQ(end, kInside);
+    EXPECT_EQ(std::filesystem::file_size(path), kMostBytes);
 }
 
 TEST(Sandbox, TimeEnds) {

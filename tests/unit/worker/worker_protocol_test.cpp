@@ -26,6 +26,8 @@ TEST(WorkerProtocol, JobComesBack) {
     job.exports = {"out/.x.glb.7.tmp/x.glb", "out/.x.obj.7.tmp/x \xe9.obj"};
     job.memory_bytes = std::uint64_t{8} << 30;
     job.threads = 3;
+    job.cpu_seconds = 77;
+    job.options.asset_roots = {"/lib rary/\xff", "b"};
     job.options.size = {33, 65};
     job.options.method = Method::kArap;
     job.options.domain = DomainChoice::kFree;
@@ -48,6 +50,8 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_TRUE(back.options.write_dgm);
     EXPECT_FALSE(back.options.write_exr);  // no name for it, so it is not asked for
     EXPECT_EQ(back.memory_bytes, job.memory_bytes);
+    EXPECT_EQ(back.cpu_seconds, 77u);
+    EXPECT_EQ(back.options.asset_roots, job.options.asset_roots);
     EXPECT_EQ(back.threads, 3U);
     EXPECT_EQ(back.options.size, job.options.size);
     EXPECT_EQ(back.options.method, Method::kArap);

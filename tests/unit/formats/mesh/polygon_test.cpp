@@ -10,8 +10,13 @@
 namespace {
 
 using dgm::formats::CornerTriple;
-using dgm::formats::triangulate_polygon;
+using dgm::formats::PolygonBudget;
 using dgm::model::Vec3d;
+
+bool triangulate_polygon(const std::vector<Vec3d>& corners, std::vector<CornerTriple>& out) {
+    PolygonBudget budget;
+    return dgm::formats::triangulate_polygon(corners, out, budget);
+}
 
 double signed_area(const std::vector<Vec3d>& p, const std::vector<std::uint32_t>& loop) {
     double sum = 0;
@@ -23,7 +28,8 @@ double signed_area(const std::vector<Vec3d>& p, const std::vector<std::uint32_t>
 }
 
 /// In the plane z = 0: all triangles wind like the polygon and their areas add up, so none lies outside.
-void expect_tiling(const std::vector<Vec3d>& p) {
+/// @param rounding  of the area of a triangle whose corners are in line but for their own rounding
+void expect_tiling(const std::vector<Vec3d>& p, double rounding = 0) {
     std::vector<CornerTriple> triangles;
     EXPECT_TRUE(triangulate_polygon(p, triangles));
     ASSERT_EQ(triangles.size(), p.size() - 2);
@@ -33,7 +39,7 @@ void expect_tiling(const std::vector<Vec3d>& p) {
     std::set<std::uint32_t> used;
     for (const CornerTriple& t : triangles) {
         const double area = signed_area(p, {t[0], t[1], t[2]});
-        EXPECT_GE(area, 0);
+        EXPECT_GE(area, -rounding);
         sum += area;
         used.insert(t.begin(), t.end());
     }
@@ -77,6 +83,44 @@ TEST(Polygon, LargeDiscsAreQuick) {
     for (int k = 0; k < 10'000; ++k)
         disc.push_back({std::cos(k * 6.28318530717958 / 10'000), std::sin(k * 6.28318530717958 / 10'000), 0});
     expect_tiling(disc);
+}
+
+std::vector<Vec3d> teeth(int count, double turn) {
+    std::vector<Vec3d> out{{0, -1, 0}, {2.0 * count, 0, 0}};
+    for (int k = count; k-- > 0;) {
+        out.push_back({2.0 * k + 1, 100, 0});
+        out.push_back({2.0 * k, 1, 0});
+    }
+    for (Vec3d& p : out)
+        p = {std::cos(turn) * p.x - std::sin(turn) * p.y, std::sin(turn) * p.x + std::cos(turn) * p.y, 0};
+    return out;
+}
+
+TEST(Polygon, LargeCombsAreQuick) {
+    // One test a pair of corners would be 10^10 of them.
+    expect_tiling(teeth(50'000, 0));
+    expect_tiling(teeth(50'000, 0.3), 1e-16 * 2e5 * 2e5);
+}
+
+TEST(Polygon, OneBudgetServesAllPolygonsOfAFile) {
+    // All corners in a bundle and a few far away, so that no grid tells them apart.
+    std::vector<Vec3d> bundle{{-1000, 0, 0}};
+    for (int k = 0; k < 20'000; ++k) bundle.push_back({1e-6 * k, k % 2 * 1e-7, 0});
+    bundle.push_back({0, 1000, 0});
+    PolygonBudget budget;
+    std::vector<CornerTriple> out;
+    int whole = 0;
+    for (int k = 0; k < 30; ++k) {
+        out.clear();
+        whole += dgm::formats::triangulate_polygon(bundle, out, budget) ? 1 : 0;
+        EXPECT_EQ(out.size(), bundle.size() - 2);
+    }
+    EXPECT_LT(whole, 30) << "the polygons are too easy for this test";
+    EXPECT_LE(budget.left(), (std::uint64_t{1} << 25) + std::uint64_t{512} * 30 * bundle.size());
+    // What comes next is not made to pay.
+    const std::vector<Vec3d> dart{{0, 0, 0}, {1, 0.1, 0}, {2, 0, 0}, {1, 3, 0}};
+    out.clear();
+    EXPECT_TRUE(dgm::formats::triangulate_polygon(dart, out, budget));
 }
 
 TEST(Polygon, ScaleAndOffsetDoNotMatter) {
