@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tests/fuzz/fuzz_calls.cpp
-// Makes a map, opens it and makes any calls with any options, in any order. The bytes are decisions (dice.h): no file
-// is read. Promise: no map that passes validate_chart() can crash, abort or tear the runtime. After each call seam
-// copies are equal to the bit, positions finite, reports within bounds; an error has changed nothing, to the bit.
+// tests/fuzz/fuzz_calls_program.cpp
+// Any calls with any options on an opened asset, in any order. After each call seam copies are equal to the bit,
+// positions finite, reports within bounds; an error has changed nothing, to the bit.
 #include <dgm/changed.h>
 #include <dgm/collide.h>
 #include <dgm/contact.h>
@@ -19,8 +18,6 @@
 
 #include "call_checks.h"
 #include "fuzz_calls.h"
-#include "random_maps.h"
-#include "target.h"
 
 namespace dgm::test {
 
@@ -411,8 +408,9 @@ void fail_allocations(Dice& dice, const Chart& chart) {
     const auto state = State::create(chart, options);
     promise(state.ok() || state.error().code == ErrorCode::OutOfMemory, "another error than OutOfMemory");
 }
+}  // namespace
 
-void exercise(Dice& dice, const Asset& asset) {
+void call_all(Dice& dice, const Asset& asset) {
     std::vector<State> states;
     for (std::uint32_t c = 0; c < asset.chart_count(); ++c) {
         auto found = asset.chart(c);
@@ -434,25 +432,4 @@ void exercise(Dice& dice, const Asset& asset) {
         Program(dice, states[one], states[one == another ? (one + 1) % states.size() : another]).run();
     }
 }
-}  // namespace
 }  // namespace dgm::test
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace dgm::test;
-    Dice dice({data, size});
-    std::vector<ChartSpec> charts;
-    for (std::uint32_t k = dice.one_in(4) ? dice.between(2, 3) : 1; k > 0; --k) {
-        charts.push_back(random_chart(dice));
-        if (dice.one_in(5)) spoil(dice, charts.back());
-    }
-    const Image image = build(charts);
-    dgm::OpenOptions options;
-    options.verify_hashes = true;
-    auto asset = dgm::Asset::open_memory(image.bytes, options);
-    if (!asset) return 0;  // a scale, say, that is none
-    if (dice.one_in(3))
-        call_c(dice, image.bytes);
-    else
-        exercise(dice, asset.value());
-    return 0;
-}
