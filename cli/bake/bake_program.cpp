@@ -34,6 +34,7 @@
 #include "dgm/atomic_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "model/shortage.h"
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/sandbox.h"
@@ -345,7 +346,7 @@ int run_command_line(int argc, const char* const* argv) {
 
 }  // namespace
 
-int bake_program(int argc, char** argv, const BakeFunction& bake) noexcept {
+int bake_program(int argc, char** argv, const BakeFunction& bake) {
     model::Error failure(codes::kInternal, "unknown exception");
     try {
         if (is_worker(argc, argv)) return run_worker(bake, report::make_page);
@@ -354,9 +355,9 @@ int bake_program(int argc, char** argv, const BakeFunction& bake) noexcept {
         const int exit_code = run_command_line(argc, argv);
         if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
         failure = model::Error(codes::kWriteFailed, "the results cannot be written to standard output");
-    } catch (const model::Error& error) { failure = error; } catch (const std::bad_alloc&) {
-        failure = model::Error(codes::kInternal, "out of memory");
-    } catch (const std::exception& error) { failure = model::Error(codes::kInternal, error.what()); }
+    } catch (const model::Error& error) { failure = error; } catch (const std::exception& error) {
+        failure = model::error_of(error);
+    }
     say(stderr, failure_story(failure.place(), failure));
     return static_cast<int>(failure.code().exit);
 }

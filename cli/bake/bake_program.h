@@ -8,6 +8,6 @@ namespace dgm::bake {
 
 /// Runs the command line, or one worker if that is what the arguments ask for. Prints results on stdout, everything
 /// else on stderr; never throws. @return the process's exit code (docs/design.md section 8)
-[[nodiscard]] int bake_program(int argc, char** argv, const BakeFunction& bake) noexcept;
+[[nodiscard]] int bake_program(int argc, char** argv, const BakeFunction& bake);
 
 }  // namespace dgm::bake

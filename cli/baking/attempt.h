@@ -8,6 +8,7 @@
 
 #include "model/codes.h"
 #include "model/error.h"
+#include "model/shortage.h"
 
 namespace dgm::bake {
 
@@ -41,13 +42,13 @@ class [[nodiscard]] Attempt {
 };
 
 /// Calls `body`, which may throw model::Error. This is the only place where such an exception becomes a result: a
-/// request to stop (kInterrupted) passes through.
+/// request to stop (kInterrupted) passes through, and so does a shortage, which says nothing about what was tried.
 template <class Body>
 [[nodiscard]] Attempt<std::invoke_result_t<Body>> attempt(Body&& body) {
     try {
         return std::forward<Body>(body)();
     } catch (const model::Error& error) {
-        if (&error.code() == &model::codes::kInterrupted) throw;
+        if (&error.code() == &model::codes::kInterrupted || model::is_shortage(error)) throw;
         return error;
     }
 }

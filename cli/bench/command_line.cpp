@@ -343,7 +343,7 @@ struct ScaleCommand {
 
 }  // namespace
 
-int bench_program(int argc, char** argv) noexcept {
+int bench_program(int argc, char** argv) {
     CLI::App app("Measures speed against error on your own assets, and says what it advises.");
     app.require_subcommand(1);
     signal(SIGPIPE, SIG_IGN);
@@ -352,8 +352,6 @@ int bench_program(int argc, char** argv) noexcept {
     RunCommand run_command(app);
     StabilityCommand stability_command(app);
     ScaleCommand scale_command(app);
-    // run_tool catches what the body throws.
-    // cppcheck-suppress throwInNoexceptFunction
     return tool::run_tool("dgm-bench", argc, argv, app, kManual, [&](std::string&) {
         if (bake_command.app->parsed()) return bake_command.run();
         if (stability_command.app->parsed()) return stability_command.run();

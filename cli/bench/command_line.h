@@ -5,6 +5,6 @@
 namespace dgm::bench {
 
 /// The whole program but for its workers. @return the exit code
-int bench_program(int argc, char** argv) noexcept;
+int bench_program(int argc, char** argv);
 
 }  // namespace dgm::bench

@@ -7,7 +7,9 @@
 #include <string>
 
 #include "edit/edit_map.h"
+#include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
+#include "tool/guarded_main.h"
 #include "tool/tool.h"
 
 namespace {
@@ -88,12 +90,17 @@ int run(CommandLine& line, std::string& subject) {
 }
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run_main(int argc, char** argv) {
     CLI::App app("Puts painted layers back into a geometry map: stiffness, mobility, bump, texture.");
     CommandLine line;
     describe(app, line);
     return dgm::tool::run_tool("dgm-edit", argc, argv, app, kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
+        const dgm::bake::ExrApart exr;
         return run(line, subject);
     });
+}
+
+int main(int argc, char** argv) {
+    return dgm::tool::guarded_main("dgm-edit", [&] { return run_main(argc, argv); });
 }

@@ -68,11 +68,17 @@ void append_chart(TriMesh& out, const ChartMesh& chart, const ChartPictures& pic
         }
 }
 
+/// Of all samples: those of border samples are a layer of their own, which a file may lack.
+bool has_normals(const model::Chart& chart) {
+    const model::Layer* border = chart.find("border_geometry");
+    const bool has_border = border != nullptr && border->shape[0] > 0;
+    return chart.find("normal") != nullptr && (!has_border || chart.find("border_normal") != nullptr);
+}
+
 MergedCharts merged_charts(const MapSet& maps, const std::vector<std::string>& names, const path& output,
                            const ExportOptions& options) {
     const std::vector<std::vector<model::Face>> coarse = faces_for(maps, options.lods[0], output);
-    const bool normals = std::all_of(maps.charts.begin(), maps.charts.end(),
-                                     [](const model::Chart& chart) { return chart.find("normal") != nullptr; });
+    const bool normals = std::all_of(maps.charts.begin(), maps.charts.end(), has_normals);
     MergedCharts out;
     for (std::uint32_t k = 0; k < maps.charts.size(); ++k) {
         const model::Chart& chart = maps.charts[k];

@@ -12,6 +12,7 @@
 #include "process/hdf5_apart.h"
 #include "scene/scene_help.h"
 #include "scene/scene_plan.h"
+#include "tool/guarded_main.h"
 #include "tool/tool.h"
 
 namespace {
@@ -52,7 +53,7 @@ int print_difference(const std::vector<std::string>& files, bool json, std::stri
 }
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run_main(int argc, char** argv) {
     CLI::App app("Prints what a .dgm holds: charts, layers, measured errors.");
     std::vector<std::string> files;
     bool json = false, diff = false;
@@ -89,4 +90,8 @@ int main(int argc, char** argv) {
         if (json) std::fputs(dgm::info::to_json(infos).c_str(), stdout);
         return static_cast<int>(worst);
     });
+}
+
+int main(int argc, char** argv) {
+    return dgm::tool::guarded_main("dgm-info", [&] { return run_main(argc, argv); });
 }

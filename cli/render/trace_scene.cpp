@@ -18,7 +18,7 @@ using model::Vec3d;
 constexpr unsigned kSurfaceId = 0, kSegmentsId = 1;
 
 void check(bool ok) {
-    if (!ok) throw model::Error(model::codes::kInternal, "Embree could not build the scene");
+    if (!ok) throw model::Error(model::codes::kSystemBusy, "Embree could not build the scene");
 }
 
 template <class Element>

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "model/shortage.h"
 #include "tool/help.h"
 #include "tool/version.h"
 
@@ -57,11 +58,11 @@ inline void print_error(const std::string& program, const std::string& subject, 
 }
 
 /// Parses the command line and runs `body`, which gets a string to name the file it works on and returns an exit code.
-/// Turns what is thrown into a message and a code: model::Error its own, a wrong command line 1, no memory and
-/// everything else 4. With --print-man or --print-completion alone, prints that.
+/// Turns what is thrown into a message and a code: model::Error its own, a wrong command line 1, what is short for now
+/// 75, everything else 4. Throws where there is no memory to tell of it (guarded_main.h). With --print-man or
+/// --print-completion alone, prints that.
 template <class Body>
-int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, const Manual& manual,
-             Body body) noexcept {
+int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, const Manual& manual, Body body) {
     std::string subject;
     try {
         present(app, program, manual);
@@ -80,10 +81,10 @@ int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, c
     } catch (const model::Error& error) {
         print_error(program, subject, error);
         return static_cast<int>(error.code().exit);
-    } catch (const std::bad_alloc&) {
-        print_error(program, subject, model::Error(model::codes::kInternal, "out of memory"));
-    } catch (const std::exception& error) {
-        print_error(program, subject, model::Error(model::codes::kInternal, error.what()));
+    } catch (const std::exception& other) {
+        const model::Error error = model::error_of(other);
+        print_error(program, subject, error);
+        return static_cast<int>(error.code().exit);
     } catch (...) { std::fputs("internal error\n", stderr); }
     return static_cast<int>(model::ExitCode::kInternal);
 }

@@ -7,6 +7,7 @@
 #include "validate/layer_checks.h"
 
 #include <dgm/grid.h>
+#include <dgm/limits.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -229,9 +230,10 @@ void check_values(const Layer& layer, std::size_t chart_index, FindingList& find
     if (name == "mask" || name == "diagonals") check_booleans(layer, chart_index, findings);
     if (name == "cover") range(1, 0, 0, kInfinity, "negative radius");
     if (name == "deformation") {
-        range(4, 0, 0, kInfinity, "E is negative");
-        range(4, 2, 0, kInfinity, "G is negative");
-        range(4, 3, 0, kInfinity, "stiffness is negative");
+        range(4, 0, 0, kMaxForm, "E is outside 0..1e30");
+        range(4, 1, -kMaxForm, kMaxForm, "F is beyond 1e30");
+        range(4, 2, 0, kMaxForm, "G is outside 0..1e30");
+        range(4, 3, 0, 1, "stiffness is outside 0..1");
         if (findings.size() == before) check_first_fundamental_form(layer, chart_index, findings);
     }
     if (name == "contact") {
@@ -242,6 +244,25 @@ void check_values(const Layer& layer, std::size_t chart_index, FindingList& find
         range(2, 0, 0, 1, "u is outside 0..1");
         range(2, 1, 0, 1, "v is outside 0..1");
     }
+}
+
+/// Local coordinates on the surface, as the runtime will have them: scaled and single.
+void check_coordinates(const Chart& chart, const Layer& layer, bool scaled, std::size_t chart_index,
+                       FindingList& findings) {
+    const bool grid = layer.name == "geometry";
+    const Layer* mask = grid ? chart.find("mask") : nullptr;
+    const auto value = [&](std::size_t k) {
+        const double stored = layer.type == ElementType::kF32 ? double{element<float>(layer, k)}
+                                                              : static_cast<double>(element<std::uint16_t>(layer, k));
+        return scaled ? chart.scale[k % 3] * stored : stored;
+    };
+    report_elements(
+        layer, chart_index, codes::kBadValue, "a coordinate is beyond 1e18",
+        [&](std::size_t k) {
+            if (mask != nullptr && k / 3 < mask->bytes.size() && element<std::uint8_t>(*mask, k / 3) == 0) return false;
+            return std::abs(value(k)) > double{kMaxCoordinate};
+        },
+        value, double{kMaxCoordinate}, findings);
 }
 
 bool check_frame(const Chart& chart, std::size_t chart_index, FindingList& findings) {
@@ -290,6 +311,12 @@ bool check_layers(const Chart& chart, std::size_t chart_index, FindingList& find
             check_values(*layer, chart_index, findings);
         else
             good = false;
+    }
+    if (const Layer* geometry = chart.find("geometry"); geometry != nullptr && good) {
+        check_coordinates(chart, *geometry, true, chart_index, findings);
+        // The f32 border of a u16 chart is stored as it is.
+        if (const Layer* border = chart.find("border_geometry"))
+            check_coordinates(chart, *border, border->type == geometry->type, chart_index, findings);
     }
     for (const Layer& layer : chart.layers) {
         const bool known =

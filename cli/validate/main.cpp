@@ -23,6 +23,7 @@
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
+#include "tool/guarded_main.h"
 #include "tool/tool.h"
 #include "validate/code_pages.h"
 #include "validate/file_list.h"
@@ -238,7 +239,7 @@ ExitCode run(const CommandLine& line, std::string& subject) {
 }  // namespace
 }  // namespace dgm::validate
 
-int main(int argc, char** argv) {
+static int run_main(int argc, char** argv) {
     if (const auto exit_code = dgm::bake::import_worker(argc, argv)) return *exit_code;
     dgm::validate::CommandLine line;
     CLI::App app;
@@ -248,4 +249,8 @@ int main(int argc, char** argv) {
         const dgm::bake::ExrApart exr;
         return static_cast<int>(dgm::validate::run(line, subject));
     });
+}
+
+int main(int argc, char** argv) {
+    return dgm::tool::guarded_main("dgm-validate", [&] { return run_main(argc, argv); });
 }

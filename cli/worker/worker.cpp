@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "model/shortage.h"
 #include "process/sandbox.h"
 #include "worker/export_outputs.h"
 #include "worker/output_files.h"
@@ -84,9 +85,7 @@ WorkerMessage guarded(std::uint64_t memory_bytes, const ProgressSender& sender, 
                         memory_bytes == 0
                             ? "an allocation failed"
                             : fmt::format("it needs more than the {} MiB it may take", memory_bytes >> 20));
-    } catch (const std::exception& other) {
-        failure.emplace(codes::kInternal, std::string("unexpected exception: ") + other.what());
-    }
+    } catch (const std::exception& other) { failure = model::error_of(other); }
     failure->with_stage(sender.stage());
     return ErrorMessage{*failure};
 }
@@ -127,7 +126,8 @@ int run_worker(const BakeFunction& bake, const PageFunction& page) {
         const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::max(1U, limits.threads));
         outcome = page && is_page_job(text) ? outcome_of_page(text, limits.memory_bytes, page)
                                             : outcome_of(decode_job(text), bake);
-    } catch (const model::Error& error) { outcome = ErrorMessage{error}; }
+    } catch (const model::Error& error) { outcome = ErrorMessage{error}; } catch (const std::bad_alloc&) {
+    }  // said so
     if (!send_message(encode(outcome))) return static_cast<int>(model::ExitCode::kInternal);
     // Destructors of statics in the libraries have crashed after a good bake before; there is nothing left to save.
     std::fflush(nullptr);

@@ -13,6 +13,7 @@
 #include <string>
 #include <system_error>
 
+#include "exr/exr_stream.h"
 #include "model/codes.h"
 
 namespace dgm::formats {
@@ -35,9 +36,13 @@ void write_exr_image(const fs::path& path, std::uint32_t width, std::uint32_t he
             char* first = const_cast<char*>(reinterpret_cast<const char*>(pixels.data() + c));
             frame.insert(name, Imf::Slice(Imf::FLOAT, first, stride, stride * width));
         }
-        Imf::OutputFile file(path.c_str(), header, 0);
-        file.setFrameBuffer(frame);
-        file.writePixels(static_cast<int>(height));
+        ExrStream stream(path);
+        {
+            Imf::OutputFile file(stream, header, 0);
+            file.setFrameBuffer(frame);
+            file.writePixels(static_cast<int>(height));
+        }
+        stream.finish();
     } catch (const std::exception& e) {
         std::error_code error;
         if (fs::is_regular_file(path, error)) fs::remove(path, error);

@@ -25,6 +25,7 @@
 #include "exr/exr_hash.h"
 #include "exr/exr_layout.h"
 #include "exr/exr_plan.h"
+#include "exr/exr_stream.h"
 #include "exr/exr_text.h"
 #include "model/codes.h"
 #include "model/octahedral.h"
@@ -230,9 +231,13 @@ void write_file(const fs::path& path, const PlannedFile& file, const MapSet& map
     ::close(probe);
     try {
         // No threads: the bytes do not depend on them, but neither does a bake's speed.
-        Imf::MultiPartOutputFile output(path.c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
-        for (std::size_t k = 0; k < file.parts.size(); ++k)
-            write_part(output, static_cast<int>(k), file.parts[k], maps);
+        ExrStream stream(path);
+        {
+            Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()), false, 0);
+            for (std::size_t k = 0; k < file.parts.size(); ++k)
+                write_part(output, static_cast<int>(k), file.parts[k], maps);
+        }
+        stream.finish();
     } catch (const std::exception& e) {
         remove_file(path);
         if (dynamic_cast<const std::bad_alloc*>(&e) != nullptr) throw;

@@ -15,7 +15,7 @@ import meshes
 import support
 
 KILLS = 30
-FAIL_WRITES = os.environ.get("DGM_FAIL_WRITES", "")
+FAIL_CALLS = os.environ.get("DGM_FAIL_CALLS", "")
 
 
 class Files(support.Folder):
@@ -83,11 +83,11 @@ class Files(support.Folder):
         self.assertTrue(self.valid("ball.dgm"))
 
     def full_disk(self, allowed, *arguments):
-        environment = dict(os.environ, LD_PRELOAD=FAIL_WRITES, DGM_DISK_BYTES=str(allowed))
+        environment = dict(os.environ, LD_PRELOAD=FAIL_CALLS, DGM_DISK_BYTES=str(allowed))
         return subprocess.run([support.BAKE, "ball.obj", "-o", "ball.dgm", "--size", "17", *arguments], cwd=self.folder,
                               env=environment, capture_output=True, text=True, timeout=support.TIMEOUT_SECONDS, check=False)
 
-    @unittest.skipIf(support.SANITIZED or not FAIL_WRITES, "another library is preloaded already")
+    @unittest.skipIf(support.SANITIZED or not FAIL_CALLS, "another library is preloaded already")
     def test_full_disk(self):
         self.bake_well("ball.obj", "-o", "ball.dgm", "--size", "17")
         size = (self.folder / "ball.dgm").stat().st_size

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Changed OBJ and 3DS files through the real program: each is baked to a valid file, or refused with a code.
+"""Changed OBJ, 3DS and glTF files, material libraries and pictures through the real program: each is baked to a valid file, or refused with a code.
 
 As a test: a few, always the same. By scripts/fuzz: new ones until the time is up.
 
     test_hostile_meshes.py --seconds S [--keep FOLDER]      what fails is copied to FOLDER; exit code 1 if anything did
 """
+import base64
 import json
 import random
 import shutil
@@ -13,6 +14,7 @@ import sys
 import tempfile
 import time
 import unittest
+import zlib
 from pathlib import Path
 
 import meshes
@@ -41,6 +43,41 @@ def tds(mesh):
     colour = chunk(0xA020, chunk(0x0011, bytes([200, 100, 50])))
     material = chunk(0xAFFF, chunk(0xA000, b"skin\0"), colour, chunk(0xA200, chunk(0xA300, b"skin.png\0")))
     return chunk(0x4D4D, chunk(0x0002, struct.pack("<I", 3)), chunk(0x3D3D, material, body))
+
+
+def gltf(mesh):
+    """The text of a glTF file of one mesh, its buffer inside."""
+    vertices, faces = mesh
+    points = b"".join(struct.pack("<3f", *v) for v in vertices)
+    indices = b"".join(struct.pack("<3H", *f) for f in faces)
+    low, high = [[pick(v[k] for v in vertices) for k in range(3)] for pick in (min, max)]
+    return json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "scale": [1, 1, 1], "rotation": [0, 0, 0, 1], "children": []}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": 4, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.25, 1], "baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0, "sampler": 0}], "samplers": [{"magFilter": 9729}], "images": [{"uri": "skin.png"}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3", "min": low, "max": high},
+                      {"bufferView": 1, "componentType": 5123, "count": 3 * len(faces), "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": len(points)},
+                        {"buffer": 0, "byteOffset": len(points), "byteLength": len(indices)}],
+        "buffers": [{"byteLength": len(points + indices), "uri": "data:application/octet-stream;base64," +
+                     base64.b64encode(points + indices).decode()}]}, indent=1).encode()
+
+
+def png(side=8):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + bytes((x * y * 4) & 255 for x in range(3 * side)) for y in range(side))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", side, side, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def textured(mesh, library):
+    vertices, faces = mesh
+    lines = [f"mtllib {library}"] + [f"v {x} {y} {z}\nvt {x / 2 + 0.5} {y / 2 + 0.5}" for x, y, z in vertices]
+    return "\n".join(lines + ["usemtl skin"] + ["f " + " ".join(f"{v + 1}/{v + 1}" for v in f) for f in faces]) + "\n"
 
 
 def changed_bytes(data, draw):
@@ -91,12 +128,27 @@ def write_changed(folder, count, draw, scratch):
             (folder / f"{name}_{k}.3ds").write_bytes(changed_bytes(binary, draw))
 
 
+def write_changed_materials(folder, count, draw):
+    """Good meshes with changed libraries, with changed pictures, and changed glTF files."""
+    mesh = meshes.icosphere(1)
+    library = b"newmtl skin\nKd 0.8 0.5 0.25\nmap_Kd -s 2 3 1 -o .5 -.5 0 skin.png\nbump -bm 0.5 skin.png\nd 0.5\n"
+    (folder / "skin.png").write_bytes(png())
+    for k in range(count):
+        (folder / f"material_{k}.obj").write_text(textured(mesh, f"material_{k}.mtl"))
+        (folder / f"material_{k}.mtl").write_bytes(changed_text(library, draw))
+        (folder / f"picture_{k}.obj").write_text(textured(mesh, f"picture_{k}.mtl"))
+        (folder / f"picture_{k}.mtl").write_bytes(library.replace(b"skin.png", f"picture_{k}.png".encode()))
+        (folder / f"picture_{k}.png").write_bytes(changed_bytes(png(), draw))
+        (folder / f"scene_{k}.gltf").write_bytes(changed_text(gltf(mesh), draw))
+
+
 class Hostile(support.Folder):
     def hold(self, count, draw):
         """Bakes changed files. {file name: what is wrong}, and how many were baked."""
         source = self.folder / "in"
         source.mkdir()
         write_changed(source, count, draw, self.folder)
+        write_changed_materials(source, count, draw)
         result = self.bake("in", "-o", "out", "--size", "9", "--time-limit", "60", "--memory-limit", "1GiB", "-q",
                            "--progress", "none", "--report", "report.json")
         wrong, baked = {}, 0

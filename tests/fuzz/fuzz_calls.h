@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <dgm/asset.h>
 #include <dgm/deform.h>
 #include <dgm/reconstruct.h>
 
@@ -18,6 +19,9 @@ namespace dgm::test {
 /// Meshes in any format, stride and topology; indices must name vertices, and nothing beyond the memory is written.
 void reconstruct_any(Dice& dice, const Chart& chart);
 void reconstruct_any(Dice& dice, const State& state);
+
+/// Makes any calls on states of the asset's charts, and keeps the promises of fuzz_calls_program.cpp.
+void call_all(Dice& dice, const Asset& asset);
 
 /// Opens the bytes and makes any calls of dgm.h.
 void call_c(Dice& dice, std::span<const std::byte> bytes);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/fuzz/fuzz_calls_c.cpp
 // Any calls of dgm.h: structs of older versions (shorter) and newer ones (longer), null where null is allowed and where
-// it is not. The promises are those of fuzz_calls.cpp, as far as C can see them.
+// it is not. The promises are those of fuzz_calls_program.cpp, as far as C can see them.
 #include <dgm/dgm.h>
 
 #include <algorithm>

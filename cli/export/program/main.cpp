@@ -16,6 +16,7 @@
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
+#include "tool/guarded_main.h"
 #include "tool/tool.h"
 
 namespace {
@@ -217,7 +218,7 @@ int run(CommandLine& line, std::string& subject) {
 }
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run_main(int argc, char** argv) {
     if (const auto exit_code = dgm::bake::import_worker(argc, argv)) return *exit_code;
     CLI::App app("Writes a geometry map as a mesh (obj, ply, glb), a picture (png) or the other container (exr, dgm).");
     CommandLine line;
@@ -227,4 +228,8 @@ int main(int argc, char** argv) {
         const dgm::bake::ExrApart exr;
         return run(line, subject);
     });
+}
+
+int main(int argc, char** argv) {
+    return dgm::tool::guarded_main("dgm-export", [&] { return run_main(argc, argv); });
 }

@@ -15,6 +15,7 @@
 #include "geometry/simplify/simplify.h"
 #include "math/portable.h"
 #include "model/codes.h"
+#include "model/shortage.h"
 
 namespace dgm::bake {
 namespace {
@@ -151,7 +152,7 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
     try {
         return carried_over(component, coarse, search_component(mesh, trial, progress), grid, wanted);
     } catch (const model::Error& e) {
-        if (e.code().number == model::codes::kInterrupted.number || options.only_stars) throw;
+        if (e.code().number == model::codes::kInterrupted.number || options.only_stars || model::is_shortage(e)) throw;
         if (options.only_simplified && trial.stars == 0) throw;
         // Where the border has no room for the paths of a simplified mesh, the whole one will find no more.
         if (trial.stars == 0 && e.code().number == model::codes::kGridTooSmall.number && grid.m == wanted.m &&

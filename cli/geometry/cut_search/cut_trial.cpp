@@ -7,6 +7,7 @@
 
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut_search/trial_map.h"
+#include "model/shortage.h"
 
 namespace dgm::bake {
 namespace {
@@ -42,7 +43,7 @@ Trial CutTrials::attempt(Disk disk, std::optional<std::uint32_t> rotation, Borde
 }
 
 void CutTrials::note(const model::Error& failure) {
-    if (failure.code().number == model::codes::kInterrupted.number) throw failure;
+    if (failure.code().number == model::codes::kInterrupted.number || model::is_shortage(failure)) throw failure;
     if (!failure_) failure_ = failure;
 }
 

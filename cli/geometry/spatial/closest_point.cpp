@@ -254,7 +254,7 @@ void on_bounds(const RTCBoundsFunctionArguments* args) {
 RTCDevice device() {
     static RTCDevice instance = rtcNewDevice("set_affinity=0");
     if (instance == nullptr)
-        throw model::Error(model::codes::kInternal,
+        throw model::Error(model::codes::kSystemBusy,
                            "Embree cannot start (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
     return instance;
 }
@@ -360,9 +360,9 @@ struct ClosestPointIndex::Impl {
         rtcReleaseGeometry(geometry);
         rtcCommitScene(scene);
         if (const RTCError error = rtcGetDeviceError(embree); error != RTC_ERROR_NONE)
-            throw model::Error(model::codes::kInternal, "Embree cannot build a hierarchy over " +
-                                                            std::to_string(triangles.size()) + " faces (error " +
-                                                            std::to_string(error) + ")");
+            throw model::Error(model::codes::kSystemBusy, "Embree cannot build a hierarchy over " +
+                                                              std::to_string(triangles.size()) + " faces (error " +
+                                                              std::to_string(error) + ")");
     }
 
     [[nodiscard]] ClosestPoint run(Search& search, const Vec3d& p, std::uint32_t hint) const {

@@ -27,7 +27,7 @@ using model::Vec3d;
 constexpr double kLift = 1e-4;
 
 void check(bool ok) {
-    if (!ok) throw model::Error(model::codes::kInternal, "Embree cannot build a hierarchy for rays");
+    if (!ok) throw model::Error(model::codes::kSystemBusy, "Embree cannot build a hierarchy for rays");
 }
 
 /// One device a process. Wider instructions round differently; a ray along a face must meet it on every machine or on

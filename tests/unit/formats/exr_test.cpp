@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "exr/exr_files.h"
+#include "exr/exr_image.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "model/codes.h"
@@ -316,6 +317,15 @@ TEST(ExrFile, WriterRefusesAndCleansUp) {
     EXPECT_EQ(code_of([&] { write_exr(maps, folder / "a.exr"); }), codes::kBadLayerShape.number);
     EXPECT_FALSE(std::filesystem::exists(folder / "a.exr"));
     EXPECT_EQ(code_of([&] { write_exr(random_maps(1, 1), folder / "none/a.exr"); }), codes::kWriteFailed.number);
+}
+
+/// All of a small file goes out at its end, where OpenEXR no longer looks.
+TEST(ExrFile, AFullDiskIsNoticedAtTheLastByte) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
+    const std::vector<float> pixels(4, 1);
+    EXPECT_EQ(code_of([&] { dgm::formats::write_exr_image("/dev/full", 2, 2, "Y", pixels); }),
+              codes::kWriteFailed.number);
+    EXPECT_EQ(code_of([&] { write_exr(random_maps(1, 1), "/dev/full"); }), codes::kWriteFailed.number);
 }
 
 }  // namespace

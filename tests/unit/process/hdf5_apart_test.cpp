@@ -6,17 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <random>
 
 #include "dgm/dgm_writer.h"
-#include "dgm/hash.h"
-#include "dgm/index.h"
 #include "model/codes.h"
+#include "support/rehash.h"
 #include "test_maps.h"
-
-// HDF5's own checksum of its structures: exported by the library, not declared by its headers.
-extern "C" std::uint32_t H5_checksum_metadata(const void* data, std::size_t bytes, std::uint32_t start);
 
 namespace dgm::bake {
 namespace {
@@ -88,40 +83,6 @@ TEST(Hdf5Apart, AFileThatCrashesHdf5IsAFinding) {
     EXPECT_TRUE(formats::check_container(folder / "a.dgm").empty());
 }
 
-/// A structure of HDF5's: bytes with their checksum behind them.
-struct Block {
-    std::size_t begin, bytes;
-};
-
-std::vector<Block> blocks_of(const std::string& file) {
-    std::vector<Block> out;
-    for (const char* signature : {"\211HDF", "OHDR", "OCHK", "BTHD", "BTLF", "BTIN", "FRHP", "FHIB", "FSHD"})
-        for (std::size_t at = file.find(signature); at != std::string::npos; at = file.find(signature, at + 1))
-            for (std::size_t bytes = 8; bytes < 1024 && at + bytes + 4 <= file.size(); ++bytes) {
-                std::uint32_t stored = 0;
-                std::memcpy(&stored, file.data() + at + bytes, sizeof stored);
-                if (stored != H5_checksum_metadata(file.data() + at, bytes, 0)) continue;
-                out.push_back({at, bytes});
-                break;
-            }
-    return out;
-}
-
-/// Mends what hashes guard after the file's own structures have changed.
-void hash_again(std::string& file, const std::vector<Block>& blocks) {
-    for (const Block& b : blocks) {
-        const std::uint32_t sum = H5_checksum_metadata(file.data() + b.begin, b.bytes, 0);
-        std::memcpy(file.data() + b.begin + b.bytes, &sum, sizeof sum);
-    }
-    layout::FileHeader header;
-    std::memcpy(&header, file.data(), sizeof header);
-    std::fill(std::begin(header.rest_hash), std::end(header.rest_hash), std::uint8_t{0});  // as of another writer
-    const auto hash =
-        formats::hash_bytes(std::as_bytes(std::span(&header, 1)).first(offsetof(layout::FileHeader, header_hash)));
-    std::copy(hash.begin(), hash.end(), header.header_hash);
-    std::memcpy(file.data(), &header, sizeof header);
-}
-
 TEST(Hdf5Apart, SurvivesMutantsWhoseChecksumsFit) {
     const test::TempFolder folder;
     model::MapSet maps = test::random_maps(1, 7);
@@ -134,7 +95,7 @@ TEST(Hdf5Apart, SurvivesMutantsWhoseChecksumsFit) {
     }
     formats::write_dgm(maps, folder / "a.dgm");
     const std::string original = test::read_bytes(folder / "a.dgm");
-    const std::vector<Block> blocks = blocks_of(original);
+    const std::vector<test::Hdf5Block> blocks = test::hdf5_blocks(original);
     ASSERT_GT(blocks.size(), 15u);
     const Hdf5Apart hdf5;
     std::mt19937 random(20);
@@ -142,12 +103,13 @@ TEST(Hdf5Apart, SurvivesMutantsWhoseChecksumsFit) {
     for (int mutant = 0; mutant < 150; ++mutant) {
         std::string file = original;
         for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
-            const Block& b = blocks[random() % blocks.size()];
+            const test::Hdf5Block& b = blocks[random() % blocks.size()];
             const std::size_t at = b.begin + 4 + random() % (b.bytes - 4);
             const char values[] = {0, 1, '\x7f', '\xff', static_cast<char>(random())};
             file[at] = values[random() % std::size(values)];
         }
-        hash_again(file, blocks);
+        test::mend_checksums(file, blocks);
+        test::mend_hashes(file);
         test::write_bytes(folder / "m.dgm", file);
         const auto findings = formats::check_container(folder / "m.dgm");
         refused += findings.empty() ? 0 : 1;

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps that somebody has made to do harm, with hashes and checksums that fit (tests/fuzz/rehashed_files), through the
+real programs: none of them dies, and one file never ends a batch.
+
+As a test: a few, always the same. By scripts/faults: many.
+
+    test_rehashed.py --count N [--first K] [--keep FOLDER]      exit code 1 if a program did what it must not
+"""
+import argparse
+import collections
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import meshes
+import support
+
+FILES = os.environ.get("DGM_REHASHED_FILES", "")
+CODES = (0, 2, 3, 5)
+BATCH = 100
+SECONDS = 600
+
+
+class Batch:
+    """Some mutants in a folder, and what the programs made of them."""
+
+    def __init__(self, folder, ending, first, count):
+        self.folder, self.ending = folder, ending
+        self.maps = folder / "maps"
+        shutil.rmtree(folder, ignore_errors=True)
+        self.maps.mkdir(parents=True)
+        subprocess.run([FILES, ending, str(first), str(count), str(self.maps)], check=True, timeout=SECONDS)
+        self.names = sorted(p.name for p in self.maps.iterdir() if p.suffix == "." + ending and "." not in p.stem)
+        self.wrong, self.codes = [], collections.Counter()
+
+    def run(self, program, *arguments):
+        result = subprocess.run([program, *arguments], cwd=self.maps, capture_output=True, text=True, errors="replace",
+                                timeout=SECONDS, check=False)
+        name = Path(program).name
+        self.codes[f"{name} {result.returncode}"] += 1
+        if result.returncode not in CODES:
+            self.wrong.append(f"{name}: exit code {result.returncode}: {result.stderr[-300:]}")
+        for code in ("DGM9001", "DGM9002"):
+            if code in result.stderr + result.stdout:
+                at = (result.stderr + result.stdout).index(code)
+                self.wrong.append(f"{name}: {(result.stderr + result.stdout)[max(0, at - 100):at + 200]}")
+        return result
+
+    def validate(self):
+        """Names of the files that are accepted."""
+        result = self.run(support.VALIDATE, "--format", "json", *self.names)
+        try:
+            files = json.loads(result.stdout)["files"]
+        except (ValueError, KeyError):
+            self.wrong.append("dgm-validate: no report of the batch")
+            return []
+        if len(files) != len(self.names):
+            self.wrong.append(f"dgm-validate: {len(self.names)} files, {len(files)} results")
+        return [f["file"] for f in files if f["exit_code"] == 0]
+
+    def inform(self):
+        self.run(support.INFO, *self.names)
+        self.run(support.INFO, "--json", *self.names)
+
+    def export(self):
+        for form in ("glb", "obj"):
+            self.run(support.EXPORT, *self.names, "--format", form, "-o", "../out")
+
+    def bake(self, count):
+        """They stand where outputs go: each is baked anew, or found to be another's."""
+        sources, out = self.folder / "meshes", self.folder / "baked"
+        sources.mkdir()
+        out.mkdir()
+        for name in self.names[:count]:
+            meshes.write_obj(sources / f"{Path(name).stem}.obj", meshes.icosphere(0))
+            shutil.copy(self.maps / name, out / name)
+        result = self.run(support.BAKE, str(sources), "-o", str(out), "--size", "3", "-q", "--progress", "none",
+                          "--format", self.ending, "--report", str(self.folder / "report.json"))
+        outcomes = collections.Counter(a["outcome"] for a in json.loads((self.folder / "report.json").read_text())["assets"])
+        if outcomes["baked"] != min(count, len(self.names)):
+            self.wrong.append(f"dgm-bake: {dict(outcomes)}: {result.stderr[-300:]}")
+
+
+def try_all(batch, baked):
+    accepted = batch.validate()
+    batch.inform()
+    batch.export()
+    if baked:
+        batch.bake(baked)
+    return accepted
+
+
+@unittest.skipIf(not FILES, "tests/fuzz is not built")
+class Rehashed(support.Folder):
+    def hold(self, ending):
+        batch = Batch(self.folder / ending, ending, 1000, 40)  # 1006: normals, but none of the border
+        self.assertEqual(len(batch.names), 40)
+        accepted = try_all(batch, 6)
+        self.assertEqual(batch.wrong, [])
+        self.assertTrue(0 < len(accepted) < 40, accepted)
+
+    def test_dgm(self):
+        self.hold("dgm")
+
+    def test_exr(self):
+        self.hold("exr")
+
+
+def run_many(first, count, keep):
+    folder, wrong = Path(tempfile.mkdtemp(prefix="dgm-rehashed-")).resolve(), 0
+    try:
+        for ending in ("dgm", "exr"):
+            start, codes, accepted = time.monotonic(), collections.Counter(), 0
+            for at in range(first, first + count, BATCH):
+                batch = Batch(folder / "batch", ending, at, min(BATCH, first + count - at))
+                accepted += len(try_all(batch, 5))
+                codes += batch.codes
+                for what in batch.wrong:
+                    wrong += 1
+                    print(f"rehashed: {ending} {at}..{at + BATCH - 1}: {what}", flush=True)
+                    if keep:
+                        shutil.copytree(batch.maps, Path(keep) / f"rehashed-{ending}-{at}", dirs_exist_ok=True)
+            print(f"rehashed: {count} {ending} files from {first} in {time.monotonic() - start:.0f} s: {accepted} accepted, "
+                  f"exit codes {dict(sorted(codes.items()))}, {wrong} wrong", flush=True)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    if "--count" in sys.argv:
+        parser = argparse.ArgumentParser()
+        parser.add_argument("--count", type=int)
+        parser.add_argument("--first", type=int, default=1)
+        parser.add_argument("--keep", default="")
+        asked = parser.parse_args()
+        sys.exit(run_many(asked.first, asked.count, asked.keep))
+    unittest.main()
