@@ -86,6 +86,7 @@ void name_inputs(const std::filesystem::path& source, const formats::ImportedMes
 
 Imported import_file(const std::filesystem::path& source) {
     Imported out;
+    formats::check_mesh_file(source);
     // The hashes come first: a file that changes while it is read makes the output stale, not wrong.
     out.facts.source_hash = formats::hash_file(source);
     out.facts.inputs_hash = hash_inputs(source);

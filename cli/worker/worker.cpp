@@ -15,6 +15,8 @@
 #include <optional>
 #include <string_view>
 
+#include "baking/up_to_date.h"
+#include "dgm/dgm_reader.h"
 #include "model/codes.h"
 #include "process/sandbox.h"
 #include "worker/export_outputs.h"
@@ -97,8 +99,11 @@ WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
     job.options.on_notice = [](const Notice& notice) {
         static_cast<void>(send_message(encode(WorkerMessage{NoticeMessage{notice}})));
     };
-    return guarded(job.memory_bytes, sender,
-                   [&]() -> WorkerMessage { return ResultMessage{bake_and_write(job, bake, sender)}; });
+    return guarded(job.memory_bytes, sender, [&]() -> WorkerMessage {
+        ResultMessage result{bake_and_write(job, bake, sender), {}};
+        if (job.wants_inputs) result.inputs = input_files(job.source, job.options, result.report);
+        return result;
+    });
 }
 
 /// The result of a page is its file: the report in the message is empty.
@@ -110,6 +115,17 @@ WorkerMessage outcome_of_page(std::string_view job, std::uint64_t memory_bytes, 
 }
 
 }  // namespace
+
+void send_if_up_to_date(const OutputCheck& check) {
+    limit_worker_memory(check.memory_bytes, 1);
+    static_cast<void>(enter_sandbox({.readable = {"/"}, .writable = {}, .cpu_seconds = 0}));
+    formats::set_hdf5_reader({});  // a crash costs this process alone
+    std::optional<BakeReport> report = up_to_date(check.source, check.outputs, check.options);
+    if (!report) return;
+    ResultMessage result{std::move(*report), {}};
+    if (check.wants_inputs) result.inputs = input_files(check.source, check.options, result.report);
+    static_cast<void>(send_message(encode(WorkerMessage{std::move(result)})));
+}
 
 int run_worker(const BakeFunction& bake, const PageFunction& page) {
     if (!has_message_descriptor()) return static_cast<int>(model::ExitCode::kUsage);

@@ -2,13 +2,12 @@
 // formats/image/image_read.cpp
 #include <climits>
 #include <cstdio>
-#include <fstream>
 #include <memory>
-#include <system_error>
+#include <span>
 
+#include "files/regular_file.h"
 #include "image/image.h"
 #include "model/codes.h"
-#include "model/file_errors.h"
 
 #ifndef __clang_analyzer__  // which finds leaks in it, where memory runs out
 #define STB_IMAGE_STATIC
@@ -48,21 +47,16 @@ struct EncodedImage {
 }
 
 EncodedImage load(const fs::path& path) {
-    std::error_code error;
-    const auto status = fs::status(path, error);
-    if (!fs::exists(status)) throw model::missing_file(path);
-    if (!fs::is_regular_file(status)) throw model::no_regular_file(path);
-    const std::uint64_t size = fs::file_size(path, error);
-    if (error) throw model::unreadable_file(path, error.message());
+    RegularFile file(path);
+    const std::uint64_t size = file.size();
     if (size > kMaxFileBytes)
         throw model::Error(codes::kTooLarge, "a picture file of " + std::to_string(size) + " bytes", path.string());
     EncodedImage out;
     out.bytes.resize(size);
-    std::ifstream file(path, std::ios::binary);
-    if (!file || !file.read(reinterpret_cast<char*>(out.bytes.data()), static_cast<std::streamsize>(size)))
-        throw model::unreadable_file(path);
+    out.bytes.resize(file.read(std::as_writable_bytes(std::span(out.bytes))));
     int channels = 0;
-    if (size == 0 || stbi_info_from_memory(out.bytes.data(), out.size(), &out.width, &out.height, &channels) == 0)
+    if (out.bytes.empty() ||
+        stbi_info_from_memory(out.bytes.data(), out.size(), &out.width, &out.height, &channels) == 0)
         unreadable(path);
     constexpr int kLimit = static_cast<int>(kMaxImageSide);
     if (out.width < 1 || out.height < 1 || out.width > kLimit || out.height > kLimit)

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <vector>
 
 #include "geometry/mesh/infinity.h"
@@ -253,8 +254,9 @@ void on_bounds(const RTCBoundsFunctionArguments* args) {
 RTCDevice device() {
     static RTCDevice instance = rtcNewDevice("set_affinity=0");
     if (instance == nullptr)
-        throw model::Error(model::codes::kInternal,
-                           "Embree cannot start (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
+        throw model::Error(model::codes::kWorkerMemory,
+                           "Embree cannot start: too little memory, or too few threads (error " +
+                               std::to_string(rtcGetDeviceError(nullptr)) + ")");
     return instance;
 }
 }  // namespace
@@ -358,7 +360,9 @@ struct ClosestPointIndex::Impl {
         rtcAttachGeometry(scene, geometry);
         rtcReleaseGeometry(geometry);
         rtcCommitScene(scene);
-        if (const RTCError error = rtcGetDeviceError(embree); error != RTC_ERROR_NONE)
+        const RTCError error = rtcGetDeviceError(embree);
+        if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+        if (error != RTC_ERROR_NONE)
             throw model::Error(model::codes::kInternal, "Embree cannot build a hierarchy over " +
                                                             std::to_string(triangles.size()) + " faces (error " +
                                                             std::to_string(error) + ")");
