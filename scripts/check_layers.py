@@ -38,13 +38,13 @@ def rooms(*names):
     return RUNTIME + tuple(f"libdgm/src/{name}" for name in names)
 
 
-DATA = RUNTIME + ("formats/math", "formats/model", "formats/image")
+DATA = RUNTIME + ("formats/math", "formats/model", "formats/files", "formats/image")
 KERNEL = DATA + ("cli/geometry/mesh",)
 MESHES = KERNEL + ("cli/geometry/spatial", "cli/geometry/cut", "cli/geometry/simplify", "cli/geometry/metrics")
 MAPS = MESHES + ("cli/geometry/solve", "cli/geometry/parameterize")
 CHARTS = MAPS + ("cli/geometry/resample", "cli/geometry/chart")
 GEOMETRY = CHARTS + ("cli/geometry/repair", "cli/geometry/cut_search", "cli/geometry/fit", "cli/geometry/layers")
-CONTAINERS = ("formats/dgm", "formats/exr", "formats/mesh")
+CONTAINERS = ("formats/files", "formats/dgm", "formats/exr", "formats/mesh")
 BAKING = ("cli/process", "cli/baking", "cli/worker", "cli/batch")
 BELOW_PROGRAMS = GEOMETRY + CONTAINERS + BAKING + ("cli/geometry/cgal", "cli/render", "cli/export", "cli/report", "cli/scene",
                                                   "cli/tool")
@@ -62,7 +62,8 @@ PARTS = (
     Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
     Part("formats/math", 0.5, (), (), "functions that round alike everywhere; the C library's do not"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
-    Part("formats/image", 1, ("formats/model",), (PNG, STB), "pixels in and out; no other part decodes pictures"),
+    Part("formats/files", 1, ("formats/model",), (SYSTEM,), "opens inputs that may be anything, puts outputs in place"),
+    Part("formats/image", 1, ("formats/model", "formats/files"), (PNG, STB), "pixels in and out; no other part decodes pictures"),
     # The rooms of the geometry: pure functions on meshes. All build without CGAL, and most without Eigen.
     Part("cli/geometry/mesh", 2, DATA, (), "the kernel: half-edges, predicates, areas, closest points"),
     Part("cli/geometry/solve", 2, (), (EIGEN,), "sparse systems; knows no mesh"),
@@ -83,10 +84,10 @@ PARTS = (
     Part("formats/exr", 3, DATA, (OPENEXR, XXHASH, SYSTEM), "the only folder to see OpenEXR and Imath"),
     Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
     Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_truetype"),
-    Part("cli/tool", 3, ("formats/model",), (CLI11, FMT), "what every program's main() does alike"),
+    Part("cli/tool", 3, ("formats/model", "formats/files"), (CLI11, FMT), "what every program's main() does alike"),
     Part("cli/export", 3.5, GEOMETRY + CONTAINERS + ("cli/render", "cli/tool"), (FMT, JSON, MESHOPT, SYSTEM),
          "maps as meshes and pictures; a bake may ask for them, too; the only folder to see meshoptimizer"),
-    Part("cli/process", 4, ("formats/model", "formats/mesh", "formats/dgm", "formats/exr"), (FMT, SYSTEM, SECCOMP),
+    Part("cli/process", 4, ("formats/model", "formats/files", "formats/mesh", "formats/dgm", "formats/exr"), (FMT, SYSTEM, SECCOMP),
          "disposable copies of the program, whatever their work; files of strangers are read in them"),
     Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/export"), (FMT, JSON, TBB),
          "the stages in order, in this process; introduces the parameterizers to the geometry"),
@@ -99,7 +100,7 @@ PARTS = (
     Part("cli/scene", 7, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
     Part("cli/bench", 8, BELOW_PROGRAMS + ("samples/generate",), (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("cli/bake", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
-    Part("cli/validate", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
+    Part("cli/validate", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, TBB, SYSTEM), "a program"),
     Part("cli/info", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON), "a program"),
     Part("cli/edit", 9, BELOW_PROGRAMS + ("cli/validate",), (CLI11, FMT, JSON, SYSTEM),
          "a program; checks what it writes as dgm-validate does"),

@@ -12,8 +12,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -31,7 +29,9 @@
 #include "batch/merge_reports.h"
 #include "batch/repeat_command.h"
 #include "batch/report_text.h"
-#include "dgm/atomic_file.h"
+#include "files/atomic_file.h"
+#include "files/output_file.h"
+#include "files/regular_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "model/shortage.h"
@@ -61,7 +61,15 @@ fs::path spelled_out(const fs::path& path) {
 /// Finds out at the start what would otherwise be found out after hours.
 void check_files(const CommandLine& line, const BatchPlan& plan) {
     std::error_code ignored;
+    std::vector<fs::path> inputs = line.to_merge;
+    inputs.insert(inputs.end(), {line.bake.texture, line.scene});
+    for (const PlannedAsset& asset : plan.assets) inputs.insert(inputs.end(), {asset.source, asset.options.texture});
     const std::array further{std::pair(line.report, "report"), std::pair(line.depfile, "depfile")};
+    for (const auto& [file, what] : further) formats::refuse_input_as_output(file, inputs, what);
+    if (!line.report.empty() && !line.depfile.empty() && formats::is_same_file(line.report, line.depfile) &&
+        !formats::destination_of(line.report).is_through)
+        throw model::Error(codes::kUsage, "the report and the depfile would overwrite each other",
+                           line.depfile.string());
     if (!line.bake.texture.empty() && !fs::is_regular_file(line.bake.texture, ignored))
         throw model::missing_file(line.bake.texture);
     for (const PlannedAsset& asset : plan.assets)
@@ -73,19 +81,21 @@ void check_files(const CommandLine& line, const BatchPlan& plan) {
                     throw model::Error(codes::kUsage, fmt::format("the {} would overwrite an output", what),
                                        output.string());
         }
-    for (const auto& [file, what] : further)
-        for (const PlannedAsset& asset : plan.assets)
-            if (!file.empty() && spelled_out(asset.source) == spelled_out(file))
-                throw model::Error(codes::kUsage, fmt::format("the {} would overwrite an input", what), file.string());
 }
 
-std::string read_whole(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) throw model::missing_file(path);
-    if (!in || fs::is_directory(path, ignored)) throw model::unreadable_file(path);
-    return text;
+/// Reports are of one batch: a larger file is none.
+constexpr std::uint64_t kMostReportBytes = std::uint64_t{2} << 30;
+
+/// Textures and material libraries are known once the assets are baked.
+void check_inputs_kept(const fs::path& file, const std::vector<AssetResult>& results, const char* what) {
+    for (const AssetResult& result : results) formats::refuse_input_as_output(file, result.inputs, what);
+}
+
+/// An index has pages beside it.
+void check_page(const fs::path& report) {
+    formats::check_output(report);
+    if (formats::destination_of(report).is_through)
+        throw model::Error(codes::kUsage, "an HTML report is a file with pages beside it", report.string());
 }
 
 /// Pages take seconds each. @return true if a signal ended it
@@ -97,7 +107,7 @@ bool write_html(const CommandLine& line, const report::ReportToShow& shown) {
     };
     const report::PageLimits limits{line.batch.jobs, line.batch.time_limit_seconds, line.batch.memory_bytes};
     const report::HtmlReport html = report::html_report(line.report, shown, limits, tell);
-    write_whole(line.report, html.index);
+    formats::write_output(line.report, html.index);
     if (!line.quiet)
         say(stdout, fmt::format("{}: report, {} page{} made, {} kept, {} failed\n",
                                 printable(line.report.lexically_normal().string()), html.made,
@@ -106,9 +116,10 @@ bool write_html(const CommandLine& line, const report::ReportToShow& shown) {
 }
 
 int merge(const CommandLine& line) {
+    formats::refuse_input_as_output(line.report, line.to_merge, "report");
     std::vector<NamedReport> reports;
     for (const fs::path& path : line.to_merge) {
-        std::string text = read_whole(path);
+        std::string text = formats::read_small_file(path, kMostReportBytes);
         if (std::string inside = report::report_in_index(text); !inside.empty()) text = std::move(inside);
         reports.push_back({path.string(), std::move(text)});
     }
@@ -117,11 +128,18 @@ int merge(const CommandLine& line) {
     if (line.report.empty()) {
         say(stdout, merged.text);
     } else if (line.html_report) {
-        check_writable(line.report);
-        if (write_html(line, {nlohmann::json::parse(merged.text), true, line.bake.asset_roots}))
-            return static_cast<int>(model::ExitCode::kInterrupted);
+        check_page(line.report);
+        try {
+            if (write_html(line, {nlohmann::json::parse(merged.text), true, line.bake.asset_roots}))
+                return static_cast<int>(model::ExitCode::kInterrupted);
+        } catch (const model::Error& error) {
+            if (error.code().number != codes::kReportUnreadable.number) throw;
+            std::string names;
+            for (const fs::path& path : line.to_merge) names += (names.empty() ? "" : ", ") + path.string();
+            throw model::Error(error.code(), error.what(), names);
+        }
     } else {
-        write_whole(line.report, merged.text);
+        formats::write_output(line.report, merged.text);
     }
     return static_cast<int>(merged.exit);
 }
@@ -138,13 +156,13 @@ void touch_outputs(const std::vector<AssetResult>& results) {
 }
 
 /// Rules for outputs that exist now; other assets have no files that a build could use.
-std::vector<DependencyRule> rules_of(const BatchPlan& plan, const std::vector<AssetResult>& results) {
+std::vector<DependencyRule> rules_of(const std::vector<AssetResult>& results) {
     std::vector<DependencyRule> rules;
-    for (std::size_t k = 0; k < results.size(); ++k) {
-        if (results[k].files.empty()) continue;
+    for (const AssetResult& result : results) {
+        if (result.files.empty()) continue;
         DependencyRule& rule = rules.emplace_back();
-        for (const OutputFile& file : results[k].files) rule.outputs.push_back(file.path);
-        rule.inputs = input_files(plan.assets[k].source, plan.assets[k].options, results[k].report);
+        for (const OutputFile& file : result.files) rule.outputs.push_back(file.path);
+        rule.inputs = result.inputs;
     }
     return rules;
 }
@@ -295,10 +313,13 @@ int run(const CommandLine& line) {
     for (const fs::path& file : {line.report, line.depfile}) {
         if (file.empty()) continue;
         formats::make_folder_of(file);
-        check_writable(file);
+        formats::check_output(file);
+        if (file == line.report && line.html_report) check_page(file);
     }
     Conversation conversation(line, plan);
-    const std::vector<AssetResult> results = run_batch(plan, line.batch, conversation.observer());
+    BatchOptions batch = line.batch;
+    batch.wants_inputs = !line.report.empty() || !line.depfile.empty();
+    const std::vector<AssetResult> results = run_batch(plan, batch, conversation.observer());
     signals.batch_done();
     conversation.end(results);
     if (line.prune && worst_exit(results) != model::ExitCode::kInterrupted) prune(left_over, results);
@@ -310,6 +331,8 @@ int run(const CommandLine& line) {
         exit = tell_scene(line, *scene, *outcome, exit);
     }
     bool interrupted = false;
+    check_inputs_kept(line.report, results, "report");
+    check_inputs_kept(line.depfile, results, "depfile");
     if (!line.report.empty()) {
         nlohmann::json report = nlohmann::json::parse(batch_report_json(plan, line.batch, results, generator()));
         if (scene)
@@ -320,11 +343,12 @@ int run(const CommandLine& line) {
         if (line.html_report)
             interrupted = write_html(line, {std::move(report), false, line.bake.asset_roots});
         else
-            write_whole(line.report, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
+            formats::write_output(line.report,
+                                  report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
     }
     if (!line.depfile.empty()) {
         touch_outputs(results);
-        write_whole(line.depfile, dependency_file(rules_of(plan, results)));
+        formats::write_output(line.depfile, dependency_file(rules_of(results)));
     }
     return static_cast<int>(interrupted ? model::ExitCode::kInterrupted : exit);
 }

@@ -6,8 +6,8 @@
 
 #include "baking/up_to_date.h"
 #include "batch/batch_report_json.h"
+#include "files/output_file.h"
 #include "report/index_page.h"
-#include "worker/output_files.h"
 
 namespace dgm::bake {
 namespace {
@@ -40,7 +40,7 @@ void LiveIndex::write() {
     for (const Outcome outcome : kOutcomes) set_count(report, outcome, counts[std::string(name_of(outcome))]);
     report["summary"]["assets"] = assets_.size();
     report["running"] = {{"done", assets_.size()}, {"of", plan_.assets.size()}};
-    write_whole(index_, report::index_page(report, {}));
+    formats::write_output(index_, report::index_page(report, {}));
 }
 
 }  // namespace dgm::bake

@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <system_error>
 #include <thread>
 
 #include "bake/raw_options.h"
@@ -79,8 +80,9 @@ ErrorGoal parse_max_error(const std::string& text) {
 void set_formats(const Raw& raw, CommandLine& out) {
     std::string text = raw.format;
     const std::string extension = std::filesystem::path(raw.output).extension().string();
+    std::error_code ignored;
     const bool names_file = (extension == ".dgm" || extension == ".exr") && !out.plan.output_is_folder &&
-                            !std::filesystem::is_directory(raw.output);
+                            !std::filesystem::is_directory(raw.output, ignored);
     if (text.empty()) text = names_file ? extension.substr(1) : "dgm";
     out.bake.write_dgm = out.bake.write_exr = false;
     constexpr std::array<std::string_view, 5> kFormats{"dgm", "exr", "glb", "obj", "ply"};

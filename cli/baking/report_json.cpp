@@ -9,6 +9,7 @@
 
 #include "baking/bake_report.h"
 #include "baking/option_names.h"
+#include "files/nesting.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -290,6 +291,7 @@ std::string to_json(const BakeReport& report, bool with_times) {
 }
 
 BakeReport report_from_json(std::string_view text) {
+    if (formats::too_deep_json(text, formats::kMostNesting)) malformed("nested too deeply");
     const json parsed = json::parse(text, nullptr, false);
     if (!parsed.is_object()) malformed("not an object");
     BakeReport report;

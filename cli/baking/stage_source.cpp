@@ -105,6 +105,7 @@ void warn_of_one_sided(Repaired& source) {
 
 Imported import_file(const std::filesystem::path& source, std::span<const std::filesystem::path> asset_roots) {
     Imported out;
+    formats::check_mesh_file(source);
     // The hashes come first: a file that changes while it is read makes the output stale, not wrong.
     out.facts.source_hash = formats::hash_file(source);
     out.facts.inputs_hash = hash_inputs(source, asset_roots);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -14,7 +14,9 @@
 #include "dgm/hash.h"
 #include "export/map_stamp.h"
 #include "exr/exr_reader.h"
+#include "files/regular_file.h"
 #include "mesh/material_files.h"
+#include "mesh/mesh_reader.h"
 #include "mesh/source_inputs.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
@@ -29,12 +31,31 @@ Hash128 hash_text(const std::string& text) {
     return formats::hash_bytes(std::as_bytes(std::span(text)));
 }
 
+/// The contents of files, each hashed once: materials may name a picture thousands of times, by as many names.
+class InputHashes {
+ public:
+    /// The hash in hexadecimal; for a file that no bake reads, why not: larger than any limit, or unreadable.
+    std::string of(const fs::path& path) {
+        try {
+            formats::RegularFile file(path);
+            if (file.size() > kMostBytes) return "too large";
+            const auto [place, is_new] = known_.try_emplace(file.identity());
+            if (is_new) place->second = formats::to_hex(formats::hash_file(file, kMostBytes));
+            return place->second;
+        } catch (const model::Error&) { return "unreadable"; }
+    }
+
+ private:
+    static constexpr std::uint64_t kMostBytes = formats::MeshReadLimits{}.max_file_bytes;
+    std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> known_;
+};
+
 /// From the first bytes, before anything is checked: to pass over a stale file without reading it.
 bool header_names(const fs::path& dgm, const Hash128& source, const Hash128& settings) {
     layout::FileHeader header{};
-    std::ifstream file(dgm, std::ios::binary);
-    file.read(reinterpret_cast<char*>(&header), sizeof header);
-    return file && std::memcmp(header.magic, layout::kMagic, sizeof layout::kMagic) == 0 &&
+    formats::RegularFile file(dgm);
+    return file.read(std::as_writable_bytes(std::span(&header, 1))) == sizeof header &&
+           std::memcmp(header.magic, layout::kMagic, sizeof layout::kMagic) == 0 &&
            std::equal(source.begin(), source.end(), header.source_hash) &&
            std::equal(settings.begin(), settings.end(), header.settings_hash);
 }
@@ -72,9 +93,9 @@ const char* generator() {
 std::string hash_inputs(const fs::path& mesh_file, std::span<const fs::path> asset_roots) {
     const auto inputs = formats::source_inputs(mesh_file, asset_roots);
     if (!inputs) return {};
+    InputHashes hashes;
     std::vector<std::string> files;
-    for (const fs::path& file : inputs->files)
-        files.push_back(formats::to_hex(formats::hash_file(file)) + ' ' + file.filename().string());
+    for (const fs::path& file : inputs->files) files.push_back(hashes.of(file) + ' ' + file.filename().string());
     std::sort(files.begin(), files.end());
     std::string text;
     for (const std::string& file : files) text += file + '\n';
@@ -86,11 +107,12 @@ std::string hash_inputs(const fs::path& mesh_file, const std::vector<std::string
                         const std::vector<std::string>& missing, std::span<const fs::path> asset_roots) {
     const formats::AssetFolders folders(mesh_file, asset_roots);
     formats::FileFinder finder(mesh_file, asset_roots);
+    InputHashes hashes;
     std::string text;
     for (const std::string& name : inputs) {
         const std::optional<fs::path> file = folders.resolve(name);
         if (!file) throw model::missing_file(name);
-        text += formats::to_hex(formats::hash_file(*file)) + ' ' + name + '\n';
+        text += hashes.of(*file) + ' ' + name + '\n';
     }
     for (const std::string& name : missing) {
         if (finder.find(name)) return {};
@@ -140,6 +162,7 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
         std::error_code ignored;
         for (const fs::path& output : outputs)
             if (!fs::is_regular_file(output, ignored)) return std::nullopt;
+        formats::check_mesh_file(mesh_file);
         const Hash128 settings = hash_text(canonical_settings(options)), source = formats::hash_file(mesh_file);
         for (const fs::path& output : outputs)
             if (output.extension() == ".dgm" && !header_names(output, source, settings)) return std::nullopt;

@@ -13,13 +13,14 @@
 #include <list>
 #include <thread>
 
-#include "baking/up_to_date.h"
 #include "batch/memory_budget.h"
+#include "files/staging_folder.h"
 #include "model/codes.h"
 #include "process/signal_scope.h"
 #include "worker/export_outputs.h"
 #include "worker/output_files.h"
 #include "worker/running_worker.h"
+#include "worker/worker.h"
 #include "worker/worker_protocol.h"
 
 namespace dgm::bake {
@@ -52,42 +53,60 @@ std::optional<model::Error> keep_edits(const PlannedAsset& asset) {
     return std::nullopt;
 }
 
+/// Where a worker completes the outputs of an asset; goes away with all that was not published.
+struct Staging {
+    fs::path dgm, exr;
+    std::vector<formats::StagingFolder> exports;  ///< one each
+    std::vector<formats::StagingFolder> maps;     ///< of `dgm` and `exr`
+};
+
 /// One asset while its worker runs.
 struct Running : RunningWorker {
     using RunningWorker::RunningWorker;
     std::size_t asset = 0;
-    fs::path dgm, exr;              ///< temporary names
-    std::vector<fs::path> folders;  ///< temporary, of each export
-    std::uint64_t expected = 0;     ///< bytes at its peak
+    bool is_check = false;  ///< a copy of this program that looks whether the outputs are up to date
+    Staging staging;
+    std::uint64_t expected = 0;  ///< bytes at its peak
     std::string stage;
     std::size_t notices = 0;
     bool out_of_memory = false;
     std::optional<WorkerMessage> last_word;  ///< ResultMessage or ErrorMessage
 };
 
-void remove_folders(const std::vector<fs::path>& folders) {
-    std::error_code ignored;
-    for (const fs::path& folder : folders) fs::remove_all(folder, ignored);
+/// A map keeps the name of its mesh, and a reader would take this one for a folder and a name: refused before the bake,
+/// not after it.
+void check_name(const fs::path& source) {
+    if (source.filename().native().find('\\') == std::string::npos) return;
+    throw model::Error(codes::kUnsupported, "the mesh's name has a backslash in it", source.string())
+        .with_hint("rename the mesh: other systems separate folders by it");
 }
 
-void remove_temporaries(const Running& r) {
-    for (const fs::path& file : {r.dgm, r.exr})  // published ones are gone
-        if (!file.empty()) remove_output(file);
-    remove_folders(r.folders);
+/// @throws model::Error if an output cannot be put in place
+Staging stage_outputs(const PlannedAsset& asset, OutputFolders& folders, const fs::path& root) {
+    Staging out;
+    const auto add = [&](const fs::path& final_path, std::vector<formats::StagingFolder>& to) {
+        folders.make_below(root, final_path);
+        check_place(final_path);
+        return to.emplace_back(final_path, "no file can be created in the output folder").where(final_path.filename());
+    };
+    if (!asset.dgm.empty()) out.dgm = add(asset.dgm, out.maps);
+    if (!asset.exr.empty()) out.exr = add(asset.exr, out.maps);
+    for (const fs::path& output : asset.exports) static_cast<void>(add(output, out.exports));
+    return out;
 }
 
 /// The files of a worker, meshes first and the map last: whoever sees the map may count on what goes with it.
-std::vector<ExportedFile> written_files(const PlannedAsset& asset, const Running& r, const BakeReport& report) {
+std::vector<ExportedFile> written_files(const PlannedAsset& asset, const Staging& staging,
+                                        const std::vector<fs::path>& inputs) {
     std::vector<ExportedFile> out;
-    const std::vector<fs::path> inputs =
-        asset.exports.empty() ? asset.exports : input_files(asset.source, asset.options, report);
     for (std::size_t k = asset.exports.size(); k-- > 0;)
-        for (ExportedFile& file : exported_files(r.folders[k], asset.exports[k], inputs)) {
+        for (ExportedFile& file : exported_files(staging.exports[k].path(), asset.exports[k], inputs)) {
             // An OBJ and a PLY have the same texture.
             const auto same = [&](const ExportedFile& other) { return other.final_path == file.final_path; };
             if (std::none_of(out.begin(), out.end(), same)) out.push_back(std::move(file));
         }
-    for (const auto& [temporary, final_path] : {std::pair(&r.exr, &asset.exr), std::pair(&r.dgm, &asset.dgm)}) {
+    for (const auto& [temporary, final_path] :
+         {std::pair(&staging.exr, &asset.exr), std::pair(&staging.dgm, &asset.dgm)}) {
         if (temporary->empty()) continue;
         std::error_code error;
         out.push_back({*temporary, *final_path, output_bytes(*temporary, final_path == &asset.exr, error)});
@@ -99,12 +118,38 @@ std::vector<ExportedFile> written_files(const PlannedAsset& asset, const Running
 }
 
 void publish(const PlannedAsset& asset, const Running& r, AssetResult& result) {
-    for (const ExportedFile& file : written_files(asset, r, result.report)) {
+    for (const ExportedFile& file : written_files(asset, r.staging, result.inputs)) {
         try {
             publish_output(file.temporary, file.final_path);
         } catch (const model::Error& failure) { throw explained(failure, file.temporary); }
         result.files.insert(result.files.begin(), OutputFile{file.final_path, file.bytes});
     }
+}
+
+/// Why there is no result.
+std::optional<model::Error> error_of(const Running& r, std::uint64_t memory_bytes) {
+    const ChildEnd end = r.end;
+    if (r.verdict) return r.verdict;
+    const bool has_result = r.last_word && std::holds_alternative<ResultMessage>(*r.last_word);
+    if (has_result && end.signal == 0 && end.exit_code == 0) return std::nullopt;
+    // Whatever a library made of a failed allocation, the shortage is the cause.
+    if (r.out_of_memory) {
+        const bool told = r.last_word && std::holds_alternative<ErrorMessage>(*r.last_word) &&
+                          std::get<ErrorMessage>(*r.last_word).error.code().number == codes::kWorkerMemory.number;
+        if (told) return std::get<ErrorMessage>(*r.last_word).error;
+        return model::Error(codes::kWorkerMemory,
+                            memory_bytes == 0
+                                ? "the system ran out of memory"
+                                : fmt::format("it needs more than the {} MiB it may take", memory_bytes >> 20));
+    }
+    // Not by us, and not by itself: the kernel where memory ran out, a scheduler, or a person.
+    if (end.signal == SIGKILL || end.signal == SIGTERM)
+        return model::Error(codes::kWorkerKilled,
+                            fmt::format("the worker process was ended by signal {} ({}) from outside, as the "
+                                        "system does where memory runs out",
+                                        end.signal, strsignal(end.signal)));
+    if (end.signal == 0 && r.last_word && !has_result) return std::get<ErrorMessage>(*r.last_word).error;
+    return r.crash("result");
 }
 
 class Batch {
@@ -125,9 +170,8 @@ class Batch {
             std::any_of(plan_.assets.begin(), plan_.assets.end(), [](const PlannedAsset& a) { return !a.refusal; });
         if (any_outputs) folders_.make(plan_.folder);
         while (!signals_.stop_requested() && (can_start() || !running_.empty())) {
-            skipped_ = false;  // after each one that is up to date, signals are heard and results are told
-            while (can_start() && running_.size() < batch_.jobs && !skipped_ && has_memory()) start(next_++);
-            signals_.wait(children_of(running_), skipped_);
+            while (can_start() && running_.size() < batch_.jobs && start_one()) {}
+            signals_.wait(children_of(running_), false);
             for (auto it = running_.begin(); it != running_.end();)
                 it = advance(*it) ? running_.erase(it) : std::next(it);
             report_finished();
@@ -141,7 +185,20 @@ class Batch {
 
  private:
     [[nodiscard]] bool can_start() const {
-        return next_ < plan_.assets.size() && !(batch_.stop_on_error && any_failed_);
+        return (next_ < plan_.assets.size() || !stale_.empty()) && !(batch_.stop_on_error && any_failed_);
+    }
+
+    /// Bakes what was found to be stale as soon as there is memory for it; else looks at the next asset.
+    bool start_one() {
+        if (stale_.empty()) {
+            look_at(next_++);
+            return true;
+        }
+        if (!has_memory(stale_.front())) return false;
+        const std::size_t k = stale_.front();
+        stale_.erase(stale_.begin());
+        bake(k);
+        return true;
     }
 
     [[nodiscard]] std::uint64_t expected_peak(std::size_t k) const {
@@ -150,11 +207,11 @@ class Batch {
     }
 
     /// True if the next asset fits beside those that run, when they have grown as far as they are expected to.
-    [[nodiscard]] bool has_memory() {
+    [[nodiscard]] bool has_memory(std::size_t k) {
         if (running_.empty()) return true;
-        if (estimated_ != next_) {
-            estimate_ = expected_peak(next_);  // asked again and again while it waits
-            estimated_ = next_;
+        if (estimated_ != k) {
+            estimate_ = expected_peak(k);  // asked again and again while it waits
+            estimated_ = k;
         }
         const std::uint64_t available = available_memory();
         if (available == 0) return true;
@@ -163,29 +220,56 @@ class Batch {
         return needed <= available;
     }
 
-    /// Nothing to do where the same bytes would be written again.
-    bool skip(std::size_t k) {
+    /// Nothing to do where the same bytes would be written again. To find that out takes reading whatever the mesh
+    /// names: it is done apart, in the asset's own time.
+    void look_at(std::size_t k) {
         const PlannedAsset& asset = plan_.assets[k];
+        if (asset.refusal) return fail(k, *asset.refusal);
         const std::vector<fs::path> outputs = outputs_of(asset);
-        if (batch_.force || outputs.empty()) return false;
-        std::optional<BakeReport> report = up_to_date(asset.source, outputs, asset.options);
-        if (!report) return false;
-        AssetResult& result = results_[k];
-        for (const fs::path& output : outputs) {
+        std::error_code ignored;
+        const bool all_there = !outputs.empty() && std::all_of(outputs.begin(), outputs.end(), [&](const fs::path& p) {
+            return fs::is_regular_file(p, ignored);
+        });
+        if (batch_.force || !all_there) return stale_.push_back(k);
+        const OutputCheck check{asset.source, outputs, asset.options, batch_.memory_bytes, wants_inputs(asset)};
+        try {
+            Running& r = running_.emplace_back(std::function<void()>([check] { send_if_up_to_date(check); }));
+            r.asset = k;
+            r.is_check = true;
+        } catch (const model::Error& error) { fail(k, error); }
+    }
+
+    [[nodiscard]] bool wants_inputs(const PlannedAsset& asset) const {
+        return batch_.wants_inputs || !asset.exports.empty();
+    }
+
+    void end_check(Running& r) {
+        const PlannedAsset& asset = plan_.assets[r.asset];
+        AssetResult& result = results_[r.asset];
+        if (r.verdict && r.verdict->code().number == codes::kWorkerTimeout.number) {
+            r.verdict->with_stage("look whether it is up to date");
+            return fail(r.asset, std::move(*r.verdict));
+        }
+        // Whatever else became of it, the bake will report the fault.
+        if (r.verdict || !r.last_word || !std::holds_alternative<ResultMessage>(*r.last_word))
+            return stale_.push_back(r.asset);
+        for (const fs::path& output : outputs_of(asset)) {
             std::error_code ignored;
             result.files.push_back({output, output_bytes(output, output == asset.exr, ignored)});
         }
-        result.report = std::move(*report);
+        take_result(r, result);
         result.outcome = Outcome::kUpToDate;
-        skipped_ = true;
-        mark_ended(k);
-        return true;
+        mark_ended(r.asset);
     }
 
-    void start(std::size_t k) {
+    static void take_result(Running& r, AssetResult& result) {
+        auto& message = std::get<ResultMessage>(*r.last_word);
+        result.report = std::move(message.report);
+        result.inputs = std::move(message.inputs);
+    }
+
+    void bake(std::size_t k) {
         const PlannedAsset& asset = plan_.assets[k];
-        if (asset.refusal) return fail(k, *asset.refusal);
-        if (skip(k)) return;
         if (!batch_.force)
             if (std::optional<model::Error> edited = keep_edits(asset)) return fail(k, std::move(*edited));
         if (std::optional<model::Error> too_large = refuse_size(asset.options, batch_.memory_bytes))
@@ -198,38 +282,29 @@ class Batch {
         job.threads = threads_;
         // Only where the clock of time_limit_seconds fails: threads that wait for others take some time, too.
         job.cpu_seconds = static_cast<std::uint32_t>(std::min(60 + batch_.time_limit_seconds * (threads_ + 1.0), 4e9));
-        std::vector<fs::path> folders;
+        job.wants_inputs = wants_inputs(asset);
         try {
-            for (const auto& [final_path, temporary] :
-                 {std::pair(&asset.dgm, &job.dgm), std::pair(&asset.exr, &job.exr)}) {
-                if (final_path->empty()) continue;
-                folders_.make_below(plan_.folder, *final_path);
-                check_writable(*final_path);
-                *temporary = temporary_for(*final_path);
-            }
-            for (const fs::path& output : asset.exports) {
-                folders_.make_below(plan_.folder, output);
-                check_writable(output);
-                folders.push_back(make_export_folder(output));
-                job.exports.push_back(folders.back() / output.filename());
-            }
+            check_name(asset.source);
+            Staging staging = stage_outputs(asset, folders_, plan_.folder);
+            job.dgm = staging.dgm;
+            job.exr = staging.exr;
+            for (std::size_t e = 0; e < asset.exports.size(); ++e)
+                job.exports.push_back(staging.exports[e].where(asset.exports[e].filename()));
             const std::uint64_t expected = expected_peak(k);
             Running& r = running_.emplace_back(encode(job));
             r.asset = k;
-            r.dgm = job.dgm;
-            r.exr = job.exr;
-            r.folders = std::move(folders);
+            r.staging = std::move(staging);
             r.expected = expected;
-        } catch (const model::Error& error) {
-            remove_folders(folders);
-            fail(k, error);
-        }
+        } catch (const model::Error& error) { fail(k, error); }
     }
 
     /// Takes what a worker has sent; true if it is through and its result stands.
     bool advance(Running& r) {
         if (!r.advance(batch_.time_limit_seconds, [&](const std::string& line) { return take(r, line); })) return false;
-        finish(r);
+        if (r.is_check)
+            end_check(r);
+        else
+            finish(r);
         return true;
     }
 
@@ -255,17 +330,16 @@ class Batch {
         AssetResult& result = results_[r.asset];
         result.seconds = std::chrono::duration<double>(Clock::now() - r.started).count();
         result.worker_output = r.child.error_text();
-        std::optional<model::Error> error = error_of(r);
+        std::optional<model::Error> error = error_of(r, batch_.memory_bytes);
         if (!error) {
             try {
-                result.report = std::move(std::get<ResultMessage>(*r.last_word).report);
+                take_result(r, result);
                 publish(plan_.assets[r.asset], r, result);
             } catch (const model::Error& failure) {
                 error = failure;
                 error->with_stage("write");
             }
         }
-        remove_temporaries(r);
         if (error) {
             error->with_stage(r.stage);
             fail(r.asset, std::move(*error));
@@ -273,31 +347,6 @@ class Batch {
             result.outcome = Outcome::kBaked;
             mark_ended(r.asset);
         }
-    }
-
-    [[nodiscard]] std::optional<model::Error> error_of(const Running& r) const {
-        const ChildEnd end = r.end;
-        if (r.verdict) return r.verdict;
-        const bool has_result = r.last_word && std::holds_alternative<ResultMessage>(*r.last_word);
-        if (has_result && end.signal == 0 && end.exit_code == 0) return std::nullopt;
-        // Whatever a library made of a failed allocation, the shortage is the cause.
-        if (r.out_of_memory) {
-            const bool told = r.last_word && std::holds_alternative<ErrorMessage>(*r.last_word) &&
-                              std::get<ErrorMessage>(*r.last_word).error.code().number == codes::kWorkerMemory.number;
-            if (told) return std::get<ErrorMessage>(*r.last_word).error;
-            return model::Error(codes::kWorkerMemory, batch_.memory_bytes == 0
-                                                          ? "the system ran out of memory"
-                                                          : fmt::format("it needs more than the {} MiB it may take",
-                                                                        batch_.memory_bytes >> 20));
-        }
-        // Not by us, and not by itself: the kernel where memory ran out, a scheduler, or a person.
-        if (end.signal == SIGKILL || end.signal == SIGTERM)
-            return model::Error(codes::kWorkerKilled,
-                                fmt::format("the worker process was ended by signal {} ({}) from outside, as the "
-                                            "system does where memory runs out",
-                                            end.signal, strsignal(end.signal)));
-        if (end.signal == 0 && r.last_word && !has_result) return std::get<ErrorMessage>(*r.last_word).error;
-        return r.crash("result");
     }
 
     void fail(std::size_t k, model::Error error) {
@@ -315,11 +364,9 @@ class Batch {
 
     void interrupt() {
         kill_all(running_);
-        for (const Running& r : running_) {
-            remove_temporaries(r);
-            results_[r.asset].outcome = Outcome::kInterrupted;
-        }
+        for (const Running& r : running_) results_[r.asset].outcome = Outcome::kInterrupted;
         running_.clear();
+        for (const std::size_t k : stale_) results_[k].outcome = Outcome::kInterrupted;
         for (; next_ < results_.size(); ++next_) results_[next_].outcome = Outcome::kInterrupted;
     }
 
@@ -334,7 +381,8 @@ class Batch {
     std::vector<AssetResult> results_;
     std::vector<bool> done_ = std::vector<bool>(results_.size());
     std::size_t next_ = 0, reported_ = 0;
-    bool any_failed_ = false, skipped_ = false;
+    bool any_failed_ = false;
+    std::vector<std::size_t> stale_;  ///< to be baked, in their order
     unsigned threads_ = 1;
     std::uint64_t estimate_ = 0;  ///< of asset `estimated_`
     std::size_t estimated_ = std::numeric_limits<std::size_t>::max();

@@ -26,6 +26,7 @@ struct BatchOptions {
     bool stop_on_error = false;                           ///< start nothing new after an asset that was not baked
     bool shares_folders = false;                          ///< others bake into the output folder at the same time
     bool force = false;                                   ///< bake what is up to date or was edited, too
+    bool wants_inputs = false;                            ///< results say which files were read
 };
 
 enum class Outcome { kBaked, kUpToDate, kRefused, kFailed, kInterrupted, kNotStarted };
@@ -43,11 +44,12 @@ struct OutputFile {
 
 struct AssetResult {
     Outcome outcome = Outcome::kNotStarted;
-    std::vector<OutputFile> files;      ///< kBaked: what was put in place; kUpToDate: what was there
-    BakeReport report;                  ///< kBaked; kUpToDate: as it was stored, without times
-    std::optional<model::Error> error;  ///< kRefused, kFailed
-    std::string worker_output;          ///< last lines the worker wrote on stderr; for crashes
-    double seconds = 0;                 ///< wall clock
+    std::vector<OutputFile> files;              ///< kBaked: what was put in place; kUpToDate: what was there
+    BakeReport report;                          ///< kBaked; kUpToDate: as it was stored, without times
+    std::optional<model::Error> error;          ///< kRefused, kFailed
+    std::vector<std::filesystem::path> inputs;  ///< every file that was read; with BatchOptions::wants_inputs
+    std::string worker_output;                  ///< last lines the worker wrote on stderr; for crashes
+    double seconds = 0;                         ///< wall clock
 };
 
 /// Told about the batch while it runs; all called from the thread of run_batch, any may be empty.

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "batch/batch_report_json.h"
+#include "files/nesting.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -26,14 +27,26 @@ std::string text_in(const json& object, const char* key) {
     return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+bool is_true(const json& object, const char* key) {
+    const auto found = object.find(key);
+    return found != object.end() && found->is_boolean() && found->get<bool>();
+}
+
+/// Text to compare by, whatever bytes its strings have.
+std::string text_of(const json& value) {
+    return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
 int exit_of(const json& asset) {
     if (text_in(asset, "outcome") == name_of(Outcome::kInterrupted))
         return static_cast<int>(model::ExitCode::kInterrupted);
     const auto error = asset.find("error");
     if (error == asset.end() || !error->is_object()) return 0;
     const auto exit = error->find("exit_code");
-    return exit != error->end() && exit->is_number_integer() ? exit->get<int>()
-                                                             : static_cast<int>(model::ExitCode::kInternal);
+    if (exit != error->end() && exit->is_number_integer())
+        for (const model::Code* code : codes::kAll)
+            if (static_cast<std::int64_t>(code->exit) == exit->get<std::int64_t>()) return static_cast<int>(code->exit);
+    return static_cast<int>(model::ExitCode::kInternal);
 }
 
 /// Smaller is better.
@@ -46,12 +59,15 @@ int rank_of(const json& asset) {
 }
 
 json parsed(const NamedReport& report) {
+    if (const auto deep = formats::too_deep_json(report.text, formats::kMostNesting))
+        not_a_report(report, "it is nested too deeply at line " + std::to_string(deep->line) + ", column " +
+                                 std::to_string(deep->column));
     json object = json::parse(report.text, nullptr, false);
     if (!object.is_object()) not_a_report(report, "it is not a JSON object; was its batch interrupted?");
     const auto version = object.find("report_version");
     if (version == object.end() || !version->is_number_integer())
         not_a_report(report, "it has no report_version: it is not a report of dgm-bake --report");
-    if (version->get<int>() != kReportVersion)
+    if (version->get<std::int64_t>() != kReportVersion)
         not_a_report(report, "it is a report of another version; write it again with the installed dgm-bake");
     const auto assets = object.find("assets");
     if (assets == object.end() || !assets->is_array()) not_a_report(report, "it has no list of assets");
@@ -74,7 +90,7 @@ class OtherFiles {
             for (const json& file : *list) {
                 if (!file.is_object()) continue;
                 const auto [place, is_new] = files_[key].try_emplace(text_in(file, "path"), file);
-                if (!is_new && file.value("removed", false)) place->second = file;
+                if (!is_new && is_true(file, "removed")) place->second = file;
             }
         }
     }
@@ -98,13 +114,14 @@ MergedReport merge_reports(const std::vector<NamedReport>& reports) {
     OtherFiles others;
     for (const NamedReport& report : reports) {
         json object = parsed(report);
+        if (text_in(object, "generator").empty()) not_a_report(report, "it does not say what wrote it");
         generators.insert(text_in(object, "generator"));
         others.add(object);
         runs.insert(object.contains("run") ? object["run"] : json(nullptr));
         for (json& asset : object["assets"]) {
             const Key key{text_in(asset, "source"),
-                          asset.contains("outputs") ? asset["outputs"].dump() : std::string()};
-            std::tuple<int, std::string, json> entry{rank_of(asset), asset.dump(), asset};
+                          asset.contains("outputs") ? text_of(asset["outputs"]) : std::string()};
+            std::tuple<int, std::string, json> entry{rank_of(asset), text_of(asset), asset};
             const auto [place, is_new] = assets.try_emplace(key, entry);
             if (!is_new && std::tie(std::get<0>(entry), std::get<1>(entry)) <
                                std::tie(std::get<0>(place->second), std::get<1>(place->second)))

@@ -131,17 +131,6 @@ std::string bytes_text(std::uint64_t bytes) {
     return fmt::format("{:.1f} {}", value, kUnits[unit]);
 }
 
-std::string printable(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        if (static_cast<unsigned char>(c) < 0x20 || c == '\x7f')
-            out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-        else
-            out += c;
-    }
-    return out;
-}
-
 std::string search_story(const GridSearch& s, double diagonal) {
     const std::string answer = fmt::format("{}x{}", s.rows, s.cols);
     constexpr int kDigits = 4;  // neighbours of the ladder differ in the second or third

@@ -10,11 +10,11 @@
 #include "batch/batch_plan.h"
 #include "batch/batch_runner.h"
 #include "batch/left_over.h"
+#include "model/printable.h"
 
 namespace dgm::bake {
 
-/// `text` with control characters as \xNN: file names and library messages must not steer the terminal.
-[[nodiscard]] std::string printable(std::string_view text);
+using model::printable;
 
 /// "1.2 MB": powers of 1000.
 [[nodiscard]] std::string bytes_text(std::uint64_t bytes);

@@ -7,8 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
+#include <span>
 #include <thread>
 
 #include "bench/bake_sweep.h"
@@ -21,11 +20,13 @@
 #include "bench/scale_sweep.h"
 #include "bench/stability_sweep.h"
 #include "bench/temporary_folder.h"
-#include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
+#include "files/nesting.h"
+#include "files/output_file.h"
+#include "files/regular_file.h"
 #include "model/file_errors.h"
+#include "model/printable.h"
 #include "tool/tool.h"
-#include "worker/output_files.h"
 
 namespace dgm::bench {
 namespace {
@@ -86,27 +87,21 @@ struct Common {
 };
 
 std::string read_text(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw model::unopened_file(path);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-    const fs::path temporary = bake::temporary_for(path);
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    out << text;
-    out.close();
-    if (!out) throw model::unwritable_file(path);
-    formats::publish_file(temporary, path);
+    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+    std::string text = formats::read_small_file(path, kMostBytes);
+    if (formats::too_deep_json(text, formats::kMostNesting))
+        throw model::Error(codes::kReportUnreadable, "nested too deeply", path.string());
+    return text;
 }
 
 void write_run(const Run& run, const fs::path& folder) {
-    write_text(folder / (run.command + ".json"), to_json(run));
-    write_text(folder / (run.command + ".html"), to_html(run));
-    write_text(folder / (run.command + "-facts.csv"), facts_csv(run));
+    formats::write_output(folder / (run.command + ".json"), to_json(run));
+    formats::write_output(folder / (run.command + ".html"), to_html(run));
+    formats::write_output(folder / (run.command + "-facts.csv"), facts_csv(run));
     for (const Table& table : run.tables)
-        write_text(folder / (table.key == run.command ? table.key + ".csv" : run.command + "-" + table.key + ".csv"),
-                   to_csv(table));
+        formats::write_output(
+            folder / (table.key == run.command ? table.key + ".csv" : run.command + "-" + table.key + ".csv"),
+            to_csv(table));
 }
 
 /// Prints the findings of the sweep and the place of its files.
@@ -118,7 +113,7 @@ int finish(Run run, const Common& common, const std::optional<Run>& then) {
     for (const std::string& line : run.findings) text += line + '\n';
     for (const std::string& line : run.comparison) text += line + '\n';
     text += fmt::format("written: {}\n", (common.output / (run.command + ".html")).string());
-    std::fputs(text.c_str(), stdout);
+    std::fputs(model::printable_lines(text).c_str(), stdout);
     return static_cast<int>(model::ExitCode::kOk);
 }
 
@@ -151,7 +146,9 @@ std::optional<Run> prepare(Common& common, const std::string& command, const std
     std::error_code error;
     fs::create_directories(common.output, error);
     if (error) throw model::unwritable_folder(common.output, error.message());
-    bake::check_writable(common.output / (command + ".json"));
+    const fs::path results = common.output / (command + ".json");
+    formats::refuse_input_as_output(results, std::span(&common.compare, 1), "results");
+    formats::check_output(results);
     if (!common.quiet && load_per_core() > kBusy)
         std::fputs(fmt::format("dgm-bench: this machine is busy (load {:.1f} a core): times will spread; CPU times "
                                "less than wall times\n",

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "model/printable.h"
 #include "tool/minutes.h"
 
 namespace dgm::bench {
@@ -43,7 +44,7 @@ void ProgressBar::clear() {
 
 void ProgressBar::say(std::string_view line) {
     clear();
-    if (!quiet_) std::fputs(fmt::format("{}\n", line).c_str(), stderr);
+    if (!quiet_) std::fputs(fmt::format("{}\n", model::printable(line)).c_str(), stderr);
 }
 
 void ProgressBar::show(bool now) {
@@ -57,7 +58,9 @@ void ProgressBar::show(bool now) {
     const auto filled = static_cast<std::size_t>(done * kBarWidth);
     const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '-');
     const std::string line = fmt::format("[{}] {:3.0f} % {}{}  {}", bar, 100 * done, tool::minutes(gone), left, what_);
-    std::fputs(terminal_ ? ("\r" + line.substr(0, 100) + "\033[K").c_str() : (line + "\n").c_str(), stderr);
+    std::fputs(terminal_ ? ("\r" + model::printable(line.substr(0, 100)) + "\033[K").c_str()
+                         : (model::printable(line) + "\n").c_str(),
+               stderr);
     std::fflush(stderr);
     drawn_ = terminal_;
 }

@@ -4,11 +4,13 @@
 
 #include <system_error>
 
-#include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "edit/edit_record.h"
 #include "edit/edit_sources.h"
 #include "edit/painted_map.h"
+#include "files/atomic_file.h"
+#include "files/output_file.h"
+#include "files/staging_folder.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "worker/output_files.h"
@@ -43,21 +45,17 @@ void trust_layers(Painted& painted, const formats::ChangedDgm& changed, const fs
 
 void write_map(const Painted& painted, const EditOptions& options, const fs::path& output, bool is_changed) {
     formats::make_folder_of(output);
-    bake::check_writable(output);
-    const fs::path temporary = bake::temporary_for(output);
-    try {
-        if (is_changed) {
-            bake::write_verified(temporary, painted.map.maps(), bake::OutputFormat::kDgm, bake::ExrLayout::kAuto);
-        } else {  // its own bytes, whichever library wrote them
-            std::error_code error;
-            fs::copy_file(options.map, temporary, fs::copy_options::overwrite_existing, error);
-            if (error) throw bake::explained(model::unwritable_file(output, error.message()), temporary);
-        }
-        formats::publish_file(temporary, output);
-    } catch (const model::Error&) {
-        bake::remove_output(temporary);
-        throw;
+    const fs::path target = formats::destination_of(output).path;
+    const formats::StagingFolder staging(target);
+    const fs::path temporary = staging.where(target.filename());
+    if (is_changed) {
+        bake::write_verified(temporary, painted.map.maps(), bake::OutputFormat::kDgm, bake::ExrLayout::kAuto);
+    } else {  // its own bytes, whichever library wrote them
+        std::error_code error;
+        fs::copy_file(options.map, temporary, fs::copy_options::overwrite_existing, error);
+        if (error) throw bake::explained(model::unwritable_file(output, error.message()), temporary);
     }
+    formats::publish_file(temporary, target);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include <functional>
 #include <vector>
 
-#include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
 #include "export/chart_mesh.h"
@@ -19,6 +18,7 @@
 #include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
+#include "files/atomic_file.h"
 #include "image/image.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"

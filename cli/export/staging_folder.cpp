@@ -2,39 +2,31 @@
 // cli/export/staging_folder.cpp
 #include "export/staging_folder.h"
 
-#include <stdlib.h>
-
-#include <cerrno>
-#include <cstring>
-#include <string>
-#include <system_error>
-
-#include "dgm/atomic_file.h"
-#include "model/codes.h"
+#include "files/atomic_file.h"
+#include "files/output_file.h"
 #include "model/file_errors.h"
 
 namespace dgm::exporter {
+namespace {
 
-StagingFolder::StagingFolder(const std::filesystem::path& output) : final_folder_(output.parent_path()) {
-    if (final_folder_.empty()) final_folder_ = ".";
-    std::string pattern = (final_folder_ / ".").string();
-    pattern.append(output.filename().string()).append(".XXXXXX");
-    if (::mkdtemp(pattern.data()) == nullptr) throw model::unwritable_file(output, std::strerror(errno));
-    folder_ = pattern;
+/// The folder of a file that may be put there.
+std::filesystem::path folder_for(const std::filesystem::path& output) {
+    if (formats::destination_of(output).is_through) throw model::unwritable_file(output, "it is a device or a pipe");
+    return output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
 }
 
-StagingFolder::~StagingFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-}
+}  // namespace
+
+StagingFolder::StagingFolder(const std::filesystem::path& output)
+    : final_folder_(folder_for(output)), folder_(output) {}
 
 std::filesystem::path StagingFolder::add(const std::filesystem::path& name) {
     names_.push_back(name);
-    return folder_ / name;
+    return folder_.where(name);
 }
 
 void StagingFolder::publish() {
-    for (const std::filesystem::path& name : names_) formats::publish_file(folder_ / name, final_folder_ / name);
+    for (const std::filesystem::path& name : names_) formats::publish_file(folder_.where(name), final_folder_ / name);
 }
 
 }  // namespace dgm::exporter

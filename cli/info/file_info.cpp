@@ -15,14 +15,17 @@
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
+#include "files/nesting.h"
 #include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "model/layer_names.h"
+#include "model/printable.h"
 
 namespace dgm::info {
 namespace {
 using Json = nlohmann::ordered_json;
+using model::printable;
 
 const char* domain_name(model::Domain domain) {
     return domain == model::Domain::kFree ? "free" : "square";
@@ -42,6 +45,14 @@ std::vector<layout::LayerRecord> layer_records(const std::filesystem::path& path
         if (file) return records;
     }
     throw model::Error(model::codes::kReadFailed, "the file changed while it was read");
+}
+
+/// The report, or null if it is none that can be shown.
+template <class Value>
+Value parsed_report(const FileInfo& info) {
+    if (formats::too_deep_json(info.report_json, formats::kMostNesting)) return nullptr;
+    Value report = Value::parse(info.report_json, nullptr, false);
+    return report.is_discarded() ? Value(nullptr) : report;
 }
 
 /// The value at a path of keys, or null.
@@ -183,10 +194,10 @@ FileInfo read_file_info(const std::filesystem::path& path) {
 }
 
 std::string to_text(const FileInfo& info) {
-    const nlohmann::json report = nlohmann::json::parse(info.report_json, nullptr, false);
-    std::string out = fmt::format("{}: {} bytes, format {}{}, {}\n", info.file, info.bytes, info.format_version,
-                                  info.is_exr ? " as EXR" : "", info.generator);
-    out += fmt::format("  source    {}  {}\n", info.source_name, formats::to_hex(info.source_hash));
+    const auto report = parsed_report<nlohmann::json>(info);
+    std::string out = fmt::format("{}: {} bytes, format {}{}, {}\n", printable(info.file), info.bytes,
+                                  info.format_version, info.is_exr ? " as EXR" : "", printable(info.generator));
+    out += fmt::format("  source    {}  {}\n", printable(info.source_name), formats::to_hex(info.source_hash));
     out += fmt::format("  settings  {}\n", formats::to_hex(info.settings_hash));
     if (const std::string errors = error_text(report); !errors.empty()) out += fmt::format("  measured  {}\n", errors);
     out += edits_text(report);
@@ -195,7 +206,7 @@ std::string to_text(const FileInfo& info) {
         const bool one_sided = std::any_of(chart.layers.begin(), chart.layers.end(),
                                            [](const LayerInfo& l) { return l.name == model::layers::kReversed; });
         out += fmt::format("  chart {}: {} x {}, {}, {}{}\n", k, chart.rows, chart.cols, domain_name(chart.domain),
-                           chart.method, one_sided ? ", one side" : "");
+                           printable(chart.method), one_sided ? ", one side" : "");
         out += fmt::format("    box       {} .. {}\n", vector_text(std::span(chart.bbox).first(3)),
                            vector_text(std::span(chart.bbox).last(3)));
         const nlohmann::json* reports = find(report, {"charts"});
@@ -205,8 +216,8 @@ std::string to_text(const FileInfo& info) {
         out += fmt::format("    {:<16} {:<4} {:<20} {:>12} {:>12}  {}\n", "layer", "type", "shape", "offset", "bytes",
                            "XXH3-128");
         for (const LayerInfo& layer : chart.layers)
-            out += fmt::format("    {:<16} {:<4} {:<20} {:>12} {:>12}  {}\n", layer.name, model::type_name(layer.type),
-                               model::shape_text(layer.shape),
+            out += fmt::format("    {:<16} {:<4} {:<20} {:>12} {:>12}  {}\n", printable(layer.name),
+                               model::type_name(layer.type), model::shape_text(layer.shape),
                                info.is_exr ? std::string("-") : std::to_string(layer.offset), layer.bytes,
                                formats::to_hex(layer.hash));
     }
@@ -223,8 +234,7 @@ std::string to_json(std::span<const FileInfo> files) {
         out["settings_hash"] = formats::to_hex(info.settings_hash);
         out["charts"] = Json::array();
         for (const ChartInfo& chart : info.charts) out["charts"].push_back(chart_json(chart, info.is_exr));
-        Json report = Json::parse(info.report_json, nullptr, false);
-        out["report"] = report.is_discarded() ? Json(nullptr) : std::move(report);
+        out["report"] = parsed_report<Json>(info);
         list.push_back(std::move(out));
     }
     Json whole;

@@ -14,6 +14,7 @@
 
 #include "math/portable.h"
 #include "model/element.h"
+#include "model/printable.h"
 
 namespace dgm::info {
 namespace {
@@ -147,7 +148,7 @@ std::string to_text(const MapDifference& difference) {
     std::string out;
     for (const std::string& field : difference.fields) out += fmt::format("  {}: not equal\n", field);
     for (const LayerDifference& d : difference.layers) {
-        out += fmt::format("  chart {}: {:<16} ", d.chart, d.layer);
+        out += fmt::format("  chart {}: {:<16} ", d.chart, model::printable(d.layer));
         if (d.kind == Kind::kValues)
             out += fmt::format("{} of {} numbers differ, by at most {:.4g}\n", d.changed, d.elements, d.largest);
         else if (d.kind == Kind::kType || d.kind == Kind::kShape)

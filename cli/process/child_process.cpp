@@ -24,7 +24,6 @@ namespace dgm::bake {
 namespace {
 
 constexpr std::size_t kMaxErrorText = 16384;
-constexpr int kCannotStart = 127;
 
 [[noreturn]] void fail(const char* what) {
     const bool is_short = errno == EAGAIN || errno == ENOMEM || errno == EMFILE || errno == ENFILE || errno == ENOSPC;
@@ -36,7 +35,10 @@ constexpr int kCannotStart = 127;
 Descriptor moved_up(int fd) {
     Descriptor original(fd);
     Descriptor high(fcntl(fd, F_DUPFD_CLOEXEC, 10));
-    if (!high.is_open()) fail("fcntl");
+    if (!high.is_open()) {
+        if (errno == EINVAL) errno = EMFILE;  // the limit of descriptors is below the number asked for
+        fail("fcntl");
+    }
     return high;
 }
 
@@ -93,10 +95,10 @@ std::vector<char*> worker_environment() {
     return out;
 }
 
-/// Between fork and exec: async-signal-safe calls only.
-[[noreturn]] void become_worker(pid_t parent, int job, int messages, int errors, char* const* environment) {
+/// Between fork and exec: async-signal-safe calls only. False if a descriptor could not be placed.
+bool become_worker(pid_t parent, int job, int messages, int errors) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(kCannotStart);  // it died before prctl was heard
+    if (getppid() != parent) _exit(kCannotRunAgain);  // it died before prctl was heard
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
     // Ctrl-C reaches the whole foreground group: the parent alone answers it.
@@ -108,16 +110,18 @@ std::vector<char*> worker_environment() {
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
-    const bool placed = dup2(job, kJobDescriptor) >= 0 && dup2(errors, STDOUT_FILENO) >= 0 &&
-                        dup2(errors, STDERR_FILENO) >= 0 && dup2(messages, kMessageDescriptor) >= 0;
-    if (placed && close_range(kMessageDescriptor + 1, ~0U, CLOSE_RANGE_CLOEXEC) == 0) {
-        char name[] = "dgm-bake", flag[] = "--worker";
-        char* const arguments[] = {name, flag, nullptr};
+    return dup2(job, kJobDescriptor) >= 0 && dup2(errors, STDOUT_FILENO) >= 0 && dup2(errors, STDERR_FILENO) >= 0 &&
+           dup2(messages, kMessageDescriptor) >= 0;
+}
+
+[[noreturn]] void run_program_again(char* const* environment) {
+    char name[] = "dgm-bake", flag[] = "--worker";
+    char* const arguments[] = {name, flag, nullptr};
+    if (close_range(kMessageDescriptor + 1, ~0U, CLOSE_RANGE_CLOEXEC) == 0)
         execve("/proc/self/exe", arguments, environment);
-    }
     constexpr std::string_view kMessage = "/proc/self/exe cannot be run again\n";
     [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kMessage.data(), kMessage.size());
-    _exit(kCannotStart);
+    _exit(kCannotRunAgain);
 }
 
 /// Takes the bytes that have arrived, at most one buffer full: a worker that never stops writing must not keep the
@@ -149,19 +153,37 @@ int Descriptor::release() {
     return std::exchange(fd_, -1);
 }
 
-ChildProcess::ChildProcess(std::string_view job) {
-    const Descriptor input = job_file(job);
+template <class Begin>
+void ChildProcess::start(const Begin& begin) {
     Pipe message_pipe = make_pipe(), error_pipe = make_pipe();
-    std::vector<char*> environment = worker_environment();
     const pid_t parent = getpid();
     const pid_t child = fork();
     if (child < 0) fail("fork");
-    if (child == 0)
-        become_worker(parent, input.get(), message_pipe.write_end.get(), error_pipe.write_end.get(),
-                      environment.data());
+    if (child == 0) begin(parent, message_pipe.write_end.get(), error_pipe.write_end.get());
     pid_ = child;
     messages_ = std::move(message_pipe.read_end);
     errors_ = std::move(error_pipe.read_end);
+}
+
+ChildProcess::ChildProcess(std::string_view job) {
+    const Descriptor input = job_file(job);
+    const std::vector<char*> environment = worker_environment();
+    start([&](pid_t parent, int messages, int errors) {
+        if (become_worker(parent, input.get(), messages, errors)) run_program_again(environment.data());
+        _exit(kCannotRunAgain);
+    });
+}
+
+ChildProcess::ChildProcess(const std::function<void()>& work) {
+    const Descriptor nothing = job_file({});
+    start([&](pid_t parent, int messages, int errors) {
+        if (!become_worker(parent, nothing.get(), messages, errors)) _exit(kCannotRunAgain);
+        close_range(kMessageDescriptor + 1, ~0U, 0);
+        try {
+            work();
+        } catch (...) { _exit(static_cast<int>(model::ExitCode::kInternal)); }
+        _exit(static_cast<int>(model::ExitCode::kOk));
+    });
 }
 
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept

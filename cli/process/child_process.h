@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,19 +30,26 @@ class Descriptor {
     int fd_ = -1;
 };
 
+/// The exit code of a child that could not run the program again.
+inline constexpr int kCannotRunAgain = 127;
+
 /// How a child ended.
 struct ChildEnd {
     int exit_code = 0;
     int signal = 0;  ///< 0 if it exited by itself
 };
 
-/// Runs /proc/self/exe with `--worker`; see worker_io.h for the descriptors it finds. Killed and reaped with its
-/// owner. Not thread-safe; create it on the thread that lives as long as the batch (the child gets a signal at its
-/// death).
+/// Runs /proc/self/exe with `--worker`, or a copy of this process; see worker_io.h for the descriptors it finds. Killed
+/// and reaped with its owner. Not thread-safe; create it on the thread that lives as long as the batch (the child gets
+/// a signal at its death).
 class ChildProcess {
  public:
     /// @throws model::Error kSystemBusy if the system has no process, memory or descriptor left
     explicit ChildProcess(std::string_view job);
+    /// Runs `work` in a copy of this program as it is now, which then ends: cheaper than the program anew, and it has
+    /// all that the program has in memory. Of its descriptors it keeps those above alone. The program must have one
+    /// thread. @throws model::Error as above
+    explicit ChildProcess(const std::function<void()>& work);
     ChildProcess(ChildProcess&&) noexcept;
     ChildProcess& operator=(ChildProcess&&) = delete;
     ~ChildProcess();
@@ -67,6 +75,9 @@ class ChildProcess {
     void leave(std::chrono::steady_clock::time_point deadline);
 
  private:
+    template <class Begin>
+    void start(const Begin& begin);
+
     pid_t pid_ = -1;
     Descriptor messages_, errors_;
     std::string pending_, error_text_;

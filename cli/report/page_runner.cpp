@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "dgm/atomic_file.h"
+#include "files/atomic_file.h"
 #include "model/codes.h"
 #include "process/signal_scope.h"
 #include "worker/running_worker.h"

@@ -13,11 +13,11 @@
 #include "baking/up_to_date.h"
 #include "batch/batch_runner.h"
 #include "dgm/hash.h"
+#include "files/staging_folder.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "report/html.h"
 #include "report/page_runner.h"
-#include "worker/output_files.h"
 
 namespace dgm::report {
 namespace {
@@ -26,6 +26,8 @@ using nlohmann::json;
 
 constexpr const char* kFolder = "assets";
 constexpr std::size_t kHeadBytes = 64'000, kMostThumbnailBytes = 20'000;
+/// Of a mesh and of a map; larger ones are never baked, but a merged report may name anything.
+constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 30;
 
 std::string hex_of(std::string_view text) {
     return formats::to_hex(formats::hash_bytes(std::as_bytes(std::span(text))));
@@ -60,8 +62,8 @@ std::string page_key(const AssetPage& page) {
             for (json& trial : (*search)[list]) trial.erase("cpu_seconds");
     if (search != asset["report"].end() && search->contains("next")) (*search)["next"].erase("cpu_seconds");
     return hex_of(fmt::format("{} {} {} {} {} {} {}", kPageVersion, bake::generator(),
-                              formats::to_hex(formats::hash_file(page.source)),
-                              formats::to_hex(formats::hash_file(page.map)), page.command, page.index_link,
+                              formats::to_hex(formats::hash_file(page.source, kMostBytes)),
+                              formats::to_hex(formats::hash_file(page.map, kMostBytes)), page.command, page.index_link,
                               asset.dump(-1, ' ', false, json::error_handler_t::replace)));
 }
 
@@ -96,8 +98,10 @@ class Report {
             std::error_code error;
             fs::create_directories(folder_, error);
             if (error) throw model::unwritable_folder(folder_, error.message());
+            const formats::StagingFolder staging(tasks_.front().final_path);
+            for (PageTask& task : tasks_) task.job.output = staging.where(task.final_path.filename());
+            run(on_page);
         }
-        run(on_page);
         for (std::size_t k = 0; k < assets_.size(); ++k) take_head(k);
         out_.interrupted = out_.interrupted || interrupted;
         out_.index = index_page(report_, states_);
@@ -143,7 +147,6 @@ class Report {
             if (!is_there) states_[k].problem = "the batch was interrupted";
             return;
         }
-        task.job.output = bake::temporary_for(pages_[k]);
         task.job.memory_bytes = limits_.memory_bytes;
         asset_of_.push_back(k);
         tasks_.push_back(std::move(task));
@@ -224,7 +227,12 @@ HtmlReport html_report(const fs::path& index_path, const ReportToShow& shown, co
     try {
         return Report(index_path, shown, limits).write(on_page);
     } catch (const json::exception& error) {
-        throw model::Error(model::codes::kInternal, std::string("the report cannot be shown: ") + error.what());
+        // A merged report comes from files, which may be damaged; any other is our own.
+        throw model::Error(shown.merged ? model::codes::kReportUnreadable : model::codes::kInternal,
+                           std::string("the report cannot be shown: ") + error.what());
+    } catch (const model::Error& error) {
+        if (!shown.merged || error.code().number != model::codes::kInternal.number) throw;
+        throw model::Error(model::codes::kReportUnreadable, error.what());
     }
 }
 

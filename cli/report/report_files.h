@@ -35,7 +35,8 @@ struct ReportToShow {
 /// from the current folder. A page stays if its asset was up to date and the page was made from the same contents by
 /// the same version. A page that cannot be made fails nothing: the index says why. Nothing is rendered after a batch
 /// that was interrupted. `on_page` is told how many of how many pages are done.
-/// @throws model::Error kWriteFailed if the folder for the pages cannot be made, kInternal if it is no such report
+/// @throws model::Error kWriteFailed if the folder for the pages cannot be made, kReportUnreadable if a merged one
+///         is no such report, kInternal if another is none
 [[nodiscard]] HtmlReport html_report(const std::filesystem::path& index_path, const ReportToShow& shown,
                                      const PageLimits& limits,
                                      const std::function<void(std::size_t done, std::size_t all)>& on_page);

@@ -8,14 +8,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <sstream>
 
 #include "baking/option_names.h"
 #include "baking/option_text.h"
+#include "files/nesting.h"
+#include "files/regular_file.h"
 #include "model/codes.h"
-#include "model/file_errors.h"
 #include "tool/help.h"
 
 namespace dgm::scene {
@@ -283,11 +283,18 @@ Scene read(const toml::table& root, const fs::path& file) {
     return out;
 }
 
+[[noreturn]] void refuse_size(const fs::path& file) {
+    throw model::Error(codes::kSceneInvalid, "the scene file is larger than 16 MiB", file.string());
+}
+
 }  // namespace
 
 Scene parse_scene(std::string_view text, const fs::path& file) {
-    if (text.size() > kMaxFileBytes)
-        throw model::Error(codes::kSceneInvalid, "the scene file is larger than 16 MiB", file.string());
+    if (text.size() > kMaxFileBytes) refuse_size(file);
+    if (const auto deep = formats::too_deep_toml(text, formats::kMostNesting))
+        throw model::Error(codes::kSceneInvalid,
+                           fmt::format("keys or values nested more than {} deep", formats::kMostNesting),
+                           fmt::format("{}:{}:{}", file.string(), deep->line, deep->column));
     toml::table root;
     try {
         root = toml::parse(text, file.string());
@@ -296,17 +303,9 @@ Scene parse_scene(std::string_view text, const fs::path& file) {
 }
 
 Scene read_scene(const fs::path& file) {
-    std::error_code error;
-    if (!fs::exists(file, error)) throw model::missing_file(file);
-    std::ifstream in(file, std::ios::binary);
-    std::string text;
-    // Bounded, whatever stands behind the name.
-    for (std::array<char, 65536> block; in && text.size() <= kMaxFileBytes;) {
-        in.read(block.data(), block.size());
-        text.append(block.data(), static_cast<std::size_t>(in.gcount()));
-    }
-    if (!in.eof() && text.size() <= kMaxFileBytes) throw model::unreadable_file(file);
-    return parse_scene(text, file);
+    formats::RegularFile in(file);
+    if (in.size() > kMaxFileBytes) refuse_size(file);
+    return parse_scene(in.read_text(kMaxFileBytes), file);
 }
 
 }  // namespace dgm::scene

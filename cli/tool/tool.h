@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/codes.h"
+#include "model/printable.h"
 #include "model/shortage.h"
 #include "tool/help.h"
 #include "tool/version.h"
@@ -29,13 +30,15 @@ namespace dgm::tool {
     constexpr int kFileCodes = 5;
     const bool is_about_place = subject.empty() || error.code().number / 1000 == kFileCodes;
     const std::string& about = is_about_place && !error.place().empty() ? error.place() : subject;
+    using model::printable;
     std::string out = program + ": ";
-    if (!about.empty()) out += about + ": ";
-    if (!error.stage().empty()) out += error.stage() + ": ";
+    if (!about.empty()) out += printable(about) + ": ";
+    if (!error.stage().empty()) out += printable(error.stage()) + ": ";
     out += error.code().id() + ": ";
-    for (const char c : std::string_view(error.what())) out += c == '\n' ? std::string("\n  ") : std::string(1, c);
-    if (!error.place().empty() && error.place() != about) out += "\n  at: " + error.place();
-    return out + "\n  next: " + error.hint() + "\n";
+    for (const char c : model::printable_lines(error.what()))
+        out += c == '\n' ? std::string("\n  ") : std::string(1, c);
+    if (!error.place().empty() && error.place() != about) out += "\n  at: " + printable(error.place());
+    return out + "\n  next: " + printable(error.hint()) + "\n";
 }
 
 /// Prints error_text() on stderr.
@@ -57,27 +60,40 @@ inline void print_error(const std::string& program, const std::string& subject, 
     return {model::codes::kUsage, message};
 }
 
+/// A full disk or a reader that left is an error like any other. @throws model::Error kWriteFailed
+inline void finish_output() {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+        throw model::Error(model::codes::kWriteFailed, "the output cannot be written", "stdout");
+}
+
 /// Parses the command line and runs `body`, which gets a string to name the file it works on and returns an exit code.
 /// Turns what is thrown into a message and a code: model::Error its own, a wrong command line 1, what is short for now
-/// 75, everything else 4. Throws where there is no memory to tell of it (guarded_main.h). With --print-man or
-/// --print-completion alone, prints that.
+/// 75, everything else 4. What was printed is looked after, too. Throws where there is no memory to tell of it
+/// (guarded_main.h). With --print-man or --print-completion alone, prints that.
 template <class Body>
 int run_tool(const std::string& program, int argc, char** argv, CLI::App& app, const Manual& manual, Body body) {
     std::string subject;
     try {
         present(app, program, manual);
-        if (print_manual(argc, argv, app, manual)) return 0;
+        if (print_manual(argc, argv, app, manual)) {
+            finish_output();
+            return 0;
+        }
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
             if (error.get_exit_code() == 0) {
                 app.exit(error);  // --help, --version
+                finish_output();
                 return 0;
             }
             print_error(program, {}, usage_error(app, manual, error));
             return static_cast<int>(model::ExitCode::kUsage);
         }
-        return body(subject);
+        const int exit_code = body(subject);
+        subject.clear();
+        finish_output();
+        return exit_code;
     } catch (const model::Error& error) {
         print_error(program, subject, error);
         return static_cast<int>(error.code().exit);

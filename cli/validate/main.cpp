@@ -6,22 +6,18 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "dgm/atomic_file.h"
+#include "files/atomic_file.h"
+#include "files/output_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
-#include "process/exr_apart.h"
-#include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
 #include "tool/guarded_main.h"
 #include "tool/tool.h"
@@ -39,6 +35,8 @@ struct CommandLine {
     std::string source, format = "text", explain, max_rms, max_hausdorff, baseline, write_baseline;
     std::size_t max_issues = std::numeric_limits<std::size_t>::max();
     unsigned jobs = 0;
+    double time_limit = 600;
+    std::uint64_t memory_limit = std::uint64_t{8} << 30;
     bool quiet = false, verbose = false;
 };
 
@@ -117,9 +115,12 @@ void declare(CLI::App& app, CommandLine& line) {
     where.value("--report", "FORMAT=FILE", line.reports,
                 "write a report to a file as well, such as junit=validate.xml; repeatable");
     declare_checks(app, line);
-    tool::Group(app, tool::kHowItRuns)
-        .number("-j,--jobs", "N", line.jobs, "files at a time [one a core]")
-        ->check(CLI::Range(1, 1024));
+    const tool::Group runs(app, tool::kHowItRuns);
+    runs.number("-j,--jobs", "N", line.jobs, "files at a time [one a core]")->check(CLI::Range(1, 1024));
+    runs.number("--time-limit", "SECONDS", line.time_limit, "wall time of one file [600]")->check(CLI::Range(0.1, 1e7));
+    runs.number("--memory-limit", "SIZE", line.memory_limit,
+                "memory that one file may take, such as 8GiB; 0: no limit; its layers may take a quarter [8GiB]")
+        ->transform(CLI::AsSizeValue(false));
     const tool::Group tells(app, tool::kWhatItTells);
     tells
         .number("--max-issues", "N", line.max_issues,
@@ -172,13 +173,18 @@ Report parse_report(const std::string& text) {
     return report;
 }
 
-/// @throws model::Error kWriteFailed
-void write_text(const std::string& file, const std::string& text) {
-    formats::make_folder_of(file);
-    std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-    stream << text;
-    stream.close();
-    if (!stream) throw model::unwritable_file(file, std::strerror(errno));
+/// Before minutes of checks: whether every report can be put in place, and overwrites nothing that is read.
+void check_outputs(const CommandLine& line, const std::vector<Report>& reports,
+                   const std::vector<std::filesystem::path>& files) {
+    std::vector<std::filesystem::path> inputs = files;
+    for (const std::string& input : {line.source, line.baseline}) inputs.emplace_back(input);
+    const auto check = [&](const std::string& file, std::string_view what) {
+        formats::refuse_input_as_output(file, inputs, what);
+        formats::make_folder_of(file);
+        formats::check_output(file);
+    };
+    for (const Report& report : reports) check(report.file, "report");
+    if (!line.write_baseline.empty()) check(line.write_baseline, "baseline");
 }
 
 /// Memory of one file serves the next: by default each large block is mapped, filled with zeros page by page and
@@ -216,8 +222,12 @@ ExitCode run(const CommandLine& line, std::string& subject) {
     }
     keep_memory();
     options.jobs = line.jobs > 0 ? line.jobs : std::max(1u, std::thread::hardware_concurrency());
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    options.limits =
+        FileLimits{line.time_limit, line.memory_limit, std::max(1u, cores / std::min(cores, options.jobs))};
     std::vector<Report> reports;
     for (const std::string& text : line.reports) reports.push_back(parse_report(text));
+    check_outputs(line, reports, options.files);
 
     OutputOptions output;
     output.verbosity = line.quiet ? Verbosity::kQuiet : line.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
@@ -231,9 +241,9 @@ ExitCode run(const CommandLine& line, std::string& subject) {
         if (text) put(to_text(file, output));
     });
     put(text ? summary_text(files, output) : report_text(line.format, files, output));
-    for (const Report& report : reports) write_text(report.file, report_text(report.format, files, output));
+    for (const Report& report : reports) formats::write_output(report.file, report_text(report.format, files, output));
     if (line.write_baseline.empty()) return worst_exit(files);
-    write_text(line.write_baseline, baseline_json(files, line.write_baseline));
+    formats::write_output(line.write_baseline, baseline_json(files, line.write_baseline));
     return ExitCode::kOk;
 }
 }  // namespace
@@ -245,8 +255,6 @@ static int run_main(int argc, char** argv) {
     CLI::App app;
     dgm::validate::declare(app, line);
     return dgm::tool::run_tool("dgm-validate", argc, argv, app, dgm::validate::kManual, [&](std::string& subject) {
-        const dgm::bake::Hdf5Apart hdf5;
-        const dgm::bake::ExrApart exr;
         return static_cast<int>(dgm::validate::run(line, subject));
     });
 }

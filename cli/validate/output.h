@@ -9,9 +9,12 @@
 #include <string_view>
 
 #include "model/error.h"
+#include "model/printable.h"
 #include "validate/validation.h"
 
 namespace dgm::validate {
+
+using model::printable;
 
 enum class Verbosity { kQuiet, kNormal, kVerbose };
 
@@ -36,8 +39,8 @@ struct Counts {
 [[nodiscard]] std::vector<const formats::Finding*> listed(const FileValidation& file, const OutputOptions& options);
 
 /// One line a finding, `DGM1003 error: FILE: /charts/0/normal: message (measured 3, limit 0) — hint`, then, unless
-/// quiet, one line for the file. Quiet lists errors alone; verbose adds the measured error and known findings. Control
-/// characters become `?`.
+/// quiet, one line for the file. Quiet lists errors alone; verbose adds the measured error and known findings. Names
+/// and messages are made printable (model/printable.h).
 [[nodiscard]] std::string to_text(const FileValidation& file, const OutputOptions& options);
 /// The last line of several files: "5 files: 3 ok, 2 failed; 4 errors, 1 warning". Empty for one file, or when quiet.
 [[nodiscard]] std::string summary_text(std::span<const FileValidation> files, const OutputOptions& options);
@@ -55,8 +58,6 @@ struct Counts {
 
 /// "error", "warning", "note"
 [[nodiscard]] const char* severity_name(formats::Severity severity);
-/// Names inside a file are untrusted: they must not move the cursor of a reader's terminal.
-[[nodiscard]] std::string printable(std::string_view text);
 /// " (measured 3, limit 0)", or the parts of it that there are.
 [[nodiscard]] std::string figures_text(const formats::Finding& finding);
 

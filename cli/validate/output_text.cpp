@@ -77,13 +77,6 @@ const char* severity_name(Severity severity) {
     }
 }
 
-std::string printable(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return out;
-}
-
 std::string figures_text(const Finding& f) {
     if (f.measured && f.limit) return fmt::format(" (measured {:.6g}, limit {:.6g})", *f.measured, *f.limit);
     if (f.measured) return fmt::format(" (measured {:.6g})", *f.measured);

@@ -5,12 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "files/regular_file.h"
 #include "model/codes.h"
-#include "model/file_errors.h"
 #include "validate/code_pages.h"
 
 namespace dgm::validate {
@@ -87,11 +85,8 @@ void apply_rules(const SeverityRules& rules, FileValidation& file) {
 }
 
 Baseline Baseline::read(const fs::path& path) {
-    std::error_code error;
-    if (!fs::exists(path, error)) throw model::missing_file(path);
-    std::ifstream file(path, std::ios::binary);
-    if (!fs::is_regular_file(path, error) || !file) throw model::unreadable_file(path);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+    const std::string text = formats::read_small_file(path, kMostBytes);
     const json parsed = json::parse(text, nullptr, false);
     const auto refuse = [&](const std::string& what) { throw model::Error(codes::kBadBaseline, what, path.string()); };
     if (!parsed.is_object() || !parsed.contains("dgm_validate_baseline")) refuse("not a baseline of dgm-validate");

@@ -12,10 +12,14 @@
 #include <thread>
 
 #include "model/codes.h"
+#include "validate/run_apart.h"
 
 namespace dgm::validate {
 namespace {
 namespace fs = std::filesystem;
+
+/// The checks of a map take some times its layers: those that leave no room are not read.
+constexpr std::uint64_t kLayerShare = 4;
 
 /// A source that cannot be read, as the one finding of its file.
 FileValidation failed_source(const fs::path& path, const model::Error& error) {
@@ -91,20 +95,38 @@ std::vector<FileValidation> run_validation(const RunOptions& options,
             if (done) done(front.back());
         }
     }
-    std::vector<FileValidation> results(options.files.size());
-    const auto work = [&](std::size_t k) {
+    const auto judge = [&](FileValidation& result) {
+        apply_rules(options.severities, result);
+        options.baseline.apply(result);
+    };
+    const auto validate = [&](std::size_t k) {
         Options each;
+        if (options.limits && options.limits->memory_bytes != 0)
+            each.max_layer_bytes = options.limits->memory_bytes / kLayerShare;
         each.source = source ? &*source : nullptr;
         if (by_name) each.source_folder = options.source;
         each.read_mesh = options.read_mesh;
         each.max_rms_percent = options.max_rms_percent;
         each.max_hausdorff_percent = options.max_hausdorff_percent;
-        FileValidation result = validate_file(options.files[k], each);
-        apply_rules(options.severities, result);
-        options.baseline.apply(result);
-        return result;
+        return validate_file(options.files[k], each);
     };
-    in_order(options.files.size(), options.jobs, results, work, done);
+    std::vector<FileValidation> results(options.files.size());
+    if (options.limits) {
+        results = validate_apart(
+            options.files.size(), options.jobs, *options.limits, validate,
+            [&](std::size_t k) { return options.files[k]; },
+            [&](std::size_t, FileValidation& result) {
+                judge(result);
+                if (done) done(result);
+            });
+    } else {
+        const auto work = [&](std::size_t k) {
+            FileValidation result = validate(k);
+            judge(result);
+            return result;
+        };
+        in_order(options.files.size(), options.jobs, results, work, done);
+    }
     front.insert(front.end(), std::make_move_iterator(results.begin()), std::make_move_iterator(results.end()));
     return front;
 }

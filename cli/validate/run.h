@@ -4,6 +4,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,13 @@
 #include "validate/validation.h"
 
 namespace dgm::validate {
+
+/// What one file may take.
+struct FileLimits {
+    double seconds = 600;                                 ///< wall clock
+    std::uint64_t memory_bytes = std::uint64_t{8} << 30;  ///< address space beside the program itself; 0: no limit
+    std::uint32_t threads = 1;                            ///< of its checks
+};
 
 struct RunOptions {
     std::vector<std::filesystem::path> files;
@@ -20,6 +28,9 @@ struct RunOptions {
     SeverityRules severities;
     Baseline baseline;
     unsigned jobs = 1;  ///< files at a time, at least 1
+    /// Each file is judged in a process that may die (run_apart.h): then the program must have one thread. None: in
+    /// threads of this process.
+    std::optional<FileLimits> limits;
 };
 
 /// Validates every file and hands each result to `done` in the order of the files, as soon as those before it are done.

@@ -97,6 +97,7 @@ void append_mesh(TriMesh& whole, const TriMesh& part) {
 }
 
 Source load_source(const std::filesystem::path& path, const MeshReader& read) {
+    formats::check_mesh_file(path);
     Source source{path, formats::hash_file(path), read ? read(path) : formats::read_mesh(path).mesh, {}, {}};
     try {
         const bake::RepairedMesh repaired = bake::repair(source.mesh);

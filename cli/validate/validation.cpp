@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <span>
 
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
+#include "files/regular_file.h"
 #include "geometry/metrics/reconstruction.h"
 #include "mesh/mesh_formats.h"
+#include "mesh/mesh_reader.h"
 #include "model/codes.h"
 #include "validate/file_list.h"
 #include "validate/finding_list.h"
@@ -27,6 +29,13 @@ using model::MapSet;
 using model::TriMesh;
 namespace codes = model::codes;
 
+/// A file that no bake would read is none that was baked.
+bool has_hash(const std::filesystem::path& file, const formats::Hash128& hash) {
+    try {
+        return formats::hash_file(file, formats::MeshReadLimits{}.max_file_bytes) == hash;
+    } catch (const model::Error&) { return false; }
+}
+
 /// The mesh that the file says it was baked from; nothing, with a finding, if it cannot be read.
 std::optional<Source> find_source(const MapSet& maps, const Options& options, FindingList& findings) {
     const std::filesystem::path& folder = options.source_folder;
@@ -38,7 +47,7 @@ std::optional<Source> find_source(const MapSet& maps, const Options& options, Fi
         for (const std::filesystem::path& file : files_below(folder))
             if (file.filename() == path.filename()) candidates.push_back(file);
         const auto same = std::find_if(candidates.begin(), candidates.end(),
-                                       [&](const auto& file) { return formats::hash_file(file) == maps.source_hash; });
+                                       [&](const auto& file) { return has_hash(file, maps.source_hash); });
         if (!candidates.empty()) path = same == candidates.end() ? candidates.front() : *same;
         return load_source(path, options.read_mesh);
     } catch (const model::Error& error) {
@@ -87,11 +96,9 @@ void check_maps(const MapSet& maps, Options options, FileValidation& out, Findin
 bool is_exr(const std::filesystem::path& path) {
     constexpr std::array<char, 4> kMagic{'\x76', '\x2f', '\x31', '\x01'};
     std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) return false;  // a pipe would have to be read to its end
+    if (!std::filesystem::is_regular_file(path, error)) return false;  // the reader says so
     std::array<char, 4> start{};
-    std::ifstream file(path, std::ios::binary);
-    file.read(start.data(), start.size());
-    return file && start == kMagic;
+    return formats::RegularFile(path).read(std::as_writable_bytes(std::span(start))) == start.size() && start == kMagic;
 }
 }  // namespace
 
@@ -122,7 +129,7 @@ FileValidation validate_file(const std::filesystem::path& path, const Options& o
         if (is_exr(path))
             maps = formats::read_exr(path);
         else
-            findings.append(formats::read_and_check(path, maps));
+            findings.append(formats::read_and_check(path, maps, {.max_total_bytes = options.max_layer_bytes}));
         // Values are worth reading only if the bytes are the ones that were written.
         if (!findings.has_errors()) check_maps(maps, options, out, findings);
     } catch (const model::Error& error) {

@@ -36,6 +36,7 @@ struct Options {
     MeshReader read_mesh;                 ///< for meshes of `source_folder`; none: formats::read_mesh
     std::optional<double> max_rms_percent, max_hausdorff_percent;  ///< of the source's bounding-box diagonal
     bake::SurfaceErrorOptions sampling;
+    std::uint64_t max_layer_bytes = std::uint64_t{64} << 30;  ///< of all layers of a .dgm together
 };
 
 /// Outcome for one file.

@@ -2,15 +2,12 @@
 // cli/worker/export_outputs.cpp
 #include "worker/export_outputs.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <string>
 #include <system_error>
 
 #include "export/export_files.h"
+#include "files/staging_folder.h"
 #include "model/codes.h"
 #include "worker/output_files.h"
 
@@ -19,19 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 namespace codes = model::codes;
 }  // namespace
-
-fs::path make_export_folder(const fs::path& final_path) {
-    fs::path folder = temporary_for(final_path);
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);  // of a process with the same number, killed long ago
-    if (::mkdir(folder.c_str(), 0777) != 0) {
-        const int reason = errno;
-        throw model::Error(write_failure(reason),
-                           std::string("no folder can be made beside the output: ") + std::strerror(reason),
-                           final_path.string());
-    }
-    return folder;
-}
 
 void write_exports(const model::MapSet& maps, const std::vector<fs::path>& exports) {
     for (const fs::path& output : exports) {
@@ -49,7 +33,8 @@ std::vector<ExportedFile> exported_files(const fs::path& folder, const fs::path&
     std::vector<fs::path> names;
     std::error_code error;
     for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-        if (std::error_code ignored; it->is_regular_file(ignored)) names.push_back(it->path().filename());
+        if (std::error_code ignored; it->is_regular_file(ignored) && !formats::is_staging_lock(it->path()))
+            names.push_back(it->path().filename());
     const auto main = std::find(names.begin(), names.end(), final_path.filename());
     if (error || main == names.end())
         throw model::Error(codes::kWriteFailed, "the written file is gone", final_path.string());

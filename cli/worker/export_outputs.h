@@ -11,10 +11,6 @@
 
 namespace dgm::bake {
 
-/// The new folder for the files of the output `final_path`, beside it, hidden.
-/// @throws model::Error kWriteFailed, kNoSpace, kIoTrouble
-[[nodiscard]] std::filesystem::path make_export_folder(const std::filesystem::path& final_path);
-
 /// Writes `maps` to each of `exports` (.obj, .ply, .glb), with what goes beside it. @throws as exporter::export_maps;
 /// kNoSpace or kIoTrouble where that is why
 void write_exports(const model::MapSet& maps, const std::vector<std::filesystem::path>& exports);

@@ -10,15 +10,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <system_error>
 
-#include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
 #include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
+#include "files/atomic_file.h"
+#include "files/staging_folder.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 
@@ -67,27 +67,9 @@ std::uint64_t bytes_of(const model::MapSet& maps) {
 
 }  // namespace
 
-const model::Code& write_failure(int error_number) {
-    switch (error_number) {
-        case ENOSPC:
-        case EDQUOT:
-            return codes::kNoSpace;
-        case EIO:
-        case ESTALE:
-        case ETIMEDOUT:
-        case EAGAIN:
-        case ENFILE:
-        case EMFILE:
-        case ENOMEM:
-            return codes::kIoTrouble;
-        default:
-            return codes::kWriteFailed;
-    }
-}
-
 model::Error explained(const model::Error& error, const fs::path& temporary, std::uint64_t bytes) {
     const int trouble = trouble_at(temporary, std::max(bytes, kLeastBytes));
-    const model::Code& why = write_failure(trouble);
+    const model::Code& why = formats::write_failure(trouble);
     if (trouble == 0 || why.number == codes::kWriteFailed.number) return error;
     return model::Error(why, std::strerror(trouble) + std::string("; ") + error.what(), error.place());
 }
@@ -96,13 +78,6 @@ void write_verified(const fs::path& path, const model::MapSet& maps, OutputForma
     try {
         write_and_compare(path, maps, format, exr_layout);
     } catch (const model::Error& error) { throw explained(error, path, bytes_of(maps)); }
-}
-
-fs::path temporary_for(const fs::path& final_path) {
-    fs::path name = ".";
-    name += final_path.filename();
-    name += fmt::format(".{}.tmp", getpid());
-    return final_path.parent_path() / name;
 }
 
 void publish_output(const fs::path& temporary, const fs::path& final_path) {
@@ -127,17 +102,6 @@ std::uintmax_t output_bytes(const fs::path& path, bool is_exr, std::error_code& 
     return bytes;
 }
 
-void remove_output(const fs::path& temporary) noexcept {
-    std::error_code error;
-    fs::remove(temporary, error);
-    // A worker that ended early names nothing: what starts like the temporary file is its.
-    const std::string prefix = temporary.filename().string() + ".";
-    const fs::path folder = temporary.has_parent_path() ? temporary.parent_path() : fs::path(".");
-    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-        if (std::error_code ignored; it->path().filename().string().starts_with(prefix))
-            fs::remove(it->path(), ignored);
-}
-
 OutputFolders::~OutputFolders() {
     if (shared_) return;
     for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
@@ -155,7 +119,7 @@ void OutputFolders::make(const fs::path& folder) {
     if (::mkdir(folder.c_str(), 0777) != 0) {
         const int reason = errno;
         if (reason == EEXIST && fs::is_directory(folder, error)) return;  // another program was as quick
-        throw model::unwritable_folder(folder, std::strerror(reason), write_failure(reason));
+        throw model::unwritable_folder(folder, std::strerror(reason), formats::write_failure(reason));
     }
     made_.push_back(fs::absolute(folder));
 }
@@ -169,35 +133,29 @@ void OutputFolders::make_below(const fs::path& root, const fs::path& file) {
     }
 }
 
-void write_whole(const fs::path& path, const std::string& text) {
-    const fs::path temporary = temporary_for(path);
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    out << text;
-    out.close();
-    try {
-        if (!out) throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
-        formats::publish_file(temporary, path);
-    } catch (const model::Error& error) {
-        const model::Error failure = explained(error, temporary);
-        std::error_code ignored;
-        fs::remove(temporary, ignored);
-        throw failure;
-    }
-}
-
-void check_writable(const fs::path& final_path) {
+void check_place(const fs::path& final_path) {
     std::error_code error;
-    if (fs::is_directory(final_path, error))
-        throw model::Error(codes::kWriteFailed, "the output's name is taken by a folder", final_path.string())
-            .with_hint(kOtherName);
-    const fs::path probe = temporary_for(final_path);
-    const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (fd < 0)
-        throw model::Error(write_failure(errno),
-                           std::string("no file can be created in the output folder: ") + std::strerror(errno),
-                           final_path.string());
-    ::close(fd);
-    ::unlink(probe.c_str());
+    const auto refuse = [&](const char* why) {
+        throw model::Error(codes::kWriteFailed, why, final_path.string()).with_hint(kOtherName);
+    };
+    const long longest =
+        ::pathconf(final_path.has_parent_path() ? final_path.parent_path().c_str() : ".", _PC_NAME_MAX);
+    if (longest > 0 && final_path.filename().native().size() > static_cast<std::size_t>(longest))
+        refuse("the output's name is longer than the file system can have");
+    switch (fs::symlink_status(final_path, error).type()) {
+        case fs::file_type::not_found:
+        case fs::file_type::none:
+        case fs::file_type::regular:
+            return;
+        case fs::file_type::symlink:  // replaced itself, unless it leads to a folder
+            if (!fs::is_directory(final_path, error)) return;
+            [[fallthrough]];
+        case fs::file_type::directory:
+            refuse("the output's name is taken by a folder");
+            break;
+        default:
+            refuse("the output's name is taken by a device, a pipe or a socket");
+    }
 }
 
 }  // namespace dgm::bake

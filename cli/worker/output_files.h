@@ -22,16 +22,11 @@ enum class OutputFormat { kDgm, kExr };
 void write_verified(const std::filesystem::path& path, const model::MapSet& maps, OutputFormat format,
                     ExrLayout exr_layout);
 
-/// kNoSpace for a full disk or quota, kIoTrouble for a disk or network that failed for the moment, else kWriteFailed.
-[[nodiscard]] const model::Code& write_failure(int error_number);
-
-/// The same failure with the reason that writing `bytes` to `temporary` meets, where that passes (write_failure). The
+/// The same failure with the reason that writing `bytes` to `temporary` meets, where that passes
+/// (formats::write_failure). The
 /// file is of no use afterwards.
 [[nodiscard]] model::Error explained(const model::Error& error, const std::filesystem::path& temporary,
                                      std::uint64_t bytes = 0);
-
-/// `.NAME.<pid>.tmp` beside `final_path`, so that the rename stays within one file system.
-[[nodiscard]] std::filesystem::path temporary_for(const std::filesystem::path& final_path);
 
 /// Moves a finished file to its place, and with an EXR the files of layers that were written beside it; those of an
 /// older EXR there that are not replaced are removed. The file itself is moved last.
@@ -40,9 +35,6 @@ void publish_output(const std::filesystem::path& temporary, const std::filesyste
 
 /// The size of a file, and with an EXR those of the files of layers beside it. `error` as std::filesystem::file_size.
 [[nodiscard]] std::uintmax_t output_bytes(const std::filesystem::path& path, bool is_exr, std::error_code& error);
-
-/// Removes a temporary file and what was written beside it.
-void remove_output(const std::filesystem::path& temporary) noexcept;
 
 /// The folders made for outputs; those still empty are removed with it, so that a batch in which nothing was baked
 /// leaves nothing behind.
@@ -65,13 +57,9 @@ class OutputFolders {
     std::vector<std::filesystem::path> made_;
 };
 
-/// Writes `text` to `path`, which is the old file or the new one at any time.
-/// @throws model::Error kWriteFailed; kNoSpace or kIoTrouble where that is why
-void write_whole(const std::filesystem::path& path, const std::string& text);
-
-/// Finds out before minutes of baking whether `final_path` can be put in place: it is not a folder, and a file can be
-/// created beside it. Leaves nothing behind.
+/// Finds out before minutes of baking whether a file can be called `final_path`: it is a file or nothing now, and no
+/// name is longer than the file system can have.
 /// @throws model::Error kWriteFailed
-void check_writable(const std::filesystem::path& final_path);
+void check_place(const std::filesystem::path& final_path);
 
 }  // namespace dgm::bake

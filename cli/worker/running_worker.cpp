@@ -35,6 +35,9 @@ model::Error RunningWorker::crash(std::string_view missing) const {
     if (end.signal != 0)
         return {codes::kWorkerCrashed,
                 fmt::format("the worker process was ended by signal {} ({})", end.signal, strsignal(end.signal))};
+    if (end.exit_code == kCannotRunAgain && child.error_text().find("/proc/self/exe") != std::string::npos)
+        return model::Error(codes::kReadFailed, "the program cannot be run again for a worker", "/proc/self/exe")
+            .with_hint("mount /proc");
     return {codes::kWorkerCrashed,
             fmt::format("the worker process ended with exit code {} and no {}", end.exit_code, missing)};
 }

@@ -26,6 +26,7 @@ struct RunningWorker {
 
     /// @throws model::Error as ChildProcess
     explicit RunningWorker(std::string_view job) : child(job) {}
+    explicit RunningWorker(const std::function<void()>& work) : child(work) {}
 
     /// Hands each message line to `take`, which returns false for one that is no message. True if the worker is
     /// through: it has ended with all it sent taken, or was killed for the verdict. Does not wait.

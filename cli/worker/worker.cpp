@@ -17,6 +17,9 @@
 #include <utility>
 #include <vector>
 
+#include "baking/up_to_date.h"
+#include "dgm/dgm_reader.h"
+#include "exr/exr_reader.h"
 #include "model/codes.h"
 #include "model/shortage.h"
 #include "process/sandbox.h"
@@ -102,8 +105,11 @@ WorkerMessage outcome_of(WorkerJob job, const BakeFunction& bake) {
     job.options.on_notice = [](const Notice& notice) {
         static_cast<void>(send_message(encode(WorkerMessage{NoticeMessage{notice}})));
     };
-    return guarded(job.memory_bytes, sender,
-                   [&]() -> WorkerMessage { return ResultMessage{bake_and_write(job, bake, sender)}; });
+    return guarded(job.memory_bytes, sender, [&]() -> WorkerMessage {
+        ResultMessage result{bake_and_write(job, bake, sender), {}};
+        if (job.wants_inputs) result.inputs = input_files(job.source, job.options, result.report);
+        return result;
+    });
 }
 
 /// The result of a page is its file: the report in the message is empty.
@@ -115,6 +121,25 @@ WorkerMessage outcome_of_page(std::string_view job, std::uint64_t memory_bytes, 
 }
 
 }  // namespace
+
+void send_if_up_to_date(const OutputCheck& check) {
+    limit_worker_memory(check.memory_bytes, 1);
+    std::vector<std::filesystem::path> readable = check.options.asset_roots;
+    if (!check.options.texture.empty()) readable.push_back(check.options.texture);
+    for (const std::filesystem::path& output : check.outputs)
+        readable.push_back(output.has_parent_path() ? output.parent_path() : ".");
+    Sandbox sandbox = import_sandbox(check.source, std::move(readable));
+    sandbox.cpu_seconds = 0;
+    static_cast<void>(enter_sandbox(sandbox));
+    // A crash costs this process alone.
+    formats::set_hdf5_reader({});
+    formats::set_exr_reader({});
+    std::optional<BakeReport> report = up_to_date(check.source, check.outputs, check.options);
+    if (!report) return;
+    ResultMessage result{std::move(*report), {}};
+    if (check.wants_inputs) result.inputs = input_files(check.source, check.options, result.report);
+    static_cast<void>(send_message(encode(WorkerMessage{std::move(result)})));
+}
 
 int run_worker(const BakeFunction& bake, const PageFunction& page) {
     if (!has_message_descriptor()) return static_cast<int>(model::ExitCode::kUsage);

@@ -26,4 +26,17 @@ using PageFunction = std::function<void(std::string_view job)>;
 /// @return the process's exit code: 0 if an outcome was sent, success or not
 [[nodiscard]] int run_worker(const BakeFunction& bake, const PageFunction& page = {});
 
+struct OutputCheck {
+    std::filesystem::path source;
+    std::vector<std::filesystem::path> outputs;
+    BakeOptions options;
+    std::uint64_t memory_bytes = 0;  ///< as of a bake
+    bool wants_inputs = false;
+};
+
+/// For a copy of this process (ChildProcess): sends a result with the stored report if the outputs are up to date
+/// (up_to_date.h), or nothing. Source, textures and outputs may be anybody's: it limits its memory and enters the
+/// sandbox first.
+void send_if_up_to_date(const OutputCheck& check);
+
 }  // namespace dgm::bake

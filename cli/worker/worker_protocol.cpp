@@ -141,7 +141,12 @@ WorkerMessage message_from(const json& object) {
         return ProgressMessage{text_at(object, "stage"), std::clamp(share->get<double>(), 0.0, 1.0)};
     }
     if (type == "notice") return NoticeMessage{{text_at(object, "kind"), text_at(object, "text")}};
-    if (type == "result") return ResultMessage{report_from_json(text_at(object, "report"))};
+    if (type == "result") {
+        ResultMessage result{report_from_json(text_at(object, "report")), {}};
+        if (object.contains("inputs"))
+            for (const std::string& input : texts_at(object, "inputs")) result.inputs.push_back(decode_path(input));
+        return result;
+    }
     if (type != "error") malformed();
     const model::Code* code = code_of(number_at(object, "code", kMaxU32));
     model::Error error(code != nullptr ? *code : model::codes::kInternal, text_at(object, "message"),
@@ -151,6 +156,12 @@ WorkerMessage message_from(const json& object) {
     return ErrorMessage{std::move(error)};
 }
 
+json encoded(const std::vector<std::filesystem::path>& paths) {
+    json out = json::array();
+    for (const std::filesystem::path& path : paths) out.push_back(encode_path(path));
+    return out;
+}
+
 struct Encoder {
     json operator()(const ProgressMessage& m) const {
         return {{"type", "progress"}, {"stage", m.stage}, {"share", m.share}};
@@ -158,7 +169,9 @@ struct Encoder {
     json operator()(const NoticeMessage& m) const {
         return {{"type", "notice"}, {"kind", m.notice.kind}, {"text", m.notice.text}};
     }
-    json operator()(const ResultMessage& m) const { return {{"type", "result"}, {"report", to_json(m.report, true)}}; }
+    json operator()(const ResultMessage& m) const {
+        return {{"type", "result"}, {"report", to_json(m.report, true)}, {"inputs", encoded(m.inputs)}};
+    }
     json operator()(const ErrorMessage& m) const {
         return {{"type", "error"},           {"code", static_cast<std::uint64_t>(m.error.code().number)},
                 {"message", m.error.what()}, {"place", m.error.place()},
@@ -203,13 +216,12 @@ std::filesystem::path decode_path(std::string_view text) {
 }
 
 std::string encode(const WorkerJob& job) {
-    json exports = json::array();
-    for (const std::filesystem::path& output : job.exports) exports.push_back(encode_path(output));
     return line_of({{"source", encode_path(job.source)},
                     {"options", to_object(job.options)},
                     {"dgm", encode_path(job.dgm)},
                     {"exr", encode_path(job.exr)},
-                    {"exports", exports},
+                    {"exports", encoded(job.exports)},
+                    {"wants_inputs", job.wants_inputs},
                     {"memory_bytes", job.memory_bytes},
                     {"threads", job.threads},
                     {"cpu_seconds", job.cpu_seconds}});
@@ -237,6 +249,7 @@ WorkerJob decode_job(std::string_view text) {
     job.dgm = decode_path(text_at(object, "dgm"));
     job.exr = decode_path(text_at(object, "exr"));
     for (const std::string& output : texts_at(object, "exports")) job.exports.push_back(decode_path(output));
+    job.wants_inputs = flag_at(object, "wants_inputs");
     job.options.write_dgm = !job.dgm.empty();
     job.options.write_exr = !job.exr.empty();
     job.options.scratch = job.dgm;

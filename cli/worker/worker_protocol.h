@@ -26,6 +26,7 @@ struct WorkerJob {
     BakeOptions options;
     std::filesystem::path dgm, exr;              ///< temporary files to write; empty: not asked for
     std::vector<std::filesystem::path> exports;  ///< meshes to write beside them, each into a folder of its own
+    bool wants_inputs = false;                   ///< the result says which files were read
     std::uint64_t memory_bytes = 0;  ///< address space the worker may take beside its own program; 0: no limit
     std::uint32_t threads = 1;
     std::uint32_t cpu_seconds = 0;  ///< processor time of all threads, should the parent's clock fail; 0: no limit
@@ -40,7 +41,8 @@ struct NoticeMessage {
     Notice notice;
 };
 struct ResultMessage {
-    BakeReport report;  ///< the files are written, read back and equal
+    BakeReport report;                          ///< the files are written, read back and equal
+    std::vector<std::filesystem::path> inputs;  ///< every file that the bake reads; if asked for
 };
 struct ErrorMessage {
     model::Error error;

@@ -44,13 +44,36 @@ struct FitList {
     bool rest = true;
 };
 
+/// Whether all layers may be in memory at once, before the first is read: a sparse file of some kilobytes may claim
+/// gigabytes.
+void check_total(const FileIndex& file, const DgmReadLimits& limits, FindingList& findings) {
+    std::uint64_t bytes = 0;  // no overflow: the layers lie in the file and share nothing
+    for (const layout::LayerRecord& record : file.index.layers) bytes += record.bytes;
+    if (bytes <= limits.max_total_bytes) return;
+    findings.add(codes::kTooLarge,
+                 "all layers take " + std::to_string(bytes) + " bytes of memory; the limit is " +
+                     std::to_string(limits.max_total_bytes),
+                 "/charts", static_cast<double>(bytes), static_cast<double>(limits.max_total_bytes));
+    throw EnoughFindings();
+}
+
+/// The hash of a range that is not kept, which may be as large as the file says.
+Hash128 hash_range(const RawFile& raw, std::uint64_t begin, std::uint64_t bytes) {
+    constexpr std::uint64_t kBlock = std::uint64_t{1} << 20;
+    Hasher hasher;
+    for (std::uint64_t done = 0; done < bytes; done += std::min(kBlock, bytes - done))
+        hasher.add(raw.read(begin + done, std::min(kBlock, bytes - done)));
+    return hasher.result();
+}
+
 /// Checks the hashes of all layers, and keeps the layers if `maps` is given.
 /// @param fits  gets what differs, which is no finding then
 void read_layers(const RawFile& raw, const FileIndex& file, FindingList& findings, model::MapSet* maps, FitList* fits) {
     if (fits != nullptr) fits->layers.resize(file.index.charts.size());
     for (const layout::LayerRecord& record : file.index.layers) {
-        std::vector<std::byte> bytes = raw.read(record.offset, record.bytes);
-        const Hash128 hash = hash_bytes(bytes);
+        std::vector<std::byte> bytes;
+        if (maps != nullptr) bytes = raw.read(record.offset, record.bytes);
+        const Hash128 hash = maps != nullptr ? hash_bytes(bytes) : hash_range(raw, record.offset, record.bytes);
         const std::string name = field_text(record.name).value_or(std::string());
         const bool is_same = std::equal(hash.begin(), hash.end(), record.hash);
         if (fits != nullptr)
@@ -116,10 +139,13 @@ void read_hdf5(const fs::path& path, const DgmReadLimits& limits, const FileInde
         for (model::Layer& layer : chart.layers) layer.attributes = std::move(*attributes++);
 }
 
+/// Which layers' bytes are read.
+enum class Layers { kKeep, kHash, kSkip };
+
 /// @param throws  the first finding, rather than collecting them
 /// @param maps    gets the content of the file, if given
 /// @param fits    gets which hashes fit, if given; those that do not are no findings then
-FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws, model::MapSet* maps,
+FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws, Layers layers, model::MapSet* maps,
                   FitList* fits = nullptr) {
     const RawFile raw(path);
     FindingList findings(throws);
@@ -127,7 +153,9 @@ FileFindings walk(const fs::path& path, const DgmReadLimits& limits, bool throws
         if (const auto file = read_file_index(raw, limits, findings)) {
             const std::size_t before = findings.size();
             if (maps != nullptr) read_charts(*file, *maps);
-            read_layers(raw, *file, findings, maps, fits);
+            if (layers == Layers::kKeep) check_total(*file, limits, findings);
+            if (layers != Layers::kSkip)
+                read_layers(raw, *file, findings, layers == Layers::kKeep ? maps : nullptr, fits);
             check_rest(raw, *file, findings, fits);
             if (findings.size() == before) read_hdf5(path, limits, *file, findings, maps);
         }
@@ -164,25 +192,31 @@ void set_hdf5_reader(Hdf5Reader reader) {
 
 model::MapSet read_dgm(const fs::path& path, const DgmReadLimits& limits) {
     model::MapSet maps;
-    (void)walk(path, limits, true, &maps);
+    (void)walk(path, limits, true, Layers::kKeep, &maps);
+    return maps;
+}
+
+model::MapSet read_dgm_head(const fs::path& path, const DgmReadLimits& limits) {
+    model::MapSet maps;
+    (void)walk(path, limits, true, Layers::kSkip, &maps);
     return maps;
 }
 
 ChangedDgm read_changed_dgm(const fs::path& path, const DgmReadLimits& limits) {
     ChangedDgm out;
     FitList fits;
-    (void)walk(path, limits, true, &out.maps, &fits);
+    (void)walk(path, limits, true, Layers::kKeep, &out.maps, &fits);
     out.fits = std::move(fits.layers);
     out.rest_fits = fits.rest;
     return out;
 }
 
 FileFindings check_container(const fs::path& path, const DgmReadLimits& limits) {
-    return walk(path, limits, false, nullptr);
+    return walk(path, limits, false, Layers::kHash, nullptr);
 }
 
 FileFindings read_and_check(const fs::path& path, model::MapSet& maps, const DgmReadLimits& limits) {
-    return walk(path, limits, false, &maps);
+    return walk(path, limits, false, Layers::kKeep, &maps);
 }
 
 }  // namespace dgm::formats

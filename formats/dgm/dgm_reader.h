@@ -29,6 +29,7 @@ using FileFindings = std::vector<Finding>;
 
 struct DgmReadLimits {
     std::uint64_t max_layer_bytes = std::uint64_t{8} << 30;
+    std::uint64_t max_total_bytes = std::uint64_t{64} << 30;  ///< of all layers, where they are kept
     std::uint32_t max_charts = 1u << 20;
     std::uint32_t max_layers = 1u << 22;
 };
@@ -61,8 +62,11 @@ void set_hdf5_reader(Hdf5Reader reader);
 /// Thread-safe; the part that HDF5 reads is done by one thread at a time.
 [[nodiscard]] model::MapSet read_dgm(const std::filesystem::path& path, const DgmReadLimits& limits = {});
 
+/// The same without the layers, whose bytes are neither read nor checked: where the file comes from.
+[[nodiscard]] model::MapSet read_dgm_head(const std::filesystem::path& path, const DgmReadLimits& limits = {});
+
 /// Everything that is wrong with the container, at most 100 findings; empty for a good file. Checks structure and
-/// hashes, not the meaning of the values.
+/// hashes, not the meaning of the values. Layers are read in pieces of a MiB.
 /// @throws model::Error kFileMissing, kReadFailed
 [[nodiscard]] FileFindings check_container(const std::filesystem::path& path, const DgmReadLimits& limits = {});
 

@@ -13,10 +13,10 @@
 #include <set>
 #include <system_error>
 
-#include "dgm/atomic_file.h"
 #include "dgm/h5_file.h"
 #include "dgm/hash.h"
 #include "dgm/index.h"
+#include "files/atomic_file.h"
 #include "model/layer_names.h"
 
 namespace dgm::formats {

@@ -7,13 +7,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <memory>
-#include <system_error>
 #include <vector>
 
-#include "model/codes.h"
-#include "model/file_errors.h"
+#include "files/regular_file.h"
 
 namespace dgm::formats {
 namespace {
@@ -47,22 +44,20 @@ Hash128 Hasher::result() const {
     return canonical(XXH3_128bits_digest(&state_->value));
 }
 
-Hash128 hash_file(const std::filesystem::path& path) {
-    namespace codes = model::codes;
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) throw model::missing_file(path);
-    if (!std::filesystem::is_regular_file(status)) throw model::no_regular_file(path);  // opening a pipe would wait
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw model::unreadable_file(path);
+Hash128 hash_file(RegularFile& file, std::uint64_t max_bytes) {
+    file.check_size(max_bytes);
     Hasher hasher;
-    std::vector<char> block(std::size_t{1} << 20);
-    while (file) {
-        file.read(block.data(), static_cast<std::streamsize>(block.size()));
-        hasher.add(std::as_bytes(std::span(block)).first(static_cast<std::size_t>(file.gcount())));
+    std::vector<std::byte> block(std::size_t{1} << 20);
+    for (std::size_t got = block.size(); got == block.size();) {
+        got = file.read(block);
+        hasher.add(std::span(block).first(got));
     }
-    if (!file.eof()) throw model::Error(codes::kReadFailed, "the file cannot be read to its end", path.string());
     return hasher.result();
+}
+
+Hash128 hash_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
+    RegularFile file(path);
+    return hash_file(file, max_bytes);
 }
 
 std::string to_hex(const Hash128& hash) {

@@ -6,9 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
+
+#include "files/regular_file.h"
 
 namespace dgm::formats {
 
@@ -31,8 +34,12 @@ class Hasher {
     std::unique_ptr<State> state_;
 };
 
-/// @throws model::Error kFileMissing, kReadFailed
-[[nodiscard]] Hash128 hash_file(const std::filesystem::path& path);
+/// Of a whole file. Its size is looked at before any byte.
+/// @throws model::Error kFileMissing, kReadFailed (also for anything but a regular file); kTooLarge beyond `max_bytes`
+[[nodiscard]] Hash128 hash_file(const std::filesystem::path& path,
+                                std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max());
+/// The rest of `file`, likewise.
+[[nodiscard]] Hash128 hash_file(RegularFile& file, std::uint64_t max_bytes);
 /// 32 lower-case hexadecimal digits.
 [[nodiscard]] std::string to_hex(const Hash128& hash);
 

@@ -2,15 +2,14 @@
 // formats/image/image_read.cpp
 #include <climits>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <new>
+#include <span>
 #include <string_view>
-#include <system_error>
 
+#include "files/regular_file.h"
 #include "image/image.h"
 #include "model/codes.h"
-#include "model/file_errors.h"
 
 #ifndef __clang_analyzer__  // which finds leaks in it, where memory runs out
 #define STB_IMAGE_STATIC
@@ -71,24 +70,10 @@ void check_file_size(std::uint64_t size, const fs::path& path) {
         throw model::Error(codes::kTooLarge, "a picture file of " + std::to_string(size) + " bytes", path.string());
 }
 
-std::string bytes_of_file(const fs::path& path) {
-    std::error_code error;
-    const auto status = fs::status(path, error);
-    if (!fs::exists(status)) throw model::missing_file(path);
-    if (!fs::is_regular_file(status)) throw model::no_regular_file(path);
-    const std::uint64_t size = fs::file_size(path, error);
-    if (error) throw model::unreadable_file(path, error.message());
-    check_file_size(size, path);
-    std::string out(size, '\0');
-    std::ifstream file(path, std::ios::binary);
-    if (!file || !file.read(out.data(), static_cast<std::streamsize>(size))) throw model::unreadable_file(path);
-    return out;
-}
-
 EncodedImage load(const model::PictureFile& picture) {
     const fs::path& path = picture.path;
     EncodedImage out;
-    out.file = picture.bytes ? picture.bytes : std::make_shared<const std::string>(bytes_of_file(path));
+    out.file = picture.bytes ? picture.bytes : std::make_shared<const std::string>(RegularFile(path).read_text(kMaxFileBytes));
     check_file_size(out.file->size(), path);
     if (out.size() == 0 || stbi_info_from_memory(out.bytes(), out.size(), &out.width, &out.height, &out.channels) == 0)
         unreadable(path);

@@ -2,15 +2,15 @@
 // formats/mesh/mesh_reader.cpp
 #include "mesh/mesh_reader.h"
 
-#include <fstream>
+#include <span>
 #include <string>
 #include <system_error>
 
+#include "files/regular_file.h"
 #include "mesh/assimp_reader.h"
 #include "mesh/obj_reader.h"
 #include "mesh/text_input.h"
 #include "model/codes.h"
-#include "model/file_errors.h"
 
 namespace dgm::formats {
 namespace {
@@ -21,26 +21,8 @@ namespace fs = std::filesystem;
 /// The start of a file, to see whether it is OBJ where the extension does not say so.
 std::string read_head(const fs::path& path, std::size_t most) {
     std::string head(most, '\0');
-    std::ifstream file(path, std::ios::binary);
-    file.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<std::size_t>(file.gcount()));
+    head.resize(RegularFile(path).read(std::as_writable_bytes(std::span(head))));
     return head;
-}
-
-void check_file(const fs::path& path, const MeshReadLimits& limits) {
-    std::error_code error;
-    const auto status = fs::status(path, error);
-    if (!fs::exists(status)) throw model::missing_file(path);
-    if (!fs::is_regular_file(status)) throw model::no_regular_file(path).with_hint("name a mesh file");
-    const std::uint64_t size = fs::file_size(path, error);
-    if (error) throw model::unreadable_file(path, error.message());
-    if (size == 0)
-        throw model::Error(codes::kNoFaces, "the file is empty", path.string())
-            .with_hint("copy or export it again: nothing is in it");
-    if (size > limits.max_file_bytes)
-        throw model::Error(codes::kTooLarge,
-                           std::to_string(size) + " bytes; the limit is " + std::to_string(limits.max_file_bytes),
-                           path.string());
 }
 
 /// assimp 5.2 reads on for ever where a PLY header has no end.
@@ -58,8 +40,22 @@ void check_ply_header(const fs::path& path) {
 
 }  // namespace
 
+void check_mesh_file(const fs::path& path, const MeshReadLimits& limits) {
+    try {
+        const RegularFile file(path);
+        file.check_size(limits.max_file_bytes);
+        if (file.size() == 0)
+            throw model::Error(codes::kNoFaces, "the file is empty", path.string())
+                .with_hint("copy or export it again: nothing is in it");
+    } catch (model::Error& error) {
+        std::error_code ignored;
+        if (error.code().number != codes::kReadFailed.number || fs::is_regular_file(path, ignored)) throw;
+        throw error.with_hint("name a mesh file");
+    }
+}
+
 ImportedMesh read_mesh(const fs::path& path, const MeshReadLimits& limits) {
-    check_file(path, limits);
+    check_mesh_file(path, limits);
     const std::string extension = lower_case(path.extension().string());
     if (extension == ".obj") return read_obj(path, limits);
     if (!assimp_knows_extension(extension) && looks_like_obj(read_head(path, std::size_t{1} << 16)))

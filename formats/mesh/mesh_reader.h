@@ -33,6 +33,10 @@ struct ImportedMesh {
     std::vector<std::pair<std::string, std::uint64_t>> dropped;  ///< what was left out, by kind; no zero counts
 };
 
+/// Looks at a mesh's kind and size, and at no byte: read_mesh() would refuse it, too.
+/// @throws model::Error kFileMissing, kReadFailed (also for a folder, a pipe or a device), kNoFaces if empty, kTooLarge
+void check_mesh_file(const std::filesystem::path& path, const MeshReadLimits& limits = {});
+
 /// Reads OBJ (with MTL), 3DS and whatever else assimp reads, chosen by extension, or by content where the extension
 /// says nothing. All objects are merged, node transforms applied, polygons triangulated; faces keep the file's order.
 /// Vertices that no face uses stay, and so do those that are not finite: repair counts and drops them.

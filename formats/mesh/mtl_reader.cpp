@@ -5,9 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
+#include "files/regular_file.h"
 #include "mesh/text_input.h"
 
 namespace dgm::formats {
@@ -176,12 +180,25 @@ void read_mtl(const fs::path& path, FileFinder& finder, MtlLibrary& library, std
 
 void read_mtl_libraries(std::span<const std::string> statements, FileFinder& finder, MtlLibrary& library,
                         std::vector<std::string>& warnings, std::vector<fs::path>& dependencies) {
-    const auto read_library = [&](std::string_view name) {
+    // A library is read once, however often and by whatever names a mesh asks for it.
+    std::set<std::pair<std::uint64_t, std::uint64_t>> read;
+    std::map<std::string, FoundFile, std::less<>> asked;
+    const auto find_library = [&](std::string_view name) {
         FoundFile found = finder.find(name);
         if (!found) return found;
         dependencies.push_back(*found);
-        read_mtl(*found, finder, library, warnings, dependencies);
+        try {
+            if (read.insert(RegularFile(*found).identity()).second)
+                read_mtl(*found, finder, library, warnings, dependencies);
+        } catch (const model::Error& error) {  // as one that is not there: the shape can be baked all the same
+            warnings.push_back(error.code().id() + ": material library left out: " + std::string(name) + ": " +
+                               error.what());
+        }
         return found;
+    };
+    const auto read_library = [&](std::string_view name) {
+        const auto known = asked.find(name);
+        return known != asked.end() ? known->second : asked.emplace(name, find_library(name)).first->second;
     };
     std::set<std::string_view> seen;
     for (const std::string& statement : statements) {

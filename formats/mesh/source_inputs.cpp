@@ -35,10 +35,13 @@ std::vector<std::size_t> line_starts(std::string_view text, std::string_view wor
 SourceInputs inputs_of_obj(const fs::path& path, std::span<const fs::path> asset_roots) {
     const std::string text = read_text_file(path, MeshReadLimits{}.max_file_bytes);
     std::vector<std::string> statements;
+    std::size_t taken = 0;  // a line that goes on behind a backslash is read once
     for (const std::size_t at : line_starts(text, "mtllib")) {
+        if (at < taken) continue;
         LineReader lines(std::string_view(text).substr(at));
         std::string_view line;
         if (lines.next(line) && lower_case(next_word(line)) == "mtllib") statements.emplace_back(trim(line));
+        taken = text.size() - lines.rest().size();
     }
     SourceInputs out;
     FileFinder finder(path, asset_roots);

@@ -4,17 +4,12 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <system_error>
 
-#include "model/codes.h"
-#include "model/file_errors.h"
+#include "files/regular_file.h"
 
 namespace dgm::formats {
 namespace {
-
-namespace codes = model::codes;
 
 constexpr bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
@@ -108,18 +103,7 @@ std::optional<double> parse_plain(std::string_view word) {
 }  // namespace
 
 std::string read_text_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) throw model::missing_file(path);
-    if (!std::filesystem::is_regular_file(status)) throw model::no_regular_file(path);
-    const std::uint64_t size = std::filesystem::file_size(path, error);
-    if (error) throw model::unreadable_file(path, error.message());
-    if (size > max_bytes)
-        throw model::Error(codes::kTooLarge, std::to_string(size) + " bytes; the limit is " + std::to_string(max_bytes),
-                           path.string());
-    std::ifstream file(path, std::ios::binary);
-    std::string text(size, '\0');
-    if (!file || !file.read(text.data(), static_cast<std::streamsize>(size))) throw model::unreadable_file(path);
+    std::string text = RegularFile(path).read_text(max_bytes);
     const std::string_view view = text;
     if (view.starts_with("\xEF\xBB\xBF")) return text.substr(3);
     if (view.starts_with("\xFF\xFE")) return utf8_of_utf16(view.substr(2), false);

@@ -23,6 +23,8 @@ class LineReader {
     [[nodiscard]] bool next(std::string_view& line);
     /// Number of the first physical line of the last logical line, from 1.
     [[nodiscard]] std::uint64_t number() const { return number_; }
+    /// What is left behind the last line.
+    [[nodiscard]] std::string_view rest() const { return rest_; }
 
  private:
     std::string_view physical_line();

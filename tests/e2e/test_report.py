@@ -147,7 +147,7 @@ class Report(support.Folder):
         first.write_text(first.read_text(encoding="utf-8").replace('name="dgm-page" content="', 'name="dgm-page" content="0'),
                          encoding="utf-8")
         self.assertIn("1 page made, 1 kept, 0 failed", self.bake_three().stdout)
-        self.assertEqual([n for n in self.names() if ".tmp" in n], [])
+        self.assertEqual([n for n in self.names() if ".dgm-" in n], [])
 
     def test_a_page_that_fails_fails_no_asset(self):
         (self.folder / "small.obj").write_text("this is no mesh\n")  # the faulty program bakes it all the same
@@ -159,7 +159,7 @@ class Report(support.Folder):
         text = (self.folder / "out" / "index.html").read_text(encoding="utf-8")
         self.assertIn("no page: DGM", text)
         self.assertEqual([p.name for p in self.pages()], ["real-ball.obj.html"])
-        self.assertEqual([n for n in self.names() if ".tmp" in n], [])
+        self.assertEqual([n for n in self.names() if ".dgm-" in n], [])
 
     def test_shards_become_one_index(self):
         """Parts bake without pages; the merge makes them, once, and takes indices as well as JSON."""
@@ -201,7 +201,7 @@ class Report(support.Folder):
         self.assertEqual(process.wait(timeout=30), 130)
         process.stderr.close()
         self.assertTrue(self.workers_gone())
-        self.assertEqual([n for n in self.names() if ".tmp" in n], [])
+        self.assertEqual([n for n in self.names() if ".dgm-" in n], [])
         self.assertIn("the report was interrupted", (self.folder / "out" / "index.html").read_text(encoding="utf-8"))
 
     def test_sorting_and_filtering(self):

@@ -164,7 +164,7 @@ class Slurm(support.Folder):
 
         self.assertEqual(self.contents(self.folder / "local"), self.contents(self.folder / "expected"))
         self.assertEqual(len(self.contents(self.folder / "local")), 8)
-        leftovers = [n for n in self.names(self.folder / "local") if n.endswith(".tmp")]
+        leftovers = [n for n in self.names(self.folder / "local") if ".dgm-" in n]
         self.assertEqual(leftovers, [])
         reports = sorted((self.folder / "local" / "reports").glob("*.json"))
         self.assertEqual([r.name for r in reports], [f"part-{k}-of-4.json" for k in (1, 2, 3, 4)])

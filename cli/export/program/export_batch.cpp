@@ -182,8 +182,8 @@ ExportPlan plan_exports(const ExportRequest& request) {
             for (const std::string& format : request.formats) job.outputs.push_back(fs::path(stem).concat(format));
         }
         plan.make_folder = !stems.empty();
-        check_inputs_kept(plan, search.seen);
     }
+    check_inputs_kept(plan, search.seen);
     for (std::size_t k = search.refused.size(); k-- > 0;)
         plan.jobs.insert(plan.jobs.begin() + static_cast<std::ptrdiff_t>(search.refused[k].first),
                          search.refused[k].second);

@@ -13,6 +13,7 @@
 #include "export/export_files.h"
 #include "export/plain_maps.h"
 #include "export/program/export_batch.h"
+#include "files/output_file.h"
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/mesh_import.h"
@@ -189,7 +190,7 @@ int write_plain_maps(const CommandLine& line, std::string& subject) {
                                                  .power_of_two = line.options.power_of_two};
     const std::filesystem::path input = subject;
     dgm::exporter::export_plain_maps(dgm::exporter::read_maps(input), line.maps, input.stem().string(), options);
-    std::printf("%s\n", line.maps.c_str());
+    std::printf("%s\n", dgm::model::printable(line.maps).c_str());
     return 0;
 }
 
@@ -200,19 +201,26 @@ int run(CommandLine& line, std::string& subject) {
     if (!line.maps.empty()) return write_plain_maps(line, subject);
     const dgm::exporter::ExportPlan plan =
         dgm::exporter::plan_exports({line.inputs, line.output, parse_formats(line.formats)});
+    const std::array<std::filesystem::path, 1> mesh{line.source};
+    for (const dgm::exporter::ExportJob& job : plan.jobs)
+        for (const std::filesystem::path& output : job.outputs)
+            dgm::formats::refuse_input_as_output(output, mesh, "output");
     if (plan.jobs.size() == 1) subject = plan.jobs[0].source.string();
     const dgm::exporter::ExportListener listener{
-        [](const std::filesystem::path& output) { std::printf("%s\n", output.c_str()); },
+        [](const std::filesystem::path& output) {
+            std::printf("%s\n", dgm::model::printable(output.string()).c_str());
+        },
         [](const std::filesystem::path& source, const dgm::model::Error& error) {
             dgm::tool::print_error("dgm-export", source.string(), error);
         },
         [&](const std::string& warning) {
-            std::fprintf(stderr, "dgm-export: %s: warning: %s\n", line.source.c_str(), warning.c_str());
+            std::fprintf(stderr, "dgm-export: %s: warning: %s\n", dgm::model::printable(line.source).c_str(),
+                         dgm::model::printable(warning).c_str());
         }};
     const dgm::exporter::ExportOutcome outcome = dgm::exporter::run_exports(plan, line.options, listener);
     if (plan.jobs.size() > 1) {
-        std::fputs(dgm::exporter::failure_list(outcome).c_str(), stderr);
-        std::printf("%s\n", dgm::exporter::summary_line(outcome).c_str());
+        std::fputs(dgm::model::printable_lines(dgm::exporter::failure_list(outcome)).c_str(), stderr);
+        std::printf("%s\n", dgm::model::printable(dgm::exporter::summary_line(outcome)).c_str());
     }
     return static_cast<int>(outcome.exit);
 }

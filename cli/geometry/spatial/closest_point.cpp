@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <vector>
 
 #include "geometry/mesh/infinity.h"
@@ -359,7 +360,9 @@ struct ClosestPointIndex::Impl {
         rtcAttachGeometry(scene, geometry);
         rtcReleaseGeometry(geometry);
         rtcCommitScene(scene);
-        if (const RTCError error = rtcGetDeviceError(embree); error != RTC_ERROR_NONE)
+        const RTCError error = rtcGetDeviceError(embree);
+        if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+        if (error != RTC_ERROR_NONE)
             throw model::Error(model::codes::kSystemBusy, "Embree cannot build a hierarchy over " +
                                                               std::to_string(triangles.size()) + " faces (error " +
                                                               std::to_string(error) + ")");

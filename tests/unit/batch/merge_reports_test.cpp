@@ -54,6 +54,44 @@ TEST(MergeReports, BestOutcomeStandsAndTheWorstAssetCounts) {
     EXPECT_EQ(merge_reports({two, one, two, {"again", merged.text}}).text, merged.text);
 }
 
+int code_of(const std::string& text) {
+    try {
+        (void)merge_reports({{"bad.json", text}});
+        return 0;
+    } catch (const model::Error& error) {
+        EXPECT_EQ(error.place(), "bad.json");
+        return error.code().number;
+    }
+}
+
+TEST(MergeReports, DamagedReportsAreRefusedByName) {
+    const json good = json::parse(report("1", {asset("a", "baked")}).text);
+    const json bad[] = {nullptr, -1, 7, "x", json::array(), json::object(), json::array({1}), true, 1e300};
+    for (const char* key : {"generator", "report_version", "assets"})
+        for (const json& value : bad) {
+            json damaged = good;
+            damaged[key] = value;
+            const bool is_good = (std::string(key) == "generator" && value == "x") ||
+                                 (std::string(key) == "assets" && value == json::array());
+            EXPECT_EQ(code_of(damaged.dump()), is_good ? 0 : model::codes::kReportUnreadable.number) << damaged;
+        }
+    json removed = good;
+    removed["left_over"] = json::array({{{"path", "x"}, {"removed", 1}}, {{"path", "x"}, {"removed", "y"}}});
+    EXPECT_EQ(code_of(removed.dump()), 0);
+    json strange = good;
+    strange["assets"][0]["error"] = {{"exit_code", 99}};
+    EXPECT_EQ(merge_reports({{"strange.json", strange.dump()}}).exit, model::ExitCode::kInternal);
+    std::string bytes = good.dump();
+    bytes.replace(bytes.find("a.dgm"), 1, "\xff");
+    EXPECT_EQ(code_of(bytes), model::codes::kReportUnreadable.number) << "JSON is UTF-8";
+    EXPECT_EQ(code_of(std::string(100'000, '[')), model::codes::kReportUnreadable.number);
+    json deep = good;
+    deep["assets"][0]["deep"] = 0;
+    std::string text = deep.dump();
+    text.replace(text.find(":0", text.find("deep")), 2, ":" + std::string(100'000, '[') + std::string(100'000, ']'));
+    EXPECT_EQ(code_of(text), model::codes::kReportUnreadable.number);
+}
+
 TEST(MergeReports, WhatMayPassStandsAgainstWhatDoesNot) {
     const NamedReport passing = report("1", {asset("a", "failed", 75)}),
                       lasting = report("2", {asset("a", "failed", 4)});

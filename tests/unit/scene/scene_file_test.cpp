@@ -27,6 +27,20 @@ bool holds(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
+TEST(SceneFile, DeepNestingIsRefusedAtItsPlace) {
+    std::string key = "a";
+    for (int k = 0; k < 100'000; ++k) key += ".a";
+    for (const std::string& text : {"\n" + key + " = 1\n", "\n[" + key + "]\n", "\nx = " + std::string(100'000, '[')}) {
+        try {
+            (void)parse_scene(text, "ward/scene.toml");
+            ADD_FAILURE();
+        } catch (const model::Error& e) {
+            EXPECT_EQ(e.code().number, model::codes::kSceneInvalid.number);
+            EXPECT_TRUE(e.place().starts_with("ward/scene.toml:2:")) << e.place();
+        }
+    }
+}
+
 TEST(SceneFile, FillsDefaultsIntoAssets) {
     const Scene scene = parse_scene(R"(
 [scene]

@@ -34,12 +34,12 @@ OutputOptions with(Verbosity verbosity) {
 
 TEST(ValidationOutput, Text) {
     const std::string error =
-        "DGM2004 error: a?b.dgm: /charts/0/geometry: samples differ?[2J (measured 0.25, limit 0) — " +
+        "DGM2004 error: a\\x0ab.dgm: /charts/0/geometry: samples differ\\x1b[2J (measured 0.25, limit 0) — " +
         std::string(codes::kSeamGap.hint) + "\n";
     const std::string warning =
-        "DGM2011 warning: a?b.dgm: /report: no report — " + std::string(codes::kBadReport.hint) + "\n";
+        "DGM2011 warning: a\\x0ab.dgm: /report: no report — " + std::string(codes::kBadReport.hint) + "\n";
     EXPECT_EQ(to_text(sample_file(), with(Verbosity::kNormal)),
-              error + warning + "a?b.dgm: 1 error, 1 warning (1 chart)\n");
+              error + warning + "a\\x0ab.dgm: 1 error, 1 warning (1 chart)\n");
     EXPECT_EQ(to_text(sample_file(), with(Verbosity::kQuiet)), error);
     FileValidation good;
     good.path = "good.dgm";

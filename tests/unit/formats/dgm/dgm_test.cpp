@@ -7,10 +7,10 @@
 #include <cstring>
 #include <functional>
 
-#include "dgm/atomic_file.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
 #include "dgm/hash.h"
+#include "files/atomic_file.h"
 #include "model/codes.h"
 #include "unit/formats/test_maps.h"
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 
 #include "mesh/mesh_reader.h"
@@ -57,6 +58,28 @@ TEST_F(SourceInputsTest, ObjNamesLibrariesAndTheyNameTextures) {
     // As the import has them: files that are used are among those that are named.
     const fs::path mesh = write("m.obj", "mtllib a.mtl\n" + faces);
     EXPECT_EQ(source_inputs(mesh)->files, read_mesh(mesh).dependencies);
+}
+
+TEST_F(SourceInputsTest, ALibraryIsReadOnceByWhateverNamesAndContinuedLinesOnce) {
+    write("a.mtl", "newmtl x\nmap_Kd gone.png\n");
+    fs::create_symlink("a.mtl", root_ / "b.mtl");
+    const std::string names = "a.mtl ./a.mtl A.MTL b.mtl a.mtl";
+    const auto named = source_inputs(write("m.obj", "mtllib " + names + "\nmtllib a.mtl\n"));
+    EXPECT_EQ(named->missing.size(), 1u) << "one library, one warning";
+    // A line that goes on and on is one statement, not one for each of its lines: 60 000 squared would take minutes.
+    std::string turns;
+    for (int k = 0; k < 60'000; ++k) turns += "mtllib q\\\n";
+    const auto begun = std::chrono::steady_clock::now();
+    EXPECT_EQ(source_inputs(write("m.obj", turns))->files.size(), 0u);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20));
+}
+
+TEST_F(SourceInputsTest, AnUnreadableLibraryIsAWarning) {
+    write("huge.mtl", "");
+    fs::resize_file(root_ / "huge.mtl", std::uintmax_t{1} << 40);
+    const auto inputs = source_inputs(write("m.obj", "mtllib huge.mtl\n"));
+    ASSERT_EQ(inputs->missing.size(), 1u);
+    EXPECT_EQ(inputs->missing[0].substr(0, 7), "DGM3007");
 }
 
 TEST_F(SourceInputsTest, ThreeDsNamesTextures) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// formats/dgm/atomic_file.h
+// formats/files/atomic_file.h
 // Putting a finished file in its place, so that a crash leaves the old file or the new one, never a part.
 #pragma once
 #include <filesystem>
@@ -10,11 +10,11 @@ namespace dgm::formats {
 /// shows when the file is written.
 void make_folder_of(const std::filesystem::path& file);
 
-/// fsync of the file's data and length. @throws model::Error kWriteFailed
+/// fsync of the file's data and length. @throws model::Error with write_failure()
 void sync_file(const std::filesystem::path& path);
 
 /// fsync `temporary`, rename it to `final_path` (same file system), fsync the folder. On error `temporary` stays and
-/// `final_path` is untouched. @throws model::Error kWriteFailed
+/// `final_path` is untouched. @throws model::Error with write_failure()
 void publish_file(const std::filesystem::path& temporary, const std::filesystem::path& final_path);
 
 }  // namespace dgm::formats

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// formats/dgm/atomic_file.cpp
-#include "dgm/atomic_file.h"
+// formats/files/atomic_file.cpp
+#include "files/atomic_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,21 +8,20 @@
 #include <cerrno>
 #include <system_error>
 
-#include "model/codes.h"
+#include "files/staging_folder.h"
 
 namespace dgm::formats {
 namespace {
 
-namespace codes = model::codes;
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const char* action, const fs::path& path, int error) {
-    throw model::Error(codes::kWriteFailed, std::string(action) + ": " + std::generic_category().message(error),
+    throw model::Error(write_failure(error), std::string(action) + ": " + std::generic_category().message(error),
                        path.string());
 }
 
 void sync(const fs::path& path, int flags, bool is_folder) {
-    const int file = ::open(path.c_str(), flags | O_CLOEXEC);
+    const int file = ::open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) fail("open", path, errno);
     const int result = ::fsync(file);
     const int error = errno;
