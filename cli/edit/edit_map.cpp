@@ -9,6 +9,7 @@
 #include "edit/edit_record.h"
 #include "edit/edit_sources.h"
 #include "edit/painted_map.h"
+#include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "worker/output_files.h"
@@ -63,6 +64,7 @@ void write_map(const Painted& painted, const EditOptions& options, const fs::pat
 }  // namespace
 
 EditOutcome edit_map(const EditOptions& options) {
+    formats::check_map_name(options.map);
     formats::ChangedDgm changed;
     if (options.repair)
         changed = formats::read_changed_dgm(options.map);
