@@ -175,12 +175,13 @@ std::optional<BakeReport> up_to_date(const fs::path& mesh_file, const std::vecto
             if (!origin || origin->generator != generator() || origin->source_hash != source ||
                 origin->settings_hash != settings)
                 return std::nullopt;
-            report = report_from_json(origin->report_json);
+            BakeReport own = report_from_json(origin->report_json);
             const std::string& now =
-                inputs.empty() ? hash_inputs(mesh_file, report->inputs, report->missing_inputs, options.asset_roots)
-                               : inputs;
-            if (now.empty() || report->inputs_hash != now || report->source_name != mesh_file.filename().string())
+                inputs.empty() ? hash_inputs(mesh_file, own.inputs, own.missing_inputs, options.asset_roots) : inputs;
+            if (now.empty() || own.inputs_hash != now || own.source_name != mesh_file.filename().string())
                 return std::nullopt;
+            if (report && !report->edits.empty()) continue;  // an EXR beside it may be what was painted
+            report = std::move(own);
             stamp = exporter::map_stamp(*origin);
         }
         for (const fs::path& output : outputs)

@@ -38,8 +38,9 @@ namespace dgm::bake {
 
 /// The stored report, without times, if each of `outputs` (.dgm, .exr, at least one of them; .glb, .obj, .ply) is whole
 /// and was made by this version from these contents with these settings. A mesh carries the stamp of the map that it
-/// was made of (export/map_stamp.h), and its textures must be there. nullopt otherwise, and for whatever cannot be
-/// read. For formats where only an import tells what they name, the report has what the import of that bake found.
+/// was made of (export/map_stamp.h), and its textures must be there; of a .dgm and an EXR, the one that was edited.
+/// nullopt otherwise, and for whatever cannot be read. For formats where only an import tells what they name, the
+/// report has what the import of that bake found.
 ///
 /// A .dgm is read and checked wholly, of an EXR the headers and whether all rows are there. Not thread-safe: HDF5.
 [[nodiscard]] std::optional<BakeReport> up_to_date(const std::filesystem::path& mesh_file,

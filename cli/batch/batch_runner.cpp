@@ -39,16 +39,22 @@ Outcome outcome_of(const model::Error& error) {
     return about_the_mesh || number == codes::kEditedMap.number ? Outcome::kRefused : Outcome::kFailed;
 }
 
-/// A map that dgm-edit has painted is not up to date any more, and a bake would replace it.
+/// For an asset that is not up to date: why it is not baked all the same, if dgm-edit has painted its map.
 std::optional<model::Error> keep_edits(const PlannedAsset& asset) {
-    for (const fs::path& map : {asset.dgm, asset.exr}) {
-        if (map.empty()) continue;
+    std::vector<fs::path> maps;
+    for (const fs::path& map : {asset.dgm, asset.exr})
+        if (!map.empty()) maps.push_back(map);
+    for (const fs::path& map : maps) {
         const std::vector<std::string> layers = edited_layers(map);
         if (layers.empty()) continue;
-        return model::Error(codes::kEditedMap,
-                            fmt::format("the map is not up to date, but was edited since its bake, so it is kept: {}",
-                                        fmt::join(layers, ", ")),
-                            map.string());
+        const std::string names = fmt::format("{}", fmt::join(layers, ", "));
+        if (asset.exports.empty() || !up_to_date(asset.source, maps, asset.options))
+            return model::Error(codes::kEditedMap, "the map is not up to date, but was edited since its bake: " + names,
+                                map.string());
+        return model::Error(codes::kEditedMap, "the map was edited, and a mesh beside it does not show that: " + names,
+                            map.string())
+            .with_hint(
+                fmt::format("write the mesh anew: dgm-export {} -o {}", map.string(), asset.exports[0].string()));
     }
     return std::nullopt;
 }

@@ -11,6 +11,7 @@
 #include "files/atomic_file.h"
 #include "files/output_file.h"
 #include "files/staging_folder.h"
+#include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "worker/output_files.h"
@@ -61,6 +62,7 @@ void write_map(const Painted& painted, const EditOptions& options, const fs::pat
 }  // namespace
 
 EditOutcome edit_map(const EditOptions& options) {
+    formats::check_map_name(options.map);
     formats::ChangedDgm changed;
     if (options.repair)
         changed = formats::read_changed_dgm(options.map);

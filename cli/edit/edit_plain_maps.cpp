@@ -57,7 +57,9 @@ constexpr std::array kMeanings{
 class ScratchFolder {
  public:
     ScratchFolder() {
-        std::string pattern = (fs::temp_directory_path() / "dgm-edit.XXXXXX").string();
+        std::error_code error;
+        const fs::path folder = fs::temp_directory_path(error);
+        std::string pattern = ((error ? fs::path("/tmp") : folder) / "dgm-edit.XXXXXX").string();
         if (::mkdtemp(pattern.data()) == nullptr) throw model::unwritable_folder(pattern, std::strerror(errno));
         path_ = pattern;
     }

@@ -9,6 +9,7 @@
 
 #include "dgm/dgm_reader.h"
 #include "exr/exr_planes.h"
+#include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "model/file_errors.h"
@@ -89,6 +90,7 @@ void offer_edit(PaintedMap& map, const fs::path& source) {
     const fs::file_status status = fs::status(source, error);
     if (!fs::exists(status)) throw model::missing_file_or_folder(source);
     if (source.extension() == ".dgm") return offer_dgm(map, source);
+    if (!fs::is_directory(status)) formats::check_map_name(source);
     const bool is_layers = !fs::is_directory(status) && formats::has_exr_description(source);
     if (!is_layers && (fs::is_directory(status) || source.extension() == ".json" || is_plain_map(source)))
         return offer_plain_maps(map, source);

@@ -327,6 +327,17 @@ class Bakes(Edit):
         self.bake_well("in", "-o", "out", "--size", "17", "--method", "tutte", "--fit", "sample", "--prune")
         self.assertEqual(self.names(self.folder / "out"), ["x.dgm", "z.dgm"])
 
+    def test_meshes_beside_it_have_to_show_it(self):
+        bake = ["a.obj", "-o", "out", *SIZE, "--format", "dgm,exr,glb"]
+        self.bake_well(*bake)
+        self.paint("out/a.dgm")
+        result = self.bake(*bake)
+        self.assertEqual(result.returncode, 3, result.stdout)
+        self.assertIn("DGM1019: the map was edited, and a mesh beside it does not show that: stiffness", result.stderr)
+        self.assertIn("next: write the mesh anew: dgm-export out/a.dgm -o out/a.glb", result.stderr)
+        self.run_well(support.EXPORT, "out/a.dgm", "-o", "out/a.glb")
+        self.assertIn("up to date, ", self.bake_well(*bake).stdout)
+
     def test_the_report_has_it(self):
         self.paint()
         self.bake_well("a.obj", "-o", "a.dgm", *SIZE, "--report", "r.json")
@@ -348,6 +359,7 @@ class CommandLine(Edit):
         for arguments, code, said in (
                 (["a.dgm"], 1, "--from is required"), (["a.dgm", "--from", "x", "--repair"], 1, "--repair goes without"),
                 (["a.dgm", "--from", "x.exr"], 2, "there is no such file or folder"),
+                (["a.obj", "--from", "a.dgm"], 3, "bake it first"), (["a.dgm", "--from", "a.obj"], 3, "bake it first"),
                 (["no.dgm", "--from", "x.exr"], 2, "there is no such file"),
                 (["a.dgm", "--from", "a.dgm", "--layer", "stifness"], 1, "did you mean stiffness?"),
                 (["a.dgm", "--from", "a.dgm", "--layer", "geometry"], 3, "DGM1017: --layer geometry: it is the shape"),
