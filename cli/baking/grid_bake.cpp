@@ -31,13 +31,18 @@ Mapped map_grid(PreparedAsset& asset, GridSize largest, CutUse use) {
 Fitted map_and_fit(PreparedAsset& asset, GridSize largest, CutUse use) {
     if (asset.options.fit == Fit::kSample) return map_only(asset, largest, use);
     Mapped mapped = map_grid(asset, largest, use);
+    const BakeOptions& options = asset.options;
+    const bool searched = options.auto_samples || options.max_error || options.budget_bytes;
     return asset.log.run("fit", [&](const model::Progress& progress) {
-        return fit_source(std::move(mapped), asset.options, asset.u16, progress);
+        Fitted fitted = fit_source(std::move(mapped), options, asset.u16, progress);
+        if (searched) return fitted;  // a search counts on the sizes that it asks for
+        return refine_inverted(asset.source, {largest, asset.aspects, use}, std::move(fitted), options, asset.u16,
+                               asset.cuts, progress);
     });
 }
 
 Fitted map_only(PreparedAsset& asset, GridSize largest, CutUse use) {
-    return {map_grid(asset, largest, use).charts};
+    return {map_grid(asset, largest, use).charts, {}};
 }
 
 MeasuredLayers store_and_measure(const PreparedAsset& asset, const Fitted& fitted, std::span<const std::string> names,

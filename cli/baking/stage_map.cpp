@@ -3,6 +3,7 @@
 // Map and fit.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,8 @@ namespace {
 
 using model::Error;
 namespace codes = model::codes;
+
+constexpr std::uint64_t kRefinedSamples = 2;  // times those of the largest component
 
 /// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;
@@ -52,6 +55,13 @@ Error failure_at(const Error& error, std::size_t c, std::size_t count) {
     return out.with_hint(error.hint());
 }
 
+FitOptions fit_options(const BakeOptions& options, bool u16) {
+    FitOptions out = options.fit == Fit::kBest ? best_fit() : l2_fit();
+    out.split_quads = !options.ablates("diagonals");
+    out.on_lattice = u16;
+    return out;
+}
+
 /// Splits all quads alike that may be split either way; those at the border keep the split that the topology needs.
 void straighten_diagonals(SampledChart& chart) {
     for (std::uint32_t i = 1; i + 2 < chart.m; ++i)
@@ -78,14 +88,39 @@ Mapped map_source(const Repaired& source, const MapRequest& request, const BakeO
 }
 
 Fitted fit_source(Mapped mapped, const BakeOptions& options, bool u16, const model::Progress& progress) {
-    Fitted out{std::move(mapped.charts)};
+    Fitted out{std::move(mapped.charts), {}};
     if (options.fit == Fit::kSample) return out;
-    FitOptions fit = options.fit == Fit::kBest ? best_fit() : l2_fit();
-    fit.split_quads = !options.ablates("diagonals");
-    fit.on_lattice = u16;
+    out.inverted.resize(out.charts.size());
+    const FitOptions fit = fit_options(options, u16);
     for_each_component(out.charts.size(), part_of(progress, "fit", 0, 1),
-                       [&](std::size_t c, const model::Progress& part) { fit_chart(out.charts[c].chart, fit, part); });
+                       [&](std::size_t c, const model::Progress& part) {
+                           out.inverted[c] = fit_chart(out.charts[c].chart, fit, part).inverted;
+                       });
     return out;
+}
+
+Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted fitted, const BakeOptions& options,
+                       bool u16, std::span<CutMemory> cuts, const model::Progress& progress) {
+    const std::vector<GridSize> full = full_sizes(source, request);
+    const FitOptions fit = fit_options(options, u16);
+    std::uint64_t left = kRefinedSamples * request.largest.rows * request.largest.cols;
+    for (std::size_t c = 0; c < fitted.inverted.size(); ++c) {
+        GridSize size{fitted.charts[c].chart.m, fitted.charts[c].chart.n};
+        while (fitted.inverted[c] > 0 && size != full[c]) {
+            size = {std::min(full[c].rows, 2 * size.rows - 1), std::min(full[c].cols, 2 * size.cols - 1)};
+            const std::uint64_t samples = std::uint64_t{size.rows} * size.cols;
+            if (samples > left) break;
+            left -= samples;
+            Attempt<ComponentResult> finer =
+                bake_component({source.components[c], size, full[c], request.use}, options, cuts[c], progress);
+            if (!finer) break;
+            const std::size_t inverted = fit_chart(finer->chart, fit, progress).inverted;
+            if (inverted >= fitted.inverted[c]) continue;
+            fitted.charts[c] = std::move(*finer);
+            fitted.inverted[c] = inverted;
+        }
+    }
+    return fitted;
 }
 
 }  // namespace dgm::bake

@@ -93,10 +93,18 @@ struct MapRequest {
 /// The charts with their samples where they are stored.
 struct Fitted {
     std::vector<ComponentResult> charts;
+    std::vector<std::size_t> inverted{};  ///< faces against the source, per chart; empty if none was fitted
 };
 
 /// Moves the samples closest to the source, as options.fit says. `u16`: to places that u16 positions have.
 [[nodiscard]] Fitted fit_source(Mapped mapped, const BakeOptions& options, bool u16, const model::Progress& progress);
+
+/// Gives small components whose fit left inverted faces finer grids, up to the largest component's, and keeps those
+/// with fewer inverted: a part that is small beside the rest of its asset may be too much for 17 samples a side. All
+/// finer grids that are tried have at most 2 times as many samples as the largest component has.
+[[nodiscard]] Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted fitted,
+                                     const BakeOptions& options, bool u16, std::span<CutMemory> cuts,
+                                     const model::Progress& progress);
 
 /// The layers of every chart, in source units.
 struct Layered {

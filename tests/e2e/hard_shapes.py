@@ -4,6 +4,7 @@ import math
 
 import hard_meshes as hard
 import meshes
+import thin_walls as thin
 
 NAN, INF = math.nan, math.inf
 
@@ -41,4 +42,19 @@ BAKED = {
                              [tuple(range(300))]), 100, (0, 1)),
     "two_balls_at_one_vertex": (lambda: hard.cubes([(0, 0, 0), (1, 1, 1)], 2), 70, None),
     "two_bodies_at_one_edge": (lambda: hard.cubes([(0, 0, 0), (1, 1, 0)], 2), 70, None),
+}
+
+# Surfaces close to themselves, and a body with many limbs: for scripts/hard-cases, which bounds time and memory. Too long for
+# every run of the tests.
+CLOSE = {
+    **{f"{name}_{gap:g}": (lambda make=make, gap=gap: thin.double_wall(make(), gap))
+       for name, make in (("cup", thin.cup), ("cup_of_needles", lambda: thin.cup(sides=1000, needles=True)),
+                          ("ribbed", thin.ribbed), ("perforated", thin.perforated), ("roll", thin.roll),
+                          ("pleats", thin.pleats), ("ball", thin.ball))
+       for gap in (1e-2, 1e-4, 1e-6)},
+    **{f"{name}_{copies}_{gap:g}": (lambda make=make, copies=copies, gap=gap: make(copies, gap))
+       for name, make in (("stack", thin.stack), ("folded_stack", lambda c, g: thin.stack(c, g, joined=True)),
+                          ("shells", thin.shells))
+       for copies in (2, 20) for gap in (0, 1e-9, 1e-6, 1e-3)},
+    "tree_256_ends": lambda: hard.tree(8),
 }

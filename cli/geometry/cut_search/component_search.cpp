@@ -18,8 +18,9 @@
 namespace dgm::bake {
 namespace {
 
-constexpr double kExact = 1e-10;  // normalised units
-constexpr double kGain = 0.99;    // a trial must lower the error by 1 % to count
+constexpr double kExact = 1e-10;                    // normalised units
+constexpr int kMostLimbs = 640, kLimbsATrial = 16;  // joined while no map was found; a trial after so many
+constexpr double kGain = 0.99;                      // a trial must lower the error by 1 % to count
 
 /// Roots of loops about the handles with the lengths of their cuts, shortest first.
 std::vector<std::pair<double, std::uint32_t>> roots_by_length(const CutGraph& uncut, const model::Progress& progress) {
@@ -152,8 +153,10 @@ class ComponentSearch {
     void augment(CutGraph cut) {
         out_.rms = kInfinity;
         int idle = 0;
-        for (int k = 0; k <= options_.max_extremities; ++k) {
-            const Trial trial = attempt(cut, std::nullopt);
+        for (int k = 0; k <= options_.max_extremities || (!best_ && k <= kMostLimbs); ++k) {
+            // A body with hundreds of limbs has no map until most of them are cut: most trials would fail.
+            const bool tried = k <= options_.max_extremities || k % kLimbsATrial == 0;
+            const Trial trial = tried ? attempt(cut, std::nullopt) : Trial{};
             if (trial.rms < kGain * out_.rms) {
                 idle = 0;
                 keep(cut, trial);

@@ -21,6 +21,7 @@ std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
 
 FitState::FitState(SampledChart& fitted, const FitOptions& options)
     : chart(fitted),
+      most_looks(options.most_looks != 0 ? options.most_looks : most_looks_of(fitted.grid_count())),
       source(link_source(fitted.disk)),
       grid(fitted),
       matches(fitted, source, grid, point_count(fitted, options)),

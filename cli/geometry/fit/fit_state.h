@@ -33,6 +33,8 @@ struct FitState {
     FitState(const FitState&) = delete;
     FitState& operator=(const FitState&) = delete;
 
+    /// True once the walks have looked at as many faces as they may: what runs ends with the best state so far.
+    [[nodiscard]] bool is_spent() const { return matches.looked() >= most_looks; }
     /// Largest distance of a match, or from the source's border to the grid's.
     [[nodiscard]] double largest() const;
 
@@ -71,6 +73,7 @@ struct FitState {
     }
 
     SampledChart& chart;
+    std::uint64_t most_looks;
     LinkedSurface source;
     WeldedGrid grid;
     Matches matches;

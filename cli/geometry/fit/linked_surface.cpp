@@ -31,13 +31,15 @@ void LinkedSurface::update_normals() {
     for (std::size_t f = 0; f < faces.size(); ++f) update_normal(f);
 }
 
-SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start) {
+SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start, std::uint64_t* looked) {
     SurfaceHit hit{start, 0, {}};
+    std::uint64_t faces = 1;
     hit.squared = closest_on_triangle(p, surface.corners(start), hit.b);
     for (int step = 0; step < kMaxSteps; ++step) {
         SurfaceHit best = hit;
         const auto visit = [&](std::uint32_t face) {
             std::array<double, 3> b;
+            ++faces;
             const double squared = closest_on_triangle(p, surface.corners(face), b);
             if (squared < best.squared * kNearer) best = {face, squared, b};
         };
@@ -66,6 +68,7 @@ SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::ui
         if (best.face == hit.face) break;
         hit = best;
     }
+    if (looked != nullptr) *looked += faces;
     return hit;
 }
 

@@ -40,7 +40,9 @@ struct SurfaceHit {
 
 /// Goes from face to face, each step nearer to `p`, until no neighbour of the closest point is nearer: a local minimum
 /// of the distance, on the sheet that `start` lies on. Bounded work. Thread-safe.
-[[nodiscard]] SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start);
+/// @param looked  counts up by the faces looked at, unless it is null
+[[nodiscard]] SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start,
+                                         std::uint64_t* looked = nullptr);
 
 /// Floods some hundred faces around a start, time and again.
 class NearbyFaces {

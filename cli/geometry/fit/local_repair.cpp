@@ -55,7 +55,7 @@ Neighbourhood around_moved(const WeldedGrid& grid, const std::vector<Vec3d>& bef
 
 void LocalRepair::repair() {
     const std::vector<std::uint32_t> inverted = inverted_now();
-    if (inverted.empty() || (unrepaired_ && without(inverted, *unrepaired_).empty())) return;
+    if (inverted.empty() || fit_.is_spent() || (unrepaired_ && without(inverted, *unrepaired_).empty())) return;
     const FitState::Kept before = fit_.kept;
     for (const bool all_means : {true, false}) {
         if (!try_means(all_means) || inverted_now().size() < inverted.size() || fit_.kept.rms <= before.rms) break;
@@ -82,7 +82,7 @@ bool LocalRepair::try_means(bool all_means) {
     const std::vector<Vec3d> before = fit_.grid.surface.positions;
     bool moved = all_means && move_vertices(), patches_moved = false;
     if (moved) fit_.matches.update(false);
-    for (int round = 0; round < kSearches; ++round) {
+    for (int round = 0; round < kSearches && !fit_.is_spent(); ++round) {
         if (move_patches()) moved = patches_moved = true;
         const std::vector<std::uint32_t> left = inverted_now();
         if (left.empty() || !search_places(left)) break;
@@ -100,7 +100,7 @@ bool LocalRepair::move_vertices() {
     constexpr int kPasses = 10;
     const ClosestPointIndex& index = fit_.inverted.source_index();
     bool moved = repair_by_vertex(fit_.source, fit_.grid, fit_.matches, fit_.fixed, kEndUpright);
-    for (int pass = 0; pass < kPasses; ++pass) {
+    for (int pass = 0; pass < kPasses && !fit_.is_spent(); ++pass) {
         const std::vector<std::uint32_t> inverted = inverted_now();
         for (const std::uint32_t f : inverted) {
             Match& middle = fit_.matches.middles[f];
@@ -156,7 +156,7 @@ void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_mo
         return without(joined(fit_.inverted.faces(near.faces, nearly_), fit_.matches.faces_beyond(limit)), left);
     };
     double gained = 1, gained_before = 1;
-    for (int round = 0; round < rounds && gained + gained_before > kRefitGain; ++round) {
+    for (int round = 0; round < rounds && gained + gained_before > kRefitGain && !fit_.is_spent(); ++round) {
         gained_before = gained;
         NormalEquations equations(fit_.grid);
         fit_.rows.assemble(equations, round % 2 == 1, near.faces);

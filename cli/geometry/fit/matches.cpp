@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 namespace dgm::bake {
@@ -15,20 +16,25 @@ constexpr double kVertexWeight = 0.25;
 
 constexpr std::size_t kChunk = 1024;
 
-/// Calls body(k) for each match of `list`, then notes the farthest of every chunk while it is in the cache: the lists
-/// are long, and all passes need these chunks.
+/// Calls body(k, looked) for each match of `list`, then notes the farthest of every chunk while it is in the cache: the
+/// lists are long, and all passes need these chunks.
+/// @return  sum of what the bodies have added to `looked`
 template <class Body>
-void in_chunks(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
+std::uint64_t in_chunks(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
     farthest.assign((list.size() + kChunk - 1) / kChunk, 0.0);
+    std::atomic<std::uint64_t> all_looked{0};
     tbb::parallel_for(std::size_t{0}, farthest.size(), [&](std::size_t chunk) {
         const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
         double squared = 0;
+        std::uint64_t looked = 0;
         for (std::size_t k = begin; k < end; ++k) {
-            body(k);
+            body(k, &looked);
             squared = std::max(squared, list[k].hit.squared);
         }
         farthest[chunk] = squared;
+        all_looked += looked;
     });
+    return all_looked;
 }
 
 }  // namespace
@@ -83,8 +89,8 @@ void Matches::start(const SampledChart& chart) {
     for (std::size_t f = 0; f < middles.size(); ++f) middles[f].hit.face = classes[grid_.surface.faces[f][0]].hit.face;
 }
 
-SurfaceHit Matches::on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start) const {
-    if (!source_index_) return walk_to_closest(source_, p, start);
+SurfaceHit Matches::on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start, std::uint64_t* looked) const {
+    if (!source_index_) return walk_to_closest(source_, p, start, looked);
     const ClosestPoint hit = source_index_->query_preferring(p, normal, slack_, start);
     if (hit.face == kNone) return walk_to_closest(source_, p, start);
     return {hit.face, hit.distance * hit.distance, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
@@ -104,17 +110,18 @@ void Matches::update(bool with_edges, std::span<const char> near) {
     for (std::size_t f = 0; f < near.size(); ++f)
         if (near[f])
             for (const std::uint32_t c : grid.faces[f]) near_class[c] = 1;
-    in_chunks(points, farthest_[0], [&](std::size_t k) {
+    looked_ += in_chunks(points, farthest_[0], [&](std::size_t k, std::uint64_t* looked) {
         if (near.empty() || near[points[k].hit.face])
-            points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face);
+            points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face, looked);
     });
-    in_chunks(classes, farthest_[1], [&](std::size_t c) {
+    looked_ += in_chunks(classes, farthest_[1], [&](std::size_t c, std::uint64_t* looked) {
         if (!near.empty() && !near_class[c]) return;
         classes[c].position = grid.positions[c];
-        classes[c].hit = on_source(classes[c].position, normal.empty() ? Vec3d{} : normal[c], classes[c].hit.face);
+        classes[c].hit =
+            on_source(classes[c].position, normal.empty() ? Vec3d{} : normal[c], classes[c].hit.face, looked);
     });
-    in_chunks(middles, farthest_[2], [&](std::size_t f) {
-        if (near.empty() || near[f]) update_middle(f);
+    looked_ += in_chunks(middles, farthest_[2], [&](std::size_t f, std::uint64_t* looked) {
+        if (near.empty() || near[f]) update_middle(f, looked);
     });
     if (!with_edges || edges.size() != grid_.edges.size()) {
         edges.clear();
@@ -126,10 +133,14 @@ void Matches::update(bool with_edges, std::span<const char> near) {
 }
 
 void Matches::update_middle(std::size_t face) {
+    update_middle(face, nullptr);
+}
+
+void Matches::update_middle(std::size_t face, std::uint64_t* looked) {
     const auto q = grid_.surface.corners(face);
     Match& m = middles[face];
     m.position = (q[0] + q[1] + q[2]) / 3;
-    m.hit = on_source(m.position, unit_normal(q), m.hit.face);
+    m.hit = on_source(m.position, unit_normal(q), m.hit.face, looked);
 }
 
 void Matches::update_edges(std::span<const char> near) {
@@ -138,11 +149,11 @@ void Matches::update_edges(std::span<const char> near) {
     edge_place.resize(edges.size());
     for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
         for (int k = 0; k < 3; ++k) edge_place[grid_.edge_of[f][k]] = {f, k};
-    in_chunks(edges, farthest_[3], [&](std::size_t e) {
+    looked_ += in_chunks(edges, farthest_[3], [&](std::size_t e, std::uint64_t* looked) {
         if (!near.empty() && !near[edge_place[e].first]) return;
         edges[e].position = (grid.positions[grid_.edges[e].first] + grid.positions[grid_.edges[e].second]) / 2;
         const std::uint32_t face = edge_place[e].first;
-        edges[e].hit = on_source(edges[e].position, grid.normals[face], middles[face].hit.face);
+        edges[e].hit = on_source(edges[e].position, grid.normals[face], middles[face].hit.face, looked);
         edges[e].weight = 0;
     });
 }

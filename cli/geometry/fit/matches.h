@@ -45,6 +45,13 @@ class Matches {
     /// The middle of one face again, after a corner of it has moved.
     void update_middle(std::size_t face);
 
+    /// Faces that walks have looked at, those of all updates and those that were counted: the same for any number of
+    /// threads.
+    [[nodiscard]] std::uint64_t looked() const { return looked_; }
+    void count_looks(std::uint64_t faces) { looked_ += faces; }
+    /// Most that one repair may look at. A walk over a crowd of tiny faces looks at thousands.
+    static constexpr std::uint64_t kMostLooksOfRepair = 300'000'000;
+
     /// Faces of the grid with a match of the last update farther away than that; ascending.
     [[nodiscard]] std::vector<std::uint32_t> faces_beyond(double distance) const;
 
@@ -62,12 +69,15 @@ class Matches {
     void weigh_and_measure();
     [[nodiscard]] double farthest_squared() const;
 
-    [[nodiscard]] SurfaceHit on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start) const;
+    [[nodiscard]] SurfaceHit on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start,
+                                       std::uint64_t* looked = nullptr) const;
+    void update_middle(std::size_t face, std::uint64_t* looked);
 
     const LinkedSurface& source_;
     const WeldedGrid& grid_;
     std::unique_ptr<ClosestPointIndex> source_index_;  // only for a source denser than the grid
     double slack_ = 0;
+    std::uint64_t looked_ = 0;
     std::array<std::vector<double>, 4> farthest_;  // squared, per chunk of points, classes, middles and edges
 };
 

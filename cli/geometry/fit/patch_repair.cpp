@@ -117,6 +117,7 @@ class PatchRepair {
         bool moved = false;
         for (const std::uint32_t f : inverted)
             if (effort_ > 0 && is_inverted(f)) moved = lay_flat(f) || moved;
+        matches_.count_looks(looked_);
         return moved;
     }
 
@@ -132,27 +133,26 @@ class PatchRepair {
 
     /// The free classes around a face, and the faces around those.
     void gather(std::uint32_t face, int rings) {
+        const auto add = [&](std::uint32_t c) {
+            in_patch_[c] = 1;
+            patch_.push_back(c);
+        };
         patch_.clear();
         faces_.clear();
-        for (const std::uint32_t c : grid_.faces[face]) add_to_patch(c);
+        for (const std::uint32_t c : grid_.faces[face]) add(c);
         std::size_t from = 0;
         for (int k = 0; k < rings; ++k) {
             const std::size_t end = patch_.size();
             for (; from < end; ++from)
                 for (const std::uint32_t f : ring(patch_[from]))
                     for (const std::uint32_t c : grid_.faces[f])
-                        if (!in_patch_[c]) add_to_patch(c);
+                        if (!in_patch_[c]) add(c);
         }
         for (const std::uint32_t c : patch_) in_patch_[c] = 0;
         std::erase_if(patch_, [&](std::uint32_t c) { return fixed_[c] != 0; });
         for (const std::uint32_t c : patch_) faces_.insert(faces_.end(), ring(c).begin(), ring(c).end());
         std::sort(faces_.begin(), faces_.end());
         faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
-    }
-
-    void add_to_patch(std::uint32_t c) {
-        in_patch_[c] = 1;
-        patch_.push_back(c);
     }
 
     /// Each face is held to the shape that it has, but none to a thin one.
@@ -219,7 +219,7 @@ class PatchRepair {
         if (const double l = length(step); !(l <= reach)) step = std::isfinite(l) ? step * (reach / l) : Vec3d{};
         constexpr int kHalvings = 8;
         for (int k = 0; k < kHalvings; ++k, step *= 0.4) {
-            const SurfaceHit hit = walk_to_closest(source_, old + step, match.hit.face);
+            const SurfaceHit hit = walk_to_closest(source_, old + step, match.hit.face, &looked_);
             grid_.positions[c] = point_at(source_, hit);
             if (energy(c) < start) {
                 match.hit = hit;
@@ -242,7 +242,7 @@ class PatchRepair {
             if (sweep > 0 && least > kUpright && count_inverted(faces_) == 0) break;
             epsilon_ = math::hypot(kLeastEpsilon, kEpsilonShare * std::min(0.0, least));
             for (const std::uint32_t c : patch_) farthest = std::max(farthest, relax(c));
-            effort_ -= std::min(effort_, patch_.size());
+            effort_ -= looked_ < Matches::kMostLooksOfRepair ? std::min(effort_, patch_.size()) : effort_;
             if (farthest < kSettled) break;
         }
     }
@@ -252,12 +252,11 @@ class PatchRepair {
         const auto add = [&](double squared) {
             out.fourth_powers += squared * squared;
             out.largest = std::max(out.largest, squared);
+            return squared;
         };
         for (const std::uint32_t f : faces) {
             for (std::uint32_t k = first_point_[f]; k < first_point_[f + 1]; ++k) {
-                const double squared = walk_to_closest(grid_, matches_.points[point_[k]].position, f).squared;
-                out.squares += squared;
-                add(squared);
+                out.squares += add(walk_to_closest(grid_, matches_.points[point_[k]].position, f).squared);
             }
             const auto q = grid_.corners(f);
             add(walk_to_closest(source_, (q[0] + q[1] + q[2]) / 3, matches_.middles[f].hit.face).squared);
@@ -330,6 +329,7 @@ class PatchRepair {
     std::vector<Shape> shapes_;  // per face of the patch
     std::vector<Vec3d> up_;
     double epsilon_ = 1;
+    std::uint64_t looked_ = 0;  // faces that walks looked at
 };
 
 }  // namespace

@@ -49,7 +49,7 @@ class SearchRepair {
     bool run(std::span<const std::uint32_t> inverted) {
         std::vector<std::uint32_t> left(inverted.begin(), inverted.end());
         bool moved = false;
-        for (int pass = 0; pass < kPasses && !left.empty() && tries_ < kMostTries; ++pass) {
+        for (int pass = 0; pass < kPasses && !left.empty() && has_effort(); ++pass) {
             reached_.clear();
             for (const std::uint32_t f : left) moved = (pass < kPlainPasses ? mend(f) : anneal(f)) || moved;
             left.insert(left.end(), reached_.begin(), reached_.end());
@@ -60,7 +60,11 @@ class SearchRepair {
         return moved;
     }
 
+    [[nodiscard]] std::uint64_t looked() const { return looked_; }
+
  private:
+    [[nodiscard]] bool has_effort() const { return tries_ < kMostTries && looked_ < Matches::kMostLooksOfRepair; }
+
     struct Price {
         double value;
         bool inverted;
@@ -88,7 +92,7 @@ class SearchRepair {
         const double cosine = dot(index_.unit_normal(any.face), normal);
         bool inverted = false;
         if (!(cosine > kSafeCosine)) {
-            const double limit = any.distance + kSafeTie;
+            const double limit = any.distance + kSafeTie * index_.diagonal();
             const ClosestPoint facing = index_.query_facing(centre, normal, kSafeCosine, any.face, limit);
             inverted = facing.face == kNone || facing.distance > limit;
         }
@@ -153,7 +157,7 @@ class SearchRepair {
                 const auto& w = hit.barycentric;
                 return {hit.point, {hit.face, 0, {w[0], w[1], w[2]}}};
             }
-        const SurfaceHit hit = walk_to_closest(source_, to, matches_.classes[c].hit.face);
+        const SurfaceHit hit = walk_to_closest(source_, to, matches_.classes[c].hit.face, &looked_);
         return {kind == 0 ? to : point_at(source_, hit), hit};
     }
 
@@ -171,7 +175,7 @@ class SearchRepair {
         }
         if (count == 2) {
             const Vec3d to = old[1].position + fresh[0].position - old[0].position;
-            fresh[1].hit = walk_to_closest(source_, to, old[1].hit.face);
+            fresh[1].hit = walk_to_closest(source_, to, old[1].hit.face, &looked_);
             fresh[1].position = point_at(source_, fresh[1].hit);
             std::sort(affected_.begin(), affected_.end());
             affected_.erase(std::unique(affected_.begin(), affected_.end()), affected_.end());
@@ -219,7 +223,7 @@ class SearchRepair {
 
     bool mend(std::uint32_t face) {
         bool moved = false;
-        for (int k = 0; k < kTries && tries_ < kMostTries && judge(face).inverted; ++k)
+        for (int k = 0; k < kTries && has_effort() && judge(face).inverted; ++k)
             moved = attempt_about(face, k, -kLeastGain) || moved;
         return moved;
     }
@@ -229,7 +233,7 @@ class SearchRepair {
         if (!judge(face).inverted) return false;
         log_.clear();
         change_ = 0;
-        for (int k = 0; k < kHeatedTries && tries_ < kMostTries; ++k) {
+        for (int k = 0; k < kHeatedTries && has_effort(); ++k) {
             const double left = 1 - static_cast<double>(k) / kHeatedTries, heat = kHeat * (left * left);
             attempt_about(face, k, -kLeastGain - heat * math::log(std::max(uniform(), 1e-9)));
             if (change_ < -0.5 * kInverted && !judge(face).inverted) break;
@@ -268,6 +272,7 @@ class SearchRepair {
     std::vector<Step> log_;
     double change_ = 0;  // of the price, by the steps of the log
     std::size_t tries_ = 0;
+    std::uint64_t looked_ = 0;  // faces that walks looked at
 };
 
 }  // namespace
@@ -275,7 +280,10 @@ class SearchRepair {
 bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
                       std::span<const char> fixed, std::span<const std::uint32_t> inverted) {
     if (inverted.size() > kMostFaces) return false;
-    return SearchRepair(source, index, grid, matches, fixed).run(inverted);
+    SearchRepair repair(source, index, grid, matches, fixed);
+    const bool moved = repair.run(inverted);
+    matches.count_looks(repair.looked());
+    return moved;
 }
 
 }  // namespace dgm::bake

@@ -50,11 +50,15 @@ class VertexRepair {
     bool mend(std::uint32_t face) {
         bool moved = false;
         for (const std::uint32_t c : grid_.faces[face])
-            if (!fixed_[c] && !settled_[c] && effort_ < kMostEffort && improve(c)) moved = true;
+            if (!fixed_[c] && !settled_[c] && has_effort() && improve(c)) moved = true;
         return moved;
     }
 
+    [[nodiscard]] std::uint64_t looked() const { return looked_; }
+
  private:
+    [[nodiscard]] bool has_effort() const { return effort_ < kMostEffort && looked_ < Matches::kMostLooksOfRepair; }
+
     [[nodiscard]] std::span<const std::uint32_t> ring(std::uint32_t c) const {
         return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
     }
@@ -66,7 +70,8 @@ class VertexRepair {
         for (const std::uint32_t f : ring(c)) {
             const auto q = grid_.corners(f);
             const Vec3d area = cross(q[1] - q[0], q[2] - q[0]), normal = normalized(area, Vec3d{});
-            const SurfaceHit hit = walk_to_closest(source_, (q[0] + q[1] + q[2]) / 3, matches_.middles[f].hit.face);
+            const SurfaceHit hit =
+                walk_to_closest(source_, (q[0] + q[1] + q[2]) / 3, matches_.middles[f].hit.face, &looked_);
             // Also by area: a face that lies flat on its back turns no less while it shrinks.
             sum += std::max(0.0, kWanted - dot(normal, source_.normals[hit.face])) *
                    (kInverted + length(area) / (reach * reach));
@@ -105,7 +110,8 @@ class VertexRepair {
         Vec3d best = old;
         double least = penalty(c, reach) - kLeastGain;
         const auto attempt = [&](const Vec3d& to) {
-            grid_.positions[c] = point_at(source_, walk_to_closest(source_, to, matches_.classes[c].hit.face));
+            grid_.positions[c] =
+                point_at(source_, walk_to_closest(source_, to, matches_.classes[c].hit.face, &looked_));
             const double now = penalty(c, reach);
             if (now < least) {
                 least = now;
@@ -137,14 +143,18 @@ class VertexRepair {
     std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
     double squared_spacing_ = 1;
     std::vector<char> settled_;  // per class: nothing that it depends on has changed since it stayed
-    std::size_t effort_ = 0;     // faces looked at
+    std::size_t effort_ = 0;     // faces judged
+    std::uint64_t looked_ = 0;   // faces that walks looked at
 };
 
 }  // namespace
 
 bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
                       double upright) {
-    return VertexRepair(source, grid, matches, fixed).run(upright);
+    VertexRepair repair(source, grid, matches, fixed);
+    const bool moved = repair.run(upright);
+    matches.count_looks(repair.looked());
+    return moved;
 }
 
 bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
@@ -152,6 +162,7 @@ bool repair_by_vertex(const LinkedSurface& source, WeldedGrid& grid, Matches& ma
     VertexRepair repair(source, grid, matches, fixed);
     bool moved = false;
     for (const std::uint32_t f : faces) moved = repair.mend(f) || moved;
+    matches.count_looks(repair.looked());
     return moved;
 }
 

@@ -5,12 +5,33 @@
 #include <cmath>
 
 #include "geometry/layers/layers.h"
+#include "geometry/mesh/infinity.h"
 #include "model/layer_names.h"
 
 namespace dgm::bake {
 namespace {
 
-constexpr double kFar = 8;  // diagonals from the origin; at 8 a float still resolves 5e-7 of the diagonal
+constexpr double kFarChart = 1000;  // of the chart's own size: at 1000 a float resolves 6e-5 of it
+constexpr double kFar = 8;          // diagonals from the origin; at 8 a float still resolves 5e-7 of the diagonal
+
+struct Box {
+    Vec3d centre;
+    double diagonal = 0;
+};
+
+/// Bounding box of the samples on the surface, in the normalised frame.
+Box box_of(const SampledChart& chart) {
+    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+    for (std::size_t s = 0; s < chart.positions.size(); ++s) {
+        if (!chart.on_surface(s)) continue;
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], chart.positions[s][k]);
+            high[k] = std::max(high[k], chart.positions[s][k]);
+        }
+    }
+    if (!is_finite(low)) return {};
+    return {(low + high) * 0.5, length(high - low)};
+}
 
 }  // namespace
 
@@ -19,7 +40,11 @@ StoredFrame choose_frame(const Frame& frame, const SampledChart& chart, bool qua
     const double far = std::max({std::abs(frame.centre.x), std::abs(frame.centre.y), std::abs(frame.centre.z)});
     const bool keep_origin = far <= kFar * frame.diagonal;
     if (!quantised) {
-        if (!keep_origin) out.offset = {frame.centre.x, frame.centre.y, frame.centre.z};
+        const Box box = box_of(chart);
+        const Vec3d origin = keep_origin ? Vec3d{} : frame.centre, centre = frame.centre + box.centre * frame.diagonal;
+        const bool is_far = length(centre - origin) > kFarChart * box.diagonal * frame.diagonal && box.diagonal > 0;
+        const Vec3d& from = is_far ? centre : origin;
+        out.offset = {from.x, from.y, from.z};
         return out;
     }
     out.quantised = true;

@@ -5,7 +5,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 namespace dgm::bake {
@@ -15,6 +14,7 @@ using model::Vec3d;
 
 std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, const TriMesh& map, double tie,
                                              double least_cosine, std::span<const char> either_side) {
+    const double reach = tie * index.diagonal();
     std::vector<char> turned(map.faces.size(), 0);
     constexpr std::size_t kChunk = 1024;  // neighbours share a hint
     tbb::parallel_for(std::size_t{0}, (turned.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
@@ -31,8 +31,9 @@ std::vector<std::uint32_t> find_turned_faces(const ClosestPointIndex& index, con
             if (!either_side.empty() && either_side[f] && dot(index.unit_normal(any.face), normal) < 0)
                 normal = -normal;
             if (dot(index.unit_normal(any.face), normal) > least_cosine) continue;
-            const ClosestPoint facing = index.query_facing(centre, normal, least_cosine, any.face, any.distance + tie);
-            turned[f] = facing.face == ClosestPointIndex::kNoFace || facing.distance > any.distance + tie;
+            const ClosestPoint facing =
+                index.query_facing(centre, normal, least_cosine, any.face, any.distance + reach);
+            turned[f] = facing.face == ClosestPointIndex::kNoFace || facing.distance > any.distance + reach;
         }
     });
     std::vector<std::uint32_t> out;
@@ -56,19 +57,9 @@ std::vector<char> faces_beside_reversed(std::span<const Face> faces, std::span<c
 
 std::size_t count_turned_faces(const TriMesh& source, const TriMesh& map, const ClosestPointIndex* index,
                                std::span<const char> either_side) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
-    for (const Vec3d& p : source.positions) {
-        if (!is_finite(p)) continue;
-        for (int k = 0; k < 3; ++k) {
-            low[k] = std::min(low[k], p[k]);
-            high[k] = std::max(high[k], p[k]);
-        }
-    }
-    if (!is_finite(low)) return 0;
     std::optional<ClosestPointIndex> own;
     if (index == nullptr) index = &own.emplace(source.positions, source.faces);
-    return find_turned_faces(*index, map, kTurnedTie * length(high - low), 0, either_side).size();
+    return find_turned_faces(*index, map, kTurnedTie, 0, either_side).size();
 }
 
 }  // namespace dgm::bake

@@ -19,7 +19,7 @@ inline constexpr double kTurnedTie = 1e-5;
 /// Faces of `map` that are inverted against `source`, ascending.
 ///
 /// A triangle with unit normal n and centre c is inverted if no source face with unit normal N, n . N > 0, comes as
-/// near to c as the nearest source face of all (within `tie`, in the units of the meshes). Source faces without area do
+/// near to c as the nearest source face of all (within `tie` diagonals of the source). Source faces without area do
 /// not count, nor do map triangles without area or with corners that are not finite: the former have no side, the
 /// latter are reported elsewhere. `index` must be built of the source. Deterministic whatever the number of threads.
 /// @param least_cosine  requires n . N > this instead

@@ -13,9 +13,12 @@
 #include <array>
 #include <cmath>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "geometry/mesh/infinity.h"
+#include "geometry/spatial/box_tree.h"
+#include "geometry/spatial/triangle_distance.h"
 #include "math/portable.h"
 #include "model/codes.h"
 
@@ -37,24 +40,6 @@ constexpr double kFarDiagonals = 1e15;
 // to the coordinates.
 constexpr double kFloatSlack = 16.0 / (1 << 24);
 
-// Squared sine under which a triangle is treated as its three edges; the error is then below 1e-10 of its longest edge.
-constexpr double kSliverSineSquared = 1e-20;
-
-struct Triangle {
-    Vec3d a, b, c;
-    Vec3d normal;           // (b - a) x (c - a), not normalised; zero if the triangle is a sliver
-    double normal_squared;  // 0 if the triangle is a sliver
-    std::uint32_t face;
-    bool swap_ab, swap_bc, swap_ca;  // the edge's second vertex has the lower index
-};
-
-struct Nearest {
-    double squared = kInfinity;
-    std::uint32_t face = kNone, triangle = kNone;
-    Vec3d point;
-    std::array<double, 3> barycentric{};
-};
-
 double box_diagonal_half(const Vec3d& half) {
     return math::hypot(half.x, half.y, half.z);
 }
@@ -68,92 +53,25 @@ float round_up(double x) {
     return f >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
 }
 
-/// Nearest point of segment (a, b), with t its parameter from a; walks from b if `swap`, so both users get equal bits.
-double segment_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, bool swap, Vec3d& point, double& t) {
-    const Vec3d& from = swap ? b : a;
-    const Vec3d& to = swap ? a : b;
-    const Vec3d edge = to - from;
-    const double along = dot(p - from, edge), squared = dot(edge, edge);
-    double s;
-    if (!(along > 0)) {
-        s = 0;
-        point = from;
-    } else if (along >= squared) {
-        s = 1;
-        point = to;
-    } else {
-        s = along / squared;
-        point = from + edge * s;
-    }
-    t = swap ? 1 - s : s;
-    const Vec3d d = p - point;
-    return dot(d, d);
-}
-
-/// Squared distance from p to the triangle, with the nearest point and its barycentric coordinates.
-///
-/// The signs of the three edge sides decide the region, as in [Ericson 2005, section 5.1.5], but taken as
-/// n . (edge x (p - corner)): their error is a lateral shift of about 1e-16 |p - corner|, whatever the triangle's size.
-/// Outside, the nearest point lies on an edge that has p on its outer side.
-double triangle_distance(const Triangle& tri, const Vec3d& p, Vec3d& point, std::array<double, 3>& bary) {
-    bool test_ab = true, test_bc = true, test_ca = true;
-    if (tri.normal_squared > 0) {
-        const Vec3d ap = p - tri.a, bp = p - tri.b, cp = p - tri.c;
-        const double side_ab = dot(tri.normal, cross(tri.b - tri.a, ap));
-        const double side_bc = dot(tri.normal, cross(tri.c - tri.b, bp));
-        const double side_ca = dot(tri.normal, cross(tri.a - tri.c, cp));
-        if (side_ab >= 0 && side_bc >= 0 && side_ca >= 0) {
-            const double sum = side_ab + side_bc + side_ca;
-            if (sum > 0) {
-                bary = {side_bc / sum, side_ca / sum, side_ab / sum};
-                point = tri.a + (tri.b - tri.a) * bary[1] + (tri.c - tri.a) * bary[2];
-                const Vec3d d = p - point;
-                return dot(d, d);
-            }
-        } else {
-            test_ab = side_ab < 0;
-            test_bc = side_bc < 0;
-            test_ca = side_ca < 0;
-        }
-    }
-    double best = kInfinity;
-    Vec3d q;
-    double t = 0;
-    if (test_ab) {
-        best = segment_distance(p, tri.a, tri.b, tri.swap_ab, point, t);
-        bary = {1 - t, t, 0};
-    }
-    if (test_bc) {
-        const double squared = segment_distance(p, tri.b, tri.c, tri.swap_bc, q, t);
-        if (squared < best) {
-            best = squared;
-            point = q;
-            bary = {0, 1 - t, t};
-        }
-    }
-    if (test_ca) {
-        const double squared = segment_distance(p, tri.c, tri.a, tri.swap_ca, q, t);
-        if (squared < best) {
-            best = squared;
-            point = q;
-            bary = {t, 0, 1 - t};
-        }
-    }
-    return best;
-}
-
-/// True if the plane alone shows that the triangle is farther than `squared`. The margin covers rounding.
-bool plane_is_farther(const Triangle& tri, const Vec3d& p, double squared) {
-    const double height = dot(tri.normal, p - tri.a);
-    return height * height > squared * tri.normal_squared * (1 + 1e-4) + 1e-30 * tri.normal_squared &&
-           tri.normal_squared > 0;
-}
-
-struct Piece;
+/// The part of a triangle between two shares of its longest edge, seen at right angles to it: what the hierarchy holds.
+/// A box around a whole needle is nearly empty, and where 10 000 of them meet a query would have to look at each.
+/// Or a crowd of tiny triangles, with a hierarchy of its own.
+struct Piece {
+    std::uint32_t triangle = 0;
+    float from = 0, to = 1;
+    std::uint32_t crowd = kNone;
+};
+constexpr double kNeedle = 32;      ///< length over height of a triangle that is taken to pieces
+constexpr double kPieceLength = 8;  ///< of a piece, in heights
+constexpr int kMaxPieces = 16;
+constexpr double kTiny = 1e-4;       ///< longest edge, in diagonals, of a triangle that may belong to a crowd
+constexpr double kCrowdSide = 1e-3;  ///< of the cube that holds its middle, in diagonals
+constexpr std::size_t kCrowd = 64;   ///< least triangles of one
 
 struct Search {
     const Triangle* triangles = nullptr;
     const Piece* pieces = nullptr;
+    const BoxTree* crowds = nullptr;
     Vec3d point;       // normalised frame
     double reach = 0;  // largest coordinate of point, at least 1: what the float slack is relative to
     Nearest nearest;
@@ -170,11 +88,19 @@ struct Search {
             if ((n.x == 0 && n.y == 0 && n.z == 0) || !(dot(n, direction) > min_cosine)) return false;
         }
         Vec3d q;
-        std::array<double, 3> bary;
+        std::array<double, 3> bary{};
         const double squared = triangle_distance(tri, point, q, bary);
         if (!(squared < nearest.squared || (squared == nearest.squared && tri.face < nearest.face))) return false;
         nearest = {squared, tri.face, index, q, bary};
         return true;
+    }
+
+    /// Returns true if a triangle of the piece became the nearest.
+    bool visit(const Piece& piece) {
+        if (piece.crowd == kNone) return visit(piece.triangle);
+        bool nearer = false;
+        crowds[piece.crowd].search(point, reach, nearest, [&](std::uint32_t t) { nearer = visit(t) || nearer; });
+        return nearer;
     }
 
     [[nodiscard]] float radius() const {
@@ -182,16 +108,6 @@ struct Search {
         return round_up(d + kFloatSlack * (d + reach));
     }
 };
-
-/// The part of a triangle between two shares of its longest edge, seen at right angles to it: what the hierarchy holds.
-/// A box around a whole needle is nearly empty, and where 10 000 of them meet a query would have to look at each.
-struct Piece {
-    std::uint32_t triangle = 0;
-    float from = 0, to = 1;
-};
-constexpr double kNeedle = 32;      ///< length over height of a triangle that is taken to pieces
-constexpr double kPieceLength = 8;  ///< of a piece, in heights
-constexpr int kMaxPieces = 16;
 
 /// The triangle's corners from the longest edge's start on.
 std::array<Vec3d, 3> from_longest_edge(const Triangle& tri) {
@@ -214,18 +130,29 @@ int piece_count(const Triangle& tri) {
 struct Held {
     const Triangle* triangles;
     const Piece* pieces;
+    const BoxTree* crowds;
 };
 
 bool on_candidate(RTCPointQueryFunctionArguments* args) {
     auto& search = *static_cast<Search*>(args->userPtr);
-    if (!search.visit(search.pieces[args->primID].triangle)) return false;
+    if (!search.visit(search.pieces[args->primID])) return false;
     args->query->radius = std::min(args->query->radius, search.radius());
     return true;
+}
+
+RTCBounds outward(const Vec3d& low, const Vec3d& high) {
+    return {round_down(low.x), round_down(low.y), round_down(low.z), 0,
+            round_up(high.x),  round_up(high.y),  round_up(high.z),  0};
 }
 
 void on_bounds(const RTCBoundsFunctionArguments* args) {
     const Held& held = *static_cast<const Held*>(args->geometryUserPtr);
     const Piece& piece = held.pieces[args->primID];
+    if (piece.crowd != kNone) {
+        const auto& [low, high] = held.crowds[piece.crowd].bounds();
+        *args->bounds_o = outward(low, high);
+        return;
+    }
     const std::array<Vec3d, 3> from_edge = from_longest_edge(held.triangles[piece.triangle]);
     const Vec3d &p = from_edge[0], &q = from_edge[1], &r = from_edge[2];
     std::array<Vec3d, 5> corners{p, q, r, r, r};
@@ -246,8 +173,7 @@ void on_bounds(const RTCBoundsFunctionArguments* args) {
             low[k] = std::min(low[k], corner[k]);
             high[k] = std::max(high[k], corner[k]);
         }
-    *args->bounds_o = {round_down(low.x), round_down(low.y), round_down(low.z), 0,
-                       round_up(high.x),  round_up(high.y),  round_up(high.z),  0};
+    *args->bounds_o = outward(low, high);
 }
 
 /// One device a process, until the process ends. Builds use the caller's TBB arena: "threads=1" would limit TBB for the
@@ -265,6 +191,7 @@ struct ClosestPointIndex::Impl {
     std::vector<Triangle> triangles;
     std::vector<Vec3d> unit_normals;
     std::vector<Piece> pieces;
+    std::vector<BoxTree> crowds;
     Held held{};
     std::vector<std::uint32_t> triangle_of_face;  // kNone for faces left out
     Vec3d centre;
@@ -339,14 +266,44 @@ struct ClosestPointIndex::Impl {
         }
     }
 
-    void build() {
+    /// Fills `crowds`, and `pieces` with one for each. Returns whether a triangle belongs to one.
+    std::vector<char> gather_crowds() {
+        std::vector<char> crowded(triangles.size(), 0);
+        std::vector<std::pair<std::array<std::int64_t, 3>, std::uint32_t>> tiny;
         for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            const Triangle& q = triangles[t];
+            const std::array<Vec3d, 3> corners = from_longest_edge(q);
+            if (!(length(corners[1] - corners[0]) < kTiny)) continue;
+            std::array<std::int64_t, 3> cube{};
+            for (int k = 0; k < 3; ++k)
+                cube[k] = static_cast<std::int64_t>(std::floor((q.a[k] + q.b[k] + q.c[k]) / (3 * kCrowdSide)));
+            tiny.emplace_back(cube, t);
+        }
+        std::sort(tiny.begin(), tiny.end());
+        for (auto first = tiny.begin(); first != tiny.end();) {
+            const auto last = std::find_if(first, tiny.end(), [&](const auto& e) { return e.first != first->first; });
+            if (static_cast<std::size_t>(last - first) >= kCrowd) {
+                std::vector<std::uint32_t> members;
+                for (auto k = first; k != last; ++k) members.push_back(k->second);
+                for (const std::uint32_t t : members) crowded[t] = 1;
+                pieces.push_back({0, 0, 1, static_cast<std::uint32_t>(crowds.size())});
+                crowds.emplace_back(triangles, std::move(members));
+            }
+            first = last;
+        }
+        return crowded;
+    }
+
+    void build() {
+        const std::vector<char> crowded = gather_crowds();
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            if (crowded[t]) continue;
             const int count = piece_count(triangles[t]);
             for (int k = 0; k < count; ++k)
                 pieces.push_back({t, static_cast<float>(k) / static_cast<float>(count),
                                   static_cast<float>(k + 1) / static_cast<float>(count)});
         }
-        held = {triangles.data(), pieces.data()};
+        held = {triangles.data(), pieces.data(), crowds.data()};
         RTCDevice embree = device();
         scene = rtcNewScene(embree);
         rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
@@ -372,6 +329,7 @@ struct ClosestPointIndex::Impl {
         search.point = normalise(p);
         search.triangles = triangles.data();
         search.pieces = pieces.data();
+        search.crowds = crowds.data();
         if (triangles.empty() || !is_finite(search.point)) return {};
         search.reach = std::max({std::abs(search.point.x), std::abs(search.point.y), std::abs(search.point.z), 1.0});
         if (hint < triangle_of_face.size() && triangle_of_face[hint] != kNone) search.visit(triangle_of_face[hint]);
@@ -414,6 +372,10 @@ ClosestPoint ClosestPointIndex::query_facing(const Vec3d& point, const Vec3d& no
     search.direction = normal;
     search.min_cosine = min_cosine;
     return impl_->run(search, point, hint);
+}
+
+double ClosestPointIndex::diagonal() const {
+    return impl_->from_unit;
 }
 
 Vec3d ClosestPointIndex::unit_normal(std::uint32_t face) const {

@@ -43,6 +43,8 @@ class ClosestPointIndex {
                                             std::uint32_t hint = kNoFace,
                                             double limit = std::numeric_limits<double>::infinity()) const;
 
+    /// Of the bounding box of the faces; 1 where that is no number to divide by.
+    [[nodiscard]] double diagonal() const;
     /// Zero for a face without area, or left out.
     [[nodiscard]] model::Vec3d unit_normal(std::uint32_t face) const;
 

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "baking/pipeline.h"
@@ -171,6 +172,36 @@ TEST(Stages, OneAfterTheOtherTheyGiveWhatBakeMeshGives) {
     EXPECT_EQ(measured.charts.at(0).candidates.size(), whole.report.charts.at(0).candidates.size());
     const Layered unfitted = store_layers(source, plain, {}, options, false, {});
     EXPECT_LT(measured.error.rms, measure_layers(source, plain, unfitted, kSurfaceSamples, {}).error.rms);
+}
+
+/// A small part with inverted faces gets more samples, up to those of the largest, and nothing else changes.
+TEST(Stages, SmallComponentsWithInvertedFacesGetFinerGrids) {
+    model::TriMesh two = bowl();
+    const auto count = static_cast<std::uint32_t>(two.positions.size());
+    for (std::uint32_t v = 0; v < count; ++v) two.positions.push_back(two.positions[v] * 0.2 + model::Vec3d{3, 0, 0});
+    for (std::size_t f = 0, end = two.faces.size(); f < end; ++f)
+        two.faces.push_back({two.faces[f][0] + count, two.faces[f][1] + count, two.faces[f][2] + count});
+    BakeOptions options = small_grid();
+    options.size = {49, 49};
+    const Repaired source = repair_source(import_mesh(std::move(two), "two"));
+    ASSERT_EQ(source.components.size(), 2U);
+    std::vector<CutMemory> cuts(2);
+    const std::vector<double> aspects(2);
+    const MapRequest request{options.size, aspects};
+    Fitted fitted = fit_source(map_source(source, request, options, cuts, {}), options, false, {});
+    ASSERT_EQ(fitted.inverted, (std::vector<std::size_t>{0, 0}));
+    const std::size_t small = 1 - source.largest;
+    ASSERT_EQ(fitted.charts[small].chart.m, 17U);
+    const auto sides = [&](Fitted from) {
+        from = refine_inverted(source, request, std::move(from), options, false, cuts, {});
+        return std::pair(from.charts[source.largest].chart.m, from.charts[small].chart.m);
+    };
+    EXPECT_EQ(sides(fitted), std::pair(49U, 17U)) << "none is inverted";
+    fitted.inverted[small] = 5;  // as if they were
+    EXPECT_EQ(sides(fitted), std::pair(49U, 33U)) << "the first grid without any";
+    fitted.inverted[small] = 0;
+    fitted.inverted[source.largest] = 5;
+    EXPECT_EQ(sides(fitted), std::pair(49U, 17U)) << "the largest keeps the grid that was asked for";
 }
 
 }  // namespace

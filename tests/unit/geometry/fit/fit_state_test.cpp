@@ -150,5 +150,29 @@ TEST(Without, LeavesOutWhatIsKnown) {
     EXPECT_TRUE(without({4}, {4}).empty());
 }
 
+/// Work is counted, not timed: a fit ends at its bound with the best state so far, the same every time.
+TEST(Fit, EndsAtTheBoundOfItsWork) {
+    const auto wavy = [](double x, double y) { return 0.2 * std::sin(9 * x) * std::cos(7 * y); };
+    const auto fitted = [&](std::uint64_t most, SampledChart& chart) {
+        FitOptions options = best_fit();
+        options.most_looks = most;
+        return fit_chart(chart, options, {});
+    };
+    SampledChart whole = fit_test::sheet_chart(17, 24, wavy), cut = whole, again = whole;
+    const SampledChart start = whole;
+    const FitReport all = fitted(0, whole);
+    EXPECT_FALSE(all.ended_early);
+    EXPECT_GT(all.looked, 1000U);
+    EXPECT_LT(all.looked, most_looks_of(start.grid_count()) / 10) << "ordinary charts are far from the bound";
+    const FitReport early = fitted(all.looked / 3, cut);
+    EXPECT_TRUE(early.ended_early);
+    EXPECT_LT(early.looked, all.looked);
+    EXPECT_LT(early.rounds, all.rounds);
+    EXPECT_LT(early.rms, early.start_rms) << "what was reached is kept";
+    EXPECT_NE(cut.positions, start.positions);
+    EXPECT_EQ(fitted(all.looked / 3, again).looked, early.looked);
+    EXPECT_EQ(again.positions, cut.positions);
+}
+
 }  // namespace
 }  // namespace dgm::bake

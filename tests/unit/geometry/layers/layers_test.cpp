@@ -29,6 +29,22 @@ Vec3d decoded_position(const Bench& b, const Vec3d& stored) {
     return p;
 }
 
+/// One chart of an asset whose other charts make it 1e6 times as wide: about its own centre it loses nothing to floats.
+TEST(GeometryLayer, F32OfATinyChartFarFromTheOriginIsStoredAboutItsOwnCentre) {
+    const auto at = [](double size) {
+        Bench b = patch(5, 7, [&](double x, double y) { return Vec3d{0.4 + size * x, 0.3 + size * y, -0.2}; });
+        b.frame = {{0, 0, 0}, 1};
+        b.stored = choose_frame(b.frame, b.chart, false);
+        return b;
+    };
+    EXPECT_EQ(at(0.01).stored.offset, (std::array<double, 3>{0, 0, 0})) << "parts of ordinary assets stay as they are";
+    const Bench b = at(1e-6);
+    EXPECT_NEAR(b.stored.offset[0], 0.4 + 0.5e-6, 1e-12);
+    const StoredPositions out = store_positions(b.input());
+    for (std::size_t s = 0; s < b.chart.grid_count(); ++s)
+        EXPECT_LT(length(decoded_position(b, out.local[s]) - source_position(b, s)), 1e-13);
+}
+
 TEST(GeometryLayer, F32RoundsOnceAndMovesFarAssetsToTheirCentre) {
     for (const double far : {0.0, 10.0, 1e7}) {
         const Bench b = baked(test::icosphere(3, 3), 17, 13, false, {far, -far, far});

@@ -54,6 +54,23 @@ std::size_t turned_between_sheets(double gap, double below) {
     return count_turned_faces(sheets, test::square(1, -below, 2));
 }
 
+/// A component is a part of an asset's frame: its own size decides, so a part and the whole are measured alike.
+TEST(TurnedFaces, TieIsRelativeToTheSource) {
+    for (const double scale : {1.0, 1e-3, 1e3}) {
+        TriMesh sheets = test::square(1, 0.0, 3), below = test::square(1, -3e-5, 2);
+        const TriMesh under = reversed(test::square(1, -4e-5, 3));
+        const auto base = static_cast<std::uint32_t>(sheets.positions.size());
+        sheets.positions.insert(sheets.positions.end(), under.positions.begin(), under.positions.end());
+        for (const Face& f : under.faces) sheets.faces.push_back({f[0] + base, f[1] + base, f[2] + base});
+        for (Vec3d& p : sheets.positions) p = p * scale;
+        for (Vec3d& p : below.positions) p = p * scale;
+        const ClosestPointIndex index(sheets.positions, sheets.faces);
+        EXPECT_NEAR(index.diagonal(), std::sqrt(2.0) * scale, 1e-6 * scale);
+        EXPECT_EQ(find_turned_faces(index, below, kTurnedTie).size(), below.faces.size()) << scale;
+        EXPECT_TRUE(find_turned_faces(index, below, 3 * kTurnedTie).empty()) << scale;
+    }
+}
+
 TEST(TurnedFaces, OfAThinSheetAreThoseThatHaveCrossedIt) {
     EXPECT_EQ(turned_between_sheets(0.1, -0.01), 0u);  // nearer to the side it looks like
     EXPECT_EQ(turned_between_sheets(0.1, 0.01), 8u);   // nearer to the other side

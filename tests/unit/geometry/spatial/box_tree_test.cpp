@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/geometry/spatial/box_tree_test.cpp
+// Crowds of tiny triangles: the right answer, after a look at few of them.
+#include "geometry/spatial/box_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "geometry/spatial/closest_point.h"
+
+namespace dgm::bake {
+namespace {
+
+using model::Face;
+using model::Vec3d;
+
+struct Sheet {
+    std::vector<Vec3d> positions;
+    std::vector<Face> faces;
+};
+
+/// A wavy sheet of 2 x 64 x 64 triangles, `size` wide, at (0.5, 0.5, 0.5), and one triangle that makes the box large.
+Sheet crowd(double size) {
+    constexpr std::uint32_t kSide = 65;
+    Sheet out;
+    for (std::uint32_t i = 0; i < kSide; ++i)
+        for (std::uint32_t j = 0; j < kSide; ++j) {
+            const double x = i / (kSide - 1.0), y = j / (kSide - 1.0);
+            out.positions.push_back({0.5 + size * x, 0.5 + size * y, 0.5 + 0.1 * size * std::sin(6 * x)});
+        }
+    for (std::uint32_t i = 0; i + 1 < kSide; ++i)
+        for (std::uint32_t j = 0; j + 1 < kSide; ++j) {
+            const std::uint32_t a = i * kSide + j, b = a + kSide;
+            out.faces.push_back({a, b, b + 1});
+            out.faces.push_back({a, b + 1, a + 1});
+        }
+    const auto first = static_cast<std::uint32_t>(out.positions.size());
+    out.positions.insert(out.positions.end(), {{-20, -20, -20}, {40, -20, -20}, {-20, 40, -20}});
+    out.faces.push_back({first, first + 1, first + 2});
+    return out;
+}
+
+Triangle triangle_of(const Sheet& sheet, std::uint32_t f) {
+    Triangle t{};
+    const auto [i, j, k] = sheet.faces[f];
+    t.a = sheet.positions[i];
+    t.b = sheet.positions[j];
+    t.c = sheet.positions[k];
+    t.normal = cross(t.b - t.a, t.c - t.a);
+    t.normal_squared = dot(t.normal, t.normal);
+    if (!(t.normal_squared > 1e-60)) t.normal_squared = 0;
+    t.face = f;
+    t.swap_ab = j < i;
+    t.swap_bc = k < j;
+    t.swap_ca = i < k;
+    return t;
+}
+
+Nearest nearest_of_all(const std::vector<Triangle>& triangles, const Vec3d& p) {
+    Nearest out;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        Vec3d q;
+        std::array<double, 3> b{};
+        const double squared = triangle_distance(triangles[t], p, q, b);
+        if (squared < out.squared || (squared == out.squared && triangles[t].face < out.face))
+            out = {squared, triangles[t].face, t, q, b};
+    }
+    return out;
+}
+
+std::vector<Vec3d> far_points() {
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> u(-0.5, 1.5);
+    std::vector<Vec3d> out(200);
+    for (Vec3d& p : out) p = {u(random), u(random), u(random)};
+    return out;
+}
+
+TEST(BoxTree, FindsTheNearestOfACrowdAfterAFewLooks) {
+    for (const double size : {1e-3, 1e-6, 1e-9, 1e-12, 0.0}) {
+        const Sheet sheet = crowd(size);
+        std::vector<Triangle> triangles;
+        for (std::uint32_t f = 0; f + 1 < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
+        std::vector<std::uint32_t> members(triangles.size());
+        std::iota(members.begin(), members.end(), 0U);
+        const BoxTree tree(triangles, members);
+        std::size_t looks = 0;
+        for (const Vec3d& p : far_points()) {
+            Nearest nearest;
+            const auto look = [&](std::uint32_t t) {
+                ++looks;
+                Vec3d q;
+                std::array<double, 3> b{};
+                const double squared = triangle_distance(triangles[t], p, q, b);
+                if (squared < nearest.squared || (squared == nearest.squared && triangles[t].face < nearest.face))
+                    nearest = {squared, triangles[t].face, t, q, b};
+            };
+            tree.search(p, 2, nearest, look);
+            const Nearest expected = nearest_of_all(triangles, p);
+            ASSERT_EQ(nearest.face, expected.face) << size;
+            ASSERT_EQ(nearest.squared, expected.squared) << size;
+        }
+        // Doubles resolve 1e-16 here, so a sheet of 1e-12 has ties that have to be looked at.
+        EXPECT_LE(looks, far_points().size() * (size == 1e-12 ? 600 : 40)) << size;
+    }
+}
+
+TEST(BoxTree, OfCoincidentTrianglesLooksAtTheLowestFaceAlone) {
+    const Sheet sheet = crowd(0);
+    std::vector<Triangle> triangles;
+    for (std::uint32_t f = 0; f < 1000; ++f) triangles.push_back(triangle_of(sheet, f));
+    std::vector<std::uint32_t> members(triangles.size());
+    std::iota(members.rbegin(), members.rend(), 0U);
+    const BoxTree tree(triangles, members);
+    std::vector<std::uint32_t> looked;
+    tree.search({0, 0, 0}, 1, Nearest{}, [&](std::uint32_t t) { looked.push_back(t); });
+    EXPECT_EQ(looked, std::vector<std::uint32_t>{0});
+}
+
+/// The whole index, crowds and all, against every face in turn.
+TEST(ClosestPointIndex, AnswersOverCrowdsAsASearchOfAllFacesDoes) {
+    for (const double size : {1e-2, 1e-3, 1e-6, 0.0}) {
+        const Sheet sheet = crowd(size);
+        const ClosestPointIndex index(sheet.positions, sheet.faces);
+        std::uint32_t hint = ClosestPointIndex::kNoFace;
+        for (const Vec3d& p : far_points()) {
+            const ClosestPoint found = index.query(p, hint), again = index.query(p);
+            hint = found.face;
+            EXPECT_EQ(found.face, again.face) << "a hint never changes the result";
+            double least = kInfinity;
+            for (const Face& f : sheet.faces) {
+                Triangle t{};
+                t.a = sheet.positions[f[0]];
+                t.b = sheet.positions[f[1]];
+                t.c = sheet.positions[f[2]];
+                t.normal = cross(t.b - t.a, t.c - t.a);
+                t.normal_squared = dot(t.normal, t.normal);
+                Vec3d q;
+                std::array<double, 3> b{};
+                least = std::min(least, triangle_distance(t, p, q, b));
+            }
+            EXPECT_NEAR(found.distance, std::sqrt(least), 1e-12) << size;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace dgm::bake
