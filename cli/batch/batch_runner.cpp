@@ -13,6 +13,7 @@
 #include <list>
 #include <thread>
 
+#include "baking/up_to_date.h"
 #include "batch/memory_budget.h"
 #include "files/staging_folder.h"
 #include "model/codes.h"
@@ -39,22 +40,23 @@ Outcome outcome_of(const model::Error& error) {
     return about_the_mesh || number == codes::kEditedMap.number ? Outcome::kRefused : Outcome::kFailed;
 }
 
-/// For an asset that is not up to date: why it is not baked all the same, if dgm-edit has painted its map.
+/// For an asset that is not up to date: why it is not baked all the same, if dgm-edit has painted its map. Which of the
+/// map and the meshes beside it is old, only a look at the source would tell, and that is not the parent's to read.
 std::optional<model::Error> keep_edits(const PlannedAsset& asset) {
-    std::vector<fs::path> maps;
-    for (const fs::path& map : {asset.dgm, asset.exr})
-        if (!map.empty()) maps.push_back(map);
-    for (const fs::path& map : maps) {
+    for (const fs::path& map : {asset.dgm, asset.exr}) {
+        if (map.empty()) continue;
         const std::vector<std::string> layers = edited_layers(map);
         if (layers.empty()) continue;
         const std::string names = fmt::format("{}", fmt::join(layers, ", "));
-        if (asset.exports.empty() || !up_to_date(asset.source, maps, asset.options))
+        if (asset.exports.empty())
             return model::Error(codes::kEditedMap, "the map is not up to date, but was edited since its bake: " + names,
                                 map.string());
-        return model::Error(codes::kEditedMap, "the map was edited, and a mesh beside it does not show that: " + names,
+        return model::Error(codes::kEditedMap,
+                            "the map was edited since its bake; it, or a mesh beside it, is not up to date: " + names,
                             map.string())
             .with_hint(
-                fmt::format("write the mesh anew: dgm-export {} -o {}", map.string(), asset.exports[0].string()));
+                fmt::format("if the mesh file has not changed, write what is beside the map anew: dgm-export {} -o {}",
+                            map.string(), asset.exports[0].string()));
     }
     return std::nullopt;
 }

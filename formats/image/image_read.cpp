@@ -73,7 +73,8 @@ void check_file_size(std::uint64_t size, const fs::path& path) {
 EncodedImage load(const model::PictureFile& picture) {
     const fs::path& path = picture.path;
     EncodedImage out;
-    out.file = picture.bytes ? picture.bytes : std::make_shared<const std::string>(RegularFile(path).read_text(kMaxFileBytes));
+    out.file =
+        picture.bytes ? picture.bytes : std::make_shared<const std::string>(RegularFile(path).read_text(kMaxFileBytes));
     check_file_size(out.file->size(), path);
     if (out.size() == 0 || stbi_info_from_memory(out.bytes(), out.size(), &out.width, &out.height, &out.channels) == 0)
         unreadable(path);

@@ -333,7 +333,8 @@ class Bakes(Edit):
         self.paint("out/a.dgm")
         result = self.bake(*bake)
         self.assertEqual(result.returncode, 3, result.stdout)
-        self.assertIn("DGM1019: the map was edited, and a mesh beside it does not show that: stiffness", result.stderr)
+        self.assertIn("DGM1019: the map was edited since its bake; it, or a mesh beside it, is not up to date: "
+                      "stiffness", result.stderr)
         self.assertIn("next: write the mesh anew: dgm-export out/a.dgm -o out/a.glb", result.stderr)
         self.run_well(support.EXPORT, "out/a.dgm", "-o", "out/a.glb")
         self.assertIn("up to date, ", self.bake_well(*bake).stdout)
