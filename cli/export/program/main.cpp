@@ -78,6 +78,8 @@ constexpr std::array kExamples{
     dgm::tool::Example{"dgm-export baked/ -o web/ --format glb --quantize --compress",
                        "every map of a folder, small, for a page"},
     dgm::tool::Example{"dgm-export robe.dgm -o robe.glb --lod 1,4,16", "three levels of detail in one file"},
+    dgm::tool::Example{"dgm-export stomach.dgm liver.dgm -o organs.html",
+                       "one page to touch both, from disk, in a browser"},
     dgm::tool::Example{"dgm-export stomach.dgm -o stomach.exr", "lossless, and back again: -o stomach.dgm"},
     dgm::tool::Example{"dgm-export stomach.dgm --maps maps", "pictures for engines: an EXR or PNG a layer, and a JSON"},
     dgm::tool::Example{"dgm-export stomach.dgm -o layers.png --sheet", "all layers as pictures on one sheet"},
@@ -90,6 +92,7 @@ constexpr std::array kFiles{
     dgm::tool::Term{".NAME.*", "a folder beside the output, for what is being written; removed at the end"}};
 const dgm::tool::Manual kManual{.synopsis =
                                     "dgm-export [OPTIONS] FILE -o OUTPUT\n"
+                                    "dgm-export [OPTIONS] FILE... -o PAGE.html\n"
                                     "dgm-export [OPTIONS] FILE --maps DIR\n"
                                     "dgm-export [OPTIONS] FILE|DIR... [-o DIR] --format F,...",
                                 .sections = {},
@@ -113,9 +116,10 @@ void describe(CLI::App& app, CommandLine& line) {
         ->type_name("");
     const Group where(app, dgm::tool::kWhereThingsGo), mesh(app, "Meshes"), picture(app, "Pictures");
     where.text("-o,--output", "FILE|DIR", line.output,
-               "its ending says what is written: .obj .ply .glb .exr .dgm .png; with --format a folder");
-    where.text("--format", "F,...", line.formats,
-               "obj, ply, glb, exr, dgm, png: each input goes into the folder -o [the current one] under its own name");
+               "its ending says what is written: .obj .ply .glb .exr .dgm .png .html; with --format a folder");
+    where.text(
+        "--format", "F,...", line.formats,
+        "obj, ply, glb, exr, dgm, png, html: each input goes into the folder -o [the current one] under its own name");
     where.text("--maps", "DIR", line.maps,
                "folder for plain maps: an EXR or PNG a layer, and a JSON that describes them");
     line.chart_option = where.number("--chart", "N", line.chart, "only this chart, counted from 0 [all]");
@@ -131,7 +135,7 @@ void describe(CLI::App& app, CommandLine& line) {
     mesh.flag("--quantize", line.options.quantize,
               "GLB: KHR_mesh_quantization, half the bytes a vertex; positions to 1/131070 of the size");
     mesh.flag("--compress", line.options.compress, "GLB: EXT_meshopt_compression, lossless; best with --quantize");
-    mesh.text("--up", "y|z", line.up, "GLB, PNG: which axis of the source points up [y]")
+    mesh.text("--up", "y|z", line.up, "GLB, PNG, HTML: which axis of the source points up [y]")
         ->check(CLI::IsMember({"y", "z"}));
     picture.text("--layer", "NAME", line.options.layer, "PNG: the picture of this layer");
     picture.flag("--sheet", line.options.sheet, "PNG: all layers of each chart on one sheet");
@@ -214,7 +218,9 @@ int run(CommandLine& line, std::string& subject) {
 
 int main(int argc, char** argv) {
     if (const auto exit_code = dgm::bake::import_worker(argc, argv)) return *exit_code;
-    CLI::App app("Writes a geometry map as a mesh (obj, ply, glb), a picture (png) or the other container (exr, dgm).");
+    CLI::App app(
+        "Writes a geometry map as a mesh (obj, ply, glb), a picture (png), a page to touch (html) or the other "
+        "container (exr, dgm).");
     CommandLine line;
     describe(app, line);
     return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {
