@@ -85,7 +85,7 @@ class Page:
         self.wait("document.body.dataset.ready")
 
     def mouse(self, kind, x, y, button="left", buttons=1, **more):
-        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="none" if kind == "mouseMoved" else button,
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button if buttons else "none",
                   buttons=buttons if kind != "mouseReleased" else 0, clickCount=1, **more)
 
     def touch(self, kind, points):

@@ -103,7 +103,9 @@ class Body {
   }
   // The first triangle on a ray of the page's frame, with the place of the hit in the shape before the stroke.
   pick(ray) {
-    const o = minus(ray.origin, this.origin), d = ray.direction;
+    return this.pickLocal(minus(ray.origin, this.origin), ray.direction);
+  }
+  pickLocal(o, d) {
     if (!dgm.touch_pick(this.handle, ...o, ...d)) return null;
     const a = answers(18);
     return { body: this, sample: a[0], row: a[1], column: a[2], triangle: a[3], corners: a.slice(4, 7), front: a[7] === 1,

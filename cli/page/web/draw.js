@@ -34,7 +34,7 @@ const kSurfaceFragment = `
 
 class Painter {
   constructor(canvas, soft) {
-    this.gl = canvas.getContext("webgl2", { antialias: !soft, alpha: false, preserveDrawingBuffer: true });
+    this.gl = canvas.getContext("webgl2", { antialias: !soft, alpha: false });
     if (!this.gl) return;
     this.canvas = canvas;
     this.uploaded = 0; // bytes

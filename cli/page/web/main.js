@@ -8,7 +8,7 @@ class Scene {
     this.canvas = $("view"), this.over = $("over");
     this.soft = softDrawing();
     this.painter = new Painter(this.canvas, this.soft);
-    Object.assign(this, { maps: [], bodies: [], camera: new Camera(), number: 0, diagonal: 1, stride: 1, waiting: false, obstacle: null, last: 0, frames: 0, marked: null });
+    Object.assign(this, { maps: [], bodies: [], camera: new Camera(), number: 0, diagonal: 1, coarse: 0, waiting: false, obstacle: null, last: 0, before: -1e9, frames: 0, marked: null });
     this.hand = new Hand(this);
     this.recorder = new Recorder(this);
     this.panel = new Panel(this);
@@ -146,22 +146,23 @@ class Scene {
   paint(now, moving) {
     if (!this.painter.gl) return;
     for (const canvas of [this.canvas, this.over]) {
-      const scale = Math.min(2, window.devicePixelRatio || 1), w = Math.max(2, Math.round(canvas.clientWidth * scale)), h = Math.max(2, Math.round(canvas.clientHeight * scale));
+      const dots = Math.min(2, window.devicePixelRatio || 1), scale = canvas === this.canvas && moving ? dots * [1, .7, .5][this.coarse] : dots, w = Math.max(2, Math.round(canvas.clientWidth * scale)), h = Math.max(2, Math.round(canvas.clientHeight * scale));
       if (canvas.width !== w || canvas.height !== h) canvas.width = w, canvas.height = h;
     }
     const began = performance.now();
     for (const body of this.bodies) body.upload();
-    this.draw(moving ? this.stride : 1);
-    // Where a processor draws, what moves is drawn with fewer triangles, and all of them once it rests.
-    if (this.soft) {
-      this.painter.gl.readPixels(0, 0, 1, 1, this.painter.gl.RGBA, this.painter.gl.UNSIGNED_BYTE, new Uint8Array(4)); // finish() does not wait
-      const spent = performance.now() - began;
-      if (moving && spent > 45 && this.stride < 8) this.stride *= 2;
-      else if (moving && spent < 9 && this.stride > 1) this.stride /= 2;
-      else if (!moving && spent > 60 && this.stride === 1) this.stride = 2;
+    this.draw(moving ? 2 ** this.coarse : 1);
+    // Where a processor draws, what moves is drawn with fewer triangles and pixels, and all of them once it rests. Frames in a row
+    // tell how long one takes: nothing that asks the card may be waited for.
+    if (this.soft && moving) {
+      const took = now - this.before;
+      if (took > 60 && took < 1000) this.coarse = Math.min(2, this.coarse + 1);
+      else if (took < 20) this.coarse = Math.max(0, this.coarse - 1);
     }
+    this.before = moving ? now : -1e9;
+    this.spent = performance.now() - began;
     clearTimeout(this.later);
-    if (moving && this.stride > 1 && !this.running) this.later = setTimeout(() => this.wake(), 300);
+    if (moving && this.coarse > 0 && !this.running) this.later = setTimeout(() => this.wake(), 300);
     this.drawOver();
     this.panel.felt(now);
     const hit = this.keys.hover && !this.hand.strokes.length ? this.pick(this.keys.hover) : null;
