@@ -100,6 +100,24 @@ class Touch(unittest.TestCase):
         run(support.EXPORT, self.folder / MAP, "--up", "z", "-o", self.folder / "again" / PAGE)
         self.assertEqual((self.folder / "again" / PAGE).read_bytes(), (self.folder / PAGE).read_bytes())
 
+    def test_blank_page_takes_what_is_dropped(self):
+        run(support.EXPORT, "--blank", "-o", self.folder / "blank.html")
+        self.assertLessEqual((self.folder / "blank.html").stat().st_size, MOST_BLANK)
+        page = self.page(name="blank.html")
+        self.assertEqual(page.run("dgmPage.bodies.length"), 0)
+        for key in ("Tab", "ArrowLeft", " "):
+            page.key(key)
+        page.mouse("mousePressed", *MIDDLE)
+        page.mouse("mouseReleased", *MIDDLE)
+        page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode((self.folder / MAP).read_bytes()).decode())}), (c) => c.charCodeAt(0));
+            await dgmPage.drop.take([new File([bytes], 'good.dgm')]); }})()""")
+        page.rest()
+        self.assertEqual(page.run("[dgmPage.bodies.length, document.getElementById('message').hidden, document.getElementById('drop').hidden]"),
+                         [1, True, True])
+        for wrong in (("--blank", self.folder / MAP, "-o", "x.html"), ("--blank", "-o", "x.glb"), ("--blank",)):
+            done = subprocess.run([support.EXPORT, *map(str, wrong)], capture_output=True, text=True, check=False, cwd=self.folder)
+            self.assertEqual((done.returncode, "DGM6001" in done.stderr), (1, True))
+
     def test_names_cannot_become_markup(self):
         odd = self.folder / "a\"><b>&'.dgm"
         odd.write_bytes((self.folder / MAP).read_bytes())

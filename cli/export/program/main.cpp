@@ -25,6 +25,7 @@ struct CommandLine {
     std::vector<std::string> inputs;
     std::string output, maps, formats, size, view, up = "y", exr_layout = "auto", source, lod = "1", lod_mode;
     std::uint32_t chart = 0;
+    bool blank = false;
     CLI::Option* chart_option = nullptr;
     ExportOptions options;
 };
@@ -111,8 +112,8 @@ const dgm::tool::Manual kManual{.synopsis =
 
 void describe(CLI::App& app, CommandLine& line) {
     using dgm::tool::Group;
-    app.add_option("FILE", line.inputs, "the .dgm or .exr to read; several, folders and patterns with --format")
-        ->required()
+    app.add_option("FILE", line.inputs,
+                   "the .dgm or .exr to read; several, folders and patterns with --format or for a page")
         ->type_name("");
     const Group where(app, dgm::tool::kWhereThingsGo), mesh(app, "Meshes"), picture(app, "Pictures");
     where.text("-o,--output", "FILE|DIR", line.output,
@@ -120,6 +121,7 @@ void describe(CLI::App& app, CommandLine& line) {
     where.text(
         "--format", "F,...", line.formats,
         "obj, ply, glb, exr, dgm, png, html: each input goes into the folder -o [the current one] under its own name");
+    where.flag("--blank", line.blank, "HTML: a page without maps, on which .dgm files are dropped; takes no FILE");
     where.text("--maps", "DIR", line.maps,
                "folder for plain maps: an EXR or PNG a layer, and a JSON that describes them");
     line.chart_option = where.number("--chart", "N", line.chart, "only this chart, counted from 0 [all]");
@@ -191,10 +193,23 @@ int write_plain_maps(const CommandLine& line, std::string& subject) {
     return 0;
 }
 
+/// A page that has no map yet. @throws model::Error
+int write_blank_page(const CommandLine& line) {
+    const std::filesystem::path output = line.output;
+    if (!line.inputs.empty() || !line.formats.empty() || dgm::exporter::lower_extension(output) != ".html")
+        throw dgm::model::Error(dgm::model::codes::kUsage, "--blank takes -o NAME.html, and neither FILE nor --format");
+    dgm::exporter::export_page({}, output, line.options);
+    std::printf("%s\n", line.output.c_str());
+    return 0;
+}
+
 int run(CommandLine& line, std::string& subject) {
     try {
         set_options(line);
     } catch (const CLI::ValidationError& error) { throw dgm::model::Error(dgm::model::codes::kUsage, error.what()); }
+    if (line.blank) return write_blank_page(line);
+    if (line.inputs.empty())
+        throw dgm::model::Error(dgm::model::codes::kUsage, dgm::tool::missing_argument("FILE", kManual));
     if (!line.maps.empty()) return write_plain_maps(line, subject);
     const dgm::exporter::ExportPlan plan =
         dgm::exporter::plan_exports({line.inputs, line.output, parse_formats(line.formats)});

@@ -127,7 +127,9 @@ class Keys {
   // Where the keys are: a sample, the middle of the grid at first.
   ensureWalker() {
     if (this.walker && this.scene.bodies.includes(this.walker.body)) return this.walker;
-    const body = this.scene.bodies[0], { rows, cols, layers } = body.chart;
+    const body = this.scene.bodies[0];
+    if (!body) return null;
+    const { rows, cols, layers } = body.chart;
     const mask = layers.mask && new Uint8Array(memory(), layers.mask.data, rows * cols);
     const middle = (rows >> 1) * cols + (cols >> 1);
     let best = middle;
@@ -136,7 +138,9 @@ class Keys {
     return this.walker;
   }
   walk(dx, dy) {
-    const w = this.ensureWalker(), { rows, cols, layers } = w.body.chart, stride = Math.max(1, Math.round((rows - 1) / 64));
+    const w = this.ensureWalker();
+    if (!w) return;
+    const { rows, cols, layers } = w.body.chart, stride = Math.max(1, Math.round((rows - 1) / 64));
     if (w.stroke && w.stroke.kind === "pull") {
       const [right, up] = this.scene.camera.frame(), step = .1 * this.scene.panel.size();
       w.way = plus(plus(w.way || [0, 0, 0], right, dx * step), up, -dy * step);
@@ -168,7 +172,7 @@ class Keys {
   }
   hold(kind, e) {
     const w = this.ensureWalker();
-    if (e.repeat || w.stroke || this.scene.hand.strokes.length) return;
+    if (!w || e.repeat || w.stroke || this.scene.hand.strokes.length) return;
     w.way = null;
     w.stroke = this.scene.hand.begin(this.walkerHit(), kind, this.scene.panel.options(e));
     w.sticky = kind === "pull";

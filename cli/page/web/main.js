@@ -53,6 +53,7 @@ class Scene {
     this.bodies.forEach((body) => body.close());
     if (this.asset) this.asset.close();
     Object.assign(this, { asset, bodies, number, low, high, middle });
+    $("drop").hidden = true;
     this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.marked = null;
     this.diagonal = length(minus(high, low)) || 1;
     this.panel.clear();

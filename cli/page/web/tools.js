@@ -61,6 +61,7 @@ class Hand {
     if (log.settings.mode === 1 && log.ticks.length) this.done.push(log);
     this.scene.recorder.add(log);
     this.log = null;
+    this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
   }
   lift(body) {
     for (let k = 0; k < 4; ++k) dgm.touch_tool(k, 0, 1);
