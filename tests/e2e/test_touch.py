@@ -323,6 +323,23 @@ class Touch(unittest.TestCase):
             rows.add(page.run("dgmPage.keys.walker.i"))
         self.assertGreater(len(rows), 1)
 
+    def test_layers_as_colour(self):
+        run(support.EXPORT, "--blank", "-o", self.folder / "layers.html")
+        page = self.page(name="layers.html")
+        page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode((self.folder / MAP).read_bytes()).decode())}), (c) => c.charCodeAt(0));
+            await dgmPage.drop.take([new File([bytes], 'good.dgm')]); document.getElementById('up').click(); }})()""")
+        names = page.run("[...document.getElementById('look').options].map((o) => o.value)")
+        self.assertEqual(names, ["texture", "clay", "moved", "normal", "cover radius", "area of a sample", "mobility", "stiffness"])
+        colours = {}
+        for name in ("clay", "area of a sample"):
+            page.run(f"document.getElementById('look').value = {json.dumps(name)}; dgmPage.wake()")
+            page.rest()
+            colours[name] = page.shot(clip=STAGE)[MIDDLE[1] - 150:MIDDLE[1] + 150, MIDDLE[0] - 60:MIDDLE[0] + 60].astype(int)
+        # Clay is redder than blue everywhere; an area is a place in viridis, from violet to green here.
+        self.assertTrue((colours["clay"][..., 0] >= colours["clay"][..., 2]).all())
+        self.assertGreater(float(numpy.std(colours["area of a sample"][..., 1] - colours["area of a sample"][..., 0])), 5)
+        self.assertRegex(page.run("document.getElementById('said').textContent"), r"^area of a sample: \S+ \(dark\) to \S+ \(light\)$")
+
     def test_link_opens_the_same_view(self):
         page = self.page("#view=1.2,-0.4,1.5,0.1,0&tool=poke&size=30&look=clay")
         self.assertEqual(page.run("[dgmPage.camera.text(), dgmPage.panel.tool(), document.getElementById('look').value]"),

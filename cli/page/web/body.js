@@ -4,6 +4,9 @@
 const kSteps = 45; // reach of the kernel; a step is a 45th of the tool's size, so the grid's fineness is not felt
 const kGeodesic = 2;
 
+// Layer, numbers a sample, and which of them.
+const kLayers = { "cover radius": ["cover", 1, 0], "area of a sample": ["contact", 2, 0], mobility: ["contact", 2, 1], stiffness: ["deformation", 4, 3] };
+
 class Body {
   constructor(painter, asset, k, middle) {
     const chart = asset.charts[k];
@@ -23,7 +26,7 @@ class Body {
     dgm.touch_body_free(this.handle);
     if (!this.array) return;
     const gl = this.painter.gl;
-    for (const buffer of [...this.buffers, ...Object.values(this.parts).map((part) => part.buffer)]) gl.deleteBuffer(buffer);
+    for (const buffer of [...this.buffers, ...Object.values(this.parts).map((part) => part.buffer), this.layer || null]) gl.deleteBuffer(buffer);
     gl.deleteVertexArray(this.array);
     if (this.picture) gl.deleteTexture(this.picture.texture);
   }
@@ -49,6 +52,26 @@ class Body {
     this.buffers.push(painter.attribute(6, 2, uvs), ...this.rest.map((array, k) => painter.attribute(7 + k, 1, array)));
     this.level(1);
     dgm.touch_changed(this.handle); // all of it is there
+  }
+  // A layer's numbers on the grid; null if the chart has none. Border samples have none of their own: 0.
+  values(name) {
+    const [layer, each, which] = kLayers[name], found = this.chart.layers[layer], grid = this.chart.rows * this.chart.cols;
+    if (!found || found.type !== 6 || found.bytes !== 4 * each * grid) return null;
+    const all = floats(found.data, each * grid);
+    return Float32Array.from({ length: grid }, (_, s) => all[each * s + which]);
+  }
+  // Puts a layer on the graphics card. False if there is none.
+  show(name) {
+    if (this.shown === name) return true;
+    const values = this.values(name), gl = this.painter.gl;
+    if (!values) return false;
+    const all = new Float32Array(this.count);
+    all.set(values);
+    gl.bindVertexArray(this.array);
+    if (this.layer) gl.deleteBuffer(this.layer);
+    this.layer = this.painter.attribute(10, 1, all);
+    this.shown = name;
+    return true;
   }
   // Triangles of blocks of `stride` quads.
   level(stride) {

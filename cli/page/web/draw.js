@@ -3,20 +3,22 @@
 // a coordinate.
 
 const kSurfaceVertex = `
-  in float x; in float y; in float z; in float nx; in float ny; in float nz; in vec2 uv; in float x0; in float y0; in float z0;
+  in float x; in float y; in float z; in float nx; in float ny; in float nz; in vec2 uv; in float x0; in float y0; in float z0; in float value;
   uniform mat4 camera; uniform vec3 origin; uniform float push;
-  out vec3 n; out vec2 at; out float moved;
+  out vec3 n; out vec2 at; out float moved; out float number;
   void main() {
-    n = vec3(nx, ny, nz); at = uv; moved = length(vec3(x, y, z) - vec3(x0, y0, z0));
+    n = vec3(nx, ny, nz); at = uv; number = value; moved = length(vec3(x, y, z) - vec3(x0, y0, z0));
     gl_Position = camera * vec4(vec3(x, y, z) + origin, 1);
     gl_Position.z -= push * gl_Position.w;
   }`;
 const kSurfaceFragment = `
-  in vec3 n; in vec2 at; in float moved; out vec4 colour;
-  uniform sampler2D picture; uniform vec2 texels; uniform int look; uniform vec3 plain; uniform vec3 right; uniform vec3 up; uniform vec3 back; uniform float most;
-  vec3 heat(float t) { // viridis, by a fit of degree four
-    vec3 c = vec3(.28, .01, .33) + t * (vec3(.1, 1.4, 1.38) + t * (vec3(-.34, .2, .1) + t * (vec3(-4.6, -6., -18.) + t * vec3(6.2, 4.2, 13.))));
-    return clamp(mix(vec3(.27, .0, .33), c, smoothstep(0., .05, t)), 0., 1.);
+  in vec3 n; in vec2 at; in float moved; in float number; out vec4 colour;
+  uniform sampler2D picture; uniform vec2 texels; uniform int look; uniform vec3 plain; uniform vec3 right; uniform vec3 up; uniform vec3 back; uniform float most; uniform vec2 range;
+  vec3 heat(float t) { // viridis, straight between five of its colours
+    vec3 c = mix(vec3(.267, .005, .329), vec3(.229, .322, .546), clamp(4. * t, 0., 1.));
+    c = mix(c, vec3(.128, .567, .551), clamp(4. * t - 1., 0., 1.));
+    c = mix(c, vec3(.369, .789, .383), clamp(4. * t - 2., 0., 1.));
+    return mix(c, vec3(.993, .906, .144), clamp(4. * t - 3., 0., 1.));
   }
   void main() {
     if (look == 9) { colour = vec4(plain, 1); return; }
@@ -28,6 +30,7 @@ const kSurfaceFragment = `
     vec3 base = plain;
     if (look == 1) base = texture(picture, (at * (texels - 1.) + .5) / texels).rgb;
     if (look == 2) { base = heat(clamp(moved / most, 0., 1.)); light = .7 + .3 * key; }
+    if (look == 4) { base = heat(clamp((number - range.x) / (range.y - range.x), 0., 1.)); light = .7 + .3 * key; }
     if (look == 3) { base = .5 + .5 * normalize(n); light = 1.; gloss = 0.; }
     colour = vec4(base * light + .1 * gloss, 1);
   }`;
@@ -46,12 +49,12 @@ class Painter {
       gl.compileShader(shader);
       gl.attachShader(this.program, shader);
     }
-    ["x", "y", "z", "nx", "ny", "nz", "uv", "x0", "y0", "z0"].forEach((name, k) => gl.bindAttribLocation(this.program, k, name));
+    ["x", "y", "z", "nx", "ny", "nz", "uv", "x0", "y0", "z0", "value"].forEach((name, k) => gl.bindAttribLocation(this.program, k, name));
     gl.linkProgram(this.program);
     if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(this.program));
     gl.useProgram(this.program);
     this.uniforms = {};
-    for (const name of ["camera", "origin", "push", "texels", "look", "plain", "right", "up", "back", "most"])
+    for (const name of ["camera", "origin", "push", "texels", "look", "plain", "right", "up", "back", "most", "range"])
       this.uniforms[name] = gl.getUniformLocation(this.program, name);
     this.blank = this.picture({ width: 1, height: 1, pixels: new Uint8Array([210, 190, 175, 255]) });
     this.solids = { ball: this.solid(ballMesh(32, 24, 0)), capsule: this.solid(ballMesh(32, 24, 1)), plane: this.solid(planeMesh()) };
@@ -100,14 +103,14 @@ class Painter {
     gl.uniformMatrix4fv(u.camera, false, camera.matrix(aspect));
     gl.uniform3fv(u.right, right), gl.uniform3fv(u.up, up), gl.uniform3fv(u.back, back);
   }
-  draw(array, part, kind, { look, plain, origin = [0, 0, 0], push = 0, picture = this.blank, most = 1 }) {
+  draw(array, part, kind, { look, plain, origin = [0, 0, 0], push = 0, picture = this.blank, most = 1, range = [0, 1] }) {
     const gl = this.gl, u = this.uniforms;
     gl.bindVertexArray(array);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, part.buffer);
     gl.bindTexture(gl.TEXTURE_2D, picture.texture);
     gl.uniform2f(u.texels, picture.width, picture.height);
     gl.uniform1i(u.look, look), gl.uniform3fv(u.plain, plain), gl.uniform3fv(u.origin, origin);
-    gl.uniform1f(u.push, push), gl.uniform1f(u.most, most);
+    gl.uniform1f(u.push, push), gl.uniform1f(u.most, most), gl.uniform2fv(u.range, range);
     gl.drawElements(kind, part.count, gl.UNSIGNED_INT, 0);
   }
   // A ball or bar between `p` and `q`, or a plane through `p` across `q` of half width `radius`.

@@ -98,7 +98,7 @@ class Keys {
     this.scene.wake();
   }
   anywhere(e) {
-    const { scene } = this, form = e.target.closest && e.target.closest("select, input[type=range]");
+    const { scene } = this, form = e.target.closest && e.target.closest("select");
     if (form || e.altKey || e.metaKey) return;
     if ((e.ctrlKey && e.key === "z")) scene.hand.undo();
     else if (e.ctrlKey) return;

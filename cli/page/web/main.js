@@ -50,6 +50,7 @@ class Scene {
       asset.close();
       throw error;
     }
+    this.recorder.playing = null;
     this.bodies.forEach((body) => body.close());
     if (this.asset) this.asset.close();
     Object.assign(this, { asset, bodies, number, low, high, middle });
@@ -57,6 +58,7 @@ class Scene {
     this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.marked = null;
     this.diagonal = length(minus(high, low)) || 1;
     this.panel.clear();
+    this.panel.listLayers();
     if ($("look").value === "texture" && !bodies.some((body) => body.picture)) $("look").value = "clay";
     this.home();
     this.setObstacle();
@@ -174,10 +176,11 @@ class Scene {
   draw(stride) {
     const { painter } = this, gl = painter.gl, background = getComputedStyle(this.canvas).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255);
     painter.start(this.camera, this.aspect(), background);
-    const looks = { texture: 1, clay: 0, moved: 2, normal: 3 }, wanted = looks[$("look").value];
+    const looks = { texture: 1, clay: 0, moved: 2, normal: 3 }, layer = $("look").value, wanted = layer in looks ? looks[layer] : 4;
+    const range = wanted === 4 ? this.rangeOf(layer) : [0, 1];
     for (const body of this.bodies) {
-      const look = wanted === 1 && !body.picture ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay };
-      painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look, picture: body.picture || painter.blank, most: this.diagonal / 10 });
+      const look = (wanted === 1 && !body.picture) || (wanted === 4 && !body.show(layer)) ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay };
+      painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look, picture: body.picture || painter.blank, most: this.diagonal / 10, range });
       const line = (name, plain, push) => {
         const part = body.lines(name);
         if (part.count) painter.draw(body.array, part, gl.LINES, { ...common, look: 9, plain, push });
@@ -186,6 +189,16 @@ class Scene {
       if ($("seams").checked) line("seams", kSwatch.seam, 6e-4), line("borders", kSwatch.border, 6e-4);
     }
     if (this.obstacle) painter.drawSolid(this.obstacle.kind, this.obstacle.p, this.obstacle.q, this.obstacle.kind === "plane" ? this.diagonal : this.obstacle.radius, kSwatch.solid);
+  }
+  // Least and largest value of a layer on all bodies.
+  rangeOf(layer) {
+    if (this.ranged !== layer + this.number) {
+      let low = Infinity, high = -Infinity;
+      for (const body of this.bodies) for (const v of body.values(layer) || []) if (v < low) low = v; else if (v > high) high = v;
+      Object.assign(this, { ranged: layer + this.number, range: [low, high > low ? high : low + 1] });
+      this.panel.say(layer + ": " + digits(low) + " (dark) to " + digits(high) + " (light)");
+    }
+    return this.range;
   }
   // Pointer, thread between tool and surface, force arrow.
   drawOver() {

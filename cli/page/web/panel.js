@@ -22,6 +22,13 @@ class Panel {
     $("map").addEventListener("change", () => scene.guard(() => scene.choose(Number($("map").value))));
     $("up").addEventListener("change", () => { scene.home(); });
   }
+  // Layers that have a number a sample; a file has others than a page that was exported.
+  listLayers() {
+    const look = $("look"), before = look.value;
+    while (look.options.length > 4) look.remove(4);
+    for (const name of Object.keys(kLayers)) if (this.scene.bodies.some((body) => body.values(name))) look.append(new Option(name, name));
+    look.value = [...look.options].some((o) => o.value === before) ? before : "texture";
+  }
   tool() { return document.querySelector("input[name=tool]:checked").value; }
   choose(tool) { document.querySelector("input[name=tool][value=" + tool + "]").checked = true; }
   // From 1/100 to 4/10 of the surface's diagonal, even in ratios.

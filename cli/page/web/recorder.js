@@ -44,8 +44,11 @@ class Recorder {
       this.knots.map((k) => [k.seconds.toFixed(3), ...k.place.map(words), k.kind].join(" ")).join("\n") + "\n";
   }
   load(words) {
+    this.stop();
     this.knots = parsePath(words);
-    this.settings = null;
+    // What text() wrote; paths from elsewhere are played with the size of the panel.
+    const own = /^# Recorded by touch\. Size (\S+), d_max (\S+)/m.exec(words), [size, most] = own ? [parseFloat(own[1]), parseFloat(own[2])] : [0, 0];
+    this.settings = size > 0 && most > 0 ? { ...this.scene.hand.settings(size, false), d_max: most } : null;
     this.scene.changed();
   }
   // All of a path at once, a tick a millisecond, as the samples run it. The tool's answers to the last tick.
@@ -64,10 +67,21 @@ class Recorder {
     return answers(13);
   }
   play() {
-    const body = this.scene.bodies[0];
+    this.stop();
+    const body = this.nearest();
+    if (!body) return;
     this.playing = { body, knots: this.knots, at: 0, steps: 0, settings: this.settings || this.scene.hand.settings(this.scene.size(), false) };
     dgm.touch_release(body.handle);
     this.scene.wake();
+  }
+  stop() {
+    if (this.playing) this.scene.hand.lift(this.playing.body);
+    this.playing = null;
+  }
+  // The body whose box the path is closest to.
+  nearest() {
+    const gap = (body) => this.knots.reduce((sum, { place }) => sum + Math.hypot(...place.map((p, c) => Math.max(body.chart.box[c] - p, p - body.chart.box[3 + c], 0))), 0);
+    return [...this.scene.bodies].sort((a, b) => gap(a) - gap(b))[0];
   }
   // Goes on playing. True while there is something left.
   advance(seconds) {
@@ -83,10 +97,7 @@ class Recorder {
     }
     p.at = Math.min(p.at, p.steps * kTick); // a machine that cannot keep up plays slower
     this.scene.hand.history.splice(0, Math.max(0, this.scene.hand.history.length - 2000));
-    if (start + p.steps * kTick > end) {
-      this.scene.hand.lift(p.body);
-      this.playing = null;
-    }
+    if (start + p.steps * kTick > end) this.stop();
     return true;
   }
 }

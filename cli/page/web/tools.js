@@ -20,6 +20,7 @@ class Hand {
   begin(hit, kind, options) {
     if (this.strokes.length === 4 || (this.strokes.length && this.strokes[0].body !== hit.body)) return null;
     const { body } = hit;
+    this.scene.recorder.stop();
     if (!this.strokes.length) {
       // Places are read in the shape without elastic touches: what a press does to the surface never moves the tool.
       dgm.touch_release(body.handle);
@@ -126,7 +127,7 @@ class Hand {
   }
   // The last stroke that stayed is taken back: the others run again from the shape at rest, to the same bits.
   undo() {
-    const last = this.done.pop();
+    const last = this.strokes.length ? null : this.done.pop();
     if (!last) return;
     const { body } = last;
     dgm.touch_reset(body.handle);
