@@ -221,6 +221,14 @@ class Touch(unittest.TestCase):
         page.wait("!dgmPage.recorder.playing")
         page.rest()
 
+    def test_push_on_a_thin_limb_stays_on_its_side(self):
+        page = self.page("#size=58&depth=60")
+        self.hold(page, (362, 190))
+        self.assertGreater(page.run("dgmPage.hand.felt.force"), 0)
+        depth = page.run("(() => { const s = dgmPage.hand.strokes[0]; return s.moved.reduce((t, m, c) => t + m * s.normal[c], 0); })()")
+        self.assertLess(depth, 0)
+        self.let_go(page, (362, 190))
+
     def test_control_turns_a_push_outwards(self):
         page = self.page()
         depth = []

@@ -140,6 +140,18 @@ class Body {
     const normal = unit(cross(minus(q, p), minus(r, p)));
     return { point, normal: dot(normal, hit.normal) < 0 ? scaled(normal, -1) : normal };
   }
+  // How far the other side is below a place: at most the diagonal.
+  thickness(point, normal, most) {
+    const step = 1e-4 * most;
+    for (let depth = step, k = 0; k < 4; ++k) {
+      const hit = this.pickLocal(plus(point, normal, -depth), scaled(normal, -1));
+      if (!hit) break;
+      depth += hit.distance;
+      if (!hit.front) return depth; // the dent of this very stroke faces the tool
+      depth += step;
+    }
+    return most;
+  }
   normalAt(sample) { return this.normals.map((at) => floats(at, this.count)[sample]); }
   // Uploads what moved. Bytes.
   upload() {

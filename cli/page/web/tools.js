@@ -32,6 +32,7 @@ class Hand {
     const outward = options.invert && kind !== "pull";
     const stroke = { body, kind, slot: free, held: 0, depth: options.depth, pressure: 1, outward, mirror: options.invert && kind === "pull",
       runtime: kind === "pull" || outward ? "grasp" : kind === "push" ? "touch" : "poke", start: point, anchor: point, normal, pull: [0, 0, 0], tool: point };
+    stroke.most = this.room(stroke);
     this.strokes.push(stroke);
     this.scene.wake();
     return stroke;
@@ -42,12 +43,18 @@ class Hand {
     if (stroke.kind === "push" && !stroke.outward && hit && hit.body === stroke.body) {
       const { point, normal } = stroke.body.before(hit);
       stroke.anchor = point, stroke.normal = normal;
+      stroke.most = this.room(stroke);
     }
     this.scene.wake();
   }
+  // A push presses what is nearest to the tool: it must not come nearer to the other side of a thin limb.
+  room(stroke) {
+    if (stroke.runtime !== "touch") return Infinity;
+    return .4 * stroke.body.thickness(stroke.anchor, stroke.normal, this.scene.diagonal);
+  }
   target(stroke) {
     if (stroke.kind === "pull") return plus(stroke.start, stroke.pull);
-    const depth = stroke.depth * stroke.pressure * (1 - Math.exp(-stroke.held / .25));
+    const depth = Math.min(stroke.depth * stroke.pressure, stroke.most) * (1 - Math.exp(-stroke.held / .25));
     return plus(stroke.anchor, stroke.normal, stroke.outward ? depth : -depth);
   }
   end(stroke) {
