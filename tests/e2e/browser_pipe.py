@@ -114,7 +114,11 @@ class Page:
 
     def rest(self):
         """Waits until nothing moves, and all triangles are drawn."""
-        self.wait("document.getElementById('view').dataset.resting === 'true' && !dgmPage.waiting && !dgmPage.running")
+        still = "document.getElementById('view').dataset.resting === 'true' && !dgmPage.waiting && !dgmPage.running"
+        self.wait(still)
+        # What was drawn last is shown two frames later.
+        self.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+        self.wait(still)
 
 
 @contextlib.contextmanager

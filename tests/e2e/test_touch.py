@@ -75,7 +75,7 @@ class Touch(unittest.TestCase):
     def hold(self, page, at, seconds=.8):
         page.mouse("mouseMoved", *at, buttons=0)
         page.mouse("mousePressed", *at)
-        page.wait("dgmPage.hand.strokes.length === 1")
+        page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.strokes[0].holding")  # a tick has run
         time.sleep(seconds)
 
     def let_go(self, page, at):

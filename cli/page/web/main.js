@@ -202,7 +202,7 @@ class Scene {
   }
   // Pointer, thread between tool and surface, force arrow.
   drawOver() {
-    const c = this.over.getContext("2d"), w = this.over.width, h = this.over.height, aspect = this.aspect(), scale = w / Math.max(1, this.over.clientWidth);
+    const c = this.over.getContext("2d", { willReadFrequently: this.soft }), w = this.over.width, h = this.over.height, aspect = this.aspect(), scale = w / Math.max(1, this.over.clientWidth);
     c.clearRect(0, 0, w, h);
     const place = (p) => { const [x, y] = this.camera.project(p, aspect); return [(x + 1) / 2 * w, (1 - y) / 2 * h]; };
     const line = (a, b, colour, width) => { c.strokeStyle = colour; c.lineWidth = width * scale; c.beginPath(); c.moveTo(...a); c.lineTo(...b); c.stroke(); };

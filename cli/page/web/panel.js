@@ -65,7 +65,7 @@ class Panel {
   felt(now) {
     const { felt, strokes, history } = this.scene.hand, pressing = strokes.length > 0;
     $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
-    const canvas = $("strip"), c = canvas.getContext("2d"), w = canvas.width, h = canvas.height, recent = history.slice(-2000);
+    const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height, recent = history.slice(-2000);
     c.clearRect(0, 0, w, h);
     const most = Math.max(.01, ...recent);
     c.strokeStyle = getComputedStyle(document.body).getPropertyValue("--mark");
