@@ -19,7 +19,7 @@ EIGEN, CGAL, EMBREE, TBB, BOOST = "Eigen", "CGAL", "Embree", "TBB", "Boost"
 HDF5, OPENEXR, ASSIMP = "HDF5", "OpenEXR", "assimp"
 FMT, JSON, TOML, CLI11, GTEST = "fmt", "nlohmann-json", "toml++", "CLI11", "GoogleTest"
 INTRINSICS, BENCHMARK, NANOFLANN = "processor intrinsics", "Google Benchmark", "nanoflann"
-MESHOPT = "meshoptimizer"
+MESHOPT, ZLIB = "meshoptimizer", "zlib"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,6 +60,7 @@ PARTS = (
     Part("libdgm/src/contact", 0, rooms("base", "rows", "file", "surface", "touch"), (), "obstacles and volume"),
     Part("libdgm/src/query", 0, rooms("base", "rows", "file", "surface", "touch"), (), "triangles, rays, nearest samples"),
     Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
+    Part("libdgm/web", 0, RUNTIME, (), "the C ABI for scripts: plain numbers, as WebAssembly"),
     Part("formats/math", 0.5, (), (), "functions that round alike everywhere; the C library's do not"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
     Part("formats/files", 1, ("formats/model",), (SYSTEM,), "opens inputs that may be anything, puts outputs in place"),
@@ -85,7 +86,8 @@ PARTS = (
     Part("formats/mesh", 3, DATA, (ASSIMP, SYSTEM), "the only folder to see assimp"),
     Part("cli/render", 3, GEOMETRY, (EMBREE, TBB, STB, FMT), "pictures by ray tracing; captions by stb_truetype"),
     Part("cli/tool", 3, ("formats/model", "formats/files"), (CLI11, FMT), "what every program's main() does alike"),
-    Part("cli/export", 3.5, GEOMETRY + CONTAINERS + ("cli/render", "cli/tool"), (FMT, JSON, MESHOPT, SYSTEM),
+    Part("cli/page", 3.1, DATA + ("formats/dgm",), (FMT, ZLIB), "maps, runtime and viewer as one page"),
+    Part("cli/export", 3.5, GEOMETRY + CONTAINERS + ("cli/page", "cli/render", "cli/tool"), (FMT, JSON, MESHOPT, SYSTEM),
          "maps as meshes and pictures; a bake may ask for them, too; the only folder to see meshoptimizer"),
     Part("cli/process", 4, ("formats/model", "formats/files", "formats/mesh", "formats/dgm", "formats/exr"), (FMT, SYSTEM, SECCOMP),
          "disposable copies of the program, whatever their work; files of strangers are read in them"),
@@ -110,7 +112,7 @@ PARTS = (
     Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),
     Part("samples", 6, DATA + ("cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
     Part("tests", 9, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
-                             JSON, CLI11, GTEST, BENCHMARK, NANOFLANN, MESHOPT), "tests may look at everything"),
+                             JSON, CLI11, GTEST, BENCHMARK, NANOFLANN, MESHOPT, ZLIB), "tests may look at everything"),
     Part("tests/e2e/consumer", 9, RUNTIME, (), "a user's project: knows the installed runtime only"),
 )
 
@@ -118,7 +120,7 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"CGAL/", CGAL), (r"Eigen/|unsupported/Eigen/", EIGEN), (r"embree3/", EMBREE), (r"(oneapi/)?tbb/", TBB),
     (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
-    (r"toml\+\+/", TOML), (r"meshoptimizer\.h", MESHOPT), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
+    (r"toml\+\+/", TOML), (r"meshoptimizer\.h", MESHOPT), (r"zlib\.h", ZLIB), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
     (r"seccomp\.h", SECCOMP), (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
     (r"(sys|linux|net|netinet|arpa)/|(fcntl|fnmatch|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),
@@ -133,7 +135,8 @@ SEARCH = {"<": ("libdgm/include",), '"': ("cli", "formats", "libdgm/src", "sampl
 
 CODE = {".h", ".hpp", ".c", ".cpp"}
 MARKED = CODE | {".py", ".sh", ".cmake", ".md"}
-LICENCES = {"libdgm": "MIT"}  # by top folder
+MARKED |= {".js", ".css"}
+LICENCES = {"libdgm": "MIT", "cli/page/web": "MIT"}  # by folder; what goes into users' files is MIT
 DEFAULT_LICENCE = "GPL-3.0-or-later"
 SPDX = re.compile(r"(?://|#|/\*|<!--) SPDX-License-Identifier: ([\w.-]+)(?: \*/| -->)?\s*")
 
@@ -204,7 +207,7 @@ def licence_fault(root, relative):
     if relative.suffix not in MARKED and relative.name != "CMakeLists.txt" and not script:
         return None
     line, text = (2, second) if script else (1, first)
-    wanted = LICENCES.get(relative.parts[0], DEFAULT_LICENCE)
+    wanted = next((name for folder, name in LICENCES.items() if relative.is_relative_to(folder)), DEFAULT_LICENCE)
     match = SPDX.fullmatch(text)
     if not match:
         return line, f"the line should be: SPDX-License-Identifier: {wanted}"

@@ -25,6 +25,9 @@ FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pul
            ("fig15_16_sheet", "pinch_sheet", "sheet", "sheet_pinch"),
            ("fig17_seat", "sit_on_cushion", "seat", "ball_on_seat"),
            ("fig17_cover", "sit_on_cushion", "cushion_129", "ball_on_cushion", "cover_129"))
+# Pages to touch: name and maps; the first one is shown first.
+PAGES = (("organs", "stomach", "liver"), ("fabrics", "stomach", "stomach_denim", "stomach_satin"),
+         ("cushion_and_cover", "cushion_129", "cover_129"), ("sheet", "sheet"), ("chair", "chair", "seat", "back"))
 COLUMNS = ("asset", "method", "grid", "PSNR dB", "max error %", "seam gap", "flips", "time s", "bytes", "valid")
 
 
@@ -67,6 +70,22 @@ def print_table(rows):
         say("  ".join(cell.ljust(w) if k < 3 else cell.rjust(w) for k, (cell, w) in enumerate(zip(r, widths))).rstrip())
 
 
+def map_of(name, out):
+    """A map of the demo; those that only figures need are in a folder of their own."""
+    own = out / "figures" / f"{name}.dgm"
+    return own if own.exists() else out / f"{name}.dgm"
+
+
+def write_pages(export, out):
+    """Writes PAGES into OUT/touch; the first exit code that is not 0."""
+    (out / "touch").mkdir(exist_ok=True)
+    worst = 0
+    for name, *maps in PAGES:
+        code = run(export, *(map_of(m, out) for m in maps), "--up", "z", "-o", out / "touch" / f"{name}.html")
+        worst = worst or code
+    return worst
+
+
 def replay_figures(build, bake, out):
     """Draws FIGURES into OUT/figures; the first exit code that is not 0."""
     folder = out / "figures"
@@ -76,13 +95,10 @@ def replay_figures(build, bake, out):
         code = run(bake, "-q", build / "samples/meshes" / mesh, "-o", folder / f"{name}.dgm", *options)
         worst = worst or code
 
-    def map_of(name):
-        own = folder / f"{name}.dgm"
-        return own if own.exists() else out / f"{name}.dgm"
     paths = Path(__file__).resolve().parent.parent / "samples/paths"
     for picture, program, name, path, *more in FIGURES:
-        code = run(build / "samples" / program, map_of(name), paths / f"{path}.txt", folder / f"{picture}.png",
-                   *map(map_of, more))
+        code = run(build / "samples" / program, map_of(name, out), paths / f"{path}.txt", folder / f"{picture}.png",
+                   *(map_of(m, out) for m in more))
         worst = worst or code
     return worst
 
@@ -93,14 +109,14 @@ def main(build, out):
     meshes = [build / "samples/meshes" / name for name in SAMPLES]
     report = out / "report.json"
 
-    say(f"demo: 3/6 bake {len(meshes)} samples at {SIZE}")
+    say(f"demo: 3/7 bake {len(meshes)} samples at {SIZE}")
     report.unlink(missing_ok=True)
     worst = run(tools["bake"], *meshes, "-o", f"{out}/", "--size", SIZE, "--report", report)
     if not report.exists():
         return worst or 4
     assets = json.loads(report.read_text(encoding="utf-8"))["assets"]
 
-    say("demo: 4/6 validate each against its source")
+    say("demo: 4/7 validate each against its source")
     valid, pictures = {}, []
     baked = [(Path(a["source"]), Path(a["files"][0]["path"])) for a in assets if a["files"]]
     for mesh, file in baked:
@@ -108,7 +124,7 @@ def main(build, out):
         valid[str(mesh)] = code == 0
         worst = worst or code
 
-    say("demo: 5/6 draw")
+    say("demo: 5/7 draw")
     for mesh, file in baked:
         compared, layers = file.with_suffix(".png"), file.with_suffix(".layers.png")
         beside = ("-o", compared, "--source", mesh, "--size", "1600x440")
@@ -117,8 +133,11 @@ def main(build, out):
             worst = worst or code
         pictures += [compared, layers]
 
-    say("demo: 6/6 replay the paper's figures from recorded tool paths")
+    say("demo: 6/7 replay the paper's figures from recorded tool paths")
     worst = worst or replay_figures(build, tools["bake"], out)
+
+    say("demo: 7/7 write pages to touch")
+    worst = worst or write_pages(tools["export"], out)
 
     say("")
     print_table([row(asset, valid.get(asset["source"], False)) for asset in assets])
@@ -126,6 +145,7 @@ def main(build, out):
     say("  NAME.png         source | reconstruction | grid and seam | error")
     say("  NAME.layers.png  every layer of every chart")
     say("  figures/         what the programs in samples/ do with them")
+    say("  touch/           pages: open one in a browser, and press")
     say(f"  report.json      all that was measured\nnext: {tools['bake']} --help")
     return worst
 

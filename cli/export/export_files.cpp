@@ -15,6 +15,7 @@
 #include "export/chart_mesh.h"
 #include "export/mesh_files.h"
 #include "export/staging_folder.h"
+#include "export/touch_page.h"
 #include "exr/exr_files.h"
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
@@ -66,7 +67,7 @@ void check_options(const MapSet& maps, const path& output, const ExportOptions& 
         throw model::Error(model::codes::kUnsupported, "glTF is written in its binary form; end the output in .glb");
     const std::vector<std::string>& known = known_extensions();
     if (std::find(known.begin(), known.end(), extension) == known.end())
-        usage(fmt::format("the output \"{}\" must end in .obj, .ply, .glb, .exr, .dgm or .png",
+        usage(fmt::format("the output \"{}\" must end in .obj, .ply, .glb, .exr, .dgm, .png or .html",
                           output.filename().string()));
     check_lods(options, extension);
     if ((options.quantize || options.compress) && extension != ".glb")
@@ -178,7 +179,7 @@ Image picture(const MapSet& maps, const ExportOptions& options, const Warn& warn
 }  // namespace
 
 const std::vector<std::string>& known_extensions() {
-    static const std::vector<std::string> known{".obj", ".ply", ".glb", ".exr", ".dgm", ".png"};
+    static const std::vector<std::string> known{".obj", ".ply", ".glb", ".exr", ".dgm", ".png", ".html"};
     return known;
 }
 
@@ -213,10 +214,26 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
         formats::write_png(staging.add(output.filename()), picture(chosen, options, warn));
     else if (extension == ".dgm")
         formats::write_dgm(chosen, staging.add(output.filename()));
+    else if (extension == ".html")
+        write_touch_page({{asset_name(maps), &chosen}}, output, options, staging);
     else
         write_exr_files(chosen, output, options.multipart, staging);
     staging.publish();
     if (exr) formats::remove_old_exr_sides(output, old_names);
+}
+
+void export_page(const std::vector<NamedMaps>& maps, const path& output, const ExportOptions& options) {
+    std::vector<MapSet> chosen;
+    std::vector<page::PagedMap> paged;
+    for (const NamedMaps& named : maps) {
+        check_options(named.maps, output, options);
+        chosen.push_back(only_chart(named.maps, options.chart));
+    }
+    for (std::size_t k = 0; k < maps.size(); ++k) paged.push_back({maps[k].name, &chosen[k]});
+    formats::make_folder_of(output);
+    StagingFolder staging(output);
+    write_touch_page(paged, output, options, staging);
+    staging.publish();
 }
 
 }  // namespace dgm::exporter

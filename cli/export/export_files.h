@@ -25,7 +25,7 @@ struct ExportOptions {
     std::function<formats::ImportedMesh(const std::filesystem::path&)> read_mesh;
     std::optional<std::uint32_t> width, height;  ///< PNG
     std::optional<render::View> view;            ///< PNG
-    render::UpAxis up = render::UpAxis::kY;      ///< PNG, GLB: of the source
+    render::UpAxis up = render::UpAxis::kY;      ///< PNG, GLB, HTML: of the source
     std::vector<std::uint32_t> lods{1};       ///< OBJ, PLY, GLB: stride in quads, see faces_at_stride(); GLB: several
     LodMode lod_mode = LodMode::kMsft;        ///< GLB: of several levels
     bool quantize = false, compress = false;  ///< GLB, see GlbOptions
@@ -44,7 +44,8 @@ struct ExportOptions {
 
 /// Writes `maps` to `output` in the form its extension names: dgm, exr, obj (an object a chart; an MTL, textures and
 /// normal maps as STEM_texture.png and STEM_normal.png, or STEM_chart<k>_texture.png of several charts), ply (texture
-/// coordinates, vertex colours from the texture, and the texture itself of an only chart), glb (encode_glb()) or png.
+/// coordinates, vertex colours from the texture, and the texture itself of an only chart), glb (encode_glb()), png or
+/// html (a page to touch, see page/page_file.h).
 /// Meshes hold the samples that have a face, and call charts as chart_names() does.
 ///
 /// Every file is written aside, in a folder beside the output, and moved into place when all of them are complete: on
@@ -55,5 +56,14 @@ struct ExportOptions {
 ///         exist; kUnsupported for gltf; and whatever the readers, writers and pictures throw
 void export_maps(const model::MapSet& maps, const std::filesystem::path& output, const ExportOptions& options,
                  const std::function<void(const std::string&)>& warn);
+
+/// A map of a page, and what it is called there.
+struct NamedMaps {
+    std::string name;
+    model::MapSet maps;
+};
+
+/// Writes one page for several maps, or for none: maps are dropped on it then. @throws model::Error as export_maps
+void export_page(const std::vector<NamedMaps>& maps, const std::filesystem::path& output, const ExportOptions& options);
 
 }  // namespace dgm::exporter

@@ -53,7 +53,7 @@ struct Search {
         if (seen.insert(true_path(source)).second) found.push_back({source, stem.replace_extension(), group});
     }
     void refuse(const fs::path& input, const model::Code& code, const std::string& message) {
-        refused.emplace_back(found.size(), ExportJob{input, {}, model::Error(code, message)});
+        refused.emplace_back(found.size(), ExportJob{input, {}, {}, model::Error(code, message)});
     }
     void add_below(const fs::path& folder, const std::vector<fs::path>& files, const fs::path& input,
                    const char* nothing) {
@@ -122,7 +122,7 @@ std::optional<fs::path> only_output(const ExportRequest& request, const Search& 
     if (!request.formats.empty())
         throw model::Error(codes::kUsage, "-o names a file, and --format goes with a folder; leave one out");
     if (search.found.empty()) return request.output;  // nothing to write: the inputs' faults are reported
-    if (search.many || request.inputs.size() > 1)
+    if (lower_extension(request.output) != ".html" && (search.many || request.inputs.size() > 1))
         throw model::Error(codes::kUsage,
                            "one output file cannot hold several maps; name a folder with -o, and what to write with "
                            "--format",
@@ -156,6 +156,12 @@ ExportOptions options_of_kind(ExportOptions options, const std::string& extensio
     return options;
 }
 
+std::vector<NamedMaps> maps_of(const ExportJob& job) {
+    std::vector<NamedMaps> out{{job.source.stem().string(), read_maps(job.source)}};
+    for (const fs::path& other : job.others) out.push_back({other.stem().string(), read_maps(other)});
+    return out;
+}
+
 /// The error of the exception at hand. Call it in a catch block alone.
 model::Error caught() {
     try {
@@ -172,12 +178,17 @@ ExportPlan plan_exports(const ExportRequest& request) {
     ExportPlan plan;
     if (const std::optional<fs::path> file = only_output(request, search)) {
         plan.folder = file->has_parent_path() ? file->parent_path() : fs::path(".");
-        for (const Found& f : search.found) plan.jobs.push_back({f.source, {*file}, {}});
+        for (const Found& f : search.found) {
+            if (plan.jobs.empty())
+                plan.jobs.push_back({f.source, {*file}, {}, {}});
+            else
+                plan.jobs[0].others.push_back(f.source);
+        }
     } else {
         plan.folder = request.output.empty() ? fs::path(".") : fs::path(request.output);
         const std::vector<fs::path> stems = settled_stems(search.found);
         for (std::size_t k = 0; k < stems.size(); ++k) {
-            ExportJob& job = plan.jobs.emplace_back(ExportJob{search.found[k].source, {}, {}});
+            ExportJob& job = plan.jobs.emplace_back(ExportJob{search.found[k].source, {}, {}, {}});
             const fs::path stem = request.output.empty() ? stems[k] : plan.folder / stems[k];
             for (const std::string& format : request.formats) job.outputs.push_back(fs::path(stem).concat(format));
         }
@@ -202,6 +213,12 @@ ExportOutcome run_exports(const ExportPlan& plan, const ExportOptions& options, 
     for (const ExportJob& job : plan.jobs) {
         try {
             if (job.refusal) throw *job.refusal;
+            if (!job.others.empty()) {
+                export_page(maps_of(job), job.outputs[0], options);
+                listener.on_written(job.outputs[0]);
+                ++outcome.exported;
+                continue;
+            }
             const model::MapSet maps = read_maps(job.source);
             for (const fs::path& output : job.outputs) {
                 folders.make_below(plan.folder, output);

@@ -21,10 +21,11 @@ struct ExportRequest {
     std::vector<std::string> formats;  ///< of --format, as extensions with their dots; empty: what -o ends in
 };
 
-/// One map and the files that are made of it.
+/// One map and the files that are made of it, or all maps of a page.
 struct ExportJob {
     std::filesystem::path source;
     std::vector<std::filesystem::path> outputs;
+    std::vector<std::filesystem::path> others{};  ///< further maps of the same page; of several one fails for all
     std::optional<model::Error> refusal;  ///< set if there is nothing to read: a missing file, a folder without maps
 };
 
@@ -40,8 +41,10 @@ struct ExportPlan {
 /// robe.exr stand side by side, the latter becomes robe.exr.glb. Where two maps still would write the same file, each
 /// goes below a folder named like the input folder (for a file: the folder it is in).
 ///
-/// @throws model::Error kUsage: one output file for several maps, a folder and no format, an output that is an input,
-///         two maps that still write one file
+/// One page (-o NAME.html) holds all maps.
+///
+/// @throws model::Error kUsage: one output file of another kind for several maps, a folder and no format, an output
+///         that is an input, two maps that still write one file
 [[nodiscard]] ExportPlan plan_exports(const ExportRequest& request);
 
 struct ExportListener {

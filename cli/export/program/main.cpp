@@ -28,6 +28,7 @@ struct CommandLine {
     std::vector<std::string> inputs, asset_roots;
     std::string output, maps, formats, size, view, up = "y", exr_layout = "auto", source, lod = "1", lod_mode;
     std::uint32_t chart = 0;
+    bool blank = false;
     CLI::Option* chart_option = nullptr;
     ExportOptions options;
 };
@@ -81,6 +82,8 @@ constexpr std::array kExamples{
     dgm::tool::Example{"dgm-export baked/ -o web/ --format glb --quantize --compress",
                        "every map of a folder, small, for a page"},
     dgm::tool::Example{"dgm-export robe.dgm -o robe.glb --lod 1,4,16", "three levels of detail in one file"},
+    dgm::tool::Example{"dgm-export stomach.dgm liver.dgm -o organs.html",
+                       "one page to touch both, from disk, in a browser"},
     dgm::tool::Example{"dgm-export stomach.dgm -o stomach.exr", "lossless, and back again: -o stomach.dgm"},
     dgm::tool::Example{"dgm-export stomach.dgm --maps maps", "pictures for engines: an EXR or PNG a layer, and a JSON"},
     dgm::tool::Example{"dgm-export stomach.dgm -o layers.png --sheet", "all layers as pictures on one sheet"},
@@ -93,6 +96,7 @@ constexpr std::array kFiles{
     dgm::tool::Term{".NAME.*", "a folder beside the output, for what is being written; removed at the end"}};
 const dgm::tool::Manual kManual{.synopsis =
                                     "dgm-export [OPTIONS] FILE -o OUTPUT\n"
+                                    "dgm-export [OPTIONS] FILE... -o PAGE.html\n"
                                     "dgm-export [OPTIONS] FILE --maps DIR\n"
                                     "dgm-export [OPTIONS] FILE|DIR... [-o DIR] --format F,...",
                                 .sections = {},
@@ -111,14 +115,16 @@ const dgm::tool::Manual kManual{.synopsis =
 
 void describe(CLI::App& app, CommandLine& line) {
     using dgm::tool::Group;
-    app.add_option("FILE", line.inputs, "the .dgm or .exr to read; several, folders and patterns with --format")
-        ->required()
+    app.add_option("FILE", line.inputs,
+                   "the .dgm or .exr to read; several, folders and patterns with --format or for a page")
         ->type_name("");
     const Group where(app, dgm::tool::kWhereThingsGo), mesh(app, "Meshes"), picture(app, "Pictures");
     where.text("-o,--output", "FILE|DIR", line.output,
-               "its ending says what is written: .obj .ply .glb .exr .dgm .png; with --format a folder");
-    where.text("--format", "F,...", line.formats,
-               "obj, ply, glb, exr, dgm, png: each input goes into the folder -o [the current one] under its own name");
+               "its ending says what is written: .obj .ply .glb .exr .dgm .png .html; with --format a folder");
+    where.text(
+        "--format", "F,...", line.formats,
+        "obj, ply, glb, exr, dgm, png, html: each input goes into the folder -o [the current one] under its own name");
+    where.flag("--blank", line.blank, "HTML: a page without maps, on which .dgm files are dropped; takes no FILE");
     where.text("--maps", "DIR", line.maps,
                "folder for plain maps: an EXR or PNG a layer, and a JSON that describes them");
     line.chart_option = where.number("--chart", "N", line.chart, "only this chart, counted from 0 [all]");
@@ -134,7 +140,7 @@ void describe(CLI::App& app, CommandLine& line) {
     mesh.flag("--quantize", line.options.quantize,
               "GLB: KHR_mesh_quantization, half the bytes a vertex; positions to 1/131070 of the size");
     mesh.flag("--compress", line.options.compress, "GLB: EXT_meshopt_compression, lossless; best with --quantize");
-    mesh.text("--up", "y|z", line.up, "GLB, PNG: which axis of the source points up [y]")
+    mesh.text("--up", "y|z", line.up, "GLB, PNG, HTML: which axis of the source points up [y]")
         ->check(CLI::IsMember({"y", "z"}));
     picture.text("--layer", "NAME", line.options.layer, "PNG: the picture of this layer");
     picture.flag("--sheet", line.options.sheet, "PNG: all layers of each chart on one sheet");
@@ -194,10 +200,23 @@ int write_plain_maps(const CommandLine& line, std::string& subject) {
     return 0;
 }
 
+/// A page that has no map yet. @throws model::Error
+int write_blank_page(const CommandLine& line) {
+    const std::filesystem::path output = line.output;
+    if (!line.inputs.empty() || !line.formats.empty() || dgm::exporter::lower_extension(output) != ".html")
+        throw dgm::model::Error(dgm::model::codes::kUsage, "--blank takes -o NAME.html, and neither FILE nor --format");
+    dgm::exporter::export_page({}, output, line.options);
+    std::printf("%s\n", line.output.c_str());
+    return 0;
+}
+
 int run(CommandLine& line, std::string& subject) {
     try {
         set_options(line);
     } catch (const CLI::ValidationError& error) { throw dgm::model::Error(dgm::model::codes::kUsage, error.what()); }
+    if (line.blank) return write_blank_page(line);
+    if (line.inputs.empty())
+        throw dgm::model::Error(dgm::model::codes::kUsage, dgm::tool::missing_argument("FILE", kManual));
     if (!line.maps.empty()) return write_plain_maps(line, subject);
     const dgm::exporter::ExportPlan plan =
         dgm::exporter::plan_exports({line.inputs, line.output, parse_formats(line.formats)});
@@ -228,7 +247,9 @@ int run(CommandLine& line, std::string& subject) {
 
 static int run_main(int argc, char** argv) {
     if (const auto exit_code = dgm::bake::import_worker(argc, argv)) return *exit_code;
-    CLI::App app("Writes a geometry map as a mesh (obj, ply, glb), a picture (png) or the other container (exr, dgm).");
+    CLI::App app(
+        "Writes a geometry map as a mesh (obj, ply, glb), a picture (png), a page to touch (html) or the other "
+        "container (exr, dgm).");
     CommandLine line;
     describe(app, line);
     return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {

@@ -36,6 +36,7 @@ class ExportBatch : public testing::Test {
         for (const ExportJob& job : plan_exports({inputs, (folder_ / output).string(), formats}).jobs) {
             std::string& line = out.emplace_back(job.source.lexically_relative(folder_).string());
             line += job.refusal ? ": " + job.refusal->code().id() : " ->";
+            for (const path& other : job.others) line += " +" + other.lexically_relative(folder_).string();
             for (const path& file : job.outputs) line += " " + file.lexically_relative(folder_).string();
         }
         return out;
@@ -50,6 +51,12 @@ class ExportBatch : public testing::Test {
     path folder_;
 };
 using Lines = std::vector<std::string>;
+
+TEST_F(ExportBatch, APageHoldsAllMaps) {
+    for (const char* name : {"in/a.dgm", "in/b.dgm", "c.dgm"}) touch(name);
+    EXPECT_EQ(planned({"in", "c.dgm"}, "x.html", {}), (Lines{"in/a.dgm -> +in/b.dgm +c.dgm x.html"}));
+    EXPECT_EQ(planned({"in"}, "out", {".html"}), (Lines{"in/a.dgm -> out/a.html", "in/b.dgm -> out/b.html"}));
+}
 
 TEST_F(ExportBatch, FoldersKeepTheirPaths) {
     for (const char* name : {"in/b.dgm", "in/sub/a.exr", "in/a.obj", "in/.hidden.dgm", "in/.git/c.dgm", "[x]/d.dgm"})

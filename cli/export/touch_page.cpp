@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/export/touch_page.cpp
+#include "export/touch_page.h"
+
+#include <fstream>
+#include <string>
+
+#include "image/image.h"
+#include "model/codes.h"
+#include "render/chart_surface.h"
+#include "render/pictures.h"
+
+namespace dgm::exporter {
+namespace {
+constexpr std::uint32_t kStillWidth = 480, kStillHeight = 360;
+constexpr int kStillQuality = 75;  // about 12 KB
+
+std::vector<std::byte> still_of(const model::MapSet& maps, render::UpAxis up) {
+    render::PictureOptions how;
+    how.width = kStillWidth, how.height = kStillHeight;
+    how.up = up;
+    return formats::encode_jpeg(render::surface_picture(render::chart_surface(maps.charts), how), kStillQuality);
+}
+}  // namespace
+
+void write_touch_page(const std::vector<page::PagedMap>& maps, const std::filesystem::path& output,
+                      const ExportOptions& options, StagingFolder& staging) {
+    page::PageSettings settings{output.stem().string(), options.up == render::UpAxis::kZ, {}};
+    if (!maps.empty()) settings.still = still_of(*maps.front().maps, options.up);
+    const std::string text = page::page_file(settings, maps, staging.where("map.dgm"));
+    std::ofstream file(staging.add(output.filename()), std::ios::binary);
+    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.close();
+    if (!file) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", output.string());
+}
+
+}  // namespace dgm::exporter

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/page/page_file.cpp
+#include "page/page_file.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "model/codes.h"
+#include "page/markup.h"
+#include "page/page_map.h"
+#include "page/page_parts.h"
+
+namespace dgm::page {
+namespace {
+std::span<const std::byte> bytes_of(std::string_view text) {
+    return std::as_bytes(std::span(text));
+}
+
+/// Replaces @KEY@ in `text`, which is not searched again where a value went in.
+std::string filled(std::string_view text, std::span<const std::pair<std::string_view, std::string>> values) {
+    std::string out;
+    while (!text.empty()) {
+        const std::pair<std::string_view, std::string>* first = nullptr;
+        std::size_t at = text.size();
+        for (const auto& value : values)
+            if (const std::size_t found = text.find(value.first); found < at) at = found, first = &value;
+        out += text.substr(0, at);
+        if (first == nullptr) break;
+        out += first->second;
+        text.remove_prefix(at + first->first.size());
+    }
+    return out;
+}
+
+std::string data_element(const std::string& attributes, std::span<const std::byte> bytes) {
+    return fmt::format("<script type=\"text/plain\" {}>{}</script>\n", attributes, base64(bytes));
+}
+}  // namespace
+
+std::string page_file(const PageSettings& settings, std::span<const PagedMap> maps,
+                      const std::filesystem::path& scratch) {
+    if (page_module().empty())
+        throw model::Error(model::codes::kUnsupported,
+                           "this build of dgm-export writes no pages: it was made without the runtime for WebAssembly "
+                           "(DGM_PAGE)")
+            .with_hint("run scripts/install_packages, and build with -DDGM_PAGE=ON; dgm-export writes .glb, too");
+    std::string data = data_element("id=\"module\"", bytes_of(deflated(bytes_of(page_module()))));
+    for (std::size_t k = 0; k < maps.size(); ++k) {
+        const PackedMap packed = packed_map(*maps[k].maps, scratch);
+        data += data_element(
+            fmt::format("class=\"map\" data-name=\"{}\" data-grids=\"{}\"", attribute_text(maps[k].name), packed.grids),
+            bytes_of(deflated(packed.bytes)));
+        for (const PagePicture& picture : page_pictures(*maps[k].maps))
+            data += data_element(fmt::format("class=\"picture\" data-map=\"{}\" data-chart=\"{}\" data-type=\"{}\"", k,
+                                             picture.chart, picture.type),
+                                 picture.bytes);
+    }
+    if (!settings.still.empty()) data += data_element("class=\"still\"", settings.still);
+    const std::pair<std::string_view, std::string> values[] = {{"@TITLE@", attribute_text(settings.title)},
+                                                               {"@UP@", settings.z_is_up ? "z" : "y"},
+                                                               {"@STYLE@", std::string(page_style())},
+                                                               {"@DATA@", data},
+                                                               {"@SCRIPT@", std::string(page_script())}};
+    return filled(page_html(), values);
+}
+
+}  // namespace dgm::page

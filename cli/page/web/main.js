@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+// main.js: the scene: a map's bodies, the camera, and the frame.
+
+const kSwatch = { clay: [.84, .75, .68], seam: [.84, .118, .141], border: [.094, .345, .769], grid: [.2, .21, .25], solid: [.55, .6, .68] };
+
+class Scene {
+  constructor() {
+    this.canvas = $("view"), this.over = $("over");
+    this.soft = softDrawing();
+    this.painter = new Painter(this.canvas, this.soft);
+    Object.assign(this, { maps: [], bodies: [], camera: new Camera(), number: 0, diagonal: 1, coarse: 0, waiting: false, obstacle: null, last: 0, before: -1e9, frames: 0, marked: null });
+    this.hand = new Hand(this);
+    this.recorder = new Recorder(this);
+    this.panel = new Panel(this);
+    this.keys = new Keys(this, this.canvas);
+    this.drop = new Drop(this);
+    new ResizeObserver(() => this.wake()).observe($("stage"));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.wake());
+    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
+    addEventListener("hashchange", () => this.panel.follow(location.hash));
+  }
+  // Runs `work`; what goes wrong is said, never thrown.
+  async guard(work) {
+    try {
+      return await work();
+    } catch (error) {
+      this.panel.fail(error);
+    }
+  }
+  async add(map) {
+    this.maps.push(map);
+    try {
+      await this.choose(this.maps.length - 1);
+    } catch (error) {
+      this.maps.pop();
+      throw error;
+    }
+    const option = new Option(map.name, String(this.maps.length - 1), false, true);
+    $("map").append(option);
+  }
+  async choose(number) {
+    const map = this.maps[number], asset = new Asset(await map.bytes()), bodies = [];
+    const boxes = asset.charts.map((chart) => chart.box), edge = (pick, from) => [0, 1, 2].map((c) => pick(...boxes.map((box) => box[from + c])));
+    const low = edge(Math.min, 0), high = edge(Math.max, 3), middle = scaled(plus(low, high), .5);
+    try {
+      asset.charts.forEach((_, k) => bodies.push(new Body(this.painter, asset, k, middle)));
+      if (this.painter.gl) for (const body of bodies) body.picture = await this.pictureOf(map, body);
+    } catch (error) {
+      bodies.forEach((body) => body.close());
+      asset.close();
+      throw error;
+    }
+    this.recorder.playing = null;
+    this.bodies.forEach((body) => body.close());
+    if (this.asset) this.asset.close();
+    Object.assign(this, { asset, bodies, number, low, high, middle });
+    $("drop").hidden = true;
+    this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.marked = null;
+    this.diagonal = length(minus(high, low)) || 1;
+    this.panel.clear();
+    this.panel.listLayers();
+    if ($("look").value === "texture" && !bodies.some((body) => body.picture)) $("look").value = "clay";
+    this.home();
+    this.setObstacle();
+    this.changed();
+  }
+  async pictureOf(map, body) {
+    const made = map.pictures.find((picture) => picture.chart === body.number), layer = body.chart.layers.texture;
+    if (made) return this.painter.picture(await createImageBitmap(made.blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
+    if (!layer) return null;
+    return this.painter.picture({ width: layer.shape[1], height: layer.shape[0], pixels: new Uint8Array(memory(), layer.data, layer.bytes).slice() });
+  }
+  openPath(words) { return this.guard(() => { this.recorder.load(words); this.panel.clear(); }); }
+  changed() { this.panel.show(); }
+  size() { return this.panel.size(); }
+  home() {
+    this.camera.fit([0, 0, 0], this.diagonal / 2, $("up").checked ? "z" : "y");
+    this.wake();
+  }
+  aspect() { return this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight); }
+  pick(at) {
+    const ray = this.camera.ray(...at, this.aspect());
+    return this.bodies.map((body) => body.pick(ray)).filter(Boolean).sort((a, b) => a.distance - b.distance)[0] || null;
+  }
+  // A table that rises from below, or a ball or bar that comes down from above.
+  setObstacle() {
+    const kind = $("obstacle").value, share = Number($("height").value) / 1000;
+    this.obstacle = null;
+    if (kind !== "none" && this.low) {
+      const up = this.camera.up === "z" ? 2 : 1, tall = this.high[up] - this.low[up], radius = .16 * this.diagonal, p = [0, 0, 0], q = [0, 0, 0];
+      if (kind === "plane") p[up] = this.low[up] - this.middle[up] + .6 * share * tall, q[up] = 1;
+      else {
+        p[up] = this.high[up] - this.middle[up] + radius - .8 * share * tall;
+        q[up] = p[up], q[0] = .3 * this.diagonal;
+        if (kind === "capsule") p[0] = -q[0];
+      }
+      this.obstacle = { kind, p, q, radius, done: false };
+    }
+    this.meetAgain = true;
+    this.panel.show();
+  }
+  // Presses every body against the obstacle, from its shape without elastic touches or with those of this frame.
+  meet() {
+    const o = this.obstacle, words = [];
+    for (const body of this.bodies) {
+      if (!this.hand.strokes.length) dgm.touch_release(body.handle);
+      if (o) {
+        const q = o.kind === "plane" ? o.q : minus(o.q, body.origin);
+        check(dgm.touch_obstacle(body.handle, { plane: 0, ball: 1, capsule: 2 }[o.kind], 0, ...minus(o.p, body.origin), ...q, o.radius));
+        const [status, samples, removed, gained] = answers(4);
+        if (status === 1) words.push(samples + " samples moved, volume " + digits(dgm.touch_volume(body.handle), 5) + "\nkept to " + digits(Math.abs(gained), 2) + " of " + digits(Math.abs(removed)) + " pressed in");
+        if (status === 3) words.push(samples + " samples moved; open, so it has no volume");
+        if (status === 2) words.push("too deep");
+      }
+      dgm.touch_normals(body.handle);
+    }
+    this.panel.volume(words.join("\n"));
+    this.meetAgain = false;
+  }
+  wake() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame((now) => this.guard(() => this.frame(now)));
+  }
+  frame(now) {
+    this.waiting = false;
+    const seconds = clamp((now - (this.running ? this.last : now - 16)) / 1000, 0, .05);
+    this.last = now;
+    const worked = this.hand.advance(seconds), played = this.recorder.advance(seconds);
+    let fading = false;
+    if (this.obstacle || this.meetAgain) {
+      if (worked || played || this.meetAgain) this.meet();
+    } else if (!this.hand.strokes.length && !played) fading = this.relax(seconds);
+    this.running = this.hand.strokes.length > 0 || played || fading;
+    this.paint(now, this.running || this.keys.pointers.size > 0);
+    if (this.running) this.wake();
+  }
+  relax(seconds) {
+    let fading = false;
+    for (const body of this.bodies) {
+      if (!dgm.touch_active(body.handle)) continue;
+      if (this.calm.matches) dgm.touch_release(body.handle);
+      else check(dgm.touch_relax(body.handle, seconds, kBack));
+      dgm.touch_normals(body.handle);
+      fading = fading || dgm.touch_active(body.handle) > 0;
+    }
+    return fading;
+  }
+  paint(now, moving) {
+    if (!this.painter.gl) return;
+    for (const canvas of [this.canvas, this.over]) {
+      const dots = Math.min(2, window.devicePixelRatio || 1), scale = canvas === this.canvas && moving ? dots * [1, .7, .5][this.coarse] : dots, w = Math.max(2, Math.round(canvas.clientWidth * scale)), h = Math.max(2, Math.round(canvas.clientHeight * scale));
+      if (canvas.width !== w || canvas.height !== h) canvas.width = w, canvas.height = h;
+    }
+    const began = performance.now();
+    for (const body of this.bodies) body.upload();
+    this.draw(moving ? 2 ** this.coarse : 1);
+    // Where a processor draws, what moves is drawn with fewer triangles and pixels, and all of them once it rests. Frames in a row
+    // tell how long one takes: nothing that asks the card may be waited for.
+    if (this.soft && moving) {
+      const took = now - this.before;
+      if (took > 60 && took < 1000) this.coarse = Math.min(2, this.coarse + 1);
+      else if (took < 20) this.coarse = Math.max(0, this.coarse - 1);
+    }
+    this.before = moving ? now : -1e9;
+    this.spent = performance.now() - began;
+    clearTimeout(this.later);
+    if (moving && this.coarse > 0 && !this.running) this.later = setTimeout(() => this.wake(), 300);
+    this.drawOver();
+    this.panel.felt(now);
+    const hit = this.keys.hover && !this.hand.strokes.length ? this.pick(this.keys.hover) : null;
+    if (this.keys.hover) this.panel.readout(hit);
+    ++this.frames;
+    Object.assign(this.canvas.dataset, { frames: this.frames, uploaded: this.painter.uploaded, resting: String(!moving) });
+  }
+  draw(stride) {
+    const { painter } = this, gl = painter.gl, background = getComputedStyle(this.canvas).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255);
+    painter.start(this.camera, this.aspect(), background);
+    const looks = { texture: 1, clay: 0, moved: 2, normal: 3 }, layer = $("look").value, wanted = layer in looks ? looks[layer] : 4;
+    const range = wanted === 4 ? this.rangeOf(layer) : [0, 1];
+    for (const body of this.bodies) {
+      const look = (wanted === 1 && !body.picture) || (wanted === 4 && !body.show(layer)) ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay };
+      painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look, picture: body.picture || painter.blank, most: this.diagonal / 10, range });
+      const line = (name, plain, push) => {
+        const part = body.lines(name);
+        if (part.count) painter.draw(body.array, part, gl.LINES, { ...common, look: 9, plain, push });
+      };
+      if ($("wire").checked && stride === 1) line("grid", kSwatch.grid, 3e-4);
+      if ($("seams").checked) line("seams", kSwatch.seam, 6e-4), line("borders", kSwatch.border, 6e-4);
+    }
+    if (this.obstacle) painter.drawSolid(this.obstacle.kind, this.obstacle.p, this.obstacle.q, this.obstacle.kind === "plane" ? this.diagonal : this.obstacle.radius, kSwatch.solid);
+  }
+  // Least and largest value of a layer on all bodies.
+  rangeOf(layer) {
+    if (this.ranged !== layer + this.number) {
+      let low = Infinity, high = -Infinity;
+      for (const body of this.bodies) for (const v of body.values(layer) || []) if (v < low) low = v; else if (v > high) high = v;
+      Object.assign(this, { ranged: layer + this.number, range: [low, high > low ? high : low + 1] });
+      this.panel.say(layer + ": " + digits(low) + " (dark) to " + digits(high) + " (light)");
+    }
+    return this.range;
+  }
+  // Pointer, thread between tool and surface, force arrow.
+  drawOver() {
+    const c = this.over.getContext("2d", { willReadFrequently: this.soft }), w = this.over.width, h = this.over.height, aspect = this.aspect(), scale = w / Math.max(1, this.over.clientWidth);
+    c.clearRect(0, 0, w, h);
+    const place = (p) => { const [x, y] = this.camera.project(p, aspect); return [(x + 1) / 2 * w, (1 - y) / 2 * h]; };
+    const line = (a, b, colour, width) => { c.strokeStyle = colour; c.lineWidth = width * scale; c.beginPath(); c.moveTo(...a); c.lineTo(...b); c.stroke(); };
+    const ring = (p, r, colour) => { c.strokeStyle = colour; c.lineWidth = 1.5 * scale; c.beginPath(); c.arc(...p, r, 0, 7); c.stroke(); };
+    const ink = getComputedStyle(document.body).getPropertyValue("--mark");
+    for (const s of this.hand.strokes) {
+      if (!s.holding || s.contact >= this.bodyCount(s)) continue;
+      const grip = plus(s.body.place(s.contact), s.body.origin), tool = plus(s.tool, s.body.origin), [a, b] = [place(grip), place(tool)];
+      if (Math.hypot(a[0] - b[0], a[1] - b[1]) > 4 * scale) line(a, b, ink, 1.5);
+      ring(b, 5 * scale, ink);
+      const size = length(s.force);
+      if (size > 1e-4) line(a, place(plus(grip, unit(s.force), Math.min(1, Math.sqrt(size)) * .25 * this.diagonal)), "#d9480f", 4);
+    }
+    if (this.recorder.playing && this.recorder.playing.knot) ring(place(plus(minus(this.recorder.playing.knot.place, this.recorder.playing.body.chart.offset), this.recorder.playing.body.origin)), 7 * scale, ink);
+    const around = (p, hit) => {
+      const [, , away] = this.camera.project(plus(hit.point, hit.body.origin), aspect);
+      ring(p, .5 * this.size() / this.camera.unitsAt(away) * h / 2, ink);
+    };
+    const hover = this.keys.hover && !this.hand.strokes.length && this.panel.tool() !== "turn" ? this.pick(this.keys.hover) : null;
+    if (hover) around(place(plus(hover.point, hover.body.origin)), hover);
+    const walker = this.keys.walker;
+    if (walker && document.activeElement === this.canvas && this.bodies.includes(walker.body)) {
+      const hit = this.keys.walkerHit(), p = place(plus(hit.point, hit.body.origin));
+      ring(p, 4 * scale, "#d9480f"), around(p, hit);
+    }
+  }
+  bodyCount(stroke) { return stroke.body.count; }
+}
+
+// True where a processor stands in for a graphics card.
+function softDrawing() {
+  const gl = document.createElement("canvas").getContext("webgl2"), info = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const soft = info ? /swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : false;
+  if (gl && gl.getExtension("WEBGL_lose_context")) gl.getExtension("WEBGL_lose_context").loseContext();
+  return soft;
+}
+
+const scriptMaps = () => [...document.querySelectorAll("script.map")].map((element, k) => ({
+  name: element.dataset.name,
+  bytes: async () => decodeGrids(await inflated(bytesOf(element)), element.dataset.grids),
+  pictures: [...document.querySelectorAll("script.picture[data-map='" + k + "']")].map((picture) => ({
+    chart: Number(picture.dataset.chart), blob: new Blob([bytesOf(picture)], { type: picture.dataset.type }) })),
+}));
+
+(async () => {
+  try {
+    await startModule(await inflated(bytesOf($("module"))));
+    $("up").checked = document.body.dataset.up === "z";
+    const scene = new Scene();
+    if (!scene.painter.gl) {
+      $("message").hidden = false;
+      $("message").textContent = "This browser shows no WebGL 2, so the surface cannot be touched here.";
+      const still = document.querySelector("script.still");
+      if (still) $("still").src = URL.createObjectURL(new Blob([bytesOf(still)], { type: "image/jpeg" })), $("still").alt = "The surface at rest", $("still").hidden = false;
+      $("panel").hidden = true;
+      document.body.dataset.ready = "still";
+      return;
+    }
+    const maps = scriptMaps();
+    scene.maps = maps;
+    maps.forEach((map, k) => $("map").append(new Option(map.name, String(k))));
+    const first = new URLSearchParams(location.hash.slice(1)).get("map"), number = Number(first) < maps.length ? Number(first) : 0;
+    if (maps.length) await scene.choose(number), $("map").value = String(number);
+    else scene.panel.say("Drop a .dgm here, or open one."), $("drop").hidden = false;
+    scene.panel.follow(location.hash);
+    window.dgmPage = scene; // for scripts that drive the page
+    requestAnimationFrame(() => { document.body.dataset.ready = "yes"; });
+  } catch (error) {
+    $("message").hidden = false;
+    $("message").textContent = error.message;
+    document.body.dataset.ready = "failed";
+  }
+})();

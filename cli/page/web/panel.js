@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// panel.js: the form beside the surface, and what it says.
+
+const $ = (id) => document.getElementById(id);
+const digits = (x, n = 3) => x === 0 ? "0" : Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3 ? x.toExponential(n - 1) : String(+x.toPrecision(n));
+
+class Panel {
+  constructor(scene) {
+    this.scene = scene;
+    this.spoken = 0;
+    $("panel").addEventListener("submit", (e) => e.preventDefault());
+    for (const id of ["size", "depth"]) $(id).addEventListener("input", () => this.show());
+    for (const id of ["look", "wire", "seams"]) $(id).addEventListener("change", () => scene.wake());
+    for (const id of ["obstacle", "height"]) $(id).addEventListener("input", () => scene.setObstacle());
+    $("undo").addEventListener("click", () => { scene.hand.undo(); this.show(); });
+    $("reset").addEventListener("click", () => { $("obstacle").value = "none"; scene.setObstacle(); scene.hand.reset(); scene.recorder.clear(); this.show(); });
+    $("home").addEventListener("click", () => scene.home());
+    $("link").addEventListener("click", () => this.link());
+    $("play").addEventListener("click", () => scene.recorder.play());
+    $("save").addEventListener("click", () => this.save());
+    $("path").addEventListener("change", async (e) => { const file = e.target.files[0]; e.target.value = ""; if (file) scene.openPath(await file.text()); });
+    $("map").addEventListener("change", () => scene.guard(() => scene.choose(Number($("map").value))));
+    $("up").addEventListener("change", () => { scene.home(); });
+  }
+  // Layers that have a number a sample; a file has others than a page that was exported.
+  listLayers() {
+    const look = $("look"), before = look.value;
+    while (look.options.length > 4) look.remove(4);
+    for (const name of Object.keys(kLayers)) if (this.scene.bodies.some((body) => body.values(name))) look.append(new Option(name, name));
+    look.value = [...look.options].some((o) => o.value === before) ? before : "texture";
+  }
+  tool() { return document.querySelector("input[name=tool]:checked").value; }
+  choose(tool) { document.querySelector("input[name=tool][value=" + tool + "]").checked = true; }
+  // From 1/100 to 4/10 of the surface's diagonal, even in ratios.
+  size() { return this.scene.diagonal * .01 * 40 ** (Number($("size").value) / 100); }
+  depth() { return this.size() * 1.2 * Number($("depth").value) / 100; }
+  step(id, by) {
+    $(id).value = Number($(id).value) + by;
+    this.show();
+    this.say((id === "size" ? "Size " : "Depth ") + $(id + "-text").value);
+  }
+  show() {
+    $("size-text").value = digits(this.size());
+    $("depth-text").value = digits(this.depth());
+    $("height-text").value = (Number($("height").value) / 10).toFixed(0) + " %";
+    $("undo").disabled = !this.scene.hand.done.length;
+    $("play").disabled = $("save").disabled = !this.scene.recorder.knots.length;
+    $("look").options[0].disabled = !this.scene.bodies.some((body) => body.picture);
+    for (const stroke of this.scene.hand.strokes) stroke.depth = this.depth();
+    this.scene.wake();
+  }
+  options(event) { return { size: this.size(), depth: this.depth(), lasting: $("lasting").checked, invert: $("invert").checked !== Boolean(event && event.ctrlKey) }; }
+  say(words) { $("said").textContent = words; }
+  fail(error) {
+    $("message").hidden = false;
+    $("message").textContent = error.message;
+    $("message").dataset.code = error.code || "";
+  }
+  clear() { $("message").hidden = true; }
+  readout(hit) {
+    if (!hit) return void ($("readout").textContent = "");
+    const place = plus(hit.point, hit.body.chart.offset).map((x) => digits(x, 5)), where = hit.row < 2 ** 32 - 1 ? "row " + hit.row + ", column " + hit.column : "border strip";
+    $("readout").textContent = "chart " + hit.body.number + ", " + where + "\nplace " + place.join(", ") + "\nnormal " + hit.normal.map((x) => x.toFixed(3)).join(", ");
+  }
+  felt(now) {
+    const { felt, strokes, history } = this.scene.hand, pressing = strokes.length > 0;
+    $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
+    const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height, recent = history.slice(-2000);
+    c.clearRect(0, 0, w, h);
+    const most = Math.max(.01, ...recent);
+    c.strokeStyle = getComputedStyle(document.body).getPropertyValue("--mark");
+    c.beginPath();
+    recent.forEach((v, k) => c.lineTo((k + 2000 - recent.length) / 2000 * w, h - 3 - v / most * (h - 8)));
+    c.stroke();
+    if (pressing && now - this.spoken > 1000) {
+      this.spoken = now;
+      this.say((strokes[0].kind === "pull" ? "Pulls, " : "Presses, ") + (100 * felt.force).toFixed(0) + " % of the force");
+    }
+  }
+  volume(words) { $("volume").textContent = words; }
+  link() {
+    const { scene } = this, hash = "#view=" + scene.camera.text() + "&tool=" + this.tool() + "&size=" + $("size").value + "&depth=" + $("depth").value + "&look=" + $("look").value + "&map=" + scene.number;
+    history.replaceState(null, "", hash);
+    const done = (words) => this.say(words);
+    if (navigator.clipboard) navigator.clipboard.writeText(location.href).then(() => done("The link is in the clipboard."), () => done("The link stands in the address bar."));
+    else done("The link stands in the address bar.");
+  }
+  // "#view=YAW,PITCH,ZOOM,X,Y&tool=pull&size=40"
+  follow(hash) {
+    const words = new URLSearchParams(hash.slice(1));
+    if (words.has("view")) this.scene.camera.set(words.get("view"));
+    if (["push", "pull", "poke", "turn"].includes(words.get("tool"))) this.choose(words.get("tool"));
+    for (const id of ["size", "depth"]) if (words.has(id)) $(id).value = words.get(id);
+    if ([...$("look").options].some((o) => o.value === words.get("look"))) $("look").value = words.get("look");
+    this.show();
+  }
+  save() {
+    const link = document.createElement("a"), url = URL.createObjectURL(new Blob([this.scene.recorder.text()], { type: "text/plain" }));
+    link.href = url, link.download = "path.txt";
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(url), 10000);
+  }
+}

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// recorder.js: strokes as paths, "SECONDS X Y Z KIND [CAPTION]" in the mesh's frame, as samples/paths has them.
+
+const parsePath = (words) => {
+  const knots = [];
+  words.split("\n").forEach((line, k) => {
+    if (/^\s*(#|$)/.test(line)) return;
+    const [seconds, x, y, z, kind, ...caption] = line.trim().split(/\s+/), numbers = [seconds, x, y, z].map(Number);
+    const fail = (what) => { throw new Error("Line " + (k + 1) + ": " + what + "."); };
+    if (numbers.some((n) => !Number.isFinite(n)) || !["touch", "poke", "grasp", "away"].includes(kind)) fail("a line is SECONDS X Y Z touch|poke|grasp|away");
+    if (knots.length && numbers[0] <= knots.at(-1).seconds) fail("times must increase");
+    knots.push({ seconds: numbers[0], place: numbers.slice(1), kind, caption: caption.join(" ") });
+  });
+  if (!knots.length) throw new Error("The path is empty.");
+  return knots;
+};
+
+// Where the tool is: straight and even between knots, in single precision as the samples have it.
+const f = Math.fround;
+const knotAt = (knots, seconds) => {
+  let after = knots.findIndex((knot) => knot.seconds > seconds);
+  if (after === 0) return knots[0];
+  if (after < 0) after = knots.length;
+  const out = knots[after - 1];
+  if (after === knots.length) return { ...out, place: out.place.map(f) };
+  const t = f((seconds - out.seconds) / (knots[after].seconds - out.seconds));
+  return { ...out, place: out.place.map((p, c) => f(f(p) + f(t * f(f(knots[after].place[c]) - f(p))))) };
+};
+
+class Recorder {
+  constructor(scene) { Object.assign(this, { scene, knots: [], size: 0, playing: null }); }
+  add(log) {
+    if (!log.knots.length) return;
+    const start = this.knots.length ? this.knots.at(-1).seconds + .2 : 0, last = log.knots.at(-1);
+    this.knots.push(...log.knots.map((knot) => ({ ...knot, seconds: start + knot.seconds })));
+    this.knots.push({ seconds: start + last.seconds + .001, place: last.place, kind: "away" });
+    this.settings = log.settings;
+    this.scene.changed();
+  }
+  clear() { this.knots = [], this.scene.changed(); }
+  text() {
+    const s = this.settings, words = (x) => String(+x.toPrecision(9));
+    return "# Recorded by touch. Size " + words(s.step * kSteps) + ", d_max " + words(s.d_max) + (s.mode ? ", it stays" : "") + ".\n# seconds x y z what\n" +
+      this.knots.map((k) => [k.seconds.toFixed(3), ...k.place.map(words), k.kind].join(" ")).join("\n") + "\n";
+  }
+  load(words) {
+    this.stop();
+    this.knots = parsePath(words);
+    // What text() wrote; paths from elsewhere are played with the size of the panel.
+    const own = /^# Recorded by touch\. Size (\S+), d_max (\S+)/m.exec(words), [size, most] = own ? [parseFloat(own[1]), parseFloat(own[2])] : [0, 0];
+    this.settings = size > 0 && most > 0 ? { ...this.scene.hand.settings(size, false), d_max: most } : null;
+    this.scene.changed();
+  }
+  // All of a path at once, a tick a millisecond, as the samples run it. The tool's answers to the last tick.
+  replay(body, knots, settings) {
+    const start = knots[0].seconds, end = knots.at(-1).seconds;
+    let felt = [];
+    for (let step = 0; ; ++step) {
+      felt = this.tick(body, knotAt(knots, start + step * kTick), settings);
+      if (end <= start + step * kTick + kTick / 2) break;
+    }
+    return felt;
+  }
+  tick(body, knot, settings) {
+    const hand = this.scene.hand, places = knot.place.map((p, c) => f(f(p) - f(body.chart.offset[c])));
+    hand.run(body, settings, { kinds: [[knot.kind === "away" ? 0 : kKinds[knot.kind], knot.kind === "away" ? 1 : 0]], places, count: 1, dt: kTick }, settings.relax || 0);
+    return answers(13);
+  }
+  play() {
+    this.stop();
+    const body = this.nearest();
+    if (!body) return;
+    this.playing = { body, knots: this.knots, at: 0, steps: 0, settings: this.settings || this.scene.hand.settings(this.scene.size(), false) };
+    dgm.touch_release(body.handle);
+    this.scene.wake();
+  }
+  stop() {
+    if (this.playing) this.scene.hand.lift(this.playing.body);
+    this.playing = null;
+  }
+  // The body whose box the path is closest to.
+  nearest() {
+    const gap = (body) => this.knots.reduce((sum, { place }) => sum + Math.hypot(...place.map((p, c) => Math.max(body.chart.box[c] - p, p - body.chart.box[3 + c], 0))), 0);
+    return [...this.scene.bodies].sort((a, b) => gap(a) - gap(b))[0];
+  }
+  // Goes on playing. True while there is something left.
+  advance(seconds) {
+    const p = this.playing;
+    if (!p) return false;
+    p.at += seconds;
+    const start = p.knots[0].seconds, end = p.knots.at(-1).seconds, began = performance.now();
+    let felt = null;
+    for (; p.steps * kTick <= p.at && start + p.steps * kTick <= end && performance.now() - began < 30; ++p.steps) {
+      p.knot = knotAt(p.knots, start + p.steps * kTick);
+      felt = this.tick(p.body, p.knot, p.settings);
+      this.scene.hand.history.push(Math.hypot(...felt.slice(10, 13)));
+    }
+    p.at = Math.min(p.at, p.steps * kTick); // a machine that cannot keep up plays slower
+    this.scene.hand.history.splice(0, Math.max(0, this.scene.hand.history.length - 2000));
+    if (start + p.steps * kTick > end) this.stop();
+    return true;
+  }
+}

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// tools.js: what presses and pulls. A stroke is one tool from where it begins to where it lets go; up to four at a time.
+// Ticks are a millisecond long while the machine keeps up, else longer.
+
+const kKinds = { touch: 0, poke: 1, grasp: 2 };
+const kTick = .001, kBack = 14, kBudget = 10; // seconds; 1/s of springing back; ms of a frame for ticks
+
+class Hand {
+  constructor(scene) {
+    Object.assign(this, { scene, strokes: [], done: [], due: 0, cost: 0, table: dgm.touch_table(kSteps, kSteps * kSteps / 5), history: [] });
+    this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
+  }
+  settings(size, lasting) {
+    return { mode: lasting ? 1 : 0, d_max: 2 * size, f_max: 1, step: size / kSteps, grasp: size };
+  }
+  apply(s, dt, relax) {
+    dgm.touch_ticking(kGeodesic, s.mode, dt, s.d_max, s.f_max, relax, 0, s.grasp, s.step);
+  }
+  // `hit` from Body.pick(); kind: push, pull or poke.
+  begin(hit, kind, options) {
+    if (this.strokes.length === 4 || (this.strokes.length && this.strokes[0].body !== hit.body)) return null;
+    const { body } = hit;
+    this.scene.recorder.stop();
+    if (!this.strokes.length) {
+      // Places are read in the shape without elastic touches: what a press does to the surface never moves the tool.
+      dgm.touch_release(body.handle);
+      dgm.touch_normals(body.handle);
+      body.base = body.copy();
+      this.log = { body, settings: this.settings(options.size, options.lasting), kinds: [], ticks: [], knots: [], started: 0 };
+    }
+    const { point, normal } = body.before(hit), free = [0, 1, 2, 3].find((k) => !this.strokes.some((s) => s.slot === k));
+    const outward = options.invert && kind !== "pull";
+    const stroke = { body, kind, slot: free, held: 0, depth: options.depth, pressure: 1, outward, mirror: options.invert && kind === "pull",
+      runtime: kind === "pull" || outward ? "grasp" : kind === "push" ? "touch" : "poke", start: point, anchor: point, normal, pull: [0, 0, 0], tool: point };
+    stroke.most = this.room(stroke);
+    this.strokes.push(stroke);
+    this.scene.wake();
+    return stroke;
+  }
+  // Follows the pointer: a pull by the way in space, a push to another place of the surface.
+  follow(stroke, { hit, way }) {
+    if (stroke.kind === "pull" && way) stroke.pull = stroke.mirror ? scaled(way, -1) : way;
+    if (stroke.kind === "push" && !stroke.outward && hit && hit.body === stroke.body) {
+      const { point, normal } = stroke.body.before(hit);
+      stroke.anchor = point, stroke.normal = normal;
+      stroke.most = this.room(stroke);
+    }
+    this.scene.wake();
+  }
+  // A push presses what is nearest to the tool: it must not come nearer to the other side of a thin limb.
+  room(stroke) {
+    if (stroke.runtime !== "touch") return Infinity;
+    return .4 * stroke.body.thickness(stroke.anchor, stroke.normal, this.scene.diagonal);
+  }
+  target(stroke) {
+    if (stroke.kind === "pull") return plus(stroke.start, stroke.pull);
+    const depth = Math.min(stroke.depth * stroke.pressure, stroke.most) * (1 - Math.exp(-stroke.held / .25));
+    return plus(stroke.anchor, stroke.normal, stroke.outward ? depth : -depth);
+  }
+  end(stroke) {
+    if (!this.strokes.includes(stroke)) return;
+    this.strokes.splice(this.strokes.indexOf(stroke), 1);
+    if (!this.strokes.length) this.finish();
+    this.scene.wake();
+  }
+  finish() {
+    const { log } = this;
+    this.lift(log.body);
+    if (log.settings.mode === 1 && log.ticks.length) this.done.push(log);
+    this.scene.recorder.add(log);
+    this.log = null;
+    this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
+  }
+  lift(body) {
+    for (let k = 0; k < 4; ++k) dgm.touch_tool(k, 0, 1);
+    this.apply(this.settings(1, false), kTick, -1);
+    new Float32Array(memory(), dgm.touch_places(), 12).fill(0);
+    check(dgm.touch_ticks(body.handle, this.table, 1, 4));
+  }
+  // Runs the ticks of `seconds`. True if anything moved.
+  advance(seconds) {
+    if (!this.strokes.length) return false;
+    this.due += seconds;
+    const most = this.cost > 0 ? Math.max(1, Math.floor(kBudget / this.cost)) : 50;
+    const wanted = Math.floor(this.due / kTick + 1e-6), count = Math.min(wanted, most, 250);
+    if (count === 0) return false;
+    const dt = count === wanted ? kTick : wanted * kTick / count, { log } = this;
+    this.due -= wanted * kTick;
+    const tools = 1 + Math.max(...this.strokes.map((s) => s.slot)), places = new Float32Array(3 * count * tools);
+    for (const stroke of this.strokes) {
+      const from = stroke.tool;
+      stroke.held += wanted * kTick;
+      const to = this.target(stroke).map(Math.fround);
+      for (let t = 0; t < count; ++t)
+        for (let c = 0; c < 3; ++c) places[3 * (t * tools + stroke.slot) + c] = from[c] + (t + 1) / count * (to[c] - from[c]);
+      stroke.tool = to;
+    }
+    const kinds = Array.from({ length: tools }, (_, k) => this.strokes.find((s) => s.slot === k)).map((s) => s ? [kKinds[s.runtime], 0] : [0, 1]);
+    const batch = { kinds, places, count, dt };
+    log.ticks.push(batch);
+    const before = performance.now();
+    this.run(log.body, log.settings, batch, this.scene.obstacle ? 0 : kBack);
+    const spent = (performance.now() - before) / count;
+    this.cost = this.cost > 0 ? .7 * this.cost + .3 * spent : spent;
+    this.read(log, batch, count * dt);
+    return true;
+  }
+  // One batch, as it was recorded.
+  run(body, settings, { kinds, places, count, dt }, relax) {
+    kinds.forEach(([kind, lifted], k) => dgm.touch_tool(k, kind, lifted));
+    this.apply(settings, dt, relax);
+    new Float32Array(memory(), dgm.touch_places(), places.length).set(places);
+    check(dgm.touch_ticks(body.handle, this.table, count, kinds.length));
+  }
+  read(log, { kinds, count }, seconds) {
+    const a = answers(3 + 10 * kinds.length), forces = floats(dgm.touch_forces(), 3 * count * kinds.length);
+    for (let t = 0; t < count; ++t) {
+      let most = 0;
+      for (let k = 0; k < kinds.length; ++k) {
+        const f = forces.subarray(3 * (t * kinds.length + k));
+        most = Math.max(most, Math.hypot(f[0], f[1], f[2]));
+      }
+      this.history.push(most);
+    }
+    if (this.history.length > 2000) this.history.splice(0, this.history.length - 2000);
+    for (const stroke of this.strokes) {
+      const out = a.slice(3 + 10 * stroke.slot, 13 + 10 * stroke.slot);
+      stroke.holding = out[2] === 1, stroke.contact = out[3], stroke.moved = out.slice(4, 7), stroke.force = out.slice(7, 10);
+    }
+    const first = this.strokes[0];
+    log.started += seconds;
+    log.knots.push({ seconds: log.started, place: plus(first.tool, first.body.chart.offset), kind: first.runtime });
+    this.felt = { force: this.history.at(-1), ticks: count, micros: 1000 * this.cost, samples: a[1] };
+  }
+  // The last stroke that stayed is taken back: the others run again from the shape at rest, to the same bits.
+  undo() {
+    const last = this.strokes.length ? null : this.done.pop();
+    if (!last) return;
+    const { body } = last;
+    dgm.touch_reset(body.handle);
+    for (const log of this.done)
+      if (log.body === body) {
+        for (const batch of log.ticks) this.run(body, log.settings, batch, 0);
+        this.lift(body);
+      }
+    dgm.touch_release(body.handle);
+    dgm.touch_normals(body.handle);
+    this.scene.wake();
+  }
+  reset() {
+    for (const stroke of [...this.strokes]) this.end(stroke);
+    this.done = [];
+    for (const body of this.scene.bodies) {
+      dgm.touch_reset(body.handle);
+      dgm.touch_normals(body.handle);
+    }
+    this.scene.wake();
+  }
+}

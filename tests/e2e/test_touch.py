@@ -1,0 +1,365 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pages to touch, in a real browser without a window or a network: mouse, fingers, keys; beside the runtime itself."""
+import base64
+import json
+import os
+import random
+import re
+import subprocess
+import tempfile
+import time
+import unittest
+import zlib
+from pathlib import Path
+
+import numpy
+
+import browser_pipe
+import support
+
+REFERENCE = os.environ.get("DGM_TOUCH_REFERENCE", "")
+PATHS = Path(os.environ.get("DGM_PATHS", ""))
+SCREENSHOTS = Path(os.environ.get("DGM_SCREENSHOTS", "screenshots"))
+MIDDLE = (480, 300)  # on the stomach's body, in a page of 1000 x 700
+BESIDE = (100, 100)
+STAGE = (0, 0, 732, 700)  # left of the panel
+MOST_MODULE, MOST_BLANK = 340_000, 250_000
+MAP, PAGE = "stomach.dgm", "stomach.html"
+
+
+def run(*arguments, **more):
+    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, timeout=600, check=False, **more)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def elements(page):
+    """(attributes, text) of each element of data."""
+    return re.findall(r'<script type="text/plain" ([^>]*)>([^<]*)</script>', page.read_text(encoding="utf-8"))
+
+
+def imports(module):
+    """True if a WebAssembly module has a section of imports."""
+    at = 8
+    while at < len(module):
+        kind, at = module[at], at + 1
+        size = shift = 0
+        while True:
+            byte, at = module[at], at + 1
+            size |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                break
+        if kind == 2:
+            return True
+        at += size
+    return False
+
+
+class Touch(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory(prefix="dgm-touch-")
+        cls.addClassCleanup(cls.holder.cleanup)
+        cls.folder = Path(cls.holder.name)
+        source = Path(support.SAMPLES) / "stomach" / "stomach.obj"
+        run(support.BAKE, source, "--size", "65", "--precision", "u16", "-o", cls.folder / MAP, "-q", "--progress", "none")
+        run(support.EXPORT, cls.folder / MAP, "--up", "z", "-o", cls.folder / PAGE)
+
+    def page(self, fragment="", name=PAGE, **more):
+        page = self.enterContext(browser_pipe.opened(**more))
+        page.open(self.folder / name, fragment)
+        self.addCleanup(lambda: self.assertEqual(page.console, []))
+        return page
+
+    def hold(self, page, at, seconds=.8):
+        page.mouse("mouseMoved", *at, buttons=0)
+        page.mouse("mousePressed", *at)
+        page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.strokes[0].holding")  # a tick has run
+        time.sleep(seconds)
+
+    def let_go(self, page, at):
+        page.mouse("mouseReleased", *at)
+        page.mouse("mouseMoved", *BESIDE, buttons=0)
+        page.rest()
+
+    def places(self, page):
+        """x, y, z of all samples, as bits."""
+        text = page.run("""(() => { const out = dgmPage.bodies[0].copy().map((a) => new Uint8Array(a.buffer));
+            return out.map((b) => btoa(Array.from(b, (c) => String.fromCharCode(c)).join(""))); })()""")
+        return numpy.array([numpy.frombuffer(base64.b64decode(t), numpy.float32) for t in text])
+
+    def test_is_one_small_file(self):
+        data = elements(self.folder / PAGE)
+        module = next(zlib.decompress(base64.b64decode(text)) for names, text in data if 'id="module"' in names)
+        self.assertLessEqual(len(module), MOST_MODULE)
+        self.assertFalse(imports(module))
+        carried = sum(len(text) for names, text in data if 'id="module"' not in names)
+        self.assertLessEqual((self.folder / PAGE).stat().st_size - carried, MOST_BLANK)
+        self.assertIn("MIT licence", (self.folder / PAGE).read_text(encoding="utf-8"))
+        run(support.EXPORT, self.folder / MAP, "--up", "z", "-o", self.folder / "again" / PAGE)
+        self.assertEqual((self.folder / "again" / PAGE).read_bytes(), (self.folder / PAGE).read_bytes())
+
+    def test_blank_page_takes_what_is_dropped(self):
+        run(support.EXPORT, "--blank", "-o", self.folder / "blank.html")
+        self.assertLessEqual((self.folder / "blank.html").stat().st_size, MOST_BLANK)
+        page = self.page(name="blank.html")
+        self.assertEqual(page.run("dgmPage.bodies.length"), 0)
+        for key in ("Tab", "ArrowLeft", " "):
+            page.key(key)
+        page.mouse("mousePressed", *MIDDLE)
+        page.mouse("mouseReleased", *MIDDLE)
+        page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode((self.folder / MAP).read_bytes()).decode())}), (c) => c.charCodeAt(0));
+            await dgmPage.drop.take([new File([bytes], 'good.dgm')]); }})()""")
+        page.rest()
+        self.assertEqual(page.run("[dgmPage.bodies.length, document.getElementById('message').hidden, document.getElementById('drop').hidden]"),
+                         [1, True, True])
+        for wrong in (("--blank", self.folder / MAP, "-o", "x.html"), ("--blank", "-o", "x.glb"), ("--blank",)):
+            done = subprocess.run([support.EXPORT, *map(str, wrong)], capture_output=True, text=True, check=False, cwd=self.folder)
+            self.assertEqual((done.returncode, "DGM6001" in done.stderr), (1, True))
+
+    def test_names_cannot_become_markup(self):
+        odd = self.folder / "a\"><b>&'.dgm"
+        odd.write_bytes((self.folder / MAP).read_bytes())
+        run(support.EXPORT, odd, self.folder / MAP, "-o", self.folder / "odd.html")
+        page = self.page(name="odd.html")
+        self.assertEqual(page.run("[...document.getElementById('map').options].map((o) => o.text)"), ["a\"><b>&'", "stomach"])
+        page.run("(() => { const map = document.getElementById('map'); map.value = '1'; map.dispatchEvent(new Event('change')); })()")
+        page.wait("dgmPage.number === 1")
+
+    def test_press_moves_the_picture_near_the_finger_and_release_gives_it_back(self):
+        page = self.page("#size=60")
+        page.run("dgmPage.soft = false")  # all triangles and pixels while it moves, too
+        page.rest()
+        rest, bits = page.shot(clip=STAGE), self.places(page)
+        self.assertGreater(int(numpy.ptp(rest.astype(int))), 100)
+        self.hold(page, MIDDLE)
+        page.shot(SCREENSHOTS / "touch_light.png")
+        pressed = page.shot(clip=STAGE)
+        self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
+        self.assertGreater(page.run("dgmPage.hand.felt.force"), 0)
+        where = numpy.argwhere(numpy.abs(rest.astype(int) - pressed).max(axis=2) > 24)
+        far = numpy.hypot(where[:, 1] - MIDDLE[0], where[:, 0] - MIDDLE[1])
+        self.assertGreater(len(far), 200)
+        self.assertLess(float(far.max()), 200)
+        self.let_go(page, MIDDLE)
+        numpy.testing.assert_array_equal(self.places(page), bits)
+        numpy.testing.assert_array_equal(page.shot(clip=STAGE), rest)
+        self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
+
+    def test_nothing_is_uploaded_at_rest(self):
+        page = self.page()
+        page.rest()
+        before = page.run("dgmPage.painter.uploaded")
+        page.run("dgmPage.camera.turn(.3, 0); dgmPage.wake()")
+        page.wait("!dgmPage.waiting")
+        self.assertEqual(page.run("dgmPage.painter.uploaded"), before)
+        self.hold(page, MIDDLE, .3)
+        self.assertGreater(page.run("dgmPage.painter.uploaded"), before)
+        self.let_go(page, MIDDLE)
+
+    def test_picks_what_the_runtime_picks(self):
+        draw, rays = random.Random(5), []
+        for _ in range(1500):
+            o = [draw.uniform(-30, 30) for _ in range(3)]
+            d = [draw.uniform(-8, 8) - x for x in o]
+            rays.append([float(numpy.float32(x)) for x in o + d])
+        native = run(REFERENCE, self.folder / MAP, "picks", input="\n".join(" ".join(map(repr, r)) for r in rays)).splitlines()
+        page = self.page()
+        seen = page.run(f"""{json.dumps(rays)}.map((r) => dgmPage.bodies[0].pickLocal(r.slice(0, 3), r.slice(3)))
+            .map((hit) => hit && [...hit.corners, ...hit.weights, hit.distance])""")
+        self.assertGreaterEqual(sum(hit is not None for hit in seen), 200)
+        for line, hit in zip(native, seen):
+            if line == "none":
+                self.assertIsNone(hit)
+                continue
+            wanted = [float(w) for w in line.split()]
+            self.assertEqual(wanted[:3], hit[:3])
+            self.assertEqual([numpy.float32(w) for w in wanted[3:]], [numpy.float32(h) for h in hit[3:]])
+
+    def test_replays_a_recorded_path_to_the_bit(self):
+        for name in ("stomach_press_and_pull.txt", "body_in_cloth.txt"):
+            with self.subTest(name):
+                total = float(run(REFERENCE, self.folder / MAP, "replay", PATHS / name, self.folder / "shape.bin"))
+                native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
+                page = self.page()
+                page.run(f"""dgmPage.recorder.load({json.dumps((PATHS / name).read_text(encoding="utf-8"))});
+                    dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots,
+                      {{ mode: 0, d_max: 5, f_max: 3, step: Math.fround(Math.fround(4.5) / 45), grasp: 0, relax: 0 }}); 0""")
+                numpy.testing.assert_array_equal(self.places(page).view(numpy.uint32), native.view(numpy.uint32))
+                self.assertNotEqual(total, 0)
+
+    def test_strokes_that_stay_are_taken_back_one_by_one(self):
+        page = self.page()
+        page.rest()
+        rest = self.places(page)
+        page.run("document.getElementById('lasting').checked = true")
+        shapes = []
+        for at in (MIDDLE, (430, 470)):
+            self.hold(page, at, .4)
+            self.let_go(page, at)
+            shapes.append(self.places(page))
+        self.assertTrue((shapes[0] != rest).any() and (shapes[1] != shapes[0]).any())
+        page.run("document.getElementById('undo').click()")
+        numpy.testing.assert_array_equal(self.places(page), shapes[0])
+        page.run("document.getElementById('undo').click()")
+        numpy.testing.assert_array_equal(self.places(page), rest)
+        self.assertTrue(page.run("document.getElementById('undo').disabled"))
+
+    def test_pulls_after_the_pointer_and_records_it(self):
+        page = self.page("#tool=pull&size=60")
+        self.hold(page, (345, 170), .1)
+        for k in range(8):
+            page.mouse("mouseMoved", 345 - 12 * k, 170 - 6 * k)
+        page.wait("dgmPage.hand.strokes[0].moved && Math.hypot(...dgmPage.hand.strokes[0].moved) > dgmPage.size() / 2")
+        page.shot(SCREENSHOTS / "touch_pull.png")
+        self.let_go(page, (261, 128))
+        text = page.run("dgmPage.recorder.text()")
+        self.assertRegex(text, r"(?m)^\d+\.\d{3} \S+ \S+ \S+ grasp$")
+        self.assertTrue(text.rstrip().endswith("away"))
+        page.run(f"dgmPage.recorder.load({json.dumps(text)}); dgmPage.recorder.play()")
+        page.wait("!dgmPage.recorder.playing")
+        page.rest()
+
+    def test_push_on_a_thin_limb_stays_on_its_side(self):
+        page = self.page("#size=58&depth=60")
+        self.hold(page, (362, 190))
+        self.assertGreater(page.run("dgmPage.hand.felt.force"), 0)
+        depth = page.run("(() => { const s = dgmPage.hand.strokes[0]; return s.moved.reduce((t, m, c) => t + m * s.normal[c], 0); })()")
+        self.assertLess(depth, 0)
+        self.let_go(page, (362, 190))
+
+    def test_control_turns_a_push_outwards(self):
+        page = self.page()
+        depth = []
+        for modifiers in (0, 2):
+            page.mouse("mousePressed", *MIDDLE, modifiers=modifiers)
+            page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.strokes[0].holding")
+            time.sleep(.5)
+            depth.append(page.run("(() => { const s = dgmPage.hand.strokes[0]; return s.moved.reduce((t, m, c) => t + m * s.normal[c], 0); })()"))
+            self.let_go(page, MIDDLE)
+        self.assertLess(depth[0], 0)
+        self.assertGreater(depth[1], 0)
+
+    def test_table_keeps_the_volume(self):
+        page = self.page()
+        page.run("""document.getElementById('obstacle').value = 'plane'; document.getElementById('height').value = 400;
+            document.getElementById('height').dispatchEvent(new Event('input'))""")
+        words = page.wait("document.getElementById('volume').textContent")
+        kept = re.search(r"kept to (\S+) of (\S+) pressed in", words)
+        self.assertLess(float(kept[1]), 1e-6)
+        self.assertGreater(float(kept[2]), 0)
+        page.shot(SCREENSHOTS / "touch_table.png")
+        rest = page.run("dgmPage.bodies[0].torn()")
+        self.assertEqual(rest, 0)
+
+    def test_damaged_files_are_refused_by_their_code(self):
+        page = self.page()
+        good = (self.folder / MAP).read_bytes()
+        flipped = bytearray(good)
+        flipped[len(good) // 2] ^= 1
+        for bytes_, code in ((b"no map at all" * 99, "NOT_DGM"), (good[:len(good) // 2], "TRUNCATED"), (bytes(flipped), "HASH_MISMATCH"), (b"", "TRUNCATED")):
+            page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode(bytes_).decode())}), (c) => c.charCodeAt(0));
+                document.getElementById('message').dataset.code = '';
+                await dgmPage.drop.take([new File([bytes], 'x.dgm')]); }})()""")
+            self.assertEqual(page.run("document.getElementById('message').dataset.code"), code)
+        # The map from before is still there, and a good one is taken.
+        self.hold(page, MIDDLE, .2)
+        self.let_go(page, MIDDLE)
+        page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode(good).decode())}), (c) => c.charCodeAt(0));
+            await dgmPage.drop.take([new File([bytes], 'good.dgm')]); }})()""")
+        self.assertEqual(page.run("[dgmPage.number, document.getElementById('message').hidden]"), [1, True])
+
+    def test_phone_with_two_fingers(self):
+        page = self.page(size=(390, 800), phone=True, dark=True)
+        self.assertLessEqual(page.run("document.documentElement.scrollWidth"), 390)
+        box = page.run("(() => { const b = document.getElementById('view').getBoundingClientRect(); return [b.width, b.height]; })()")
+        spots = page.run("""(() => { const out = []; const n = 24;
+            for (let y = 1; y < n; ++y) for (let x = 1; x < n; ++x) { const at = [2 * x / n - 1, 2 * y / n - 1]; if (dgmPage.pick(at)) out.push(at); }
+            return out; })()""")
+        pixels = [((x + 1) / 2 * box[0], (1 - y) / 2 * box[1]) for x, y in spots]
+        first, second = max(pixels, key=lambda p: p[0] - p[1]), min(pixels, key=lambda p: p[0] - p[1])
+        page.touch("touchStart", [first])
+        page.touch("touchStart", [first, second])
+        page.wait("dgmPage.hand.strokes.length === 2 && dgmPage.hand.strokes.every((s) => s.holding)")
+        page.shot(SCREENSHOTS / "touch_phone.png")
+        page.touch("touchEnd", [])
+        page.wait("dgmPage.hand.strokes.length === 0")
+        zoom = page.run("dgmPage.camera.zoom")
+        page.run("dgmPage.panel.choose('turn')")
+        page.touch("touchStart", [(150, 200)])
+        page.touch("touchStart", [(150, 200), (240, 200)])
+        page.touch("touchMove", [(100, 200), (290, 200)])
+        page.touch("touchEnd", [])
+        self.assertGreater(page.run("dgmPage.camera.zoom"), 1.5 * zoom)
+        page.rest()
+
+    def test_keys_alone(self):
+        page = self.page(dark=True)
+        page.rest()
+        bits = self.places(page)
+        page.key("Tab")
+        self.assertEqual(page.run("document.activeElement.id"), "view")
+        for key in ("ArrowLeft", "ArrowDown", "ArrowDown"):
+            page.key(key)
+        self.assertRegex(page.run("document.getElementById('said').textContent"), r"^Row \d+, column \d+, at ")
+        size = page.run("dgmPage.size()")
+        page.key("]")
+        self.assertGreater(page.run("dgmPage.size()"), size)
+        page.key(" ", "Space", up=False)
+        page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.felt.force > 0")
+        page.shot(SCREENSHOTS / "touch_dark.png")
+        page.key(" ", "Space", down=False)
+        page.wait("dgmPage.hand.strokes.length === 0")
+        page.key("p", "KeyP")
+        page.key("p", "KeyP", up=False)
+        page.wait("dgmPage.hand.strokes.length === 1")
+        for _ in range(4):
+            page.key("ArrowUp")
+        page.wait("Math.hypot(...(dgmPage.hand.strokes[0].moved || [0])) > 0")
+        page.key("Escape")
+        page.wait("dgmPage.hand.strokes.length === 0")
+        page.rest()
+        numpy.testing.assert_array_equal(self.places(page), bits)
+
+    def test_walks_across_seams(self):
+        page = self.page()
+        page.key("Tab")
+        rows = set()
+        for _ in range(200):
+            page.key("ArrowRight")
+            rows.add(page.run("dgmPage.keys.walker.i"))
+        self.assertGreater(len(rows), 1)
+
+    def test_layers_as_colour(self):
+        run(support.EXPORT, "--blank", "-o", self.folder / "layers.html")
+        page = self.page(name="layers.html")
+        page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode((self.folder / MAP).read_bytes()).decode())}), (c) => c.charCodeAt(0));
+            await dgmPage.drop.take([new File([bytes], 'good.dgm')]); document.getElementById('up').click(); }})()""")
+        names = page.run("[...document.getElementById('look').options].map((o) => o.value)")
+        self.assertEqual(names, ["texture", "clay", "moved", "normal", "cover radius", "area of a sample", "mobility", "stiffness"])
+        colours = {}
+        for name in ("clay", "area of a sample"):
+            page.run(f"document.getElementById('look').value = {json.dumps(name)}; dgmPage.wake()")
+            page.rest()
+            colours[name] = page.shot(clip=STAGE)[MIDDLE[1] - 150:MIDDLE[1] + 150, MIDDLE[0] - 60:MIDDLE[0] + 60].astype(int)
+        # Clay is redder than blue everywhere; an area is a place in viridis, from violet to green here.
+        self.assertTrue((colours["clay"][..., 0] >= colours["clay"][..., 2]).all())
+        self.assertGreater(float(numpy.std(colours["area of a sample"][..., 1] - colours["area of a sample"][..., 0])), 5)
+        self.assertRegex(page.run("document.getElementById('said').textContent"), r"^area of a sample: \S+ \(dark\) to \S+ \(light\)$")
+
+    def test_link_opens_the_same_view(self):
+        page = self.page("#view=1.2,-0.4,1.5,0.1,0&tool=poke&size=30&look=clay")
+        self.assertEqual(page.run("[dgmPage.camera.text(), dgmPage.panel.tool(), document.getElementById('look').value]"),
+                         ["1.2,-0.4,1.5,0.1,0", "poke", "clay"])
+        page.run("document.getElementById('link').click()")
+        self.assertIn("#view=1.2,-0.4,1.5,0.1,0&tool=poke&size=30", page.run("location.href"))
+
+    def test_still_picture_without_webgl(self):
+        page = self.page(arguments=("--disable-3d-apis",))
+        self.assertEqual(page.run("document.body.dataset.ready"), "still")
+        page.wait("document.getElementById('still').complete && document.getElementById('still').naturalWidth > 100")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/e2e/touch_reference.cpp
+// What a page must find, natively, with plain loops.
+//
+//   dgm_touch_reference MAP.dgm picks            rays "OX OY OZ DX DY DZ" from stdin; a line each: corners and weights
+//   dgm_touch_reference MAP.dgm replay PATH OUT  runs a path as samples/press_and_pull does, one grasp, poke or touch
+//                                                at a time; writes x, y, z of all samples to OUT, prints the forces'
+//                                                sum
+#include <dgm/asset.h>
+#include <dgm/deform.h>
+#include <dgm/pick.h>
+#include <dgm/state.h>
+#include <dgm/tick.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "support/tool_path.h"
+
+namespace {
+constexpr float kReach = 4.5F;        // the path's units around the contact
+constexpr std::uint32_t kSteps = 45;  // of the kernel
+
+template <class T>
+T take(dgm::Result<T> result) {
+    if (result) return std::move(result).value();
+    std::fprintf(stderr, "%s\n", result.error().message);
+    std::exit(1);
+}
+
+void picks(dgm::State& state) {
+    dgm::Vec3 o, d;
+    while (std::scanf("%f %f %f %f %f %f", &o.x, &o.y, &o.z, &d.x, &d.y, &d.z) == 6) {
+        const auto hit = dgm::pick_ray(state, o, d);
+        if (!hit) {
+            std::printf("none\n");
+            continue;
+        }
+        const dgm::RayHit& h = hit.value();
+        std::printf("%u %u %u %.9g %.9g %.9g %.9g\n", h.corners[0], h.corners[1], h.corners[2],
+                    double{h.barycentric[0]}, double{h.barycentric[1]}, double{h.barycentric[2]}, double{h.distance});
+    }
+}
+
+void replay(dgm::State& state, const dgm::Chart& chart, const char* path, const char* out) {
+    const auto table = take(
+        dgm::DeformTable::create({.end = dgm::KernelEnd::Compact, .sigma = kSteps * kSteps / 5.0F, .reach = kSteps}));
+    const dgm::TickOptions options{
+        .d_max = 5, .f_max = 3, .footprint = dgm::Footprint::Geodesic, .step = kReach / kSteps};
+    const auto offset = chart.offset();
+    const dgm::Vec3 origin{static_cast<float>(offset[0]), static_cast<float>(offset[1]), static_cast<float>(offset[2])};
+    double sum = 0;
+    dgm::samples::ToolPath(path).replay(
+        1e-3,
+        [&](const dgm::samples::Knot& knot, float) {
+            const dgm::ToolInput input{.kind = knot.kind, .position = knot.position - origin, .engaged = knot.engaged};
+            dgm::ToolOutput felt;
+            static_cast<void>(take(dgm::tick(state, table, options, {&input, 1}, {&felt, 1})));
+            sum += double{felt.force.x} + double{felt.force.y} + double{felt.force.z};
+        },
+        [](const std::string&) {});
+    std::ofstream file(out, std::ios::binary);
+    const auto positions = state.positions();
+    for (const float* axis : {positions.x, positions.y, positions.z})
+        file.write(reinterpret_cast<const char*>(axis), static_cast<std::streamsize>(positions.count * sizeof(float)));
+    std::printf("%.17g\n", sum);
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 3) return 1;
+    const dgm::Asset asset = take(dgm::Asset::open(argv[1]));
+    const dgm::Chart chart = take(asset.chart(0));
+    dgm::State state = take(dgm::State::create(chart, {.plain_loops = true}));
+    if (std::string(argv[2]) == "picks")
+        picks(state);
+    else if (argc == 5)
+        replay(state, chart, argv[3], argv[4]);
+}
