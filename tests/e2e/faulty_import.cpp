@@ -50,7 +50,7 @@ ImportedMesh import(const std::filesystem::path& path, const dgm::formats::MeshR
     if (fault == "chatty")
         for (int k = 0; k < 100000; ++k) std::puts("a library says something on stdout");
     ImportedMesh mesh = dgm::formats::read_mesh(path, limits);
-    if (fault == "stray") mesh.mesh.materials.resize(1), mesh.mesh.materials[0].diffuse_map = "/etc/passwd";
+    if (fault == "stray") mesh.mesh.materials.resize(1), mesh.mesh.materials[0].diffuse_map.path = "/etc/passwd";
     if (fault == "lie") mesh.mesh.faces[0][0] = 1000000;
     return mesh;
 }

@@ -48,7 +48,7 @@ void write_all(const fs::path& folder) {
     report.search.emplace();
     report.search->trials.push_back({33, 33, 0.1, 0.2, 4096, "holds", 0.1});
     report.times.push_back({"fit", 0.5, 0.4});
-    write_text(messages / "result", encode(bake::WorkerMessage{bake::ResultMessage{report}}));
+    write_text(messages / "result", encode(bake::WorkerMessage{bake::ResultMessage{report, {}}}));
 }
 }  // namespace
 

@@ -17,7 +17,13 @@ formats::ImportedMesh sample() {
     out.mesh.corner_uvs.assign(6, {0.25, 0.75});
     out.mesh.corner_colours.assign(6, {1, 2, 3, 4});
     out.mesh.face_materials = {1, 0};
-    out.mesh.materials = {{"a \xff name", {9, 8, 7, 6}, "t.png", "b.png", true, 0.5}, {}};
+    out.mesh.materials = {{"a \xff name",
+                           {9, 8, 7, 6},
+                           {"t.png", std::make_shared<const std::string>("a picture")},
+                           {"b.png"},
+                           true,
+                           0.5},
+                          {}};
     out.warnings = {"one", ""};
     out.dependencies = {"x/y.mtl"};
     out.dropped = {{"lines", 3}};

@@ -91,7 +91,7 @@ TEST(WorkerProtocol, MessagesComeBack) {
 
     BakeReport report;
     report.error.rms = 0.1;
-    const auto result = decode_message(encode(WorkerMessage{ResultMessage{report}}));
+    const auto result = decode_message(encode(WorkerMessage{ResultMessage{report, {}}}));
     ASSERT_TRUE(result && std::holds_alternative<ResultMessage>(*result));
     EXPECT_EQ(std::get<ResultMessage>(*result).report.error.rms, 0.1);
 

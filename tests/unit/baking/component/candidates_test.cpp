@@ -27,7 +27,7 @@ TEST(Attempt, LetsARequestToStopPass) {
 }
 
 TEST(Contest, RecordsFailuresAndGivesTheLastOne) {
-    const TriMesh triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}, {}, {}, {}, {}};
+    const TriMesh triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}, {}, {}, {}, {}, {}};
     Contest contest(triangle);
     contest.enter(Method::kSphere, []() -> SampledChart { throw model::Error(codes::kMethodUnsuited, "no sphere"); });
     contest.enter(Method::kArap, []() -> SampledChart { throw model::Error(codes::kMapInvalid, "flips"); });
