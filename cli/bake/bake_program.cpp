@@ -116,7 +116,7 @@ bool write_html(const CommandLine& line, const report::ReportToShow& shown) {
 }
 
 int merge(const CommandLine& line) {
-    formats::refuse_input_as_output(line.report, line.to_merge, "report");
+    // The report may take the place of one that it was merged of: all of them are in memory before it is written.
     std::vector<NamedReport> reports;
     for (const fs::path& path : line.to_merge) {
         std::string text = formats::read_small_file(path, kMostReportBytes);

@@ -247,8 +247,10 @@ void check_values(const Layer& layer, std::size_t chart_index, FindingList& find
 }
 
 /// Local coordinates on the surface, as the runtime will have them: scaled and single.
-void check_coordinates(const Chart& chart, const Layer& layer, bool scaled, std::size_t chart_index,
+/// @return true if all are within the runtime's limit
+bool check_coordinates(const Chart& chart, const Layer& layer, bool scaled, std::size_t chart_index,
                        FindingList& findings) {
+    const std::size_t before = findings.size();
     const bool grid = layer.name == "geometry";
     const Layer* mask = grid ? chart.find("mask") : nullptr;
     const auto value = [&](std::size_t k) {
@@ -263,6 +265,7 @@ void check_coordinates(const Chart& chart, const Layer& layer, bool scaled, std:
             return std::abs(value(k)) > double{kMaxCoordinate};
         },
         value, double{kMaxCoordinate}, findings);
+    return findings.size() == before;
 }
 
 bool check_frame(const Chart& chart, std::size_t chart_index, FindingList& findings) {
@@ -313,10 +316,10 @@ bool check_layers(const Chart& chart, std::size_t chart_index, FindingList& find
             good = false;
     }
     if (const Layer* geometry = chart.find("geometry"); geometry != nullptr && good) {
-        check_coordinates(chart, *geometry, true, chart_index, findings);
+        good = check_coordinates(chart, *geometry, true, chart_index, findings);
         // The f32 border of a u16 chart is stored as it is.
         if (const Layer* border = chart.find("border_geometry"))
-            check_coordinates(chart, *border, border->type == geometry->type, chart_index, findings);
+            good = check_coordinates(chart, *border, border->type == geometry->type, chart_index, findings) && good;
     }
     for (const Layer& layer : chart.layers) {
         const bool known =

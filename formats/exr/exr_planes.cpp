@@ -83,11 +83,16 @@ class PlaneReader {
                 for (auto c = own.header(part).channels().begin(); c != own.header(part).channels().end(); ++c)
                     own_channels_.insert(c.name());
         }
+        // The layout may be lost with the attributes. It is the one that knows more of the channels: files of layers of
+        // another size look alike in both.
+        std::vector<ExrPlane> found;
         for (const ExrLayout layout : {ExrLayout::kAuto, ExrLayout::kMultipart}) {
             const ExrPlan plan = plan_exr(charts_, layout);
+            planes_.clear();
             for (const PlannedFile& file : plan.files) read_file(file);
-            if (!planes_.empty()) return std::move(planes_);
+            if (planes_.size() > found.size()) std::swap(planes_, found);
         }
+        if (!found.empty()) return found;
         std::string names;
         for (const std::string& name : own_channels_) names += (names.empty() ? "" : ", ") + name;
         throw model::Error(codes::kEditUnrelated, "none of its channels is one of the map's; it has " + names,

@@ -133,8 +133,10 @@ StagingFolder& StagingFolder::operator=(StagingFolder&& other) noexcept {
 
 StagingFolder::~StagingFolder() {
     if (path_.empty()) return;
+    // Nearly always the lock alone is left, and that goes without opening the folder, which may fail.
+    ::unlink((path_ / kLock).c_str());
     std::error_code ignored;
-    fs::remove_all(path_, ignored);
+    if (::rmdir(path_.c_str()) != 0) fs::remove_all(path_, ignored);
     if (lock_ >= 0) ::close(lock_);
 }
 

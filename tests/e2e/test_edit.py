@@ -271,7 +271,7 @@ class ByPictures(Edit):
 
     def test_a_texture_of_a_free_chart(self):
         write_textured(self.folder / "sheet.obj", "sheet.mtl", "skin.png")
-        (self.folder / "skin.png").write_bytes(png((200, 10, 10)))
+        (self.folder / "skin.png").write_bytes(png([[(200, 10, 10)]]))
         self.bake_well("sheet.obj", "-o", "a.dgm", "--size", "17", "--domain", "free")
         self.export("--maps", "maps")
         self.edit("a.dgm", "--from", "maps", "-o", "new.dgm")
@@ -335,7 +335,7 @@ class Bakes(Edit):
         self.assertEqual(result.returncode, 3, result.stdout)
         self.assertIn("DGM1019: the map was edited since its bake; it, or a mesh beside it, is not up to date: "
                       "stiffness", result.stderr)
-        self.assertIn("next: write the mesh anew: dgm-export out/a.dgm -o out/a.glb", result.stderr)
+        self.assertIn("write what is beside the map anew: dgm-export out/a.dgm -o out/a.glb", result.stderr)
         self.run_well(support.EXPORT, "out/a.dgm", "-o", "out/a.glb")
         self.assertIn("up to date, ", self.bake_well(*bake).stdout)
 

@@ -177,7 +177,6 @@ class Outputs(Parents):
                 (support.BAKE, ["ball.obj", *SIZE, "--report", "hard"]),
                 (support.BAKE, ["ball.obj", *SIZE, "--depfile", "./ball.obj"]),
                 (support.BAKE, ["ball.obj", *SIZE, "--report", "skin.png"]),
-                (support.BAKE, ["--merge-reports", "r.json", "--report", "r.json"]),
                 (support.VALIDATE, ["ball.dgm", "--report", "json=ball.dgm"]),
                 (support.VALIDATE, ["ball.dgm", "--report", "json=soft"]),
                 (support.VALIDATE, ["ball.dgm", "--write-baseline", "ball.dgm"]),

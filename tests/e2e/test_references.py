@@ -38,8 +38,8 @@ class References(support.Folder):
         super().setUp()
         for name in ("in", "library", "private"):
             (self.folder / name).mkdir()
-        (self.folder / "private" / "photo.png").write_bytes(png(PRIVATE))
-        (self.folder / "library" / "oak.png").write_bytes(png(PRIVATE))
+        (self.folder / "private" / "photo.png").write_bytes(png([[PRIVATE]]))
+        (self.folder / "library" / "oak.png").write_bytes(png([[PRIVATE]]))
 
     def outcome(self, mesh, *arguments):
         result = self.bake_well(mesh, "-o", "out/m.dgm", *SIZE, "--report", "r.json", *arguments)
@@ -104,7 +104,7 @@ class References(support.Folder):
         self.assertEqual((asset["outcome"], "DGM" in said), ("baked", False), said)
         self.assertEqual(self.colour(), PRIVATE)
         self.assertEqual(self.outcome("in/m.gltf", "--asset-root", "library")[0]["outcome"], "up to date")
-        (self.folder / "library" / "oak.png").write_bytes(png((1, 2, 3)))
+        (self.folder / "library" / "oak.png").write_bytes(png([[(1, 2, 3)]]))
         self.assertEqual(self.outcome("in/m.gltf", "--asset-root", "library")[0]["outcome"], "baked")
         if support.VALIDATE:
             check = [support.VALIDATE, "out/m.dgm", "--source", "in/m.gltf", "-q"]

@@ -122,12 +122,12 @@ class Said(support.Folder):
         result = self.bake_well("a.gltf", *SIZE, "--report", "r.json")
         self.assertNotIn("texture", result.stdout + result.stderr)
         with h5py.File(self.folder / "a.dgm", "r") as file:
-            inside = file["chart0/texture"][...]
+            inside = file["charts/0/texture"][...]
         (self.folder / "beside.png").write_bytes(picture)
         write_gltf(self.folder / "b.gltf", meshes.sheet(4), "beside.png")
         self.bake_well("b.gltf", *SIZE)
         with h5py.File(self.folder / "b.dgm", "r") as file:
-            beside = file["chart0/texture"][...]
+            beside = file["charts/0/texture"][...]
         self.assertGreater(np.ptp(inside.astype(float), axis=(0, 1)).max(), 0.1)  # two colours, not one
         np.testing.assert_array_equal(inside, beside)
 

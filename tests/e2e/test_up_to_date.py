@@ -106,13 +106,13 @@ class MeshesBesideTheMap(support.Folder):
         refused = self.bake("sheet.obj", "--format", "dgm,obj", *SIZE)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("overwrite", refused.stderr)
-        # cloth.obj would bring cloth.mtl, and that is the library of another name's mesh.
+        # cloth.obj would bring cloth.mtl, and that is the library that it was read with.
         shutil.copy(self.folder / "sheet.mtl", self.folder / "cloth.mtl")
         (self.folder / "in").mkdir()
         text = (self.folder / "sheet.obj").read_text().replace("mtllib sheet.mtl", "mtllib ../cloth.mtl")
         (self.folder / "in" / "cloth.obj").write_text(text)
         (self.folder / "in" / "skin.png").write_bytes(png([[(9, 9, 9)]]))
-        refused = self.bake("in/cloth.obj", "-o", ".", "--format", "dgm,obj", *SIZE)
+        refused = self.bake("in/cloth.obj", "--asset-root", ".", "-o", ".", "--format", "dgm,obj", *SIZE)
         self.assertEqual(refused.returncode, 1, refused.stdout + refused.stderr)
         self.assertIn("cloth.mtl", refused.stderr)
         self.assertEqual((self.folder / "cloth.mtl").read_bytes(), before["sheet.mtl"])

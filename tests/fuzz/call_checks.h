@@ -44,17 +44,21 @@ inline double length(Vec3 v) {
 }
 
 /// Points are finite, and copies of a class hold the same bits.
-inline void check_points(const State& state, const PointView& points, const char* torn, const char* infinite) {
+/// @param or_opposite  copies whose faces wind against the representative's have the opposite, as normals do
+inline void check_points(const State& state, const PointView& points, const char* torn, const char* infinite,
+                         bool or_opposite = false) {
     for (std::size_t k = 0; k < points.count; ++k) promise(is_finite(points[k]), infinite);
     for (std::uint32_t id = 0; id < state.class_count(); ++id) {
         const auto members = state.class_members(id);
         const Vec3 first = points[members[0]];
         for (const std::uint32_t copy : members) {
             const Vec3 p = points[copy];
-            if (std::memcmp(&p, &first, sizeof p) != 0)
+            const bool is_same = std::memcmp(&p, &first, sizeof p) == 0 ||
+                                 (or_opposite && p.x == -first.x && p.y == -first.y && p.z == -first.z);
+            if (!is_same)
                 DGM_SAY("class %u: sample %u at %a %a %a, sample %u at %a %a %a\n", id, members[0], first.x, first.y,
                         first.z, copy, p.x, p.y, p.z);
-            promise(std::memcmp(&p, &first, sizeof p) == 0, torn);
+            promise(is_same, torn);
             promise(state.class_of(copy) == id, "a member of a class is not in it");
         }
     }
@@ -64,7 +68,7 @@ inline void check_state(const State& state) {
 }
 inline void check_normals(const State& state) {
     const PointView normals = state.normals();
-    check_points(state, normals, "normals of copies differ", "a normal is not finite");
+    check_points(state, normals, "normals of copies differ", "a normal is not finite", true);
     for (std::size_t k = 0; k < normals.count; ++k) {
         const double l = length(normals[k]);
         promise(l == 0 || std::fabs(l - 1) < 1e-3, "a normal is neither 0 nor a unit vector");

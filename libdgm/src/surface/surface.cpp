@@ -186,6 +186,9 @@ Result<void> fill_surface(Surface& s, const ChartTables& t, bool plain_loops) no
     auto closed = find_rim(s);
     if (!closed) return closed.error();
     s.open_surface = !closed.value();
+    // A file may mark copies whose faces do not wind so. Their normals are opposite all the same: a bulge along them
+    // would tear the class, and there is no inside to keep the volume of.
+    for (std::uint32_t k = 0; k < s.reversed.size(); ++k) s.open_surface = s.open_surface || s.is_reversed(k);
     return {};
 }
 

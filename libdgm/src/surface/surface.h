@@ -97,7 +97,7 @@ struct Surface {
     mutable Changes changes;           ///< of `now` and `normal`, for readers: asking changes nothing else
     std::uint32_t any_sample = kNone;  ///< the first on the surface
     bool any_face = false;             ///< it has a triangle at all
-    bool open_surface = true;          ///< some edge of the welded surface has one face
+    bool open_surface = true;          ///< some edge of the welded surface has one face, or it has one side
 
     [[nodiscard]] std::uint32_t total() const noexcept { return tables.total; }
     /// Some window can reach a seam or a free border, so touches need unfolding.

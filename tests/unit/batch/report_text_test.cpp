@@ -91,7 +91,7 @@ TEST(ReportText, AFailureIsOneStory) {
               "dgm-bake: band.obj: repair: DGM3002: component 2 has one side\n"
               "  its first face is 771\n"
               "  at: band.obj:12\n"
-              "  next: cut the surface open in your modeller so that it has an inside and an outside\n");
+              "  next: bake it with this version, which opens such a surface along a seam and warns (DGM3017)\n");
 }
 
 TEST(ReportText, AFailureMayHaveAHintOfItsOwn) {

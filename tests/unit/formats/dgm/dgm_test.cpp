@@ -120,7 +120,8 @@ TEST(DgmFile, LayersStandAtTheirOffsetsAligned) {
         for (const LayerRecord& record : records) all += record.bytes;
         const std::size_t alignment = all >= 16 * 4096 * records.size() && records.size() <= 64 ? 4096 : 64;
         EXPECT_EQ(alignment, maps.charts[0].rows == 301 ? 4096U : 64U);
-        EXPECT_LT(bytes.size(), 4096 + all + alignment * records.size() + 40'000 + 2000 * records.size()) << "padding";
+        // HDF5 keeps eight names a node: the large map has two nodes of them, each on a page of its own.
+        EXPECT_LT(bytes.size(), 4096 + all + alignment * records.size() + 48'000 + 2000 * records.size()) << "padding";
         for (const auto& chart : maps.charts)
             for (const auto& layer : chart.layers) {
                 const LayerRecord& record = records[next++];
