@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cstring>
 #include <mutex>
+#include <new>
 #include <set>
 #include <string>
 #include <system_error>
@@ -106,6 +107,7 @@ StagingFolder::StagingFolder(const fs::path& output, const char* failed) {
         std::string name = (parent / kPrefix).native() + std::string(kRandom, 'X');
         if (::mkdtemp(name.data()) == nullptr) fail(errno);
         path_ = name;
+        lock_file_ = path_ / kLock;
         lock_ = open_lock(path_, O_CREAT | O_EXCL);
         const int error = errno;
         struct stat status {};
@@ -123,20 +125,25 @@ StagingFolder::StagingFolder(const fs::path& output, const char* failed) {
 }
 
 StagingFolder::StagingFolder(StagingFolder&& other) noexcept
-    : path_(std::exchange(other.path_, fs::path())), lock_(std::exchange(other.lock_, -1)) {}
+    : path_(std::exchange(other.path_, fs::path())),
+      lock_file_(std::move(other.lock_file_)),
+      lock_(std::exchange(other.lock_, -1)) {}
 
 StagingFolder& StagingFolder::operator=(StagingFolder&& other) noexcept {
     std::swap(path_, other.path_);
+    std::swap(lock_file_, other.lock_file_);
     std::swap(lock_, other.lock_);
     return *this;
 }
 
 StagingFolder::~StagingFolder() {
     if (path_.empty()) return;
-    // Nearly always the lock alone is left, and that goes without opening the folder, which may fail.
-    ::unlink((path_ / kLock).c_str());
+    // Nearly always the lock alone is left, and that goes without memory and without opening the folder.
+    ::unlink(lock_file_.c_str());
     std::error_code ignored;
-    if (::rmdir(path_.c_str()) != 0) fs::remove_all(path_, ignored);
+    if (::rmdir(path_.c_str()) != 0) try {
+            fs::remove_all(path_, ignored);
+        } catch (const std::bad_alloc&) {}  // a later program removes it
     if (lock_ >= 0) ::close(lock_);
 }
 

@@ -32,6 +32,7 @@ class StagingFolder {
 
  private:
     std::filesystem::path path_;
+    std::filesystem::path lock_file_;  ///< kept, since the destructor may find no memory
     int lock_ = -1;
 };
 
