@@ -97,9 +97,9 @@ class Isolation(support.Folder):
         self.addCleanup(process.kill)
         self.assertTrue(process.stdout.readline().startswith("out/a.dgm: "))
         deadline = time.monotonic() + 20
-        while len(self.processes()) < 3 and time.monotonic() < deadline:
+        while len(self.processes()) < 4 and time.monotonic() < deadline:
             time.sleep(0.02)
-        self.assertEqual(len(self.processes()), 3)  # the parent, its reader of HDF5 and the hanging worker
+        self.assertEqual(len(self.processes()), 4)  # the parent, its readers of HDF5 and EXR, and the hanging worker
         return process
 
     def test_signals_leave_nothing(self):
