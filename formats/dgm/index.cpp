@@ -186,6 +186,8 @@ std::string chart_complaint(const layout::ChartRecord& chart) {
                std::to_string(kMaxGridSide) + " a side are possible";
     if (chart.domain > static_cast<std::uint32_t>(layout::Domain::kFree))
         return "unknown domain " + std::to_string(chart.domain);
+    if (chart.domain == static_cast<std::uint32_t>(layout::Domain::kSquare) && chart.border_samples != 0)
+        return "a square domain has no border samples, but " + std::to_string(chart.border_samples) + " are named";
     if (!field_text(chart.method)) return "the method's name is not clean text";
     for (int k = 0; k < 3; ++k) {
         if (!std::isfinite(chart.bbox[k]) || !std::isfinite(chart.bbox[k + 3]) || chart.bbox[k] > chart.bbox[k + 3])

@@ -18,7 +18,7 @@
 
 namespace dgm::formats {
 
-inline constexpr std::uint32_t kMaxGridSide = 65536;
+inline constexpr std::uint32_t kMaxGridSide = 65535;
 
 /// Records in the order of the index.
 struct Index {

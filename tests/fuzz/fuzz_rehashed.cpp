@@ -72,6 +72,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.max_samples = 1u << 20;
     options.verify_hashes = true;
     const auto asset = Asset::open_memory(bytes, options);
+    if (!asset.ok() && accepted)
+        DGM_SAY("error %d at %lld: %s\n", static_cast<int>(asset.error().code),
+                static_cast<long long>(asset.error().byte_offset), asset.error().message);
     test::promise(asset.ok() || !accepted, "the runtime does not open what the validator accepts");
     DGM_SAY("%s\n", accepted ? "accepted" : asset.ok() ? "opened" : "refused");
     if (!asset) return 0;

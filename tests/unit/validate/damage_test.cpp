@@ -140,6 +140,8 @@ TEST_F(Damage, HugeSizesInTheIndexAreNeverBelieved) {
     both_refuse("overlap", codes::kLayersOverlap,
                 [](RawDgm& r) { r.layer("normal").offset = r.layer("geometry").offset; });
     both_refuse("index bytes", codes::kBadIndex, [](RawDgm& r) { r.layers[0].bytes = kHuge; });
+    both_refuse("border samples of a square", codes::kBadIndex, [](RawDgm& r) { r.charts[0].border_samples = 1; });
+    both_refuse("rows", codes::kBadIndex, [](RawDgm& r) { r.charts[0].rows = 65536; });
     both_refuse("file size", codes::kTruncated, [](RawDgm& r) { r.claimed_size = kHuge; });
     both_refuse("small file size", codes::kBadIndex, [](RawDgm& r) { r.claimed_size = 4096; });
 }

@@ -18,12 +18,15 @@ class RawDgm {
  public:
     explicit RawDgm(std::string bytes) : bytes_(std::move(bytes)) {
         std::memcpy(&header, bytes_.data(), sizeof header);
+        charts.resize(header.chart_count);
+        std::memcpy(charts.data(), bytes_.data() + header.index_offset, charts.size() * sizeof(layout::ChartRecord));
         layers.resize(header.layer_count);
         std::memcpy(layers.data(), bytes_.data() + layers_at(), layers.size() * sizeof(layout::LayerRecord));
     }
-    /// The bytes with `header` and `layers` as they are now and the index hashed again.
+    /// The bytes with `header`, `charts` and `layers` as they are now and the index hashed again.
     /// @param rest_hash  false: takes out the hash of what is not a layer, as another writer may leave it out
     [[nodiscard]] std::string bytes(bool rest_hash = true) {
+        std::memcpy(bytes_.data() + header.index_offset, charts.data(), charts.size() * sizeof(layout::ChartRecord));
         std::memcpy(bytes_.data() + layers_at(), layers.data(), layers.size() * sizeof(layout::LayerRecord));
         const std::span<const char> records(bytes_.data() + header.index_offset, header.index_bytes);
         const auto index_hash = formats::hash_bytes(std::as_bytes(records));
@@ -42,6 +45,7 @@ class RawDgm {
     }
 
     layout::FileHeader header{};
+    std::vector<layout::ChartRecord> charts;
     std::vector<layout::LayerRecord> layers;
     std::uint64_t claimed_size = 0;  ///< what the header says instead of the truth
 
