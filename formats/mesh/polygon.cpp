@@ -70,8 +70,8 @@ void append_fan(std::span<const std::uint32_t> loop, std::vector<CornerTriple>& 
 /// meets few, however many there are.
 class ReflexGrid {
  public:
-    ReflexGrid(std::span<const Vec2d> points, std::span<const std::uint32_t> reflex) : points_(points) {
-        low_ = high_ = points[0];
+    ReflexGrid(std::span<const Vec2d> points, std::span<const std::uint32_t> reflex)
+        : points_(points), low_(points[0]), high_(points[0]) {
         for (const Vec2d& p : points) {
             low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
             high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
