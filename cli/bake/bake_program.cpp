@@ -61,8 +61,7 @@ fs::path spelled_out(const fs::path& path) {
 /// Finds out at the start what would otherwise be found out after hours.
 void check_files(const CommandLine& line, const BatchPlan& plan) {
     std::error_code ignored;
-    std::vector<fs::path> inputs = line.to_merge;
-    inputs.insert(inputs.end(), {line.bake.texture, line.scene});
+    std::vector<fs::path> inputs{line.bake.texture, line.scene};
     for (const PlannedAsset& asset : plan.assets) inputs.insert(inputs.end(), {asset.source, asset.options.texture});
     const std::array further{std::pair(line.report, "report"), std::pair(line.depfile, "depfile")};
     for (const auto& [file, what] : further) formats::refuse_input_as_output(file, inputs, what);
@@ -91,7 +90,7 @@ void check_inputs_kept(const fs::path& file, const std::vector<AssetResult>& res
     for (const AssetResult& result : results) formats::refuse_input_as_output(file, result.inputs, what);
 }
 
-/// An index has pages beside it.
+/// As formats::check_output(). An index has pages beside it.
 void check_page(const fs::path& report) {
     formats::check_output(report);
     if (formats::destination_of(report).is_through)
@@ -313,8 +312,7 @@ int run(const CommandLine& line) {
     for (const fs::path& file : {line.report, line.depfile}) {
         if (file.empty()) continue;
         formats::make_folder_of(file);
-        formats::check_output(file);
-        if (file == line.report && line.html_report) check_page(file);
+        file == line.report&& line.html_report ? check_page(file) : formats::check_output(file);
     }
     Conversation conversation(line, plan);
     BatchOptions batch = line.batch;

@@ -15,7 +15,7 @@
 #include "bench/machine_facts.h"
 #include "bench/recommend.h"
 #include "bench/result_figures.h"
-#include "bench/temporary_folder.h"
+#include "files/temporary_folder.h"
 #include "model/codes.h"
 #include "tool/words.h"
 
@@ -252,7 +252,7 @@ Run sweep_bakes(const BakeSweepOptions& options, bool quiet) {
     for (const BakePoint& point : points) work += work_of(point, repetitions_of(point, options.repeats.repetitions));
     ProgressBar bar(quiet, work * static_cast<double>(options.assets.size()));
     const std::vector<std::string> names = names_of(options.assets);
-    const TemporaryFolder folder;
+    const formats::TemporaryFolder folder("dgm-bench");
     for (std::size_t a = 0; a < options.assets.size(); ++a) {
         bar.begin(names[a] + " warm-up", 0);
         warm_up(options.assets[a], options.repeats, folder.path());

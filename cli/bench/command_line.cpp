@@ -19,11 +19,11 @@
 #include "bench/sample_asset.h"
 #include "bench/scale_sweep.h"
 #include "bench/stability_sweep.h"
-#include "bench/temporary_folder.h"
 #include "dgm/dgm_reader.h"
 #include "files/nesting.h"
 #include "files/output_file.h"
 #include "files/regular_file.h"
+#include "files/temporary_folder.h"
 #include "model/file_errors.h"
 #include "model/printable.h"
 #include "tool/tool.h"
@@ -168,9 +168,9 @@ int measure(Common& common, const std::string& command, const std::vector<fs::pa
 template <class Sweep>
 int measure_assets(Common& common, const std::string& command, std::vector<fs::path>& assets, const Sweep& sweep) {
     return measure(common, command, assets, [&] {
-        std::optional<TemporaryFolder> folder;
+        std::optional<formats::TemporaryFolder> folder;
         const bool none_named = assets.empty();
-        if (none_named) assets = {make_sample_asset(folder.emplace().path())};
+        if (none_named) assets = {make_sample_asset(folder.emplace("dgm-bench").path())};
         Run run = sweep();
         if (none_named) run.settings.emplace_back("asset", "the sample stomach of dgm-make-samples");
         return run;

@@ -9,8 +9,8 @@
 #include "bench/interrupt.h"
 #include "bench/machine_facts.h"
 #include "bench/runtime_error.h"
-#include "bench/temporary_folder.h"
 #include "bench/tool_path.h"
+#include "files/temporary_folder.h"
 
 namespace dgm::bench {
 namespace {
@@ -119,7 +119,7 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
     std::vector<std::uint32_t> sizes = options.sizes;
     if (std::find(sizes.begin(), sizes.end(), kPaperSide) == sizes.end()) sizes.insert(sizes.begin(), kPaperSide);
 
-    const TemporaryFolder folder;
+    const formats::TemporaryFolder folder("dgm-bench");
     ProgressBar bar(quiet, static_cast<double>(options.assets.size() * sizes.size()));
     for (const fs::path& asset_path : options.assets) {
         const bool is_map = asset_path.extension() == ".dgm";

@@ -14,7 +14,7 @@
 #include "bench/progress_bar.h"
 #include "bench/repeat.h"
 #include "bench/result_figures.h"
-#include "bench/temporary_folder.h"
+#include "files/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
 
@@ -160,7 +160,7 @@ Run sweep_scale(const ScaleOptions& options, bool quiet) {
     for (const std::uint64_t faces : options.faces)
         work += static_cast<double>(faces) * (faces <= options.repeated_faces ? kRepetitions : 1);
     for (const unsigned count : options.assets) work += static_cast<double>(count * options.faces_of_assets);
-    const TemporaryFolder folder;
+    const formats::TemporaryFolder folder("dgm-bench");
     ProgressBar bar(quiet, work * static_cast<double>(options.threads.size()));
     add_mesh_rows(run.tables[0], options, folder.path(), bar);
     add_batch_rows(run.tables[1], options, folder.path(), bar);

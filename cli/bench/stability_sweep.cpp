@@ -15,7 +15,7 @@
 #include "bench/progress_bar.h"
 #include "bench/repeat.h"
 #include "bench/result_figures.h"
-#include "bench/temporary_folder.h"
+#include "files/temporary_folder.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
 #include "tool/words.h"
@@ -146,7 +146,7 @@ Run sweep_stability(const StabilityOptions& options, bool quiet) {
     run.machine = machine_facts();
     run.tables = {empty_table()};
     Table& table = run.tables.front();
-    const TemporaryFolder folder;
+    const formats::TemporaryFolder folder("dgm-bench");
     BakeRepeats once;
     once.repetitions = 1;
     once.jobs = options.jobs;

@@ -3,13 +3,10 @@
 // The map's own plain maps are written anew, by the code that writes them for dgm-export, and each picture is compared
 // with its counterpart: so every map can be judged, whether its numbers can be put back or not.
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -20,6 +17,7 @@
 #include "edit/edit_sources.h"
 #include "export/plain_maps.h"
 #include "exr/exr_planes.h"
+#include "files/temporary_folder.h"
 #include "image/image.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
@@ -52,28 +50,6 @@ constexpr std::array kMeanings{
 [[noreturn]] void unrelated(const std::string& message, const fs::path& path, const std::string& hint = {}) {
     throw model::Error(codes::kEditUnrelated, message, path.string()).with_hint(hint);
 }
-
-/// A folder that goes away with its files.
-class ScratchFolder {
- public:
-    ScratchFolder() {
-        std::error_code error;
-        const fs::path folder = fs::temp_directory_path(error);
-        std::string pattern = ((error ? fs::path("/tmp") : folder) / "dgm-edit.XXXXXX").string();
-        if (::mkdtemp(pattern.data()) == nullptr) throw model::unwritable_folder(pattern, std::strerror(errno));
-        path_ = pattern;
-    }
-    ~ScratchFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-    [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-    fs::path path_;
-};
 
 /// Numbers of a picture, as they are there: of a PNG 0..1.
 struct Picture {
@@ -322,7 +298,7 @@ void offer_plain_maps(PaintedMap& map, const fs::path& maps) {
     const std::string name = index.filename().string();
     if (!name.ends_with(kIndexEnd)) unrelated("its name does not end in _maps.json", index);
     const fs::path folder = index.parent_path();
-    const ScratchFolder own;
+    const formats::TemporaryFolder own("dgm-edit");
     const Json& entries = json["charts"];
     const bool power_of_two = std::any_of(entries.begin(), entries.end(), [](const Json& entry) {
         return entry.is_object() && entry.value("resampled", Json()) == true;

@@ -9,6 +9,7 @@
 #include "edit/edit_map.h"
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
+#include "process/image_apart.h"
 #include "tool/guarded_main.h"
 #include "tool/tool.h"
 
@@ -97,6 +98,7 @@ static int run_main(int argc, char** argv) {
     return dgm::tool::run_tool("dgm-edit", argc, argv, app, kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
         const dgm::bake::ExrApart exr;
+        const dgm::bake::ImageApart images;
         return run(line, subject);
     });
 }

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "model/codes.h"
+#include "model/entities.h"
 #include "model/error.h"
 
 namespace dgm::page {
@@ -58,16 +59,8 @@ std::string attribute_text(std::string_view text) {
         const char c = text[0];
         if (length == 0 || static_cast<unsigned char>(c) < 0x20 || c == '\x7f')
             out += '?';
-        else if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '"')
-            out += "&quot;";
-        else if (c == '\'')
-            out += "&#39;";
+        else if (const std::string_view entity = model::entity_of(c); !entity.empty())
+            out += entity;
         else
             out += text.substr(0, length);
         text.remove_prefix(length == 0 ? 1 : length);

@@ -57,21 +57,6 @@ Pipe make_pipe() {
     return out;
 }
 
-/// The job as a file at its start: unlike a pipe it takes any length without a reader.
-Descriptor job_file(std::string_view job) {
-    const int fd = memfd_create("dgm-job", MFD_CLOEXEC);
-    if (fd < 0) fail("memfd_create");
-    Descriptor file = moved_up(fd);
-    while (!job.empty()) {
-        const ssize_t n = write(file.get(), job.data(), job.size());
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) fail("write");
-        job.remove_prefix(static_cast<std::size_t>(n));
-    }
-    if (lseek(file.get(), 0, SEEK_SET) != 0) fail("lseek");
-    return file;
-}
-
 /// The part of this program's environment that a worker needs: how libraries are found and tuned, the locale,
 /// and what sanitizers and coverage write where. Passwords and keys that callers pass on by it are not among that.
 std::vector<char*> worker_environment() {
@@ -136,6 +121,20 @@ std::string_view take(Descriptor& from, std::array<char, 65536>& buffer) {
 
 }  // namespace
 
+Descriptor memory_file(std::string_view bytes) {
+    const int fd = memfd_create("dgm-job", MFD_CLOEXEC);
+    if (fd < 0) fail("memfd_create");
+    Descriptor file = moved_up(fd);
+    while (!bytes.empty()) {
+        const ssize_t n = write(file.get(), bytes.data(), bytes.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) fail("write");
+        bytes.remove_prefix(static_cast<std::size_t>(n));
+    }
+    if (lseek(file.get(), 0, SEEK_SET) != 0) fail("lseek");
+    return file;
+}
+
 Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
     if (this != &other) {
         reset();
@@ -166,7 +165,7 @@ void ChildProcess::start(const Begin& begin) {
 }
 
 ChildProcess::ChildProcess(std::string_view job) {
-    const Descriptor input = job_file(job);
+    const Descriptor input = memory_file(job);
     const std::vector<char*> environment = worker_environment();
     start([&](pid_t parent, int messages, int errors) {
         if (become_worker(parent, input.get(), messages, errors)) run_program_again(environment.data());
@@ -175,7 +174,7 @@ ChildProcess::ChildProcess(std::string_view job) {
 }
 
 ChildProcess::ChildProcess(const std::function<void()>& work) {
-    const Descriptor nothing = job_file({});
+    const Descriptor nothing = memory_file({});
     start([&](pid_t parent, int messages, int errors) {
         if (!become_worker(parent, nothing.get(), messages, errors)) _exit(kCannotRunAgain);
         close_range(kMessageDescriptor + 1, ~0U, 0);

@@ -30,6 +30,10 @@ class Descriptor {
     int fd_ = -1;
 };
 
+/// A nameless file in memory that holds `bytes` and stands at its start: unlike a pipe it takes any length without a
+/// reader. @throws model::Error kSystemBusy
+[[nodiscard]] Descriptor memory_file(std::string_view bytes);
+
 /// The exit code of a child that could not run the program again.
 inline constexpr int kCannotRunAgain = 127;
 

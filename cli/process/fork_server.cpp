@@ -26,9 +26,12 @@ namespace codes = model::codes;
 /// The status of a process that could not be made; no wait status.
 constexpr int kNoProcess = -1;
 
-/// A request and the descriptors for its answer and its status as one message. It points into itself.
+/// The descriptors of a request: its bytes, and where its answer and its status go.
+using Descriptors = std::array<int, 3>;
+
+/// They as one message, which has to have a byte as well. It points into itself.
 struct Envelope {
-    explicit Envelope(void* bytes, std::size_t size) : part{bytes, size} {
+    Envelope() : part{&byte, 1} {
         message.msg_iov = &part;
         message.msg_iovlen = 1;
         message.msg_control = control.data();
@@ -37,8 +40,9 @@ struct Envelope {
     Envelope(const Envelope&) = delete;
     Envelope& operator=(const Envelope&) = delete;
 
+    char byte = 0;
     iovec part;
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(2 * sizeof(int))> control{};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(Descriptors))> control{};
     msghdr message{};
 };
 
@@ -51,45 +55,47 @@ ssize_t retried(const Call& call) {
     return result;
 }
 
-bool send_request(int socket, std::string request, const std::array<int, 2>& descriptors) {
-    Envelope out(request.data(), request.size());
+bool send_request(int socket, const Descriptors& descriptors) {
+    Envelope out;
     cmsghdr* header = CMSG_FIRSTHDR(&out.message);
     header->cmsg_level = SOL_SOCKET;
     header->cmsg_type = SCM_RIGHTS;
     header->cmsg_len = CMSG_LEN(sizeof descriptors);
     std::memcpy(CMSG_DATA(header), descriptors.data(), sizeof descriptors);
-    return retried([&] { return sendmsg(socket, &out.message, MSG_NOSIGNAL); }) == static_cast<ssize_t>(request.size());
+    return retried([&] { return sendmsg(socket, &out.message, MSG_NOSIGNAL); }) == 1;
 }
 
 /// What the server gets of a request.
 struct Received {
-    std::string request;
-    Descriptor answer, status;
+    Descriptor request, answer, status;
 };
 
 /// nullopt once the program has ended.
 std::optional<Received> receive_request(int socket) {
-    std::string bytes(ForkServer::kMostBytes, '\0');
-    Envelope in(bytes.data(), bytes.size());
+    Envelope in;
     const ssize_t size = retried([&] { return recvmsg(socket, &in.message, MSG_CMSG_CLOEXEC); });
     const cmsghdr* header = size <= 0 ? nullptr : CMSG_FIRSTHDR(&in.message);
     if (header == nullptr || header->cmsg_type != SCM_RIGHTS) return std::nullopt;
-    std::array<int, 2> descriptors{-1, -1};
+    Descriptors descriptors{-1, -1, -1};
     std::memcpy(descriptors.data(), CMSG_DATA(header), sizeof descriptors);
-    bytes.resize(static_cast<std::size_t>(size));
-    return Received{std::move(bytes), Descriptor(descriptors[0]), Descriptor(descriptors[1])};
+    return Received{Descriptor(descriptors[0]), Descriptor(descriptors[1]), Descriptor(descriptors[2])};
 }
 
 /// In the disposable process.
-[[noreturn]] void work_and_end(const ForkServer::Duty& duty, const std::string& request, int answer) {
+[[noreturn]] void work_and_end(const ForkServer::Duty& duty, const Received& received) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     signal(SIGCHLD, SIG_DFL);
     alarm(duty.seconds);
     const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
-    for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nothing, standard);
-    dup2(answer, kMessageDescriptor);
+    dup2(received.request.get(), kJobDescriptor);
+    for (const int standard : {STDOUT_FILENO, STDERR_FILENO}) dup2(nothing, standard);
+    dup2(received.answer.get(), kMessageDescriptor);
     close_range(kMessageDescriptor + 1, ~0U, 0);
     try {
+        const std::string request = read_job_text();
+        const int end_of_file = open("/dev/null", O_RDWR | O_CLOEXEC);
+        dup2(end_of_file, kJobDescriptor);
+        close(end_of_file);
         duty.work(request);
     } catch (const std::exception&) {}  // no memory: said already
     _exit(static_cast<int>(model::ExitCode::kInternal));
@@ -104,7 +110,8 @@ void tell(const Descriptor& to, int status) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     signal(SIGCHLD, SIG_DFL);
     const pid_t child = fork();
-    if (child == 0) work_and_end(duty, received.request, received.answer.get());
+    if (child == 0) work_and_end(duty, received);
+    received.request.reset();
     received.answer.reset();
     int status = kNoProcess;
     if (child > 0) static_cast<void>(retried([&] { return waitpid(child, &status, 0); }));
@@ -165,10 +172,10 @@ ForkServer::~ForkServer() {
 }
 
 ForkServer::Reply ForkServer::ask(std::string_view request) {
-    if (request.size() > kMostBytes) throw model::Error(codes::kReadFailed, "the path is too long");
+    const Descriptor bytes = memory_file(request);
     auto [answer, to_answer] = make_pipe();
     auto [status, to_status] = make_pipe();
-    if (!send_request(server_.get(), std::string(request), {to_answer.get(), to_status.get()}))
+    if (!send_request(server_.get(), {bytes.get(), to_answer.get(), to_status.get()}))
         throw model::Error(codes::kWorkerKilled, "the process that reads strangers' files has been ended from outside");
     Reply out;
     out.answer_ = std::move(answer);

@@ -20,7 +20,7 @@ class ForkServer {
  public:
     struct Duty {
         /// Runs in the disposable process, which has no descriptors but null ones and kMessageDescriptor. Its answer
-        /// goes there (send_message()); it ends the process with an exit code of 0 if all was sent.
+        /// goes there (answer_in_sandbox()); it ends the process with an exit code of 0 if all was sent.
         std::function<void(std::string_view request)> work;
         std::function<void()> prepare;  ///< once, in the copy of the program; may be empty
         unsigned seconds = 120;         ///< wall clock of one request; SIGALRM ends it then
@@ -45,11 +45,7 @@ class ForkServer {
         Descriptor answer_, status_;
     };
 
-    /// Longest request.
-    static constexpr std::size_t kMostBytes = 16384;
-
-    /// Thread-safe, several at a time. @throws model::Error kWorkerKilled, kSystemBusy; kReadFailed for a request that
-    /// is too long
+    /// For requests of any length. Thread-safe, several at a time. @throws model::Error kWorkerKilled, kSystemBusy
     [[nodiscard]] Reply ask(std::string_view request);
 
  private:

@@ -2,17 +2,12 @@
 // cli/process/hdf5_apart.cpp
 #include "process/hdf5_apart.h"
 
-#include <fmt/format.h>
-#include <signal.h>
-#include <string.h>
-#include <unistd.h>
-
-#include <array>
+#include <optional>
+#include <utility>
 
 #include "model/codes.h"
+#include "process/apart_answer.h"
 #include "process/attribute_stream.h"
-#include "process/sandbox.h"
-#include "process/worker_io.h"
 
 namespace dgm::bake {
 namespace {
@@ -43,31 +38,13 @@ void work(std::string_view bytes) {
     ByteReader in(bytes);
     const auto limits = in.get<formats::DgmReadLimits>();
     const std::filesystem::path path = in.text();
-    limit_worker_memory(kMostMemory, 1);
-    static_cast<void>(enter_sandbox({.readable = {path}, .writable = {}}));
-    Hdf5Part part;
-    try {
-        part = formats::read_hdf5_part(path, limits);
-    } catch (const model::Error& error) {
-        part.findings.push_back({&error.code(), formats::Severity::kError, error.what(), error.place(), {}, {}});
-    }
-    if (send_message(encode_hdf5_part(part))) _exit(0);
+    answer_in_sandbox({.readable = {path}, .writable = {}}, kMostMemory,
+                      [&] { return send_head(encode_hdf5_part(formats::read_hdf5_part(path, limits))); });
 }
 
-/// All that arrives until the end of it, or nullopt if that is too much.
-std::optional<std::string> read_all(ForkServer::Reply& from) {
-    std::string bytes;
-    std::array<char, 65536> buffer;
-    while (const std::size_t n = from.read(buffer.data(), buffer.size())) {
-        if (bytes.size() + n > kMostBytes) return std::nullopt;
-        bytes.append(buffer.data(), n);
-    }
-    return bytes;
-}
-
-Hdf5Part unreadable(std::string message) {
+Hdf5Part with_finding(const model::Code& code, std::string message, std::string place) {
     Hdf5Part part;
-    part.findings.push_back({&codes::kHdf5Unreadable, formats::Severity::kError, std::move(message), "/", {}, {}});
+    part.findings.push_back({&code, formats::Severity::kError, std::move(message), std::move(place), {}, {}});
     return part;
 }
 
@@ -124,17 +101,12 @@ Hdf5Apart::~Hdf5Apart() {
 
 Hdf5Part Hdf5Apart::read(const std::filesystem::path& path, const formats::DgmReadLimits& limits) {
     const std::scoped_lock lock(one_file_);
-    ForkServer::Reply reply = server_.ask(encode({limits, path}));
-    const std::optional<std::string> bytes = read_all(reply);
-    const ChildEnd end = reply.end();
-    if (bytes && bytes->starts_with(kOutOfMemoryLine)) return unreadable("HDF5 needs more than 2 GiB to read it");
-    if (end.signal == SIGALRM || end.signal == SIGXCPU)
-        return unreadable(fmt::format("HDF5 has not read it after {} seconds", kMostSeconds));
-    if (end.signal != 0)
-        return unreadable(fmt::format("HDF5 crashes on it: signal {} ({})", end.signal, strsignal(end.signal)));
-    if (bytes && end.exit_code == 0)
-        if (auto part = decode_hdf5_part(*bytes)) return std::move(*part);
-    return unreadable("HDF5 sends nothing of use about it");
+    ApartAnswer answer(server_, encode({limits, path}));
+    try {
+        if (const std::optional<std::string> bytes = answer.head(kMostBytes))
+            if (auto part = decode_hdf5_part(*bytes)) return std::move(*part);
+    } catch (const model::Error& error) { return with_finding(error.code(), error.what(), error.place()); }
+    return with_finding(codes::kHdf5Unreadable, answer.failure("HDF5", kMostSeconds), "/");
 }
 
 }  // namespace dgm::bake

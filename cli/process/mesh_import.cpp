@@ -20,6 +20,7 @@
 #include "model/codes.h"
 #include "process/byte_stream.h"
 #include "process/child_process.h"
+#include "process/error_stream.h"
 #include "process/sandbox.h"
 #include "process/worker_io.h"
 
@@ -30,7 +31,7 @@ namespace codes = model::codes;
 using formats::ImportedMesh;
 using Clock = std::chrono::steady_clock;
 
-constexpr char kMesh = 'M', kError = 'E', kEnd = '.';
+constexpr char kMesh = 'M', kEnd = '.';
 /// More than a mesh within formats::MeshReadLimits takes.
 constexpr std::uint64_t kMaxBytes = std::uint64_t{8} << 30;
 constexpr std::uint32_t kMostCpuSeconds = 3600;  ///< beside the parent's limit of time
@@ -48,14 +49,6 @@ bool fits_together(const model::TriMesh& mesh) {
             if (v >= mesh.positions.size()) return false;
     return std::all_of(mesh.face_materials.begin(), mesh.face_materials.end(),
                        [&](std::uint32_t m) { return m < mesh.materials.size(); });
-}
-
-[[noreturn]] void throw_sent(ByteReader& in) {
-    const auto number = in.get<std::int32_t>();
-    std::string message = in.text(), place = in.text(), hint = in.text();
-    const model::Code* code = code_of(number);
-    throw model::Error(code != nullptr ? *code : codes::kInternal, std::move(message), std::move(place))
-        .with_hint(std::move(hint));
 }
 
 void put_picture(ByteWriter& out, const model::PictureFile& picture) {
@@ -146,21 +139,10 @@ std::string encode_import(const ImportedMesh& imported) {
     return out.take();
 }
 
-std::string encode_import(const model::Error& error) {
-    ByteWriter out;
-    out.put(kError);
-    out.put(std::int32_t{error.code().number});
-    out.put(std::string(error.what()));
-    out.put(error.place());
-    out.put(std::string(error.hint()));
-    return out.take();
-}
-
 std::optional<ImportedMesh> decode_import(std::string_view bytes) {
+    throw_sent_error(bytes);
     ByteReader in(bytes);
-    const char kind = in.get<char>();
-    if (kind == kError) throw_sent(in);
-    if (kind != kMesh) return std::nullopt;
+    if (in.get<char>() != kMesh) return std::nullopt;
     ImportedMesh out;
     model::TriMesh& mesh = out.mesh;
     in.get_all(mesh.positions);
@@ -237,10 +219,10 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
         sandbox.cpu_seconds = kMostCpuSeconds;
         static_cast<void>(enter_sandbox(sandbox));
         answer = encode_import(read ? read(path, limits) : formats::read_mesh(path, limits));
-    } catch (const model::Error& error) { answer = encode_import(error); } catch (const std::bad_alloc&) {
+    } catch (const model::Error& error) { answer = encode_error(error); } catch (const std::bad_alloc&) {
         return static_cast<int>(model::ExitCode::kInternal);  // reported already
     } catch (const std::exception& error) {
-        answer = encode_import(model::Error(codes::kInternal, std::string("unexpected exception: ") + error.what()));
+        answer = encode_error(model::Error(codes::kInternal, std::string("unexpected exception: ") + error.what()));
     }
     if (!send_message(answer)) return static_cast<int>(model::ExitCode::kInternal);
     // Destructors of statics in importers have crashed before; there is nothing left to save.

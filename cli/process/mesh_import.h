@@ -37,9 +37,8 @@ struct ImportLimits {
 /// job names, sends it, and gives the exit code.
 [[nodiscard]] std::optional<int> import_worker(int argc, const char* const* argv, const MeshReader& read = {});
 
-/// A worker's answer as bytes: a mesh or an error.
+/// A worker's answer as bytes: a mesh, or an error as encode_error() has it.
 [[nodiscard]] std::string encode_import(const formats::ImportedMesh& mesh);
-[[nodiscard]] std::string encode_import(const model::Error& error);
 /// nullopt for bytes that are neither, or a mesh whose faces or corners do not fit together.
 /// @throws model::Error the one that was sent
 [[nodiscard]] std::optional<formats::ImportedMesh> decode_import(std::string_view bytes);

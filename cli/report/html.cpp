@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/entities.h"
 #include "report/page_parts.h"
 
 namespace dgm::report {
@@ -30,16 +31,8 @@ std::string escaped(std::string_view text) {
     std::string out;
     out.reserve(valid.size());
     for (const char c : valid) {
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '"')
-            out += "&quot;";
-        else if (c == '\'')
-            out += "&#39;";
+        if (const std::string_view entity = model::entity_of(c); !entity.empty())
+            out += entity;
         else if (c != '\n' && (static_cast<unsigned char>(c) < 0x20 || c == '\x7f'))
             out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
         else

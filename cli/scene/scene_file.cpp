@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,9 +12,8 @@
 
 #include "baking/option_names.h"
 #include "baking/option_text.h"
-#include "files/nesting.h"
-#include "files/regular_file.h"
 #include "model/codes.h"
+#include "scene/toml_tree.h"
 #include "tool/help.h"
 
 namespace dgm::scene {
@@ -24,14 +22,15 @@ namespace {
 namespace codes = model::codes;
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxAssets = 100'000, kMaxFileBytes = std::size_t{16} << 20;
+constexpr std::size_t kMaxAssets = 100'000;
+using Kind = TomlNode::Kind;
 
 class Table;
 
 /// Throws the fault in a value, with its place.
 class Say {
  public:
-    Say(const Table& table, const toml::node& at, std::string_view key) : table_(table), at_(at), key_(key) {}
+    Say(const Table& table, const TomlNode& at, std::string_view key) : table_(table), at_(at), key_(key) {}
     [[noreturn]] void operator()(const std::string& message) const;
     /// For text that a parser of option_text.h takes; its refusals begin with the name of the key.
     template <class Parse>
@@ -39,22 +38,38 @@ class Say {
 
  private:
     const Table& table_;
-    const toml::node& at_;
+    const TomlNode& at_;
     std::string_view key_;
 };
+
+/// The value of a node; nullopt if it is of another type.
+template <class T>
+std::optional<T> value_of(const TomlNode& node) {
+    if constexpr (std::is_same_v<T, double>) {
+        // 5 is a number as well as 5.0; NaN and infinity are TOML, but no lengths.
+        const std::optional<double> number = node.number();
+        return number && std::isfinite(*number) ? number : std::nullopt;
+    } else if constexpr (std::is_same_v<T, std::string>) {
+        return node.kind == Kind::kString ? std::optional(node.text) : std::nullopt;
+    } else if constexpr (std::is_same_v<T, bool>) {
+        return node.kind == Kind::kBoolean ? std::optional(node.integer != 0) : std::nullopt;
+    } else {
+        static_assert(std::is_same_v<T, std::int64_t>);
+        return node.kind == Kind::kInteger ? std::optional(node.integer) : std::nullopt;
+    }
+}
 
 /// One table of the file: every key that is asked for is known, any other is a mistake.
 class Table {
  public:
-    Table(const toml::table& table, const fs::path& file, std::string title)
+    Table(const TomlNode& table, const fs::path& file, std::string title)
         : table_(table), file_(file), title_(std::move(title)) {}
 
-    [[noreturn]] void wrong(const toml::node& at, const std::string& message) const {
-        fail(file_, at.source(), fmt::format("{}: {}", title_, message));
+    [[noreturn]] void wrong(const TomlNode& at, const std::string& message) const {
+        fail(file_, at.place, fmt::format("{}: {}", title_, message));
     }
-    [[noreturn]] static void fail(const fs::path& file, const toml::source_region& at, const std::string& message) {
-        throw model::Error(codes::kSceneInvalid, message,
-                           fmt::format("{}:{}:{}", file.string(), at.begin.line, at.begin.column));
+    [[noreturn]] static void fail(const fs::path& file, const TomlPlace& at, const std::string& message) {
+        throw model::Error(codes::kSceneInvalid, message, fmt::format("{}:{}:{}", file.string(), at.line, at.column));
     }
     [[noreturn]] void wrong_here(const std::string& message) const { wrong(table_, message); }
 
@@ -62,19 +77,12 @@ class Table {
     template <class T, class Take>
     void get(std::string_view key, std::string_view what, Take take) {
         known_.emplace_back(key);
-        const toml::node* node = table_.get(key);
+        const TomlNode* node = table_.get(key);
         if (node == nullptr) return;
         const Say say{*this, *node, key};
-        if constexpr (std::is_same_v<T, double>) {
-            // 5 is a number as well as 5.0; NaN and infinity are TOML, but no lengths.
-            const auto value = node->value<double>();
-            if (!node->is_number() || !value || !std::isfinite(*value)) say(fmt::format("this is not {}", what));
-            take(*value, say);
-        } else {
-            const auto value = node->value_exact<T>();
-            if (!value) say(fmt::format("this is not {}", what));
-            take(*value, say);
-        }
+        const std::optional<T> value = value_of<T>(*node);
+        if (!value) say(fmt::format("this is not {}", what));
+        take(*value, say);
     }
     void flag(std::string_view key, bool& into) {
         get<bool>(key, "true or false", [&](bool value, const Say&) { into = value; });
@@ -91,13 +99,12 @@ class Table {
     }
     void names(std::string_view key, std::span<const std::string_view> allowed, std::vector<std::string>& into) {
         known_.emplace_back(key);
-        const toml::node* node = table_.get(key);
+        const TomlNode* node = table_.get(key);
         if (node == nullptr) return;
-        const toml::array* list = node->as_array();
-        if (list == nullptr) wrong(*node, fmt::format("{}: write a list of names in brackets", key));
+        if (node->kind != Kind::kArray) wrong(*node, fmt::format("{}: write a list of names in brackets", key));
         into.clear();
-        for (const toml::node& entry : *list) {
-            const auto text = entry.value_exact<std::string>();
+        for (const TomlNode& entry : node->entries) {
+            const auto text = value_of<std::string>(entry);
             if (!text) wrong(entry, fmt::format("{}: this is not a name in quotes", key));
             if (std::find(allowed.begin(), allowed.end(), *text) == allowed.end())
                 wrong(entry, tool::unknown_word(key, *text, {allowed.begin(), allowed.end()}));
@@ -105,26 +112,26 @@ class Table {
         }
         if (into.empty()) wrong(*node, fmt::format("{}: the list is empty", key));
     }
-    const toml::node* node(std::string_view key) {
+    const TomlNode* node(std::string_view key) {
         known_.emplace_back(key);
         return table_.get(key);
     }
     /// A table below this one; nullptr if it is not there.
-    const toml::table* table(std::string_view key) {
-        const toml::node* found = node(key);
-        if (found != nullptr && found->as_table() == nullptr)
+    const TomlNode* table(std::string_view key) {
+        const TomlNode* found = node(key);
+        if (found != nullptr && found->kind != Kind::kTable)
             wrong(*found, fmt::format("{} must be a table: [{}]", key, key));
-        return found == nullptr ? nullptr : found->as_table();
+        return found;
     }
     /// Call last: refuses keys that nothing has asked for.
     void finish() const {
-        for (const auto& [key, value] : table_)
-            if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
-                fail(file_, key.source(), title_ + ": " + tool::unknown_word("key", std::string(key.str()), known_));
+        for (std::size_t k = 0; k < table_.keys.size(); ++k)
+            if (std::find(known_.begin(), known_.end(), table_.keys[k]) == known_.end())
+                fail(file_, table_.key_places[k], title_ + ": " + tool::unknown_word("key", table_.keys[k], known_));
     }
 
  private:
-    const toml::table& table_;
+    const TomlNode& table_;
     const fs::path& file_;
     std::string title_;
     std::vector<std::string> known_;
@@ -240,12 +247,12 @@ SceneAsset read_asset(Table& table, SceneAsset asset, const fs::path& folder) {
     return asset;
 }
 
-Scene read(const toml::table& root, const fs::path& file) {
+Scene read(const TomlNode& root, const fs::path& file) {
     const fs::path folder = file.parent_path();
     Scene out;
     SceneAsset defaults;
     Table top(root, file, "scene file");
-    if (const toml::table* scene = top.table("scene")) {
+    if (const TomlNode* scene = top.table("scene")) {
         Table table(*scene, file, "[scene]");
         table.get<std::string>("name", "a name in quotes",
                                [&](const std::string& text, const Say&) { out.name = text; });
@@ -256,24 +263,23 @@ Scene read(const toml::table& root, const fs::path& file) {
         });
         table.finish();
     }
-    if (const toml::table* wishes = top.table("defaults")) {
+    if (const TomlNode* wishes = top.table("defaults")) {
         Table table(*wishes, file, "[defaults]");
         read_wishes(table, defaults, folder);
         table.finish();
     }
-    const toml::node* assets = top.node("asset");
+    const TomlNode* assets = top.node("asset");
     top.finish();
-    const toml::array* list = assets == nullptr ? nullptr : assets->as_array();
-    if (list == nullptr || list->empty())
-        Table::fail(file, assets == nullptr ? root.source() : assets->source(),
+    if (assets == nullptr || assets->kind != Kind::kArray || assets->entries.empty())
+        Table::fail(file, assets == nullptr ? root.place : assets->place,
                     "a scene has assets: [[asset]] with source = \"FILE\"");
-    if (list->size() > kMaxAssets) Table::fail(file, list->source(), fmt::format("more than {} assets", kMaxAssets));
+    if (assets->entries.size() > kMaxAssets)
+        Table::fail(file, assets->place, fmt::format("more than {} assets", kMaxAssets));
     std::set<std::string> names;
-    for (const toml::node& entry : *list) {
-        const toml::table* table = entry.as_table();
-        if (table == nullptr) Table::fail(file, entry.source(), "an asset is a table: [[asset]]");
-        const int line = static_cast<int>(entry.source().begin.line);
-        Table wishes(*table, file, fmt::format("[[asset]] {}", out.assets.size() + 1));
+    for (const TomlNode& entry : assets->entries) {
+        if (entry.kind != Kind::kTable) Table::fail(file, entry.place, "an asset is a table: [[asset]]");
+        const int line = static_cast<int>(entry.place.line);
+        Table wishes(entry, file, fmt::format("[[asset]] {}", out.assets.size() + 1));
         out.assets.push_back(read_asset(wishes, defaults, folder));
         out.assets.back().line = line;
         if (!names.insert(out.assets.back().name).second)
@@ -283,29 +289,14 @@ Scene read(const toml::table& root, const fs::path& file) {
     return out;
 }
 
-[[noreturn]] void refuse_size(const fs::path& file) {
-    throw model::Error(codes::kSceneInvalid, "the scene file is larger than 16 MiB", file.string());
-}
-
 }  // namespace
 
 Scene parse_scene(std::string_view text, const fs::path& file) {
-    if (text.size() > kMaxFileBytes) refuse_size(file);
-    if (const auto deep = formats::too_deep_toml(text, formats::kMostNesting))
-        throw model::Error(codes::kSceneInvalid,
-                           fmt::format("keys or values nested more than {} deep", formats::kMostNesting),
-                           fmt::format("{}:{}:{}", file.string(), deep->line, deep->column));
-    toml::table root;
-    try {
-        root = toml::parse(text, file.string());
-    } catch (const toml::parse_error& e) { Table::fail(file, e.source(), std::string(e.description())); }
-    return read(root, file);
+    return read(parse_toml(text, file), file);
 }
 
 Scene read_scene(const fs::path& file) {
-    formats::RegularFile in(file);
-    if (in.size() > kMaxFileBytes) refuse_size(file);
-    return parse_scene(in.read_text(kMaxFileBytes), file);
+    return read(read_toml_apart(file), file);
 }
 
 }  // namespace dgm::scene

@@ -75,11 +75,11 @@ struct Scene {
     std::vector<SceneAsset> assets;       ///< in the order of the file; at least one
 };
 
-/// Reads and checks a scene file. Files named in it are not looked at.
-/// @throws model::Error kFileMissing, kReadFailed; kSceneInvalid with FILE:LINE:COLUMN as its place: no TOML, an
-/// unknown
-///         key (with the one that was meant), a value of the wrong type or out of its range, a pixel tolerance without
-///         a distance, two assets of one name, no asset
+/// Reads and checks a scene file, which is parsed in a process of its own (read_toml_apart()). Files named in it are
+/// not looked at. The program must have one thread.
+/// @throws model::Error kFileMissing, kReadFailed, kSystemBusy; kSceneInvalid with FILE:LINE:COLUMN as its place: no
+///         TOML, an unknown key (with the one that was meant), a value of the wrong type or out of its range, a pixel
+///         tolerance without a distance, two assets of one name, no asset
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file);
 
 /// The same from text; `file` is for messages, and its folder is where sources are taken from. Made for tests and

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "model/entities.h"
 #include "validate/output.h"
 
 namespace dgm::validate {
@@ -37,14 +38,8 @@ std::string escaped(std::string_view text) {
             out += "&#10;";
         else if (length == 0)
             out += '?';
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '&')
-            out += "&amp;";
-        else if (c == '"')
-            out += "&quot;";
+        else if (const std::string_view entity = model::entity_of(c); !entity.empty() && c != '\'')
+            out += entity;
         else
             out += text.substr(0, length);
         text.remove_prefix(std::max<std::size_t>(length, 1));

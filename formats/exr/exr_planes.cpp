@@ -183,14 +183,12 @@ std::vector<std::string> picture_channels(const Imf::Header& header, const fs::p
     return {first.name()};
 }
 
-}  // namespace
-
-std::vector<ExrPlane> read_exr_planes(const fs::path& path, const std::vector<model::Chart>& charts,
-                                      const ExrReadLimits& limits) {
+std::vector<ExrPlane> planes_here(const fs::path& path, const std::vector<model::Chart>& charts,
+                                  const ExrReadLimits& limits) {
     return reading(path, [&] { return PlaneReader(path, charts, limits).read(); });
 }
 
-ExrPicture read_exr_picture(const fs::path& path, const ExrReadLimits& limits) {
+ExrPicture picture_here(const fs::path& path, const ExrReadLimits& limits) {
     return reading(path, [&] {
         const std::uint64_t budget = exr_budget(path, limits);
         Imf::MultiPartInputFile file(path.c_str(), 0, false);
@@ -217,12 +215,43 @@ ExrPicture read_exr_picture(const fs::path& path, const ExrReadLimits& limits) {
     });
 }
 
-bool has_exr_description(const fs::path& path) noexcept {
-    try {
+bool has_description_here(const fs::path& path) {
+    return reading(path, [&] {
         static_cast<void>(exr_budget(path, {}));
         const Imf::MultiPartInputFile file(path.c_str(), 0, false);
         return file.header(0).find(kLayoutVersionAttribute) != file.header(0).end();
+    });
+}
+
+ExrPlaneReader& plane_reader() {
+    static ExrPlaneReader reader = exr_plane_reader_here();
+    return reader;
+}
+
+}  // namespace
+
+std::vector<ExrPlane> read_exr_planes(const fs::path& path, const std::vector<model::Chart>& charts,
+                                      const ExrReadLimits& limits) {
+    return plane_reader().planes(path, charts, limits);
+}
+
+ExrPicture read_exr_picture(const fs::path& path, const ExrReadLimits& limits) {
+    return plane_reader().picture(path, limits);
+}
+
+bool has_exr_description(const fs::path& path) noexcept {
+    try {
+        return plane_reader().has_description(path);
     } catch (const std::exception&) { return false; }
+}
+
+const ExrPlaneReader& exr_plane_reader_here() {
+    static const ExrPlaneReader here{planes_here, picture_here, has_description_here};
+    return here;
+}
+
+void set_exr_plane_reader(ExrPlaneReader reader) {
+    plane_reader() = reader.planes ? std::move(reader) : exr_plane_reader_here();
 }
 
 }  // namespace dgm::formats

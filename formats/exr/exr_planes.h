@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -45,5 +46,18 @@ struct ExrPicture {
 
 /// True if the file says that it holds a map of ours, or layers of one. Never throws; false for what is no EXR.
 [[nodiscard]] bool has_exr_description(const std::filesystem::path& path) noexcept;
+
+/// What the functions above do, by another way. May throw model::Error kExrUnreadable, has_description too.
+struct ExrPlaneReader {
+    std::function<std::vector<ExrPlane>(const std::filesystem::path& path, const std::vector<model::Chart>& charts,
+                                        const ExrReadLimits& limits)>
+        planes;
+    std::function<ExrPicture(const std::filesystem::path& path, const ExrReadLimits& limits)> picture;
+    std::function<bool(const std::filesystem::path& path)> has_description;
+};
+/// They in this process, whatever set_exr_plane_reader() says.
+[[nodiscard]] const ExrPlaneReader& exr_plane_reader_here();
+/// From now on they call `reader`; an empty one ends that. Not thread-safe.
+void set_exr_plane_reader(ExrPlaneReader reader);
 
 }  // namespace dgm::formats

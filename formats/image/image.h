@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "model/tri_mesh.h"
@@ -50,6 +51,17 @@ struct GrayImage16 {
 
 /// Bits of a number of the picture: 8, or 16 where read_height keeps them. Thread-safe. @throws as read_image
 [[nodiscard]] unsigned image_bits(const model::PictureFile& picture);
+
+/// What the three functions above do, by another way; thread-safe and with their errors.
+struct ImageReader {
+    std::function<Image(const model::PictureFile&)> image;
+    std::function<FloatImage(const model::PictureFile&)> height;
+    std::function<unsigned(const model::PictureFile&)> bits;
+};
+/// They in this process, whatever set_image_reader() says.
+[[nodiscard]] const ImageReader& image_reader_here();
+/// From now on they call `reader`; an empty one ends that. Not thread-safe.
+void set_image_reader(ImageReader reader);
 
 /// PNG file bytes: RGBA, no time or text chunks, so equal pictures give equal bytes.
 /// @throws model::Error kTooLarge if a side is 0 or beyond kMaxImageSide, kInternal if pixels do not fit the size

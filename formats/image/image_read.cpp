@@ -6,6 +6,7 @@
 #include <new>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "files/regular_file.h"
 #include "image/image.h"
@@ -87,9 +88,7 @@ EncodedImage load(const model::PictureFile& picture) {
     return out;
 }
 
-}  // namespace
-
-Image read_image(const model::PictureFile& picture) {
+Image image_here(const model::PictureFile& picture) {
     const EncodedImage encoded = load(picture);
     check_decoded(encoded, 4, picture.path);
     Image out;
@@ -107,11 +106,11 @@ Image read_image(const model::PictureFile& picture) {
     return out;
 }
 
-unsigned image_bits(const model::PictureFile& picture) {
+unsigned bits_here(const model::PictureFile& picture) {
     return is_16_bit(load(picture)) ? 16 : 8;
 }
 
-FloatImage read_height(const model::PictureFile& picture) {
+FloatImage height_here(const model::PictureFile& picture) {
     const EncodedImage encoded = load(picture);
     check_decoded(encoded, static_cast<std::uint64_t>(encoded.channels), picture.path);
     FloatImage out;
@@ -133,6 +132,34 @@ FloatImage read_height(const model::PictureFile& picture) {
     out.width = static_cast<std::uint32_t>(width);
     out.height = static_cast<std::uint32_t>(height);
     return out;
+}
+
+ImageReader& image_reader() {
+    static ImageReader reader = image_reader_here();
+    return reader;
+}
+
+}  // namespace
+
+Image read_image(const model::PictureFile& picture) {
+    return image_reader().image(picture);
+}
+
+FloatImage read_height(const model::PictureFile& picture) {
+    return image_reader().height(picture);
+}
+
+unsigned image_bits(const model::PictureFile& picture) {
+    return image_reader().bits(picture);
+}
+
+const ImageReader& image_reader_here() {
+    static const ImageReader here{image_here, height_here, bits_here};
+    return here;
+}
+
+void set_image_reader(ImageReader reader) {
+    image_reader() = reader.image ? std::move(reader) : image_reader_here();
 }
 
 }  // namespace dgm::formats

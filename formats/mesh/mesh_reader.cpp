@@ -2,6 +2,7 @@
 // formats/mesh/mesh_reader.cpp
 #include "mesh/mesh_reader.h"
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <system_error>
@@ -38,6 +39,23 @@ void check_ply_header(const fs::path& path) {
     throw model::Error(codes::kImportFailed, "the PLY header has no end_header", path.string());
 }
 
+/// assimp 5.2 reads OFF files through a buffer of 4096 bytes a line, and crashes on faces that do not fit.
+void check_off_lines(const fs::path& path, const MeshReadLimits& limits) {
+    constexpr std::size_t kLine = 4096;
+    const std::string text = RegularFile(path).read_text(limits.max_file_bytes);
+    std::size_t number = 1;
+    for (std::size_t begin = 0; begin < text.size(); ++number) {
+        const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
+        if (end - begin >= kLine)
+            throw model::Error(codes::kImportFailed,
+                               "a line of " + std::to_string(end - begin) + " bytes; OFF files are read up to " +
+                                   std::to_string(kLine - 1),
+                               path.string() + ":" + std::to_string(number))
+                .with_hint("split polygons of hundreds of corners, or export the mesh as OBJ or PLY");
+        begin = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
+    }
+}
+
 }  // namespace
 
 void check_mesh_file(const fs::path& path, const MeshReadLimits& limits) {
@@ -61,6 +79,7 @@ ImportedMesh read_mesh(const fs::path& path, const MeshReadLimits& limits) {
     if (!assimp_knows_extension(extension) && looks_like_obj(read_head(path, std::size_t{1} << 16)))
         return read_obj(path, limits);
     check_ply_header(path);
+    if (extension == ".off") check_off_lines(path, limits);
     return read_with_assimp(path, limits);
 }
 

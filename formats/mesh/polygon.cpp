@@ -36,6 +36,8 @@ std::vector<Vec2d> project(std::span<const Vec3d> corners) {
     double extent = 0;
     for (int k = 0; k < 3; ++k) extent = std::max(extent, high[k] / 2 - low[k] / 2);
     if (!(extent > 0)) return {};
+    // By a power of two, which rounds nothing: corners in line stay in line.
+    extent = std::ldexp(1.0, std::ilogb(extent));
     const auto local = [&](const Vec3d& p) {
         return Vec3d{(p.x / 2 - low.x / 2) / extent, (p.y / 2 - low.y / 2) / extent, (p.z / 2 - low.z / 2) / extent};
     };
@@ -66,76 +68,134 @@ void append_fan(std::span<const std::uint32_t> loop, std::vector<CornerTriple>& 
     for (std::size_t k = 1; k + 1 < loop.size(); ++k) out.push_back({loop[0], loop[k], loop[k + 1]});
 }
 
-/// The corners that may spoil an ear, by place: a grid over the polygon, with about one of them a cell. A triangle then
-/// meets few, however many there are.
-class ReflexGrid {
+/// The corners that may spoil an ear, by place: a balanced tree of boxes that shrink as corners are removed. A triangle
+/// meets few of them, however many corners there are and wherever they crowd.
+class ReflexTree {
  public:
-    ReflexGrid(std::span<const Vec2d> points, std::span<const std::uint32_t> reflex)
-        : points_(points), low_(points[0]), high_(points[0]) {
-        for (const Vec2d& p : points) {
-            low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
-            high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
-        }
-        side_ = static_cast<int>(std::clamp(std::sqrt(static_cast<double>(reflex.size())), 1.0, kMaxSide));
-        cells_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
-        for (const std::uint32_t k : reflex) cell_of(points[k]).push_back(k);
+    ReflexTree(std::span<const Vec2d> points, std::vector<std::uint32_t> reflex)
+        : points_(points), corners_(std::move(reflex)), place_of_(points.size(), kNowhere) {
+        if (corners_.empty()) return;
+        build(0, corners_.size());
+        for (std::size_t k = 0; k < corners_.size(); ++k) place_of_[corners_[k]] = k;
     }
 
-    void remove(std::uint32_t k, std::uint64_t& work) {
-        auto& cell = cell_of(points_[k]);
-        work += cell.size();
-        std::erase(cell, k);
+    [[nodiscard]] bool has(std::uint32_t corner) const { return place_of_[corner] != kNowhere; }
+
+    /// Adds to `work` what it took, as the others do.
+    void remove(std::uint32_t corner, std::uint64_t& work) {
+        const std::size_t place = place_of_[corner];
+        place_of_[corner] = kNowhere;
+        shrink(0, 0, corners_.size(), place, work);
     }
 
-    /// Calls `test` with those in the cells that the triangle meets, until it returns true. Adds to `work` what was
-    /// looked at. @return whether it did
+    /// Calls `test` with the corners near a triangle, counter-clockwise, until it returns true. @return whether it did
     template <class Test>
     bool any_near(const std::array<Vec2d, 3>& triangle, std::uint64_t& work, const Test& test) const {
-        const auto [bottom, top] = std::minmax({triangle[0].y, triangle[1].y, triangle[2].y});
-        for (int row = row_of(bottom), last = row_of(top); row <= last; ++row) {
-            const double step = (high_.y - low_.y) / side_, y = low_.y + row * step;
-            const auto [left, right] = span_of(triangle, y - kSlack, y + step + kSlack);
-            for (int column = column_of(left - kSlack), end = column_of(right + kSlack); column <= end; ++column) {
-                const auto& cell = cells_[index(row, column)];
-                work += 1 + cell.size();
-                for (const std::uint32_t k : cell)
-                    if (test(k)) return true;
-            }
-        }
-        return false;
+        return !nodes_.empty() && any_below(0, 0, corners_.size(), triangle, work, test);
     }
 
  private:
-    static constexpr double kMaxSide = 2048;
-    static constexpr double kSlack = 1e-9;  ///< the polygon's longer side is 1: beyond all rounding
+    static constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
+    static constexpr std::size_t kLeaf = 8;
+    /// Of twice an area. Coordinates are at most 2: beyond all rounding.
+    static constexpr double kSlack = 1e-14;
 
-    [[nodiscard]] std::size_t index(int row, int column) const {
-        return static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) + static_cast<std::size_t>(column);
-    }
-    [[nodiscard]] int place(double x, double low, double high) const {
-        return high > low ? static_cast<int>(std::clamp((x - low) / (high - low) * side_, 0.0, side_ - 1.0)) : 0;
-    }
-    [[nodiscard]] int row_of(double y) const { return place(y, low_.y, high_.y); }
-    [[nodiscard]] int column_of(double x) const { return place(x, low_.x, high_.x); }
-    std::vector<std::uint32_t>& cell_of(Vec2d p) { return cells_[index(row_of(p.y), column_of(p.x))]; }
-
-    /// The least and largest x of the triangle between two heights.
-    static std::pair<double, double> span_of(const std::array<Vec2d, 3>& triangle, double low, double high) {
-        double left = std::numeric_limits<double>::infinity(), right = -left;
-        const auto add = [&](double x) { left = std::min(left, x), right = std::max(right, x); };
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec2d a = triangle[k], b = triangle[(k + 1) % 3];
-            if (a.y >= low && a.y <= high) add(a.x);
-            for (const double y : {low, high})
-                if ((a.y < y) != (b.y < y)) add(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)));
+    /// An empty one is nowhere near anything.
+    struct Box {
+        Vec2d low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+        Vec2d high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+        void add(Vec2d p) {
+            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
         }
-        return {left, right};
+        void add(const Box& other) {
+            low = {std::min(low.x, other.low.x), std::min(low.y, other.low.y)};
+            high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y)};
+        }
+    };
+    /// Of the corners [begin, end); those of up to kLeaf have no children.
+    struct Node {
+        Box box;
+        std::size_t second = 0;  ///< where the second child is; the first one follows its parent
+    };
+
+    static std::size_t middle(std::size_t begin, std::size_t end) { return begin + (end - begin) / 2; }
+
+    [[nodiscard]] Box box_of(std::size_t begin, std::size_t end) const {
+        Box out;
+        for (std::size_t k = begin; k < end; ++k) out.add(points_[corners_[k]]);
+        return out;
+    }
+
+    std::size_t build(std::size_t begin, std::size_t end) {
+        const std::size_t node = nodes_.size();
+        nodes_.push_back({box_of(begin, end), 0});
+        if (end - begin <= kLeaf) return node;
+        const Box box = nodes_[node].box;
+        const bool by_x = box.high.x - box.low.x >= box.high.y - box.low.y;
+        const auto at = [&](std::size_t k) { return corners_.begin() + static_cast<std::ptrdiff_t>(k); };
+        std::nth_element(at(begin), at(middle(begin, end)), at(end), [&](std::uint32_t p, std::uint32_t q) {
+            const double a = by_x ? points_[p].x : points_[p].y, b = by_x ? points_[q].x : points_[q].y;
+            return a != b ? a < b : p < q;
+        });
+        build(begin, middle(begin, end));
+        const std::size_t second = build(middle(begin, end), end);
+        nodes_[node].second = second;
+        return node;
+    }
+
+    void shrink(std::size_t node, std::size_t begin, std::size_t end, std::size_t place, std::uint64_t& work) {
+        Box box;
+        if (end - begin <= kLeaf) {
+            work += end - begin;
+            for (std::size_t k = begin; k < end; ++k)
+                if (has(corners_[k])) box.add(points_[corners_[k]]);
+        } else {
+            ++work;
+            const std::size_t half = middle(begin, end), first = node + 1, second = nodes_[node].second;
+            if (place < half)
+                shrink(first, begin, half, place, work);
+            else
+                shrink(second, half, end, place, work);
+            box.add(nodes_[first].box);
+            box.add(nodes_[second].box);
+        }
+        nodes_[node].box = box;
+    }
+
+    /// False only if no corner in the box is in the triangle: the box is beyond one of its sides.
+    static bool may_meet(const Box& box, const std::array<Vec2d, 3>& triangle) {
+        const auto [left, right] = std::minmax({triangle[0].x, triangle[1].x, triangle[2].x});
+        const auto [bottom, top] = std::minmax({triangle[0].y, triangle[1].y, triangle[2].y});
+        if (!(box.low.x <= right && box.high.x >= left && box.low.y <= top && box.high.y >= bottom)) return false;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec2d a = triangle[k], b = triangle[(k + 1) % 3], d = b - a;
+            const Vec2d innermost{d.y >= 0 ? box.low.x : box.high.x, d.x >= 0 ? box.high.y : box.low.y};
+            if (turn(a, b, innermost) < -kSlack) return false;
+        }
+        return true;
+    }
+
+    template <class Test>
+    bool any_below(std::size_t node, std::size_t begin, std::size_t end, const std::array<Vec2d, 3>& triangle,
+                   std::uint64_t& work, const Test& test) const {
+        ++work;
+        if (!may_meet(nodes_[node].box, triangle)) return false;
+        if (end - begin <= kLeaf) {
+            work += end - begin;
+            for (std::size_t k = begin; k < end; ++k)
+                if (has(corners_[k]) && test(corners_[k])) return true;
+            return false;
+        }
+        const std::size_t half = middle(begin, end);
+        return any_below(node + 1, begin, half, triangle, work, test) ||
+               any_below(nodes_[node].second, half, end, triangle, work, test);
     }
 
     std::span<const Vec2d> points_;
-    Vec2d low_, high_;
-    int side_ = 1;
-    std::vector<std::vector<std::uint32_t>> cells_;
+    std::vector<std::uint32_t> corners_;
+    std::vector<std::size_t> place_of_;  ///< of a corner in corners_; kNowhere once it is removed
+    std::vector<Node> nodes_;
 };
 
 class EarClipper {
@@ -143,6 +203,7 @@ class EarClipper {
     /// @param most  point tests that it may take
     EarClipper(std::vector<Vec2d> points, std::uint64_t most)
         : points_(std::move(points)), size_(points_.size()), most_(most) {
+        std::vector<std::uint32_t> reflex;
         next_.resize(size_);
         previous_.resize(size_);
         ear_length_.resize(size_);
@@ -151,11 +212,8 @@ class EarClipper {
             previous_[k] = static_cast<std::uint32_t>((k + size_ - 1) % size_);
         }
         for (std::uint32_t k = 0; k < size_; ++k)
-            if (!is_convex_corner(k)) reflex_.push_back(k);
-        if (reflex_.size() <= kFewReflex) return;
-        grid_.emplace(points_, reflex_);
-        is_reflex_.resize(size_);
-        for (const std::uint32_t k : reflex_) is_reflex_[k] = true;
+            if (!is_convex_corner(k)) reflex.push_back(k);
+        reflex_.emplace(points_, std::move(reflex));
     }
 
     [[nodiscard]] std::uint64_t work() const { return tests_; }
@@ -184,7 +242,7 @@ class EarClipper {
             ear_length_[*best] = kNoEar;
             if (start == *best) start = after;
             --left;
-            forget(*best, before, after);
+            forget(before, after);
             measure_ear(before);
             measure_ear(after);
         }
@@ -193,8 +251,6 @@ class EarClipper {
     }
 
  private:
-    /// Up to so many, going through all of them takes less time than a grid.
-    static constexpr std::size_t kFewReflex = 64;
     static constexpr double kNoEar = std::numeric_limits<double>::infinity();
     struct Ear {
         double length;
@@ -223,20 +279,10 @@ class EarClipper {
         return std::nullopt;
     }
 
-    /// Corners only turn convex by clipping, and a clipped one is no obstacle.
-    void forget(std::uint32_t clipped, std::uint32_t before, std::uint32_t after) {
-        const auto is_done = [&](std::uint32_t k) {
-            return k == clipped || ((k == before || k == after) && is_convex_corner(k));
-        };
-        if (!grid_) {
-            std::erase_if(reflex_, is_done);
-            return;
-        }
-        for (const std::uint32_t k : {before, after})  // the clipped one is convex
-            if (is_reflex_[k] && is_done(k)) {
-                grid_->remove(k, tests_);
-                is_reflex_[k] = false;
-            }
+    /// Corners only turn convex by clipping, and a clipped one is convex.
+    void forget(std::uint32_t before, std::uint32_t after) {
+        for (const std::uint32_t k : {before, after})
+            if (reflex_->has(k) && is_convex_corner(k)) reflex_->remove(k, tests_);
     }
 
     /// Squared length of the diagonal that cuts off corner k; kNoEar if k is no ear.
@@ -254,12 +300,7 @@ class EarClipper {
             if (p == a || p == b || p == c) return false;
             return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
         };
-        if (!grid_) {
-            tests_ += reflex_.size();
-            if (std::any_of(reflex_.begin(), reflex_.end(), lies_inside)) return;
-        } else if (grid_->any_near({a, b, c}, tests_, lies_inside)) {
-            return;
-        }
+        if (reflex_->any_near({a, b, c}, tests_, lies_inside)) return;
         ear_length_[k] = dot(c - a, c - a);
         ears_.push({ear_length_[k], k});
     }
@@ -267,11 +308,10 @@ class EarClipper {
     std::vector<Vec2d> points_;
     std::size_t size_;
     std::uint64_t most_;
-    std::vector<std::uint32_t> next_, previous_, reflex_;
+    std::vector<std::uint32_t> next_, previous_;
     std::vector<double> ear_length_;
     std::priority_queue<Ear, std::vector<Ear>, std::greater<>> ears_;
-    std::optional<ReflexGrid> grid_;  ///< for many reflex corners, instead of reflex_
-    std::vector<bool> is_reflex_;     ///< those in grid_
+    std::optional<ReflexTree> reflex_;  ///< after the constructor always there
     std::uint64_t tests_ = 0;
 };
 

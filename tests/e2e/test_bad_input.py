@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bad input and bad command lines: each its own message and exit code, and nothing left behind."""
 import json
+import math
 import os
+import time
 import unittest
 from pathlib import Path
 
@@ -39,6 +41,31 @@ class BadInput(support.Folder):
         (self.folder / "texts" / "deep").mkdir(parents=True)
         (self.folder / "texts" / "deep" / "notes.txt").write_text("no mesh\n")
         self.refuse(2, 5004, ["texts", "the folder holds no meshes"], "texts", "-o", "out")
+
+    def test_polygons_that_crash_the_importer_of_off(self):
+        circle = "".join(f"{math.cos(k):.6f} {math.sin(k):.6f} 0\n" for k in range(8000))
+        for count in (700, 900, 8000):  # of corners: a line below 4096 bytes, one beyond, and one that crashed
+            line = f"{count} " + " ".join(map(str, range(count))) + "\n"
+            (self.folder / "a.off").write_text(f"OFF\n8000 1 0\n{circle}{line}")
+            result = self.bake("a.off", "--size", "9", "--method", "tutte", "--fit", "sample")
+            if len(line) <= 4096:
+                self.assertNotIn("DGM3005", result.stderr)
+            else:
+                self.assertEqual(result.returncode, 3, result.stderr)
+                self.assertRegex(result.stderr, r"DGM3005: a line of \d+ bytes")
+            self.assertNotIn("DGM9002", result.stderr)
+            self.assertTrue(self.workers_gone())
+
+    def test_faces_on_one_edge(self):
+        count = 70_000
+        points = "".join(f"v {math.cos(k):.9f} {math.sin(k):.9f} 0.5\n" for k in range(count))
+        faces = "".join(f"f 1 2 {k + 3}\n" for k in range(count))
+        (self.folder / "fan.obj").write_text("v 0 0 0\nv 0 0 1\n" + points + faces)
+        begun = time.monotonic()
+        result = self.bake("fan.obj", "--size", "65")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn("DGM3007", result.stderr)
+        self.assertLess(time.monotonic() - begun, 30)
 
     def test_nan_only(self):
         (self.folder / "nan.obj").write_text("v nan nan nan\n" * 3 + "f 1 2 3\n")

@@ -16,6 +16,7 @@
 #include "fuzz_calls.h"
 #include "process/hdf5_apart.h"
 #include "rehashed_maps.h"
+#include "support/temp_folder.h"
 #include "target.h"
 #include "validate/validation.h"
 
@@ -24,25 +25,10 @@ namespace fs = std::filesystem;
 using namespace dgm;
 using test::is_saying;
 
-/// A folder in memory where there is one; gone at the end.
-class Scratch {
- public:
-    Scratch() {
-        std::string name = (fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path().string()) + "/dgm-XXXXXX";
-        test::require(mkdtemp(name.data()) != nullptr);
-        folder_ = name;
-    }
-    ~Scratch() {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-    [[nodiscard]] fs::path operator/(const char* name) const { return folder_ / name; }
-
- private:
-    fs::path folder_;
-};
+/// In memory where that can be.
+fs::path folder_of_scratch() {
+    return fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
+}
 
 bool is_accepted(const fs::path& path) {
     const validate::FileValidation result = validate::validate_file(path);
@@ -59,7 +45,7 @@ bool is_accepted(const fs::path& path) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const bake::Hdf5Apart hdf5;  // before anything else: it copies this process
-    static const Scratch scratch;
+    static const test::TempFolder scratch(folder_of_scratch());
     test::Dice dice({data, size});
     const fs::path path = scratch / "map.dgm";
     const std::string file = test::rehashed_dgm(dice, path);

@@ -16,6 +16,7 @@
 #include "files/output_file.h"
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
+#include "process/image_apart.h"
 #include "process/mesh_import.h"
 #include "tool/guarded_main.h"
 #include "tool/tool.h"
@@ -255,6 +256,7 @@ static int run_main(int argc, char** argv) {
     return dgm::tool::run_tool("dgm-export", argc, argv, app, kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
         const dgm::bake::ExrApart exr;
+        const dgm::bake::ImageApart images;
         return run(line, subject);
     });
 }

@@ -107,17 +107,6 @@ model::MapSet random_maps(std::uint64_t seed, std::size_t charts) {
     return maps;
 }
 
-TempFolder::TempFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "dgm_test_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-}
-
-TempFolder::~TempFolder() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-}
-
 int code_of(const std::function<void()>& action) {
     try {
         action();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/formats/test_maps.h
-// Map sets with every layer and every bit pattern, and a folder that cleans up after itself.
+// Map sets with every layer and every bit pattern, and what tests of files need.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/map_set.h"
+#include "support/temp_folder.h"
 
 namespace dgm::test {
 
@@ -37,20 +38,6 @@ struct MapChoice {
 [[nodiscard]] model::Chart random_chart(Random& random, const MapChoice& choice);
 /// `charts` charts of various kinds.
 [[nodiscard]] model::MapSet random_maps(std::uint64_t seed, std::size_t charts);
-
-/// An empty folder for one test, removed with all that is in it at the end.
-class TempFolder {
- public:
-    TempFolder();
-    ~TempFolder();
-    TempFolder(const TempFolder&) = delete;
-    TempFolder& operator=(const TempFolder&) = delete;
-    [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-    std::filesystem::path path_;
-};
 
 /// Number of the code of the model::Error that `action` throws; 0 if it throws none.
 [[nodiscard]] int code_of(const std::function<void()>& action);

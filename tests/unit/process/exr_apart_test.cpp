@@ -6,12 +6,17 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <random>
 #include <thread>
+#include <tuple>
 
 #include "exr/exr_writer.h"
 #include "model/codes.h"
+#include "process/error_stream.h"
+#include "process/sandbox.h"
 #include "process/worker_io.h"
+#include "support/faults.h"
 #include "test_maps.h"
 
 namespace dgm::bake {
@@ -60,7 +65,7 @@ TEST(ExrApart, OtherBytesAreRefused) {
     wrong.maps.charts[0].layers[0].bytes.pop_back();
     EXPECT_FALSE(decode_exr(encode_exr(wrong), {}, sizes)) << "a size that does not follow from the shape";
     EXPECT_FALSE(decode_exr(bytes, {.max_total_bytes = 8}, sizes)) << "more than was allowed";
-    EXPECT_EQ(test::code_of([&] { (void)decode_exr(encode_exr(model::Error(codes::kBadVersion, "x")), {}, sizes); }),
+    EXPECT_EQ(test::code_of([&] { throw_sent_error(encode_error(model::Error(codes::kBadVersion, "x"))); }),
               codes::kBadVersion.number);
 }
 
@@ -101,6 +106,86 @@ TEST(ExrApart, SurvivesMutants) {
     EXPECT_GT(refused, 50);
 }
 
+/// A map whose layers an EXR file shows, and that file.
+struct Painted {
+    Painted() { formats::write_exr(maps, folder / "a.exr"); }
+    test::TempFolder folder;
+    model::MapSet maps = test::random_maps(2, 9);
+};
+
+TEST(ExrApart, PlanesAndPicturesAreReadAsHere) {
+    const Painted painted;
+    const std::filesystem::path file = painted.folder / "a.exr";
+    const std::vector<formats::ExrPlane> planes = formats::read_exr_planes(file, painted.maps.charts);
+    ASSERT_GT(planes.size(), 5u);
+    const ExrApart exr;
+    const std::vector<formats::ExrPlane> apart = formats::read_exr_planes(file, painted.maps.charts);
+    ASSERT_EQ(apart.size(), planes.size());
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+        EXPECT_EQ(std::tie(apart[k].chart, apart[k].layer, apart[k].component, apart[k].meaning, apart[k].is_half,
+                           apart[k].file),
+                  std::tie(planes[k].chart, planes[k].layer, planes[k].component, planes[k].meaning, planes[k].is_half,
+                           planes[k].file));
+        ASSERT_EQ(apart[k].values.size(), planes[k].values.size());
+        EXPECT_EQ(0, std::memcmp(apart[k].values.data(), planes[k].values.data(), 4 * planes[k].values.size()));
+    }
+    EXPECT_TRUE(formats::has_exr_description(file));
+    EXPECT_FALSE(formats::has_exr_description(painted.folder / "none.exr"));
+    EXPECT_EQ(test::code_of([&] { (void)formats::read_exr_picture(painted.folder / "none.exr"); }),
+              codes::kFileMissing.number);
+    EXPECT_EQ(test::code_of([&] { (void)formats::read_exr_planes(file, {}); }), codes::kEditUnrelated.number);
+}
+
+TEST(ExrApart, PlanesThatNoLayerHasAreRefused) {
+    const std::vector<model::Chart> charts = test::random_maps(1, 9).charts;
+    formats::ExrPlane good;
+    std::vector<std::uint64_t> counts;
+    std::uint64_t elements = 1;
+    for (const std::uint64_t extent : charts[0].layers[0].shape) elements *= extent;
+    good.values.resize(elements);
+    EXPECT_TRUE(decode_planes(encode_planes({good}), charts, {}, counts));
+    EXPECT_EQ(counts, std::vector<std::uint64_t>{elements});
+    const auto is_refused = [&](const auto& change, const formats::ExrReadLimits& limits = {}) {
+        formats::ExrPlane bad = good;
+        change(bad);
+        return !decode_planes(encode_planes({bad}), charts, limits, counts);
+    };
+    EXPECT_TRUE(is_refused([&](auto& p) { p.chart = charts.size(); }));
+    EXPECT_TRUE(is_refused([&](auto& p) { p.layer = charts[0].layers.size(); }));
+    EXPECT_TRUE(is_refused([](auto& p) { p.component = 1; }));
+    EXPECT_TRUE(is_refused([](auto& p) { p.values.clear(); }));
+    EXPECT_TRUE(is_refused([](auto& p) { p.values.pop_back(); }));
+    EXPECT_TRUE(is_refused([](auto& p) { p.meaning = static_cast<formats::ExrPlane::Meaning>(4); }));
+    EXPECT_TRUE(is_refused([](auto&) {}, {.max_total_bytes = 4 * elements - 1}));
+    const std::string bytes = encode_planes({good, good});
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+        EXPECT_FALSE(decode_planes(bytes.substr(0, size), charts, {}, counts)) << size;
+    EXPECT_FALSE(decode_planes(bytes + "x", charts, {}, counts));
+}
+
+TEST(ExrApart, WhateverTheReaderDoesIsAnErrorOfTheFile) {
+    const Painted painted;
+    const std::filesystem::path file = painted.folder / "a.exr";
+    const bool is_whole = sandbox_lacks().empty();
+    for (const auto& [name, fault] : test::faults()) {
+        if (!is_whole && (name == "another file" || name == "a socket" || name == "another process")) continue;
+        const auto run = [&, act = fault] { act(); };
+        const formats::ExrPlaneReader reader{
+            .planes = [run](const auto&, const auto&, const auto&) { return run(), std::vector<formats::ExrPlane>(); },
+            .picture =
+                [run](const auto&, const auto&) {
+                    return run(), formats::ExrPicture{1, 1, 1, false, {0}};
+                },
+            .has_description = [run](const auto&) { return run(), true; }};
+        const ExrApart exr(reader);
+        EXPECT_EQ(test::code_of([&] { (void)formats::read_exr_planes(file, painted.maps.charts); }),
+                  codes::kExrUnreadable.number)
+            << name;
+        EXPECT_EQ(test::code_of([&] { (void)formats::read_exr_picture(file); }), codes::kExrUnreadable.number) << name;
+        EXPECT_FALSE(formats::has_exr_description(file)) << name;
+    }
+}
+
 TEST(ForkServer, TellsHowAProcessEnded) {
     ForkServer server({.work =
                            [](std::string_view request) {
@@ -129,8 +214,7 @@ TEST(ForkServer, TellsHowAProcessEnded) {
     EXPECT_EQ(answer("throw"), " 4 0");
     EXPECT_EQ(answer("flood"), " 0 " + std::to_string(SIGPIPE));
     EXPECT_EQ(answer("again"), "again! 0 0");
-    EXPECT_EQ(test::code_of([&] { (void)server.ask(std::string(ForkServer::kMostBytes + 1, 'x')); }),
-              codes::kReadFailed.number);
+    EXPECT_EQ(answer(std::string(1 << 20, 'x')), std::string(1 << 20, 'x') + "! 0 0");
 }
 
 }  // namespace

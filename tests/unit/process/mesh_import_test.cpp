@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "model/codes.h"
+#include "process/error_stream.h"
 
 namespace dgm::bake {
 namespace {
@@ -48,7 +49,7 @@ TEST(MeshImport, AllComesBack) {
 
 TEST(MeshImport, ErrorsComeBack) {
     try {
-        (void)decode_import(encode_import(model::Error(model::codes::kNoFaces, "no faces", "a.obj:3:1")));
+        (void)decode_import(encode_error(model::Error(model::codes::kNoFaces, "no faces", "a.obj:3:1")));
         FAIL();
     } catch (const model::Error& error) {
         EXPECT_EQ(error.code().number, model::codes::kNoFaces.number);

@@ -5,7 +5,6 @@
 //
 // DGM_DAMAGE_STEP=1 tries every byte instead of one in 64.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -20,6 +19,7 @@
 #include "exr/exr_writer.h"
 #include "model/codes.h"
 #include "raw_dgm.h"
+#include "support/temp_folder.h"
 #include "validate/validation.h"
 #include "validation_maps.h"
 
@@ -37,15 +37,6 @@ std::size_t flip_step() {
 
 class Damage : public testing::Test {
  protected:
-    void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "dgm-damage-XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
-    }
-    void TearDown() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
     static std::string read_bytes(const fs::path& path) {
         std::ifstream file(path, std::ios::binary);
         return {std::istreambuf_iterator<char>(file), {}};
@@ -71,7 +62,8 @@ class Damage : public testing::Test {
         const auto asset = Asset::open_memory(std::as_bytes(std::span(aligned)).first(bytes.size()), options);
         return asset ? ErrorCode{} : asset.error().code;
     }
-    fs::path folder_;
+    const test::TempFolder scratch_;
+    const fs::path& folder_ = scratch_.path();
 };
 
 TEST_F(Damage, EveryCutIsFound) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dgm/dgm_writer.h"
+#include "support/temp_folder.h"
 #include "validation_maps.h"
 
 namespace dgm::validate {
@@ -26,19 +27,12 @@ struct Outcome {
 class ValidateCommand : public testing::Test {
  protected:
     void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "dgm-validate-XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
         good_ = (folder_ / "good.dgm").string();
         torn_ = (folder_ / "torn.dgm").string();
         model::MapSet maps = test::good_maps();
         formats::write_dgm(maps, good_);
         test::poke<float>(*maps.charts[0].find("geometry"), 3 * (4 * test::kTubeCols + 10), 0.4999f);
         formats::write_dgm(maps, torn_);
-    }
-    void TearDown() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
     }
     [[nodiscard]] Outcome run(const std::string& arguments, const std::string& redirect = {}) const {
         const fs::path out = folder_ / "out.txt", err = folder_ / "err.txt";
@@ -50,7 +44,8 @@ class ValidateCommand : public testing::Test {
         std::ifstream stream(file);
         return {std::istreambuf_iterator<char>(stream), {}};
     }
-    fs::path folder_;
+    const test::TempFolder scratch_;
+    const fs::path& folder_ = scratch_.path();
     std::string good_, torn_;
 };
 

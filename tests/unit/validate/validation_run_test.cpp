@@ -2,7 +2,6 @@
 // tests/unit/validate/validation_run_test.cpp
 // Several files, patterns, baselines and severities.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "dgm/dgm_writer.h"
 #include "exr/exr_writer.h"
 #include "model/codes.h"
+#include "support/temp_folder.h"
 #include "validate/file_list.h"
 #include "validate/run.h"
 #include "validation_maps.h"
@@ -53,9 +53,6 @@ TEST(FilePatterns, StarsStopAtSlashesAndDoubleStarsDoNot) {
 class ValidationRun : public testing::Test {
  protected:
     void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "dgm-run-XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
         fs::create_directories(folder_ / "b" / "deep");
         model::MapSet maps = test::good_maps();
         formats::write_dgm(maps, folder_ / "good.dgm");
@@ -65,10 +62,6 @@ class ValidationRun : public testing::Test {
         test::poke<float>(*maps.charts[0].find("geometry"), 3 * (4 * test::kTubeCols + 10), 0.4999f);
         formats::write_dgm(maps, folder_ / "b" / "deep" / "torn.dgm");
         std::ofstream(folder_ / "b" / "notes.txt") << "no map\n";
-    }
-    void TearDown() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
     }
     [[nodiscard]] std::vector<std::string> expand(const std::vector<std::string>& names) const {
         std::vector<std::string> whole, out;
@@ -92,7 +85,8 @@ class ValidationRun : public testing::Test {
         }
         return out;
     }
-    fs::path folder_;
+    const test::TempFolder scratch_;
+    const fs::path& folder_ = scratch_.path();
 };
 
 TEST_F(ValidationRun, FoldersPatternsAndNamesAreExpandedOnce) {

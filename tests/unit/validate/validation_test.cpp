@@ -4,9 +4,7 @@
 #include "validate/validation.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -17,6 +15,7 @@
 #include "geometry/metrics/reconstruction.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
+#include "support/temp_folder.h"
 #include "validation_maps.h"
 
 namespace dgm::validate {
@@ -27,25 +26,6 @@ using model::Chart;
 using model::ElementType;
 using model::MapSet;
 using test::poke;
-
-class TemporaryFolder {
- public:
-    TemporaryFolder() {
-        std::string pattern = (fs::temp_directory_path() / "dgm-validation-XXXXXX").string();
-        if (mkdtemp(pattern.data()) == nullptr) std::abort();
-        path_ = pattern;
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    [[nodiscard]] fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-    fs::path path_;
-};
 
 /// "DGM2004 /charts/0/geometry", in order; warnings in brackets.
 std::vector<std::string> summary(const FileValidation& validation) {
@@ -204,7 +184,7 @@ class ValidationOfFile : public testing::TestWithParam<Breakage> {};
 TEST_P(ValidationOfFile, FindsExactlyThis) {
     MapSet maps = test::good_maps();
     GetParam().change(maps);
-    const TemporaryFolder folder;
+    const test::TempFolder folder;
     formats::write_dgm(maps, folder / "x.dgm");
     const FileValidation validation = validate_file(folder / "x.dgm");
     EXPECT_EQ(summary(validation), GetParam().want);
@@ -252,7 +232,7 @@ TEST_P(ValidationOfMaps, FindsExactlyThis) {
 INSTANTIATE_TEST_SUITE_P(Shapes, ValidationOfMaps, testing::ValuesIn(kShapeBreakages), breakage_name);
 
 TEST(Validation, AGoodFileHasNoFindings) {
-    const TemporaryFolder folder;
+    const test::TempFolder folder;
     formats::write_dgm(test::good_maps(), folder / "good.dgm");
     const FileValidation validation = validate_file(folder / "good.dgm");
     EXPECT_EQ(summary(validation), std::vector<std::string>{});
@@ -276,7 +256,7 @@ TEST(Validation, QuantisedGeometryIsMeasuredInItsUnits) {
 }
 
 TEST(Validation, DamagedBytesAreTheContainersFindingAlone) {
-    const TemporaryFolder folder;
+    const test::TempFolder folder;
     const fs::path file = folder / "x.dgm";
     MapSet maps = test::good_maps();
     formats::write_dgm(maps, file);
@@ -297,7 +277,7 @@ TEST(Validation, DamagedBytesAreTheContainersFindingAlone) {
 }
 
 TEST(Validation, MissingAndForeignFiles) {
-    const TemporaryFolder folder;
+    const test::TempFolder folder;
     FileValidation validation = validate_file(folder / "absent.dgm");
     ASSERT_EQ(validation.findings.size(), 1u);
     EXPECT_EQ(validation.findings[0].code, &codes::kFileMissing);
@@ -311,7 +291,7 @@ TEST(Validation, MissingAndForeignFiles) {
 }
 
 /// The reconstruction of both charts, moved by `shift` along z and written as OBJ: its distance is known.
-Source shifted_source(const TemporaryFolder& folder, const MapSet& maps, double shift) {
+Source shifted_source(const test::TempFolder& folder, const MapSet& maps, double shift) {
     model::TriMesh mesh;
     for (const Chart& chart : maps.charts) {
         const bake::Reconstruction r = bake::reconstruct(chart);
@@ -324,7 +304,7 @@ Source shifted_source(const TemporaryFolder& folder, const MapSet& maps, double 
 }
 
 TEST(Validation, ComparesWithTheSource) {
-    const TemporaryFolder folder;
+    const test::TempFolder folder;
     MapSet maps = test::good_maps();
     const Source same = shifted_source(folder, maps, 0);
     maps.source_hash = same.hash;
@@ -364,7 +344,7 @@ TEST(Validation, ComparesWithTheSource) {
 }
 
 TEST(Validation, WarnsOfFacesTurnedAgainstTheSource) {
-    const TemporaryFolder folder;
+    const test::TempFolder folder;
     MapSet maps = test::good_maps();
     maps.charts.resize(1);
     const bake::Reconstruction tube = bake::reconstruct(maps.charts[0]);

@@ -19,6 +19,7 @@
 #include "files/staging_folder.h"
 #include "model/codes.h"
 #include "model/printable.h"
+#include "support/temp_folder.h"
 
 namespace dgm::formats {
 namespace {
@@ -27,11 +28,6 @@ namespace fs = std::filesystem;
 
 class Files : public testing::Test {
  protected:
-    Files() {
-        std::string pattern = (fs::temp_directory_path() / "dgm-files-XXXXXX").string();
-        folder_ = ::mkdtemp(pattern.data());
-    }
-    ~Files() override { fs::remove_all(folder_); }
     [[nodiscard]] std::size_t entries() const {
         return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
     }
@@ -46,7 +42,8 @@ class Files : public testing::Test {
         } catch (const model::Error& error) { return error.code().number; }
         return 0;
     }
-    fs::path folder_;
+    const test::TempFolder scratch_;
+    const fs::path& folder_ = scratch_.path();
 };
 
 TEST_F(Files, AnythingButARegularFileIsRefusedWithoutWaiting) {

@@ -2,12 +2,12 @@
 #include "mesh/source_inputs.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <fstream>
 
 #include "mesh/mesh_reader.h"
+#include "support/temp_folder.h"
 
 namespace dgm::formats {
 namespace {
@@ -17,11 +17,7 @@ using namespace std::string_literals;
 
 class SourceInputsTest : public testing::Test {
  protected:
-    void SetUp() override {
-        root_ = fs::temp_directory_path() / ("dgm-inputs-" + std::to_string(getpid()));
-        fs::create_directories(root_ / "textures");
-    }
-    void TearDown() override { fs::remove_all(root_); }
+    void SetUp() override { fs::create_directories(root_ / "textures"); }
     fs::path write(const std::string& name, const std::string& text) {
         std::ofstream(root_ / name, std::ios::binary) << text;
         return root_ / name;
@@ -32,7 +28,8 @@ class SourceInputsTest : public testing::Test {
         for (const std::string& missing : inputs.missing) out += missing.substr(0, missing.find("; looked")) + ";";
         return out;
     }
-    fs::path root_;
+    const test::TempFolder scratch_;
+    const fs::path& root_ = scratch_.path();
 };
 
 std::string chunk(unsigned id, const std::string& body) {

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/bench/temporary_folder.h
+// formats/files/temporary_folder.h
 #pragma once
 #include <filesystem>
+#include <string_view>
 
-namespace dgm::bench {
+namespace dgm::formats {
 
-/// A new empty folder, removed with all that is in it.
+/// A new empty folder for the program's own use among the system's temporary files, removed with all that is in it.
 class TemporaryFolder {
  public:
+    /// @param program  its name begins with that
     /// @throws model::Error kWriteFailed
-    TemporaryFolder();
+    explicit TemporaryFolder(std::string_view program);
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
     ~TemporaryFolder();
@@ -19,4 +21,4 @@ class TemporaryFolder {
     std::filesystem::path path_;
 };
 
-}  // namespace dgm::bench
+}  // namespace dgm::formats
