@@ -201,12 +201,29 @@ void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Fie
     float* now = const_cast<float*>(l.rim_now.data());
     for (std::size_t k = 0; k < l.rim.size(); ++k) {
         const std::uint32_t s = l.sample_of[l.rim[k]];
-        float sum[3] = {};
-        for (std::uint32_t e = l.rim_rows.start[k]; e < l.rim_rows.start[k + 1]; ++e) {
-            const float v = l.rim_value[e];
-            const std::uint32_t c = l.rim_rows.col[e];
-            for (int a = 0; a < 3; ++a) sum[a] += v * way.p[a][c];
+        // Two sums a coordinate: one alone would wait for each addition.
+        const std::uint32_t* col = l.rim_rows.col.data();
+        const float* value = l.rim_value.data();
+        const float *wx = way.p[0], *wy = way.p[1], *wz = way.p[2];
+        float even[3] = {}, odd[3] = {};
+        std::uint32_t e = l.rim_rows.start[k];
+        const std::uint32_t end = l.rim_rows.start[k + 1];
+        for (; e + 1 < end; e += 2) {
+            const std::uint32_t c = col[e], d = col[e + 1];
+            const float v = value[e], w = value[e + 1];
+            even[0] += v * wx[c];
+            even[1] += v * wy[c];
+            even[2] += v * wz[c];
+            odd[0] += w * wx[d];
+            odd[1] += w * wy[d];
+            odd[2] += w * wz[d];
         }
+        if (e < end) {
+            even[0] += value[e] * wx[col[e]];
+            even[1] += value[e] * wy[col[e]];
+            even[2] += value[e] * wz[col[e]];
+        }
+        const float sum[3] = {even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]};
         for (int a = 0; a < 3; ++a) {
             const float r = residual.p[a][s] - (sum[a] + l.extra[s] * way.p[a][s]);
             now[6 * k + static_cast<std::size_t>(a)] = r;
