@@ -11,15 +11,16 @@
 #include <utility>
 
 #include <dgm/allocator.h>
+#include <dgm/export.h>
 
 namespace dgm::detail {
 
 inline constexpr std::size_t kMaxAlignment = 64;
 
-[[nodiscard]] void* allocate(const Allocator& allocator, std::size_t bytes, std::size_t alignment) noexcept;
-void release(const Allocator& allocator, void* memory, std::size_t bytes) noexcept;
+[[nodiscard]] DGM_API void* allocate(const Allocator& allocator, std::size_t bytes, std::size_t alignment) noexcept;
+DGM_API void release(const Allocator& allocator, void* memory, std::size_t bytes) noexcept;
 /// Both functions given, or neither.
-[[nodiscard]] bool is_valid(const Allocator& allocator) noexcept;
+[[nodiscard]] DGM_API bool is_valid(const Allocator& allocator) noexcept;
 
 /// Fixed array of trivial elements; starts empty, filled once by allocate().
 template <class T>

@@ -23,25 +23,6 @@ static_assert(same(DGM_CONTACT_STATUS_CLEAR, dgm::ContactStatus::Clear));
 static_assert(same(DGM_CONTACT_STATUS_CONTACT, dgm::ContactStatus::Contact));
 static_assert(same(DGM_CONTACT_STATUS_RESTORED, dgm::ContactStatus::Restored));
 static_assert(same(DGM_CONTACT_STATUS_OPEN, dgm::ContactStatus::Open));
-
-Result<dgm::Obstacle> obstacle_of(const dgm_obstacle* from) noexcept {
-    if (from == nullptr) return kNull;
-    dgm_obstacle o;
-    if (auto r = get(from, o); !r) return r.error();
-    dgm::Obstacle to;
-    to.kind = static_cast<dgm::ObstacleKind>(o.kind);
-    to.point = vec(o.point);
-    to.normal = vec(o.normal);
-    to.end = vec(o.end);
-    to.radius = o.radius;
-    to.half = vec(o.half);
-    // Zeros are the default: no rotation.
-    if (std::any_of(o.rotation, o.rotation + 9, [](float v) { return v != 0; }))
-        std::copy_n(o.rotation, 9, to.rotation);
-    to.surface = o.surface == nullptr ? nullptr : &o.surface->value;
-    to.reach = o.reach;
-    return to;
-}
 }  // namespace
 
 extern "C" {

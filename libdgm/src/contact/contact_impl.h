@@ -52,9 +52,9 @@ struct Probe {
     std::uint32_t facet = kNone;  ///< surface: a triangle whose plane may stand for it near by; kNone: none may
 };
 /// Checks and refits. @return BadArgument, Unsupported.
-[[nodiscard]] Result<Shape> make_shape(const Obstacle& obstacle) noexcept;
+[[nodiscard]] DGM_API Result<Shape> make_shape(const Obstacle& obstacle) noexcept;
 /// Depends on the point alone: copies of a class get the same bits.
-[[nodiscard]] Probe probe(const Shape& shape, Double3 point) noexcept;
+[[nodiscard]] DGM_API Probe probe(const Shape& shape, Double3 point) noexcept;
 /// The next searches are in or near a box (local frame).
 void look_into(const Shape& shape, const Box& box) noexcept;
 /// After a search in the box looked into: no part of the surface lies among samples of a row of the grid, so that all

@@ -87,7 +87,7 @@ struct Changes {
     void each_run(std::uint64_t cursor, Row row, Border border) const noexcept;
 
  private:
-    void note_other(const Rect& r) noexcept;
+    DGM_API void note_other(const Rect& r) noexcept;
     void stamp(const Rect& r) noexcept;
 };
 

@@ -221,8 +221,8 @@ struct Best {
 /// Improves `best`; samples of `except` are left out.
 void search_pyramid(const Surface& surface, const Pyramid& pyramid, Vec3 tool, Best& best,
                     const Rect* except = nullptr) noexcept;
-[[nodiscard]] bool is_finite(Vec3 v) noexcept;
+[[nodiscard]] DGM_API bool is_finite(Vec3 v) noexcept;
 /// No coordinate beyond kMaxCoordinate, none a NaN.
-[[nodiscard]] bool is_place(Vec3 v) noexcept;
+[[nodiscard]] DGM_API bool is_place(Vec3 v) noexcept;
 
 }  // namespace dgm::detail

@@ -8,6 +8,7 @@
 #include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/force.h>
+#include <dgm/physics.h>
 #include <dgm/pick.h>
 #include <dgm/reconstruct.h>
 #include <dgm/snapshot.h>
@@ -148,6 +149,43 @@ TEST(Tick, ContactsAndSnapshotsTakeNoMemory) {
     }
     const long after = g_allocations;
     EXPECT_TRUE(sound);
+    EXPECT_EQ(after, before);
+}
+
+TEST(Tick, StepsOfPhysicsTakeNoMemory) {
+    State state = make_state(sphere_chart(33));
+    PhysicsOptions options;
+    options.metres_per_unit = 0.1;
+    options.material.viscosity = 1e-3f;
+    Physics physics = Physics::create(state, options).value();
+    bool sound = true;
+    StepTool answers[2];
+    Obstacle plane;
+    plane.point = {0, 0, -0.95f};
+    const Pin pin{40, state.positions()[40]};
+    std::uint32_t contacts = 0;
+    const long before = g_allocations;
+    for (int k = 0; k < 200; ++k) {
+        StepOptions o;
+        o.tool_radius = 0.2f;
+        o.obstacles = {&plane, 1};
+        if (k % 3 == 0) o.pins = {&pin, 1};
+        ToolInput in[2];
+        in[0].position = {0, 0, 1.2f - 0.01f * float(k % 40)};
+        in[1].tool = 1;
+        in[1].kind = ToolKind::Grasp;
+        in[1].engaged = k % 50 < 30;
+        in[1].position = {1, 0.002f * float(k % 50), 0};
+        const auto done = step(state, physics, o, in, answers);
+        sound = sound && done.ok();
+        if (done) contacts += done.value().contacts;
+        if (k % 20 == 0) sound = sound && physics.set_dt(k % 40 == 0 ? 1e-3f : 1e-2f).ok();
+        state.update_normals();
+    }
+    physics.reset();
+    const long after = g_allocations;
+    EXPECT_TRUE(sound);
+    EXPECT_GT(contacts, 0u);
     EXPECT_EQ(after, before);
 }
 

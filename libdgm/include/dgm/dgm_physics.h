@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/* libdgm/include/dgm/dgm_physics.h */
+/* C interface of libdgm_physics: gives a chart mass and material. The rules of dgm.h hold here, too: sized structs,
+ * codes, handles, memory. docs/physics.md has the model; physics.h is the C++ interface with the same functions. */
+#pragma once
+#include <dgm/dgm.h>
+
+#if defined(_WIN32) && defined(DGM_BUILD_PHYSICS)
+#define DGM_PHYSICS_API __declspec(dllexport)
+#elif defined(_WIN32) && !defined(DGM_STATIC)
+#define DGM_PHYSICS_API __declspec(dllimport)
+#elif !defined(DGM_PHYSICS_API)
+#define DGM_PHYSICS_API DGM_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Stencils of all strides, displacement and velocities of one state. */
+typedef struct dgm_physics dgm_physics;
+
+/* Material and step of a dgm_physics. SI units. */
+typedef struct dgm_physics_options {
+    uint32_t struct_size;
+    float membrane;         /* Young's modulus times thickness, N/m: 1e-6 .. 1e12. 0: 200 */
+    float poisson;          /* 0 .. 0.49. 0: 0.3; negative: 0 */
+    float bending;          /* N m, up to 1e12. 0: 1e-3; negative: none */
+    float foundation;       /* N/m^3, up to 1e12. 0: 2e4; negative: none */
+    float density;          /* kg/m^2, 1e-6 .. 1e12. 0: 5 */
+    float viscosity;        /* s, 0 .. 1e6 */
+    float dt;               /* seconds a step, 1e-5 .. 10. 0: 1e-3 */
+    double metres_per_unit; /* length of a local unit, 1e-9 .. 1e9; must be given */
+    uint64_t max_bytes;     /* DGM_LIMIT_EXCEEDED if more memory is needed. 0: no limit */
+    uint32_t free_volume;   /* 1: closed surfaces may change their volume */
+    uint32_t plain_loops;   /* 1: no vector instructions beyond the baseline of the platform; same bits */
+} dgm_physics_options;
+
+/* A sample that is held at a place. */
+typedef struct dgm_pin {
+    uint32_t struct_size;
+    uint32_t sample;   /* its whole weld class is held */
+    float position[3]; /* local coordinates */
+} dgm_pin;
+
+/* Settings of a step. */
+typedef struct dgm_step_options {
+    uint32_t struct_size;
+    uint32_t cycles;               /* quasi-Newton iterations, 1 .. 1000. 0: 3 */
+    float gravity[3];              /* m/s^2 */
+    float tool_radius;             /* tools are spheres, local units; > 0 if there are tools */
+    const dgm_obstacle* obstacles; /* obstacle_count of them, at most 64 together with the tools */
+    size_t obstacle_count;         /* length of the array above */
+    const dgm_pin* pins;           /* pin_count of them, at most 256 here; physics.h takes any number */
+    size_t pin_count;              /* length of the array above */
+} dgm_step_options;
+
+/* What a step did. */
+typedef struct dgm_step_report {
+    uint32_t struct_size;
+    uint32_t contacts;   /* unknowns that press against obstacles or tools */
+    uint32_t cycles;     /* V-cycles that were run */
+    uint32_t clamped;    /* 1: the step could not lower the potential, and nothing has moved */
+    double volume_error; /* volume / rest volume - 1, of closed surfaces that keep it */
+    double pressure;     /* Pa, inside over outside */
+    double residual;     /* force left unbalanced over force at the start of the step */
+    double kinetic;      /* J */
+    double elastic;      /* J */
+} dgm_step_report;
+
+/* Answer to a tool. */
+typedef struct dgm_step_tool {
+    uint32_t struct_size;
+    uint32_t contacts; /* unknowns in the contact patch */
+    float force[3];    /* N, on the tool */
+} dgm_step_tool;
+
+/* Makes the physics of `state`, whose rest shape is taken as free of stress. `options` may be NULL only to be told that
+ * the unit is missing; `allocator` may be NULL for the C heap. The handle goes to `physics`.
+ * DGM_BAD_ARGUMENT, DGM_UNSUPPORTED (no unit, a free domain, a surface with one side, fewer than 3 x 3 samples),
+ * DGM_LIMIT_EXCEEDED (memory, or a material that bends over a length beyond the body), DGM_OUT_OF_MEMORY. */
+DGM_PHYSICS_API dgm_code dgm_physics_create(const dgm_state* state, const dgm_physics_options* options,
+                                            const dgm_allocator* allocator, dgm_physics** physics, dgm_error* error);
+/* Releases the memory. The state stays as it is. */
+DGM_PHYSICS_API void dgm_physics_destroy(dgm_physics* physics);
+/* Changes the length of the next steps to `seconds`, 1e-5 .. 10. No allocation. DGM_BAD_ARGUMENT. */
+DGM_PHYSICS_API dgm_code dgm_physics_set_dt(dgm_physics* physics, float seconds, dgm_error* error);
+/* Forgets displacement and velocity. */
+DGM_PHYSICS_API void dgm_physics_reset(dgm_physics* physics);
+/* Advances `state` by one step of `physics` and writes its present shape. `options` may be NULL for the defaults.
+ * `tools` and `answers` are arrays of tool_count elements; `answers` and `report` may be NULL. Normals need
+ * dgm_state_update_normals() afterwards.
+ * DGM_BAD_ARGUMENT, DGM_UNSUPPORTED, DGM_LIMIT_EXCEEDED: nothing has been changed then. */
+DGM_PHYSICS_API dgm_code dgm_physics_step(dgm_state* state, dgm_physics* physics, const dgm_step_options* options,
+                                          const dgm_tool_input* tools, size_t tool_count, dgm_step_tool* answers,
+                                          dgm_step_report* report, dgm_error* error);
+
+#ifdef __cplusplus
+}
+#endif

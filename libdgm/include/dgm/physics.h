@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// libdgm/include/dgm/physics.h
+// Gives a chart mass and material: one implicit time step of a whole organ by multigrid on the map's own strides.
+//
+// Link dgm::physics beside dgm::dgm. docs/physics.md has the model, its equations, sources and limits.
+//
+// A step minimises  m |d - dt v - dt^2 g|^2 / (2 dt^2) + membrane + bending + foundation  over displacements d,
+// without penetration of obstacles and, on closed surfaces, without change of volume. It works in quasi-Newton
+// iterations; each evaluates the exact gradient of that potential and applies one V-cycle over the strides.
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include <dgm/allocator.h>
+#include <dgm/contact.h>
+#include <dgm/result.h>
+#include <dgm/state.h>
+#include <dgm/tick.h>
+#include <dgm/vec.h>
+
+// As DGM_API in export.h, for the library dgm::physics.
+#if defined(_WIN32) && defined(DGM_BUILD_PHYSICS)
+#define DGM_PHYSICS_API __declspec(dllexport)
+#elif defined(_WIN32) && !defined(DGM_STATIC)
+#define DGM_PHYSICS_API __declspec(dllimport)
+#else
+#define DGM_PHYSICS_API DGM_API
+#endif
+
+namespace dgm {
+
+namespace detail {
+struct PhysicsImpl;
+}
+
+/// What an organ is made of, SI units. The layer `deformation` scales the membrane by its stiffness, not below 1e-3.
+struct Material {
+    float membrane = 200;     ///< Young's modulus times thickness, N/m: 1e-6 .. 1e12
+    float poisson = 0.3f;     ///< 0 .. 0.49
+    float bending = 1e-3f;    ///< N m, 0 .. 1e12: stiffness against a change of mean curvature
+    float foundation = 2e4f;  ///< N/m^3, 0 .. 1e12: pull of the surrounding tissue towards the rest place
+    float density = 5;        ///< kg/m^2, 1e-6 .. 1e12
+    float viscosity = 0;      ///< s, 0 .. 1e6: stress by a rate of strain over that by the strain
+};
+
+/// How a Physics is made.
+struct PhysicsOptions {
+    Material material;
+    float dt = 1e-3f;            ///< seconds a step, 1e-5 .. 10
+    double metres_per_unit = 0;  ///< length of a local unit: 1e-9 .. 1e9. Must be given: Unsupported if 0
+    bool keep_volume = true;     ///< closed surfaces; without effect on open ones
+    bool plain_loops = false;    ///< no vector instructions beyond the baseline of the platform: same bits
+    Allocator allocator = {};
+    std::uint64_t max_bytes = ~std::uint64_t{0};  ///< LimitExceeded if more memory is needed
+};
+
+/// A sample that is held at a place. Samples of mobility 0 (layer `contact`) are held at rest by themselves.
+struct Pin {
+    std::uint32_t sample = kNone;
+    Vec3 position;  ///< local coordinates
+};
+
+/// Settings of a step.
+struct StepOptions {
+    std::uint32_t cycles = 3;             ///< quasi-Newton iterations, 1 .. 1000
+    Vec3 gravity;                         ///< m/s^2
+    std::span<const Obstacle> obstacles;  ///< at most 64 together with the tools
+    std::span<const Pin> pins;            ///< their class moves with them; any number
+    /// Tools are spheres of this radius, local units. A grasp holds the samples within it of the sample nearest at its
+    /// start.
+    float tool_radius = 0;
+};
+
+/// What a step did.
+struct StepReport {
+    double volume_error = 0;     ///< volume / rest volume - 1, of closed surfaces that keep it
+    double pressure = 0;         ///< Pa, inside over outside: the multiplier of the volume
+    double residual = 0;         ///< force left unbalanced over force at the start of the step; 0 where nothing acts
+    double kinetic = 0;          ///< J
+    double elastic = 0;          ///< J: membrane, bending, foundation
+    std::uint32_t contacts = 0;  ///< unknowns that press against obstacles or tools
+    std::uint32_t cycles = 0;    ///< V-cycles that were run
+    bool clamped = false;        ///< the step could not lower the potential, and nothing has moved
+};
+
+/// Answer to a tool.
+struct StepTool {
+    Vec3 force;                  ///< N, on the tool: sum of the multipliers of its contact patch
+    std::uint32_t contacts = 0;  ///< unknowns in the patch
+};
+
+/// Stencils of all strides, velocities and displacement of one state. One thread at a time, together with its state.
+/// Closed and open charts of the square domain. Memory: about 1.4 KB a sample.
+class Physics {
+ public:
+    /// Takes the rest shape of the state as stress-free.
+    /// @return BadArgument (a number out of range, half an allocator), Unsupported (no unit, a free domain, a surface
+    ///         with one side, fewer than 3 x 3 samples), LimitExceeded (memory; a material that bends over a length
+    ///         beyond the body, sqrt(bending / membrane) > diagonal), OutOfMemory.
+    [[nodiscard]] DGM_PHYSICS_API static Result<Physics> create(const State& state,
+                                                                const PhysicsOptions& options) noexcept;
+    DGM_PHYSICS_API Physics(Physics&& other) noexcept;
+    DGM_PHYSICS_API Physics& operator=(Physics&& other) noexcept;
+    DGM_PHYSICS_API ~Physics();
+    /// Changes the length of the next steps: 1e-5 .. 10 s. O(samples), no allocation.
+    /// @return BadArgument; nothing has been changed then.
+    DGM_PHYSICS_API Result<void> set_dt(float seconds) noexcept;
+    /// Forgets displacement and velocity. The state is not touched.
+    DGM_PHYSICS_API void reset() noexcept;
+    [[nodiscard]] detail::PhysicsImpl* impl() const noexcept { return impl_; }
+
+ private:
+    explicit Physics(detail::PhysicsImpl* impl) noexcept : impl_(impl) {}
+    detail::PhysicsImpl* impl_;
+};
+
+/// Advances by one step: moves the tools, solves, answers forces and writes the present shape of the state, as an
+/// elastic touch of all its samples. Normals need State::update_normals() afterwards.
+///
+/// @param tools    kinds as in tick(); Touch and Poke both press and slide without friction
+/// @param answers  one for each tool, or empty
+/// @return BadArgument: a number is not finite or out of range, a sample that does not exist or is pinned twice, too
+///         few answers, a Physics made for a state of another size, an obstacle that resolve_contact() refuses.
+///         Unsupported: kinds that are not known. LimitExceeded: more than 64 obstacles and tools. Nothing has been
+///         changed then.
+/// No allocation, no locks. The same bits for the same calls, with plain loops and others. O(samples).
+[[nodiscard]] DGM_PHYSICS_API Result<StepReport> step(State& state, Physics& physics, const StepOptions& options = {},
+                                                      std::span<const ToolInput> tools = {},
+                                                      std::span<StepTool> answers = {}) noexcept;
+
+}  // namespace dgm

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/physics/c_api_physics.cpp
+// dgm_physics.h on top of physics.h.
+#include <dgm/dgm_physics.h>
+#include <dgm/physics.h>
+
+#include "c_api/c_api_impl.h"
+
+struct dgm_physics : dgm::c_api::Held<dgm::Physics> {
+    using Held::Held;
+};
+
+namespace {
+using dgm::ErrorCode;
+using dgm::kNoOffset;
+using dgm::Result;
+using namespace dgm::c_api;
+
+constexpr std::size_t kMaxScene = 64, kMaxPins = 256;
+
+/// 0 is the default, a negative number 0.
+float number(float given, float usual) noexcept {
+    return given == 0 ? usual : given < 0 ? 0 : given;
+}
+
+struct Scene {
+    dgm::Obstacle obstacles[kMaxScene];
+    dgm::Pin pins[kMaxPins];
+};
+Result<dgm::StepOptions> step_options(const dgm_step_options* from, Scene& scene) noexcept {
+    dgm_step_options o;
+    if (auto r = get(from, o); !r) return r.error();
+    if ((o.obstacles == nullptr && o.obstacle_count != 0) || (o.pins == nullptr && o.pin_count != 0)) return kNull;
+    if (o.obstacle_count > kMaxScene || o.pin_count > kMaxPins)
+        return dgm::Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 obstacles or 256 pins"};
+    for (std::size_t k = 0; k < o.obstacle_count; ++k) {
+        if (k > 0 && element(o.obstacles, k)->struct_size != o.obstacles->struct_size) return kBadSize;
+        auto one = obstacle_of(element(o.obstacles, k));
+        if (!one) return one.error();
+        scene.obstacles[k] = one.value();
+    }
+    const auto read = get_each(o.pins, o.pin_count, [&](std::size_t k, const dgm_pin& pin) {
+        scene.pins[k] = {pin.sample, vec(pin.position)};
+    });
+    if (!read) return read.error();
+    dgm::StepOptions options;
+    if (o.cycles != 0) options.cycles = o.cycles;
+    options.gravity = vec(o.gravity);
+    options.tool_radius = o.tool_radius;
+    options.obstacles = {scene.obstacles, o.obstacle_count};
+    options.pins = {scene.pins, o.pin_count};
+    return options;
+}
+}  // namespace
+
+extern "C" {
+
+dgm_code dgm_physics_create(const dgm_state* state, const dgm_physics_options* options, const dgm_allocator* allocator,
+                            dgm_physics** physics, dgm_error* error) {
+    if (state == nullptr || physics == nullptr) return finish(kNull, error);
+    *physics = nullptr;
+    dgm_physics_options o;
+    auto a = get(options, o, allocator);
+    if (!a) return finish(a.error(), error);
+    dgm::PhysicsOptions to;
+    to.material = {number(o.membrane, 200),    number(o.poisson, 0.3f), number(o.bending, 1e-3f),
+                   number(o.foundation, 2e4f), number(o.density, 5),    o.viscosity};
+    if (o.dt != 0) to.dt = o.dt;
+    to.metres_per_unit = o.metres_per_unit;
+    if (o.max_bytes != 0) to.max_bytes = o.max_bytes;
+    to.keep_volume = o.free_volume == 0;
+    to.plain_loops = o.plain_loops != 0;
+    to.allocator = a.value();
+    return hand_out(dgm::Physics::create(state->value, to), a.value(), physics, error);
+}
+void dgm_physics_destroy(dgm_physics* physics) {
+    dgm::detail::destroy(physics);
+}
+dgm_code dgm_physics_set_dt(dgm_physics* physics, float seconds, dgm_error* error) {
+    if (physics == nullptr) return finish(kNull, error);
+    return finish(physics->value.set_dt(seconds).error(), error);
+}
+void dgm_physics_reset(dgm_physics* physics) {
+    if (physics != nullptr) physics->value.reset();
+}
+
+dgm_code dgm_physics_step(dgm_state* state, dgm_physics* physics, const dgm_step_options* options,
+                          const dgm_tool_input* tools, size_t tool_count, dgm_step_tool* answers,
+                          dgm_step_report* report, dgm_error* error) {
+    if (state == nullptr || physics == nullptr || (tools == nullptr && tool_count != 0)) return finish(kNull, error);
+    if (tool_count > kMaxScene)
+        return finish({ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"}, error);
+    Scene scene;
+    auto o = step_options(options, scene);
+    if (!o) return finish(o.error(), error);
+    dgm::ToolInput in[kMaxScene];
+    dgm::StepTool out[kMaxScene];
+    const auto read = get_each(tools, tool_count, [&](std::size_t k, const dgm_tool_input& t) {
+        in[k] = {t.tool, static_cast<dgm::ToolKind>(t.kind), vec(t.position), t.lifted == 0};
+    });
+    if (!read) return finish(read.error(), error);
+    auto done = dgm::step(state->value, physics->value, o.value(), {in, tool_count}, {out, tool_count});
+    if (!done) return finish(done.error(), error);
+    for (std::size_t k = 0; answers != nullptr && k < tool_count; ++k) {
+        dgm_step_tool t{};
+        t.contacts = out[k].contacts;
+        store(out[k].force, t.force);
+        put(element(answers, k), t);
+    }
+    const dgm::StepReport& r = done.value();
+    put(report, dgm_step_report{0, r.contacts, r.cycles, r.clamped ? 1u : 0u, r.volume_error, r.pressure, r.residual,
+                                r.kinetic, r.elastic});
+    return finish({}, error);
+}
+
+}  // extern "C"

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/physics/kernels.h
+// The loops of a physics step over all samples of a grid, built once per instruction set and chosen at creation.
+//
+// A loop runs over flat sample numbers, row ends included: where there is no triangle or no stencil its coefficients
+// are 0. Planes therefore have kPad readable floats on both sides. Every value comes from single correctly rounded
+// operations in the same order whatever the number of lanes, so all variants give the same bits.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace dgm::detail::physics {
+
+/// Samples whose coefficients stand together: stencil[block][entry][lane]. A multiple of every number of lanes.
+inline constexpr std::size_t kBlock = 16;
+[[nodiscard]] constexpr std::size_t whole_blocks(std::size_t samples) noexcept {
+    return (samples + kBlock - 1) / kBlock * kBlock;
+}
+[[nodiscard]] constexpr std::size_t blocked(std::size_t sample, std::size_t entry, std::size_t entries) noexcept {
+    return sample / kBlock * entries * kBlock + entry * kBlock + sample % kBlock;
+}
+
+/// Three planes of floats, one a coordinate.
+struct Field {
+    float* p[3] = {};
+};
+
+inline constexpr std::size_t kWide = 25, kNear = 9;  ///< entries (di, dj) of 5 x 5 and 3 x 3 stencils, row-major
+
+/// residual -= (A + extra) way; next = keep way + step inverse residual. `next` may be empty: the residual alone.
+struct SweepJob {
+    std::size_t first, last;  ///< samples, whole blocks
+    std::ptrdiff_t cols;
+    const float* stencil;  ///< kWide entries
+    const float *extra, *inverse;
+    Field way, residual, next;
+    float keep, step;
+};
+
+/// to = stencil(kNear) from; of its differences from the sample in the middle if the rows of the stencil sum up to 0:
+/// then a field that is the same everywhere gives 0, whatever the rounding.
+struct NearJob {
+    std::size_t count;  ///< samples, whole blocks
+    std::ptrdiff_t cols;
+    const float* stencil;
+    Field from, to;
+    bool differences;
+};
+
+/// Rest shape of the triangles of a quad, blocked like a stencil: for both triangles the inverse of the rest edges in
+/// the triangle's own plane (three numbers, [a b; 0 c]) and its weight (area; 0: no triangle).
+inline constexpr std::size_t kQuadData = 8;
+/// Quad s has the samples s, s + cols, s + cols + 1, s + 1 as corners.
+struct Quads {
+    std::size_t count;  ///< samples, whole blocks
+    std::ptrdiff_t cols;
+    const float* data;   ///< kQuadData entries
+    const float* other;  ///< plane: 1 where the quad is split along diagonal 1
+    Field rest, moved;   ///< metres; moved: displacement
+};
+struct QuadJob {
+    Quads on;
+    float shear, dilate;  ///< Lame's mu and lambda times thickness, N/m
+    /// Gradient at the quad's corners (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1), and twice the area vectors of its
+    /// triangles.
+    Field corner[4], area[2];
+    float* energy;
+    // Viscosity: stretches of the step before, three planes a triangle, and its modulus over dt; null: none.
+    float* const* stretch = nullptr;
+    float viscous = 0;
+};
+/// Writes the present stretches (S11, S12, S22 of both triangles).
+struct StretchJob {
+    Quads on;
+    float* to[6];
+};
+
+/// corner += gradient of sum over triangles of (a + b + c) . area vector, by the values of a field at the corners.
+struct TwistJob {
+    Quads on;
+    Field field;
+    Field corner[4];
+};
+
+/// Bending of each sample: from twice the area vector and the stencil of the displacement to the moment and the field
+/// whose gradient is that of the normal. Classes have been summed before.
+struct BendJob {
+    std::size_t count;
+    const float *modulus, *height;  ///< B / area (0: no bending) and rest curvature times area
+    Field rest_normal, area, curvature;
+    Field moment, field;  ///< out; moment may be the same as curvature
+    float* energy;        ///< 0 on copies
+    const float* own;     ///< 1 at representatives, 0 at their copies
+};
+
+struct Kernels {
+    const char* name;
+    void (*sweep)(const SweepJob&) noexcept;
+    void (*near)(const NearJob&) noexcept;
+    void (*quads)(const QuadJob&) noexcept;
+    void (*stretches)(const StretchJob&) noexcept;
+    void (*twist)(const TwistJob&) noexcept;
+    void (*bend)(const BendJob&) noexcept;
+    /// Gathers what quads left at their corners; area vectors twice.
+    void (*gather)(std::size_t count, std::ptrdiff_t cols, const Field* corner, const Field& to) noexcept;
+    void (*gather_areas)(const Quads& on, const Field* area, const Field& to) noexcept;
+};
+extern const Kernels kPlainKernels;
+[[nodiscard]] const Kernels& choose_kernels(bool plain) noexcept;
+
+}  // namespace dgm::detail::physics

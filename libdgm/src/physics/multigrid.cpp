@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/physics/multigrid.cpp
+// One V-cycle over the strides of a map.
+//
+// Smoother: Chebyshev polynomials of D^-1 A, the same number of steps before and after the coarse correction, so that
+// the cycle is symmetric. A polynomial needs no order of the samples: it gives the same bits whatever the number of
+// lanes, and seam copies stay equal.
+//
+// [Adams, Brezina, Hu, Tuminaro 2003] Parallel multigrid smoothing: polynomial versus Gauss-Seidel.
+// [Saad 2003] Iterative methods for sparse linear systems, algorithm 12.1: the recurrence.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "physics/level.h"
+
+namespace dgm::detail::physics {
+namespace {
+
+constexpr int kSmooth = 3;       ///< steps before and after
+constexpr double kSpread = 12;   ///< the smoother works on eigenvalues from largest / kSpread
+constexpr double kMargin = 1.1;  ///< power iterations end below the largest eigenvalue
+
+void share(const Level& l, const Field& f) noexcept {
+    for (std::size_t k = 0; k < l.copies.size(); k += 2)
+        for (float* p : f.p) p[l.copies[k]] = p[l.copies[k + 1]];
+}
+
+void add(const Level& l, const Field& to, const Field& from) noexcept {
+    const std::size_t n = l.count();
+    for (int a = 0; a < 3; ++a) {
+        float* __restrict t = to.p[a];
+        const float* __restrict f = from.p[a];
+        for (std::size_t s = 0; s < n; ++s) t[s] += f[s];
+    }
+}
+
+/// Steps of the Chebyshev recurrence: the first one's factor, then (keep, step) of the others.
+struct Chebyshev {
+    double theta, delta, sigma, rho;
+    explicit Chebyshev(double largest) noexcept {
+        const double high = kMargin * largest, low = high / kSpread;
+        theta = (high + low) / 2;
+        delta = (high - low) / 2;
+        sigma = theta / delta;
+        rho = 1 / sigma;
+    }
+    std::pair<float, float> next() noexcept {
+        const double fresh = 1 / (2 * sigma - rho), keep = fresh * rho;
+        rho = fresh;
+        return {static_cast<float>(keep), static_cast<float>(2 * fresh / delta)};
+    }
+};
+
+/// way = D^-1 residual / theta
+void begin(const Level& l, double theta, const Field& way) noexcept {
+    const auto scale = static_cast<float>(1 / theta);
+    const std::size_t n = l.count();
+    for (int a = 0; a < 3; ++a) {
+        float* __restrict w = way.p[a];
+        const float* __restrict r = l.r.p[a];
+        const float* __restrict inverse = l.inverse;
+        for (std::size_t s = 0; s < n; ++s) w[s] = scale * inverse[s] * r[s];
+    }
+}
+
+/// x += smoothing of the residual, which is brought up to date if asked for.
+void smooth(const Multigrid& m, Level& l, bool residual) noexcept {
+    Chebyshev steps(l.largest);
+    Field way = l.d0, next = l.d1;
+    begin(l, steps.theta, way);
+    add(l, l.x, way);
+    for (int k = 1; k < kSmooth; ++k) {
+        const auto [keep, step] = steps.next();
+        sweep_level(m, l, way, l.r, next, keep, step);
+        std::swap(way, next);
+        add(l, l.x, way);
+    }
+    if (residual) sweep_level(m, l, way, l.r, {}, 0, 0);
+}
+
+void restrict_residual(const Level& f, const Level& c) noexcept {
+    for (std::uint32_t p = 0; p < c.dofs; ++p) {
+        float sum[3] = {};
+        for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e) {
+            const std::uint32_t s = f.sample_of[f.down.col[e]];
+            for (int a = 0; a < 3; ++a) sum[a] += f.down_weight[e] * f.r.p[a][s];
+        }
+        for (int a = 0; a < 3; ++a) c.r.p[a][c.sample_of[p]] = sum[a];
+    }
+    share(c, c.r);
+}
+
+void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
+    for (std::uint32_t d = 0; d < f.dofs; ++d) {
+        float sum[3] = {};
+        for (std::uint32_t e = f.up.start[d]; e < f.up.start[d + 1]; ++e) {
+            const std::uint32_t s = c.sample_of[f.up.col[e]];
+            for (int a = 0; a < 3; ++a) sum[a] += f.up_weight[e] * c.x.p[a][s];
+        }
+        for (int a = 0; a < 3; ++a) to.p[a][f.sample_of[d]] = sum[a];
+    }
+    share(f, to);
+}
+
+/// Cholesky factorisation of the coarsest matrix. @return false if it is not positive definite.
+bool factorize(Multigrid& m) noexcept {
+    const Level& l = m.level[m.levels - 1];
+    const std::uint32_t n = l.dofs;
+    double* a = m.factor;
+    std::fill(a, a + std::size_t{n} * n, 0.0);
+    for (std::uint32_t d = 0; d < n; ++d) {
+        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
+            a[d * n + l.matrix.col[e]] = l.value[e];
+        a[d * n + d] += double{l.extra[l.sample_of[d]]};
+    }
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j <= i; ++j) {
+            double sum = a[i * n + j];
+            for (std::uint32_t k = 0; k < j; ++k) sum -= a[i * n + k] * a[j * n + k];
+            if (i != j)
+                a[i * n + j] = sum / a[j * n + j];
+            else if (sum > 0)
+                a[i * n + i] = std::sqrt(sum);
+            else
+                return false;
+        }
+    return true;
+}
+
+void solve_directly(Multigrid& m, Level& l) noexcept {
+    const std::uint32_t n = l.dofs;
+    const double* a = m.factor;
+    double y[kDirect];
+    for (int c = 0; c < 3; ++c) {
+        for (std::uint32_t i = 0; i < n; ++i) {
+            double sum = l.r.p[c][l.sample_of[i]];
+            for (std::uint32_t k = 0; k < i; ++k) sum -= a[i * n + k] * y[k];
+            y[i] = sum / a[i * n + i];
+        }
+        for (std::uint32_t i = n; i-- > 0;) {
+            double sum = y[i];
+            for (std::uint32_t k = i + 1; k < n; ++k) sum -= a[k * n + i] * y[k];
+            y[i] = sum / a[i * n + i];
+            l.x.p[c][l.sample_of[i]] = static_cast<float>(y[i]);
+        }
+    }
+    share(l, l.x);
+}
+
+void run_level(Multigrid& m, std::uint32_t k) noexcept {
+    Level& l = m.level[k];
+    if (k + 1 == m.levels) return solve_directly(m, l);
+    for (float* p : l.x.p) std::fill(p, p + l.count(), 0.0f);
+    smooth(m, l, true);
+    restrict_residual(l, m.level[k + 1]);
+    run_level(m, k + 1);
+    interpolate(l, m.level[k + 1], l.d0);
+    add(l, l.x, l.d0);
+    sweep_level(m, l, l.d0, l.r, {}, 0, 0);
+    smooth(m, l, false);
+}
+
+/// Rayleigh quotient of three vectors after some powers of D^-1 A.
+double largest_of(const Multigrid& m, Level& l) noexcept {
+    std::uint32_t random = 12345;
+    for (int a = 0; a < 3; ++a)
+        for (std::uint32_t d = 0; d < l.dofs; ++d) {
+            random = random * 1664525u + 1013904223u;
+            l.d0.p[a][l.sample_of[d]] = static_cast<float>(random >> 8) * 0x1p-23f - 1.0f;
+        }
+    share(l, l.d0);
+    double found = 0;
+    for (int k = 0; k < 20; ++k) {
+        for (float* p : l.r.p) std::fill(p, p + l.count(), 0.0f);
+        sweep_level(m, l, l.d0, l.r, {}, 0, 0);
+        double above[3] = {}, below[3] = {};
+        for (int a = 0; a < 3; ++a)
+            for (std::uint32_t d = 0; d < l.dofs; ++d) {
+                const std::uint32_t s = l.sample_of[d];
+                const double w = l.d0.p[a][s];
+                above[a] -= w * double{l.r.p[a][s]};
+                below[a] += w * w * double{l.diagonal[s]};
+            }
+        for (int a = 0; a < 3; ++a) {
+            if (!(below[a] > 0)) continue;
+            const double quotient = above[a] / below[a];
+            found = std::max(found, quotient);
+            const auto scale = static_cast<float>(-1 / std::max(quotient, 1e-3));
+            for (std::size_t s = 0; s < l.count(); ++s) l.d0.p[a][s] = scale * l.inverse[s] * l.r.p[a][s];
+        }
+    }
+    return found > 0 ? found : 1;
+}
+}  // namespace
+
+void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Field& residual, const Field& next,
+                 float keep, float step) noexcept {
+    // Rows of the rim first: the loop over all samples then overwrites what they read.
+    const bool both = next.p[0] != nullptr;
+    float* now = const_cast<float*>(l.rim_now.data());
+    for (std::size_t k = 0; k < l.rim.size(); ++k) {
+        const std::uint32_t s = l.sample_of[l.rim[k]];
+        // Two sums a coordinate: one alone would wait for each addition.
+        const std::uint32_t* col = l.rim_rows.col.data();
+        const float* value = l.rim_value.data();
+        const float *wx = way.p[0], *wy = way.p[1], *wz = way.p[2];
+        float even[3] = {}, odd[3] = {};
+        std::uint32_t e = l.rim_rows.start[k];
+        const std::uint32_t end = l.rim_rows.start[k + 1];
+        for (; e + 1 < end; e += 2) {
+            const std::uint32_t c = col[e], d = col[e + 1];
+            const float v = value[e], w = value[e + 1];
+            even[0] += v * wx[c];
+            even[1] += v * wy[c];
+            even[2] += v * wz[c];
+            odd[0] += w * wx[d];
+            odd[1] += w * wy[d];
+            odd[2] += w * wz[d];
+        }
+        if (e < end) {
+            even[0] += value[e] * wx[col[e]];
+            even[1] += value[e] * wy[col[e]];
+            even[2] += value[e] * wz[col[e]];
+        }
+        const float sum[3] = {even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]};
+        for (int a = 0; a < 3; ++a) {
+            const float r = residual.p[a][s] - (sum[a] + l.extra[s] * way.p[a][s]);
+            now[6 * k + static_cast<std::size_t>(a)] = r;
+            now[6 * k + 3 + static_cast<std::size_t>(a)] = keep * way.p[a][s] + (step * l.inverse[s]) * r;
+        }
+    }
+    m.kernels->sweep({l.first, l.last, static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), l.extra, l.inverse, way,
+                      residual, next, keep, step});
+    for (std::size_t k = 0; k < l.rim.size(); ++k) {
+        const std::uint32_t s = l.sample_of[l.rim[k]];
+        for (int a = 0; a < 3; ++a) {
+            residual.p[a][s] = now[6 * k + static_cast<std::size_t>(a)];
+            if (both) next.p[a][s] = now[6 * k + 3 + static_cast<std::size_t>(a)];
+        }
+    }
+    share(l, residual);
+    if (both) share(l, next);
+}
+
+void take_extra(Multigrid& m) noexcept {
+    for (std::uint32_t k = 0; k < m.levels; ++k) {
+        Level& l = m.level[k];
+        if (k != 0) {
+            // Row sums of P^T diag(extra) P bound it from above: a coarse sample near a held one hardly moves.
+            const Level& f = m.level[k - 1];
+            for (std::uint32_t p = 0; p < l.dofs; ++p) {
+                float sum = 0;
+                for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e)
+                    sum += f.down_weight[e] * f.extra[f.sample_of[f.down.col[e]]];
+                l.extra[l.sample_of[p]] = sum;
+            }
+            for (std::size_t c = 0; c < l.copies.size(); c += 2) l.extra[l.copies[c]] = l.extra[l.copies[c + 1]];
+        }
+        for (std::uint32_t s = 0; s < l.grid; ++s) {
+            const float d = l.diagonal[s] + l.extra[s];
+            l.inverse[s] = d > 0 ? 1 / d : 0;
+        }
+    }
+    m.sound = factorize(m);
+}
+
+void bound_eigenvalues(Multigrid& m) noexcept {
+    // With `extra` the eigenvalues of (D + extra)^-1 (A + extra) lie between those of D^-1 A and 1.
+    for (std::uint32_t k = 0; k + 1 < m.levels; ++k) m.level[k].largest = std::max(1.0, largest_of(m, m.level[k]));
+}
+
+void run_cycle(Multigrid& m) noexcept {
+    run_level(m, 0);
+}
+
+double inner(const Level& l, const Field& a, const Field& b) noexcept {
+    double sum[8] = {};
+    for (int c = 0; c < 3; ++c) {
+        const float* x = a.p[c];
+        const float* y = b.p[c];
+        for (std::size_t s = 0; s < l.count(); s += 8)
+            for (std::size_t k = 0; k < 8; ++k) sum[k] += double{l.own[s + k]} * (double{x[s + k]} * double{y[s + k]});
+    }
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+}
+
+}  // namespace dgm::detail::physics

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/physics/physics.cpp
+// Makes a Physics, checks the arguments of a step, and runs it.
+#include <dgm/physics.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "physics/physics_impl.h"
+
+namespace dgm {
+namespace detail {
+namespace {
+using namespace physics;
+
+constexpr Error bad(const char* message) noexcept {
+    return {ErrorCode::BadArgument, kNoOffset, message};
+}
+constexpr Error unsupported(const char* message) noexcept {
+    return {ErrorCode::Unsupported, kNoOffset, message};
+}
+bool within(double v, double low, double high) noexcept {
+    return v >= low && v <= high;
+}
+bool is_dt(float dt) noexcept {
+    return within(double{dt}, 0.99e-5, 10);
+}
+
+Result<void> check_options(const PhysicsOptions& o) noexcept {
+    const Material& m = o.material;
+    if (!is_valid(o.allocator)) return bad("the allocator is half empty");
+    if (!is_dt(o.dt)) return bad("the time step is not in 1e-5 .. 10 s");
+    if (!within(double{m.membrane}, 1e-6, 1e12)) return bad("the membrane's modulus is not in 1e-6 .. 1e12 N/m");
+    if (!within(double{m.poisson}, 0, 0.4901)) return bad("Poisson's ratio is not in 0 .. 0.49");
+    if (!within(double{m.bending}, 0, 1e12)) return bad("the bending modulus is not in 0 .. 1e12 N m");
+    if (!within(double{m.foundation}, 0, 1e12)) return bad("the foundation is not in 0 .. 1e12 N/m^3");
+    if (!within(double{m.density}, 1e-6, 1e12)) return bad("the density is not in 1e-6 .. 1e12 kg/m^2");
+    if (!within(double{m.viscosity}, 0, 1e6)) return bad("the viscosity is not in 0 .. 1e6 s");
+    if (o.metres_per_unit == 0) return unsupported("the length of a unit is not known: set metres_per_unit");
+    if (!within(o.metres_per_unit, 1e-9, 1e9)) return bad("the length of a unit is not in 1e-9 .. 1e9 m");
+    return {};
+}
+
+/// Diagonal of the rest shape's box, local units.
+double diagonal_of(const StateImpl& s) noexcept {
+    double sum = 0;
+    for (const float* x : {s.rest.x, s.rest.y, s.rest.z}) {
+        const auto [low, high] = std::minmax_element(x, x + s.total());
+        sum += (double{*high} - double{*low}) * (double{*high} - double{*low});
+    }
+    return std::sqrt(sum);
+}
+
+Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
+    if (s.tables.free_domain) return unsupported("charts of the free domain have no physics yet");
+    if (!s.reversed.empty()) return unsupported("a surface with one side has no physics");
+    if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
+    const double diagonal = diagonal_of(s) * o.metres_per_unit;
+    if (!within(diagonal, 1e-6, 1e6)) return unsupported("the body's diagonal is not in 1e-6 .. 1e6 m");
+    if (double{o.material.bending} > double{o.material.membrane} * diagonal * diagonal)
+        return Error{ErrorCode::LimitExceeded, kNoOffset,
+                     "the material bends over a length beyond the body: check the unit, bending and membrane"};
+    return {};
+}
+
+/// Upper bound of what build_model() takes.
+std::uint64_t bytes_needed(std::uint32_t rows, std::uint32_t cols) noexcept {
+    const std::uint64_t plane = plane_size(rows, cols) * sizeof(float), grid = std::uint64_t{rows} * cols;
+    return 110 * plane + 2048 * grid + 65536;
+}
+
+void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
+    const double by = 1 / p.scale;
+    float* to[3] = {s.now.x, s.now.y, s.now.z};
+    const float* rest[3] = {s.rest.x, s.rest.y, s.rest.z};
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t k = 0; k < p.total; ++k) to[c][k] = static_cast<float>(double{rest[c][k]} + by * p.at[c][k]);
+    const Rect whole = s.whole();
+    const auto mark = [&](RectList& list) {
+        list.clear();
+        list.rects[0] = whole;
+        list.count = 1;
+    };
+    ++s.moved;
+    s.changes.note(whole);
+    mark(s.elastic);
+    mark(s.now_boxes.dirty);
+    mark(s.normal_dirty);
+}
+
+Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools, std::size_t answers) noexcept {
+    if (answers != 0 && answers < tools.size()) return bad("there are fewer answers than tools");
+    if (tools.size() + o.obstacles.size() > Scene::kMost)
+        return Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"};
+    if (!tools.empty() && !(o.tool_radius > 0 && o.tool_radius <= kMaxCoordinate))
+        return bad("the tools' radius is not a number above 0");
+    std::uint64_t named = 0;
+    for (const ToolInput& in : tools) {
+        if (!is_place(in.position)) return bad("a coordinate of a tool is beyond 1e18");
+        if (in.kind > ToolKind::Grasp) return unsupported("the tool kind is not known");
+        if (in.tool >= Scene::kMost) return bad("a tool's number is beyond 63");
+        if ((named >> in.tool & 1) != 0) return bad("a tool is named twice");
+        named |= std::uint64_t{1} << in.tool;
+    }
+    return {};
+}
+
+Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
+    if (p.rows != s.tables.rows || p.cols != s.tables.cols || p.total != s.total())
+        return bad("the physics was made for a state of another size");
+    if (o.cycles < 1 || o.cycles > 1000) return bad("the number of cycles is not in 1 .. 1000");
+    if (!is_finite(o.gravity) || !(dot(o.gravity, o.gravity) <= 1e12f)) return bad("gravity is not below 1e6 m/s^2");
+    for (const Pin& pin : o.pins) {
+        if (pin.sample >= p.total) return bad("a pin names no sample");
+        if (!is_place(pin.position)) return bad("a coordinate of a pin is beyond 1e18");
+    }
+    return {};
+}
+
+Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<const ToolInput> tools,
+                        Scene& scene) noexcept {
+    for (std::uint32_t t = 0; t < Scene::kMost; ++t)  // by number: lists of contacts are sorted so
+        for (const ToolInput& in : tools) {
+            if (in.tool != t || in.kind == ToolKind::Grasp || !in.engaged) continue;
+            Shape& shape = scene.shapes[scene.count];
+            shape.kind = ObstacleKind::Sphere;
+            shape.point = widen(in.position);
+            shape.radius = double{o.tool_radius};
+            scene.ids[scene.count++] = t;
+        }
+    for (std::size_t k = 0; k < o.obstacles.size(); ++k) {
+        if (o.obstacles[k].kind == ObstacleKind::Surface && o.obstacles[k].surface != nullptr &&
+            o.obstacles[k].surface->unsettled() == &s)
+            return bad("the obstacle is the state itself");
+        auto shape = make_shape(o.obstacles[k]);
+        if (!shape) return shape.error();
+        scene.shapes[scene.count] = shape.value();
+        scene.ids[scene.count++] = Scene::kMost + static_cast<std::uint32_t>(k);
+    }
+    return {};
+}
+
+/// Marks pinned unknowns. @return false, and nothing is marked: one is pinned twice.
+bool mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
+    const Level& l = p.fine();
+    std::size_t count = 0;
+    for (; count < pins.size(); ++count) {
+        const std::uint32_t d = l.dof_of[pins[count].sample];
+        if (p.pinned[d] != 0) break;
+        p.pinned[d] = p.free[l.sample_of[d]] == 0 ? 2 : 1;
+    }
+    if (count == pins.size()) return true;
+    while (count-- > 0) p.pinned[l.dof_of[pins[count].sample]] = 0;
+    return false;
+}
+
+/// Where inertia leads, where the search starts, and pins in their new places.
+void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
+    const Level& l = p.fine();
+    const double dt = p.options.dt, by = p.scale;
+    const float gravity[3] = {o.gravity.x, o.gravity.y, o.gravity.z};
+    for (std::uint32_t k = 0; k < p.total; ++k)
+        if (p.pinned[l.dof_of[k]] != 0) p.free[k] = 0;
+    double sum = 0;
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t k = 0; k < p.total; ++k) {
+            const double i = dt * (double{p.velocity.p[c][k]} + dt * double{gravity[c]});
+            p.inertial.p[c][k] = static_cast<float>(i);
+            p.delta.p[c][k] = p.free[k] * p.inertial.p[c][k];
+            sum += double{l.own[k]} * double{p.mass[k]} * i * i;
+        }
+    p.at_rest = 0.5 * sum / (dt * dt);
+    for (const Pin& pin : o.pins) {
+        const std::uint32_t d = l.dof_of[pin.sample];
+        const Double3 way = by * (widen(pin.position) - widen(StateImpl::at(s.rest, pin.sample)));
+        const double to[3] = {way.x, way.y, way.z};
+        for (std::uint32_t k = 0; k < p.total; ++k)
+            if (l.dof_of[k] == d)
+                for (int c = 0; c < 3; ++c) p.delta.p[c][k] = static_cast<float>(to[c] - p.at[c][k]);
+    }
+}
+
+/// The step's displacement becomes part of the shape, or is thrown away.
+void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& report) noexcept {
+    const Level& l = p.fine();
+    const double dt = p.options.dt;
+    for (std::size_t k = 0; k < p.followers.size(); k += 2) {
+        const std::uint32_t to = l.sample_of[p.followers[k]], from = p.followers[k + 1];
+        for (float* f : p.delta.p) f[to] = f[from];
+    }
+    double kinetic = 0;
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t k = 0; k < p.total; ++k) {
+            const float d = keep ? p.delta.p[c][k] : 0;
+            p.at[c][k] += double{d};
+            const double v = double{d} / dt;
+            p.velocity.p[c][k] = static_cast<float>(v);
+            kinetic += double{l.own[k]} * double{p.mass[k]} * v * v;
+        }
+    report.kinetic = kinetic / 2;
+    report.elastic = p.elastic;
+    for (const Pin& pin : o.pins) {
+        std::uint8_t& mark = p.pinned[l.dof_of[pin.sample]];
+        if (mark == 1)
+            for (std::uint32_t k = 0; k < p.total; ++k)
+                if (l.dof_of[k] == l.dof_of[pin.sample]) p.free[k] = 1;
+        mark = 0;
+    }
+    if (keep) {
+        keep_multipliers(p);
+        if (p.stretch[0] != nullptr) {
+            StretchJob job{p.on(), {}};
+            std::copy_n(p.stretch, 6, job.to);
+            p.solver.kernels->stretches(job);
+        }
+    } else {
+        p.touching_count = p.grasped_count = 0;
+        p.holding = 0;
+        p.pairs = 0;
+    }
+}
+
+/// Sums of the multipliers, over samples.
+void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<StepTool> answers,
+            StepReport& report) noexcept {
+    const Array<Touching>& list = p.touching[p.touching_now];
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) report.contacts += list[k].force > 0 ? 1 : 0;
+    for (std::size_t t = 0; t < tools.size() && !answers.empty(); ++t) {
+        Double3 sum;
+        StepTool out;
+        for (std::uint32_t k = 0; k < p.touching_count; ++k) {
+            if (list[k].obstacle != tools[t].tool || !(list[k].force > 0)) continue;
+            sum = sum - list[k].force * list[k].normal;
+            ++out.contacts;
+        }
+        for (std::uint32_t k = 0; k < p.grasped_count; ++k) {
+            if (p.grasped[k].tool != tools[t].tool) continue;
+            sum = sum - p.grasped[k].force;
+            ++out.contacts;
+        }
+        out.force = narrow(sum);
+        answers[t] = out;
+    }
+}
+}  // namespace
+}  // namespace detail
+
+Result<Physics> Physics::create(const State& state, const PhysicsOptions& options) noexcept {
+    if (auto r = detail::check_options(options); !r) return r.error();
+    const detail::StateImpl& s = *state.impl();
+    if (auto r = detail::check_map(s, options); !r) return r.error();
+    if (detail::bytes_needed(s.tables.rows, s.tables.cols) > options.max_bytes)
+        return Error{ErrorCode::LimitExceeded, kNoOffset, "the physics would take more memory than the limit allows"};
+    detail::PhysicsImpl* p = detail::create<detail::PhysicsImpl>(options.allocator, options.allocator);
+    if (p == nullptr) return detail::physics::kNoMemory;
+    Physics made(p);
+    p->options = options;
+    p->rows = s.tables.rows;
+    p->cols = s.tables.cols;
+    p->total = s.total();
+    p->scale = options.metres_per_unit;
+    p->closed = !s.open_surface;
+    p->solver.kernels = &detail::physics::choose_kernels(options.plain_loops);
+    const double e = options.material.membrane, nu = options.material.poisson;
+    p->shear = static_cast<float>(e / (2 * (1 + nu)));
+    p->dilate = static_cast<float>(e * nu / (1 - nu * nu));
+    if (auto r = detail::physics::build_model(*p, s); !r) return r.error();
+    detail::physics::take_step_length(*p);
+    made.reset();
+    if (!p->solver.sound)
+        return Error{ErrorCode::BadArgument, kNoOffset, "the matrix of this material and map is not positive definite"};
+    return made;
+}
+
+Physics::Physics(Physics&& other) noexcept : impl_(std::exchange(other.impl_, nullptr)) {}
+Physics& Physics::operator=(Physics&& other) noexcept {
+    std::swap(impl_, other.impl_);
+    return *this;
+}
+Physics::~Physics() {
+    detail::destroy(impl_);
+}
+
+Result<void> Physics::set_dt(float seconds) noexcept {
+    if (!detail::is_dt(seconds)) return detail::bad("the time step is not in 1e-5 .. 10 s");
+    if (seconds == impl_->options.dt) return {};
+    impl_->options.dt = seconds;
+    detail::physics::take_step_length(*impl_);
+    return {};
+}
+
+void Physics::reset() noexcept {
+    detail::PhysicsImpl& p = *impl_;
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t k = 0; k < p.total; ++k) {
+            p.at[c][k] = 0;
+            p.velocity.p[c][k] = p.delta.p[c][k] = 0;
+        }
+    p.touching_count = p.grasped_count = 0;
+    p.holding = 0;
+    p.pairs = 0;
+    p.elastic = p.pressure = 0;
+    if (p.stretch[0] == nullptr) return;
+    for (int k = 0; k < 6; ++k) std::fill_n(p.stretch[k], p.total, k % 3 == 1 ? 0.0f : 1.0f);
+}
+
+Result<StepReport> step(State& state, Physics& physics, const StepOptions& options, std::span<const ToolInput> tools,
+                        std::span<StepTool> answers) noexcept {
+    detail::PhysicsImpl& p = *physics.impl();
+    detail::StateImpl& s = *state.impl();
+    if (auto r = detail::check_step(p, s, options); !r) return r.error();
+    if (auto r = detail::check_tools(options, tools, answers.size()); !r) return r.error();
+    detail::physics::Scene scene;
+    if (auto r = detail::make_scene(s, options, tools, scene); !r) return r.error();
+    if (!detail::mark_pins(p, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
+    state.release();  // touches of tick() end
+    StepReport report;
+    detail::begin_step(p, s, options);
+    detail::physics::move_grasps(p, s, tools, options.tool_radius);
+    detail::physics::find_touching(p, s, scene);
+    detail::physics::take_holds(p);
+    const bool lower = p.solver.sound && detail::physics::minimise(p, options.cycles, report);
+    report.clamped = !lower;
+    detail::end_step(p, options, lower, report);
+    detail::answer(p, tools, answers, report);
+    detail::write_shape(p, s);
+    return report;
+}
+
+}  // namespace dgm

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/physics/physics_impl.h
+// Memory of a Physics. Lengths are metres, forces newtons; fields hold the same bits at all copies of a class.
+#pragma once
+#include <dgm/physics.h>
+
+#include "base/double3.h"
+#include "contact/contact_impl.h"
+#include "physics/level.h"
+#include "touch/state_impl.h"
+
+namespace dgm::detail {
+
+namespace physics {
+
+inline constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the physics"};
+inline constexpr int kHistory = 5;  ///< pairs of the quasi-Newton method
+
+/// A sample and the obstacle it may touch; sorted by obstacle, then sample.
+struct Touching {
+    std::uint32_t sample, obstacle;
+    Double3 normal;         ///< out of the obstacle
+    double gap;             ///< without displacement in this step, metres
+    double stiffness;       ///< N/m
+    double multiplier = 0;  ///< at the start of the step, N; >= 0
+    double force = 0;       ///< now
+};
+
+/// Place of a sample relative to the tool that grasps it.
+struct Grasped {
+    std::uint32_t sample, tool;
+    Double3 offset;      ///< metres
+    Double3 aim;         ///< displacement that the tool asks for in this step
+    double stiffness;    ///< N/m
+    Double3 multiplier;  ///< N
+    Double3 force;       ///< now, on the sample
+};
+
+/// A quad's triangles are (a, b, third) and (first, c, d); see kernels_impl.h.
+struct Triangle {
+    std::uint32_t corner[3];  ///< samples
+    std::size_t quad;
+    int which;  ///< 0 or 1
+};
+
+}  // namespace physics
+
+struct PhysicsImpl {
+    explicit PhysicsImpl(const Allocator& a) noexcept : allocator(a) {}
+    Allocator allocator;
+    PhysicsOptions options;
+    std::uint32_t rows = 0, cols = 0, total = 0;
+    double scale = 1;  ///< metres per local unit
+    bool closed = false;
+    physics::Multigrid solver;
+    float shear = 0, dilate = 0;  ///< Lame's constants times thickness, N/m
+    double rest_volume = 0;       ///< m^3
+
+    Array<float> planes;
+    physics::Field rest, moved;     ///< centred; displacement as the loops see it
+    physics::Field delta, before;   ///< of this step
+    physics::Field inertial;        ///< where mass would go without forces
+    physics::Field velocity;        ///< m/s
+    physics::Field target;          ///< displacement that the foundation pulls to
+    physics::Field gradient, area;  ///< of the potential; twice the area vectors around a sample
+    physics::Field curvature, moment, twist, corner[4], face[2];
+    physics::Field swell;  ///< A^-1 of the gradient of the volume
+    physics::Field way, last;
+    physics::Field moves[physics::kHistory], turns[physics::kHistory];
+    physics::Field rest_normal;
+    float *energy = nullptr, *bent = nullptr, *other = nullptr, *modulus = nullptr, *height = nullptr;
+    float *mass = nullptr, *anchor = nullptr, *free = nullptr;  ///< kg, N/m of the foundation, 1 or 0: held
+    float* stretch[6] = {};                 ///< at the end of the step before; null without viscosity
+    Array<float> quads, near, near_turned;  ///< see kernels.h
+    Array<double> at[3];                    ///< displacement from rest
+    Array<double> membrane, stiff;   ///< values of solver.level[0].matrix: times 1 + viscosity / dt, and the rest
+    Array<std::uint32_t> followers;  ///< pairs (unknown without a triangle, sample that it follows)
+    Array<physics::Touching> touching[2];
+    std::uint32_t touching_count = 0, touching_now = 0;
+    Array<physics::Grasped> grasped;
+    std::uint32_t grasped_count = 0;
+    std::uint64_t holding = 0;  ///< bit by tool number
+    int pairs = 0, next_pair = 0;
+    double products[physics::kHistory] = {};  ///< moves . turns
+    double elastic = 0;                       ///< at the end of the step before, J
+    double pressure = 0;
+    float hold = 0;              ///< N/m that stand for a held sample on coarser levels
+    Array<std::uint8_t> pinned;  ///< by unknown, while a step runs: 1 by a pin, 2 by a pin where it was held anyway
+    double at_rest = 0;          ///< inertial part of the potential without displacement in this step
+
+    [[nodiscard]] physics::Level& fine() noexcept { return solver.level[0]; }
+    [[nodiscard]] const physics::Level& fine() const noexcept { return solver.level[0]; }
+    [[nodiscard]] physics::Quads on() const noexcept {
+        return {fine().count(), static_cast<std::ptrdiff_t>(cols), quads.data(), other, rest, moved};
+    }
+};
+
+namespace physics {
+
+/// Planes, unknowns, rest shape, stencils and matrices of a state's rest shape. @return OutOfMemory, LimitExceeded.
+[[nodiscard]] Result<void> build_model(PhysicsImpl& p, const StateImpl& s) noexcept;
+/// Values of all matrices for options.dt.
+void take_step_length(PhysicsImpl& p) noexcept;
+
+/// Parts of the potential whose minimum is the implicit step, J.
+struct Potential {
+    double elastic = 0;   ///< membrane, bending, foundation
+    double inertial = 0;  ///< 1/2 m |delta - inertial|^2 / dt^2
+    double contact = 0;
+    [[nodiscard]] double sum() const noexcept { return elastic + inertial + contact; }
+};
+/// Potential and gradient at `delta`; also `area`.
+[[nodiscard]] Potential evaluate(PhysicsImpl& p) noexcept;
+/// Obstacles and tools of a step, checked.
+struct Scene {
+    static constexpr std::uint32_t kMost = 64;
+    Shape shapes[kMost];
+    std::uint32_t ids[kMost];  ///< a tool's number, or kMost + the obstacle's
+    std::uint32_t count = 0;
+};
+/// Lists the samples that may touch, with the multipliers that they had.
+void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept;
+/// Begins and ends grasps, and aims those that hold.
+void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept;
+/// Stiffness of pins, grasps and contacts on the diagonal.
+void take_holds(PhysicsImpl& p) noexcept;
+/// Multipliers for the next step.
+void keep_multipliers(PhysicsImpl& p) noexcept;
+/// Minimises the potential from `delta` on. @return false: nothing lower was found, or numbers overflowed.
+[[nodiscard]] bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept;
+
+/// Volume of rest + at + delta + step * way, m^3.
+[[nodiscard]] double volume_of(const PhysicsImpl& p, const Field& delta, double step, const Field* way) noexcept;
+/// to_class = sum over its copies.
+void sum_classes(const PhysicsImpl& p, const Field& f) noexcept;
+[[nodiscard]] double sum_plane(const PhysicsImpl& p, const float* plane) noexcept;
+
+}  // namespace physics
+}  // namespace dgm::detail

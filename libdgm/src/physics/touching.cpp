@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/physics/touching.cpp
+// Contacts of a step: which samples may touch, and how firmly they are held.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/physics_impl.h"
+
+namespace dgm::detail::physics {
+namespace {
+
+constexpr std::uint32_t kTile = 8;
+
+/// Place of a sample before the step, local units.
+Double3 place(const PhysicsImpl& p, const StateImpl& s, std::uint32_t k) noexcept {
+    const double by = 1 / p.scale;
+    return {double{s.rest.x[k]} + by * p.at[0][k], double{s.rest.y[k]} + by * p.at[1][k],
+            double{s.rest.z[k]} + by * p.at[2][k]};
+}
+
+/// Multipliers of the step before: both lists are sorted by obstacle, then sample.
+class Remembered {
+ public:
+    Remembered(const Array<Touching>& list, std::uint32_t count) noexcept : list_(list), count_(count) {}
+    double of(std::uint32_t obstacle, std::uint32_t sample) const noexcept {
+        const auto before = [&](const Touching& t, int) {
+            return t.obstacle != obstacle ? t.obstacle < obstacle : t.sample < sample;
+        };
+        const Touching* at = std::lower_bound(list_.begin(), list_.begin() + count_, 0, before);
+        const bool found = at != list_.begin() + count_ && at->obstacle == obstacle && at->sample == sample;
+        return found ? at->multiplier : 0;
+    }
+
+ private:
+    const Array<Touching>& list_;
+    std::uint32_t count_;
+};
+
+struct Tile {
+    Double3 centre;
+    double radius = 0;
+};
+Tile tile_of(const PhysicsImpl& p, const StateImpl& s, std::uint32_t i0, std::uint32_t j0) noexcept {
+    constexpr double kMost = std::numeric_limits<double>::infinity();
+    double low[3] = {kMost, kMost, kMost}, high[3] = {-kMost, -kMost, -kMost};
+    for (std::uint32_t i = i0; i < std::min(i0 + kTile, p.rows); ++i)
+        for (std::uint32_t j = j0; j < std::min(j0 + kTile, p.cols); ++j) {
+            const Double3 x = place(p, s, i * p.cols + j);
+            const double v[3] = {x.x, x.y, x.z};
+            for (int c = 0; c < 3; ++c) {
+                low[c] = std::min(low[c], v[c]);
+                high[c] = std::max(high[c], v[c]);
+            }
+        }
+    const Double3 l{low[0], low[1], low[2]}, h{high[0], high[1], high[2]}, half = 0.5 * (h - l);
+    return {0.5 * (l + h), std::sqrt(dot(half, half))};
+}
+
+/// Distance within which a sample may come to touch in this step, local units.
+double reach_of(const PhysicsImpl& p, const StateImpl& s) noexcept {
+    double fastest = 0;
+    for (const float* v : p.velocity.p)
+        for (std::uint32_t k = 0; k < p.fine().grid; ++k) fastest = std::max(fastest, std::fabs(double{v[k]}));
+    return 2 * double{s.mean_step} + 4 * fastest * double{p.options.dt} / p.scale;
+}
+}  // namespace
+
+void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept {
+    const Remembered memory(p.touching[p.touching_now], p.touching_count);
+    p.touching_now = 1 - p.touching_now;
+    Array<Touching>& to = p.touching[p.touching_now];
+    const Level& l = p.fine();
+    std::uint32_t count = 0;
+    const double reach = scene.count == 0 ? 0 : reach_of(p, s);
+    for (std::uint32_t o = 0; o < scene.count; ++o) {
+        const Shape& shape = scene.shapes[o];
+        const std::uint32_t first = count;
+        const auto look = [&](std::uint32_t k) {
+            if (l.own[k] == 0 || p.free[k] == 0 || count == to.size()) return;
+            const Double3 x = place(p, s, k);
+            const Probe there = probe(shape, x);
+            if (!(there.distance < reach)) return;
+            const Double3 way = there.distance < 0 ? there.nearest - x : x - there.nearest;
+            const double length = std::sqrt(dot(way, way));
+            const bool flat = shape.kind == ObstacleKind::Plane;
+            if (!(length > 0) && !flat) return;
+            const Double3 normal = flat ? shape.normal : (1 / length) * way;
+            const double firm = double{l.diagonal[k]};
+            to[count++] = {k, scene.ids[o], normal, there.distance * p.scale, firm, memory.of(scene.ids[o], k), 0};
+        };
+        for (std::uint32_t i = 0; i < p.rows; i += kTile)
+            for (std::uint32_t j = 0; j < p.cols; j += kTile) {
+                const Tile t = tile_of(p, s, i, j);
+                if (probe(shape, t.centre).distance > t.radius + reach) continue;
+                for (std::uint32_t r = i; r < std::min(i + kTile, p.rows); ++r)
+                    for (std::uint32_t c = j; c < std::min(j + kTile, p.cols); ++c) look(r * p.cols + c);
+            }
+        std::sort(to.begin() + first, to.begin() + count,
+                  [](const Touching& a, const Touching& b) { return a.sample < b.sample; });
+    }
+    p.touching_count = count;
+}
+
+void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept {
+    std::uint64_t wanted = 0;
+    for (const ToolInput& t : tools)
+        if (t.kind == ToolKind::Grasp && t.engaged) wanted |= std::uint64_t{1} << t.tool;
+    std::uint32_t kept = 0;
+    for (std::uint32_t k = 0; k < p.grasped_count; ++k)
+        if ((wanted >> p.grasped[k].tool & 1) != 0) p.grasped[kept++] = p.grasped[k];
+    p.grasped_count = kept;
+    const Level& l = p.fine();
+    for (const ToolInput& t : tools) {
+        const std::uint64_t bit = std::uint64_t{1} << t.tool;
+        if ((wanted & bit) == 0 || (p.holding & bit) != 0) continue;
+        const Double3 tool = widen(t.position);
+        double best = std::numeric_limits<double>::infinity();
+        Double3 middle;
+        for (std::uint32_t d = 0; d < l.dofs; ++d) {
+            const Double3 x = place(p, s, l.sample_of[d]), way = x - tool;
+            if (!(dot(way, way) < best)) continue;
+            best = dot(way, way);
+            middle = x;
+        }
+        const double limit = std::max(double{radius}, 4 * double{s.mean_step});
+        if (!(best <= limit * limit)) {
+            wanted &= ~bit;  // too far away: it may begin later
+            continue;
+        }
+        for (std::uint32_t d = 0; d < l.dofs && p.grasped_count < p.grasped.size(); ++d) {
+            const std::uint32_t k = l.sample_of[d];
+            const Double3 x = place(p, s, k), way = x - middle;
+            if (p.free[k] == 0 || dot(way, way) > double{radius} * double{radius}) continue;
+            p.grasped[p.grasped_count++] = {k, t.tool, p.scale * (x - tool), {}, double{l.diagonal[k]}, {}, {}};
+        }
+    }
+    p.holding = wanted;
+    for (std::uint32_t k = 0; k < p.grasped_count; ++k) {
+        Grasped& g = p.grasped[k];
+        for (const ToolInput& t : tools)
+            if (t.tool == g.tool) g.aim = g.offset + p.scale * (widen(t.position) - place(p, s, g.sample));
+    }
+}
+
+void take_holds(PhysicsImpl& p) noexcept {
+    Level& l = p.fine();
+    for (std::uint32_t s = 0; s < l.grid; ++s) l.extra[s] = p.free[s] == 0 ? p.hold : 0;
+    const Array<Touching>& list = p.touching[p.touching_now];
+    for (std::uint32_t k = 0; k < p.touching_count; ++k)
+        if (list[k].multiplier > 0 || list[k].gap < 0) l.extra[list[k].sample] += static_cast<float>(list[k].stiffness);
+    for (std::uint32_t k = 0; k < p.grasped_count; ++k)
+        l.extra[p.grasped[k].sample] += static_cast<float>(p.grasped[k].stiffness);
+    for (std::size_t k = 0; k < l.copies.size(); k += 2) l.extra[l.copies[k]] = l.extra[l.copies[k + 1]];
+    take_extra(p.solver);
+}
+
+void keep_multipliers(PhysicsImpl& p) noexcept {
+    Array<Touching>& list = p.touching[p.touching_now];
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) list[k].multiplier = list[k].force;
+    for (std::uint32_t k = 0; k < p.grasped_count; ++k) p.grasped[k].multiplier = p.grasped[k].force;
+}
+
+}  // namespace dgm::detail::physics
