@@ -83,10 +83,10 @@ class Touch(unittest.TestCase):
         page.mouse("mouseMoved", *BESIDE, buttons=0)
         page.rest()
 
-    def places(self, page):
-        """x, y, z of all samples, as bits."""
-        text = page.run("""(() => { const out = dgmPage.bodies[0].copy().map((a) => new Uint8Array(a.buffer));
-            return out.map((b) => btoa(Array.from(b, (c) => String.fromCharCode(c)).join(""))); })()""")
+    def places(self, page, first=""):
+        """x, y, z of all samples, as bits, after `first`, before another frame lets them spring back."""
+        text = page.run(f"(() => {{ {first}; return" + """ (() => { const out = dgmPage.bodies[0].copy().map((a) => new Uint8Array(a.buffer));
+            return out.map((b) => btoa(Array.from(b, (c) => String.fromCharCode(c)).join(""))); })(); })()""")
         return numpy.array([numpy.frombuffer(base64.b64decode(t), numpy.float32) for t in text])
 
     def test_is_one_small_file(self):
@@ -183,10 +183,10 @@ class Touch(unittest.TestCase):
                 total = float(run(REFERENCE, self.folder / MAP, "replay", PATHS / name, self.folder / "shape.bin"))
                 native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
                 page = self.page()
-                page.run(f"""dgmPage.recorder.load({json.dumps((PATHS / name).read_text(encoding="utf-8"))});
+                places = self.places(page, f"""dgmPage.recorder.load({json.dumps((PATHS / name).read_text(encoding="utf-8"))});
                     dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots,
-                      {{ mode: 0, d_max: 5, f_max: 3, step: Math.fround(Math.fround(4.5) / 45), grasp: 0, relax: 0 }}); 0""")
-                numpy.testing.assert_array_equal(self.places(page).view(numpy.uint32), native.view(numpy.uint32))
+                      {{ mode: 0, d_max: 5, f_max: 3, step: Math.fround(Math.fround(4.5) / 45), grasp: 0, relax: 0 }})""")
+                numpy.testing.assert_array_equal(places.view(numpy.uint32), native.view(numpy.uint32))
                 self.assertNotEqual(total, 0)
 
     def test_strokes_that_stay_are_taken_back_one_by_one(self):
@@ -349,7 +349,7 @@ class Touch(unittest.TestCase):
         self.assertGreater(float(numpy.std(colours["area of a sample"][..., 1] - colours["area of a sample"][..., 0])), 5)
         self.assertRegex(page.run("document.getElementById('said').textContent"), r"^area of a sample: \S+ \(dark\) to \S+ \(light\)$")
 
-    def test_a_recorded_path_replays_natively(self):
+    def test_a_recorded_path_replays_natively_to_the_bit(self):
         page = self.page("#tool=pull&size=60")
         for at, tool, caption in (((345, 170), "pull", "pulled"), (MIDDLE, "push", "")):
             page.run(f"dgmPage.panel.choose('{tool}'); document.getElementById('words').value = '{caption}'")
@@ -361,21 +361,19 @@ class Touch(unittest.TestCase):
         text = page.run("dgmPage.recorder.text()")
         self.assertRegex(text, r"(?m)^# Recorded by touch\. Size \S+, d_max \S+\.$")
         self.assertRegex(text, r"(?m)^\S+ \S+ \S+ \S+ grasp pulled$")
-        # Up to the middle of the pull, and all of it.
+        # Up to the end of the pull, and all of it.
         lines = text.splitlines()
         grasps = [k for k, line in enumerate(lines) if " grasp" in line]
-        for name, part in (("half.txt", lines[:grasps[len(grasps) // 2] + 1]), ("whole.txt", lines)):
+        for name, part in (("pull.txt", lines[:grasps[-1] + 1]), ("whole.txt", lines)):
             (self.folder / name).write_text("\n".join(part) + "\n")
             run(REFERENCE, self.folder / MAP, "replay", self.folder / name, self.folder / "shape.bin")
             native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
             page.open(self.folder / PAGE)
             rest = self.places(page)
-            page.run(f"""dgmPage.recorder.load({json.dumps((self.folder / name).read_text())});
-                dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots, dgmPage.recorder.settings); 0""")
-            # Some coordinates differ in their last bit, unlike those of samples' paths; why is not known yet.
-            apart = numpy.abs(self.places(page).view(numpy.int32).astype(numpy.int64) - native.view(numpy.int32))
-            self.assertLessEqual(int(apart.max()), 1)
-            if name == "half.txt":
+            places = self.places(page, f"""dgmPage.recorder.load({json.dumps((self.folder / name).read_text())});
+                dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots, dgmPage.recorder.settings)""")
+            numpy.testing.assert_array_equal(places.view(numpy.uint32), native.view(numpy.uint32))
+            if name == "pull.txt":
                 self.assertGreater(float(numpy.abs(native - rest).max()), .1)
 
     def test_plays_paths_that_were_put_into_it(self):
