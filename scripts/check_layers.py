@@ -44,7 +44,7 @@ MESHES = KERNEL + ("cli/geometry/spatial", "cli/geometry/cut", "cli/geometry/sim
 MAPS = MESHES + ("cli/geometry/solve", "cli/geometry/parameterize")
 CHARTS = MAPS + ("cli/geometry/resample", "cli/geometry/chart")
 GEOMETRY = CHARTS + ("cli/geometry/repair", "cli/geometry/cut_search", "cli/geometry/fit", "cli/geometry/layers")
-CONTAINERS = ("formats/files", "formats/dgm", "formats/exr", "formats/mesh")
+CONTAINERS = ("formats/files", "formats/dgm", "formats/exr", "formats/mesh", "formats/path")
 BAKING = ("cli/process", "cli/baking", "cli/worker", "cli/batch")
 BELOW_PROGRAMS = GEOMETRY + CONTAINERS + BAKING + ("cli/geometry/cgal", "cli/render", "cli/export", "cli/report", "cli/scene",
                                                   "cli/tool")
@@ -66,6 +66,7 @@ PARTS = (
     Part("formats/math", 0.5, (), (), "functions that round alike everywhere; the C library's do not"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
     Part("formats/files", 1, ("formats/model",), (SYSTEM,), "opens inputs that may be anything, puts outputs in place"),
+    Part("formats/path", 1, RUNTIME + ("formats/model",), (), "recorded tool paths"),
     Part("formats/image", 1, ("formats/model", "formats/files"), (PNG, STB), "pixels in and out; no other part decodes pictures"),
     # The rooms of the geometry: pure functions on meshes. All build without CGAL, and most without Eigen.
     Part("cli/geometry/mesh", 2, DATA, (), "the kernel: half-edges, predicates, areas, closest points"),
@@ -112,8 +113,8 @@ PARTS = (
     Part("cli/export/program", 8, BELOW_PROGRAMS, (CLI11, FMT, JSON, SYSTEM), "a program"),
     Part("samples/generate", 4, ("formats/math", "formats/model"), (PNG,), "makes meshes; knows nothing of baking"),
     Part("samples/load_and_draw", 5, RUNTIME, (), "what a user of the runtime would write"),
-    Part("samples/support", 5, DATA + ("cli/render",), (), "what samples share: paths, maps to press, pictures"),
-    Part("samples", 6, DATA + ("cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
+    Part("samples/support", 5, DATA + ("formats/path", "cli/render"), (), "what samples share: maps to press, pictures"),
+    Part("samples", 6, DATA + ("formats/path", "cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
     Part("tests", 9, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
                              JSON, CLI11, GTEST, BENCHMARK, NANOFLANN, MESHOPT, ZLIB), "tests may look at everything"),
     Part("tests/e2e/consumer", 9, RUNTIME, (), "a user's project: knows the installed runtime only"),

@@ -289,9 +289,10 @@ struct RunCommand {
         measured.number("--ticks", "N", sweep.ticks, "ticks of each setting")
             ->check(CLI::Range(1000, 100'000'000))
             ->capture_default_str();
-        measured.value("--path", "FILE", sweep.path,
-                       "recorded tool positions, \"x y z\" a line in source units, a line a tick [3.3 s of a stomach "
-                       "pressed, poked and pulled, at the same places of each map]");
+        measured.value(
+            "--path", "FILE", sweep.path,
+            "recorded tool positions, \"x y z\" a line in source units, a line a tick; or a path that a page "
+            "saved [3.3 s of a stomach pressed, poked and pulled, at the same places of each map]");
         common.add_to(*app);
     }
     int run() {

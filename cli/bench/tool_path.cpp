@@ -13,6 +13,7 @@
 #include "bench/recorded_touch.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "path/tool_path.h"
 
 namespace dgm::bench {
 namespace {
@@ -142,10 +143,35 @@ std::vector<Vec3> replayed_path(const State& state, std::size_t ticks) {
     return out;
 }
 
+namespace {
+/// True if the first line that is no remark names what the tool does, as paths of pages and samples do.
+bool names_kinds(std::ifstream& in) {
+    std::string line, word;
+    while (std::getline(in, line) && (line.empty() || line.front() == '#')) continue;
+    std::istringstream words(line);
+    for (int k = 0; k < 5; ++k) words >> word;
+    in.clear();
+    in.seekg(0);
+    return word == "touch" || word == "poke" || word == "grasp" || word == "away";
+}
+}  // namespace
+
 std::vector<Vec3> recorded_path(const std::filesystem::path& file, const double (&offset)[3], std::size_t ticks) {
     std::ifstream in(file);
     if (!in) throw model::unopened_file(file);
     std::vector<Vec3> recorded;
+    const Vec3 origin{static_cast<float>(offset[0]), static_cast<float>(offset[1]), static_cast<float>(offset[2])};
+    if (names_kinds(in)) {
+        const formats::ToolPath path(file);
+        path.replay(
+            kTickSeconds,
+            [&](const formats::Knot& knot, float) {
+                if (recorded.size() < ticks) recorded.push_back(knot.position - origin);
+            },
+            [](const std::string&) {});
+        for (std::size_t k = 0; recorded.size() < ticks; ++k) recorded.push_back(recorded[k]);
+        return recorded;
+    }
     std::string line;
     for (std::size_t number = 1; std::getline(in, line); ++number) {
         if (line.empty() || line.front() == '#') continue;

@@ -21,9 +21,10 @@ namespace dgm::bench {
 /// shares of the diagonal, straight between its lines, and again from the start until there are enough.
 [[nodiscard]] std::vector<Vec3> replayed_path(const State& state, std::size_t ticks);
 
-/// Positions of a recording: "x y z" a line in source units, lines that begin with # left out; repeated from the start
-/// until there are enough. `offset` is Chart::offset().
-/// @throws model::Error kFileMissing, kReadFailed with the line that is none
+/// Positions of a recording: "x y z" a line in source units, lines that begin with # left out; or a path as
+/// samples/paths has them and pages record them (formats/path), whatever its tool does. Repeated from the start until
+/// there are enough. `offset` is Chart::offset().
+/// @throws model::Error kFileMissing, kReadFailed with the line that is none, as formats::ToolPath
 [[nodiscard]] std::vector<Vec3> recorded_path(const std::filesystem::path& file, const double (&offset)[3],
                                               std::size_t ticks);
 

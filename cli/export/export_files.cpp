@@ -79,6 +79,7 @@ void check_options(const MapSet& maps, const path& output, const ExportOptions& 
     if (!picture && asks_picture) usage("--layer, --sheet, --source, --size and --view go with a .png output");
     if (int{!options.layer.empty()} + int{options.sheet} + int{!options.source.empty()} > 1)
         usage("--layer, --sheet and --source exclude each other");
+    if (!options.paths.empty() && extension != ".html") usage("--path goes with an .html output");
     if (options.multipart && extension != ".exr") usage("--exr-layout goes with an .exr output");
     if (options.chart && *options.chart >= maps.charts.size())
         usage(fmt::format("there is no chart {}; the file has {}, counted from 0", *options.chart, maps.charts.size()));

@@ -26,11 +26,12 @@ struct ExportOptions {
     std::optional<std::uint32_t> width, height;  ///< PNG
     std::optional<render::View> view;            ///< PNG
     render::UpAxis up = render::UpAxis::kY;      ///< PNG, GLB, HTML: of the source
-    std::vector<std::uint32_t> lods{1};       ///< OBJ, PLY, GLB: stride in quads, see faces_at_stride(); GLB: several
-    LodMode lod_mode = LodMode::kMsft;        ///< GLB: of several levels
-    bool quantize = false, compress = false;  ///< GLB, see GlbOptions
-    bool power_of_two = false;                ///< OBJ, PLY, GLB: sides of pictures
-    bool multipart = false;                   ///< EXR: one part a layer
+    std::vector<std::uint32_t> lods{1};        ///< OBJ, PLY, GLB: stride in quads, see faces_at_stride(); GLB: several
+    LodMode lod_mode = LodMode::kMsft;         ///< GLB: of several levels
+    bool quantize = false, compress = false;   ///< GLB, see GlbOptions
+    bool power_of_two = false;                 ///< OBJ, PLY, GLB: sides of pictures
+    bool multipart = false;                    ///< EXR: one part a layer
+    std::vector<std::filesystem::path> paths;  ///< HTML: recorded tool paths that the page plays
 };
 
 /// Reads a .dgm or an .exr, by content. @throws model::Error as formats::read_dgm and read_exr

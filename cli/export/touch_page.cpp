@@ -5,8 +5,10 @@
 #include <fstream>
 #include <string>
 
+#include "files/regular_file.h"
 #include "image/image.h"
 #include "model/codes.h"
+#include "path/tool_path.h"
 #include "render/chart_surface.h"
 #include "render/pictures.h"
 
@@ -21,11 +23,22 @@ std::vector<std::byte> still_of(const model::MapSet& maps, render::UpAxis up) {
     how.up = up;
     return formats::encode_jpeg(render::surface_picture(render::chart_surface(maps.charts), how), kStillQuality);
 }
+
+/// The text of each path, once it is known to be one.
+std::vector<page::PagedPath> paths_of(const ExportOptions& options) {
+    constexpr std::size_t kMostBytes = std::size_t{16} << 20;  // an hour of strokes at 60 frames a second
+    std::vector<page::PagedPath> out;
+    for (const std::filesystem::path& file : options.paths) {
+        static_cast<void>(formats::ToolPath(file));
+        out.push_back({file.stem().string(), formats::read_small_file(file, kMostBytes)});
+    }
+    return out;
+}
 }  // namespace
 
 void write_touch_page(const std::vector<page::PagedMap>& maps, const std::filesystem::path& output,
                       const ExportOptions& options, StagingFolder& staging) {
-    page::PageSettings settings{output.stem().string(), options.up == render::UpAxis::kZ, {}};
+    page::PageSettings settings{output.stem().string(), options.up == render::UpAxis::kZ, paths_of(options), {}};
     if (!maps.empty()) settings.still = still_of(*maps.front().maps, options.up);
     const std::string text = page::page_file(settings, maps, staging.where("map.dgm"));
     std::ofstream file(staging.add(output.filename()), std::ios::binary);

@@ -45,7 +45,10 @@ std::string page_file(const PageSettings& settings, std::span<const PagedMap> ma
                            "this build of dgm-export writes no pages: it was made without the runtime for WebAssembly "
                            "(DGM_PAGE)")
             .with_hint("run scripts/install_packages, and build with -DDGM_PAGE=ON; dgm-export writes .glb, too");
-    std::string data = data_element("id=\"module\"", bytes_of(deflated(bytes_of(page_module()))));
+    // One program, in strict mode, with no name that others see.
+    const std::string script = fmt::format("\"use strict\";\n(() => {{{}}})();\n", page_script());
+    std::string data = data_element("id=\"script\"", bytes_of(deflated(bytes_of(script))));
+    data += data_element("id=\"module\"", bytes_of(deflated(bytes_of(page_module()))));
     for (std::size_t k = 0; k < maps.size(); ++k) {
         const PackedMap packed = packed_map(*maps[k].maps, scratch);
         data += data_element(
@@ -56,12 +59,14 @@ std::string page_file(const PageSettings& settings, std::span<const PagedMap> ma
                                              picture.chart, picture.type),
                                  picture.bytes);
     }
+    for (const PagedPath& path : settings.paths)
+        data += data_element(fmt::format("class=\"path\" data-name=\"{}\"", attribute_text(path.name)),
+                             bytes_of(path.text));
     if (!settings.still.empty()) data += data_element("class=\"still\"", settings.still);
     const std::pair<std::string_view, std::string> values[] = {{"@TITLE@", attribute_text(settings.title)},
                                                                {"@UP@", settings.z_is_up ? "z" : "y"},
                                                                {"@STYLE@", std::string(page_style())},
-                                                               {"@DATA@", data},
-                                                               {"@SCRIPT@", std::string(page_script())}};
+                                                               {"@DATA@", data}};
     return filled(page_html(), values);
 }
 

@@ -17,9 +17,16 @@ struct PagedMap {
     const model::MapSet* maps = nullptr;
 };
 
+/// A recorded tool path; one whose name begins with that of a map is offered for that map alone.
+struct PagedPath {
+    std::string name;  ///< shown in the list of paths, with spaces for underscores
+    std::string text;  ///< as formats/path has it
+};
+
 struct PageSettings {
     std::string title;
     bool z_is_up = false;
+    std::vector<PagedPath> paths;
     std::vector<std::byte> still;  ///< JPEG, for browsers that cannot draw the surface; may be empty
 };
 

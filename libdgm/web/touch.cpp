@@ -242,10 +242,10 @@ TOUCH_API std::uint32_t touch_pick(Body* body, float ox, float oy, float oz, flo
 
 // ---- Ticks ----
 
-/// A bell of `reach` steps that is 0, and lies flat, at its end.
-TOUCH_API dgm_table* touch_table(std::uint32_t reach, float sigma) {
+/// A round kernel; `end` is a dgm_kernel_end.
+TOUCH_API dgm_table* touch_table(std::uint32_t reach, float sigma, std::uint32_t end) {
     auto options = sized<dgm_kernel_options>();
-    options.end = DGM_KERNEL_END_COMPACT;
+    options.end = end;
     options.reach = reach;
     options.sigma = sigma;
     dgm_table* table = nullptr;
@@ -257,9 +257,9 @@ TOUCH_API void touch_table_free(dgm_table* table) {
 }
 
 /// Settings of the ticks to come, as dgm_tick_options.
-TOUCH_API void touch_ticking(std::uint32_t footprint, std::uint32_t mode, float dt, float d_max, float f_max,
-                             float relax_rate, float settle_time, float grasp_distance, float step) {
-    ticking.footprint = footprint, ticking.mode = mode;
+TOUCH_API void touch_ticking(std::uint32_t footprint, std::uint32_t mode, std::uint32_t rule, float dt, float d_max,
+                             float f_max, float relax_rate, float settle_time, float grasp_distance, float step) {
+    ticking.footprint = footprint, ticking.mode = mode, ticking.rule = rule;
     ticking.dt = dt, ticking.d_max = d_max, ticking.f_max = f_max, ticking.relax_rate = relax_rate;
     ticking.settle_time = settle_time, ticking.grasp_distance = grasp_distance, ticking.step = step;
 }
@@ -310,6 +310,17 @@ namespace {
 bool can_meet(Body* body) {
     return body->solver != nullptr || dgm_contact_solver_create(body->state, nullptr, &body->solver, &error) == DGM_OK;
 }
+
+std::uint32_t resolved(Body* body, const dgm_obstacle& obstacle, std::uint32_t mode) {
+    auto options = sized<dgm_contact_options>();
+    options.mode = mode;
+    auto report = sized<dgm_contact_report>();
+    if (dgm_resolve_contact(body->state, body->solver, &obstacle, &options, &report, &error) != DGM_OK)
+        return error.code;
+    answers[0] = report.status, answers[1] = report.samples, answers[2] = report.removed;
+    answers[3] = report.volume_error, answers[4] = report.volume_kept, answers[5] = static_cast<double>(report.deepest);
+    return DGM_OK;
+}
 }  // namespace
 
 /// The volume that the present shape encloses; 0 for an open surface.
@@ -331,12 +342,17 @@ TOUCH_API std::uint32_t touch_obstacle(Body* body, std::uint32_t kind, std::uint
         if (kind == DGM_OBSTACLE_KIND_CAPSULE) obstacle.end[k] = q[k];
     }
     if (kind != DGM_OBSTACLE_KIND_PLANE) obstacle.radius = radius;
-    auto options = sized<dgm_contact_options>();
-    options.mode = mode;
-    auto report = sized<dgm_contact_report>();
-    if (dgm_resolve_contact(body->state, body->solver, &obstacle, &options, &report, &error) != DGM_OK)
-        return error.code;
-    answers[0] = report.status, answers[1] = report.samples, answers[2] = report.removed;
-    answers[3] = report.volume_error, answers[4] = report.volume_kept, answers[5] = static_cast<double>(report.deepest);
-    return DGM_OK;
+    return resolved(body, obstacle, mode);
+}
+
+/// Presses the body against another one, whose origin lies at (x, y, z). Answers: as touch_obstacle().
+TOUCH_API std::uint32_t touch_other(Body* body, Body* other, std::uint32_t mode, float x, float y, float z,
+                                    float reach) {
+    if (!can_meet(body)) return error.code;
+    auto obstacle = sized<dgm_obstacle>();
+    obstacle.kind = DGM_OBSTACLE_KIND_SURFACE;
+    obstacle.surface = other->state;
+    obstacle.reach = reach;
+    obstacle.point[0] = x, obstacle.point[1] = y, obstacle.point[2] = z;
+    return resolved(body, obstacle, mode);
 }

@@ -12,26 +12,29 @@
 
 #include "support/soft_body.h"
 #include "support/strip.h"
-#include "support/tool_path.h"
 
 namespace {
 using namespace dgm::samples;
 
-constexpr float kReach = 4.5F;        // centimetres around the contact that follow the tool
+// Centimetres around the contact that follow the tool, and the farthest it goes, unless the path says so.
+constexpr TouchSize kTouch{4.5, 5, false};
 constexpr std::uint32_t kSteps = 45;  // the same in steps of the kernel
 
 void replay(const std::string& map, const std::string& path_file, const std::string& picture) {
     SoftBody organ(map);
     const ToolPath path(path_file);
     const Look skin{texture_of(map), 1, 0.3F};
-    // A bell that is 0, and lies flat, at kReach: no crease where the dent begins.
+    const TouchSize touch = path.touch_size().value_or(kTouch);
+    // A bell that is 0, and lies flat, at the touch's size: no crease where the dent begins.
     const auto table = take(
         dgm::DeformTable::create({.end = dgm::KernelEnd::Compact, .sigma = kSteps * kSteps / 5.0F, .reach = kSteps}),
         "kernel");
-    const dgm::TickOptions options{.d_max = 5,
+    const dgm::TickOptions options{.d_max = static_cast<float>(touch.d_max),
                                    .f_max = 3,  // newtons
+                                   .grasp_distance = path.touch_size() ? static_cast<float>(touch.size) : 0,
                                    .footprint = dgm::Footprint::Geodesic,
-                                   .step = kReach / kSteps};
+                                   .mode = touch.stays ? dgm::DeformMode::Plastic : dgm::DeformMode::Elastic,
+                                   .step = static_cast<float>(touch.size / kSteps)};
 
     Strip strip({20, 14, dgm::render::UpAxis::kZ}, 4, 400);
     dgm::ToolOutput felt;

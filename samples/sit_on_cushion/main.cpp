@@ -12,7 +12,6 @@
 
 #include "support/soft_body.h"
 #include "support/strip.h"
-#include "support/tool_path.h"
 
 namespace {
 using namespace dgm::samples;

@@ -15,9 +15,12 @@
 
 #include "image/image.h"
 #include "model/codes.h"
-#include "support/tool_path.h"
+#include "path/tool_path.h"
 
 namespace dgm::samples {
+using formats::Knot;
+using formats::ToolPath;
+using formats::TouchSize;
 
 /// The value, or a model::Error that says what failed and why.
 template <class T>

@@ -122,7 +122,7 @@ class Page:
 
 
 @contextlib.contextmanager
-def opened(size=(1000, 700), dark=False, phone=False, arguments=()):
+def opened(size=(1000, 700), dark=False, phone=False, arguments=(), offline=True):
     """A Page without an address. Its profile is gone afterwards."""
     down, up = os.pipe(), os.pipe()  # to the browser, from it
 
@@ -152,7 +152,8 @@ def opened(size=(1000, 700), dark=False, phone=False, arguments=()):
                 page.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
             page.call("Emulation.setEmulatedMedia", features=[
                 {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
-            page.call("Network.emulateNetworkConditions", offline=True, latency=0, downloadThroughput=0, uploadThroughput=0)
+            page.call("Network.emulateNetworkConditions", offline=offline, latency=0, downloadThroughput=0 if offline else -1,
+                      uploadThroughput=0 if offline else -1)
             yield page
         finally:
             process.kill()

@@ -3,18 +3,15 @@
 and its packages gltf-validator and three: by NODE_PATH, where node looks, or from npm, which then puts them into the
 build folder; is skipped, and says why, without them."""
 import json
-import os
-import shutil
-import subprocess
 import sys
 import unittest
 
 import numpy as np
 
 import meshes
+import node_packages
 import support
 
-PACKAGES = ("gltf-validator@2.0.0-dev.3.10", "three@0.160.0")
 SCRIPT = """
 const validator = require('gltf-validator'), fs = require('fs');
 validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1])))
@@ -55,33 +52,6 @@ globalThis.createImageBitmap = async blob => {
 FORMS = ((), ("--lod", "4", "--up", "z"), ("--quantize",), ("--compress",), ("--quantize", "--compress", "--up", "z"),
          ("--lod", "1,4,16"), ("--lod", "1,4", "--lod-mode", "nodes", "--quantize"), ("--power-of-two",),
          ("--lod", "1,2,8", "--quantize", "--compress", "--power-of-two"))
-
-
-def missing():
-    """The missing part, or None."""
-    if shutil.which("node") is None:
-        return "there is no node"
-    if node_finds_it():
-        return None
-    folder = os.environ.get("DGM_NODE_FOLDER")
-    if not folder or shutil.which("npm") is None:
-        return "node does not find gltf-validator and three, and there is no npm to fetch it; set NODE_PATH"
-    os.environ["NODE_PATH"] = os.path.join(folder, "node_modules")
-    if node_finds_it():
-        return None
-    try:
-        fetched = subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", folder, *PACKAGES],
-                                 capture_output=True, text=True, timeout=120, check=False)
-    except subprocess.TimeoutExpired:
-        return "npm does not answer"
-    if node_finds_it():
-        return None
-    return f"npm could not fetch {PACKAGES}: {fetched.stderr.strip()[-300:]}"
-
-
-def node_finds_it():
-    found = subprocess.run(["node", "-e", "require('gltf-validator'); require.resolve('three')"], capture_output=True, timeout=60, check=False)
-    return found.returncode == 0
 
 
 class GltfValidator(support.Folder):
@@ -160,7 +130,7 @@ class ThreeJs(support.Folder):
 
 
 if __name__ == "__main__":
-    reason = missing()
+    reason = node_packages.missing("gltf-validator", "three")
     if reason:
         print("skipped:", reason)
         sys.exit(77)

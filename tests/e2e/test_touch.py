@@ -83,10 +83,10 @@ class Touch(unittest.TestCase):
         page.mouse("mouseMoved", *BESIDE, buttons=0)
         page.rest()
 
-    def places(self, page):
-        """x, y, z of all samples, as bits."""
-        text = page.run("""(() => { const out = dgmPage.bodies[0].copy().map((a) => new Uint8Array(a.buffer));
-            return out.map((b) => btoa(Array.from(b, (c) => String.fromCharCode(c)).join(""))); })()""")
+    def places(self, page, first=""):
+        """x, y, z of all samples, as bits, after `first`, before another frame lets them spring back."""
+        text = page.run(f"(() => {{ {first}; return" + """ (() => { const out = dgmPage.bodies[0].copy().map((a) => new Uint8Array(a.buffer));
+            return out.map((b) => btoa(Array.from(b, (c) => String.fromCharCode(c)).join(""))); })(); })()""")
         return numpy.array([numpy.frombuffer(base64.b64decode(t), numpy.float32) for t in text])
 
     def test_is_one_small_file(self):
@@ -183,10 +183,10 @@ class Touch(unittest.TestCase):
                 total = float(run(REFERENCE, self.folder / MAP, "replay", PATHS / name, self.folder / "shape.bin"))
                 native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
                 page = self.page()
-                page.run(f"""dgmPage.recorder.load({json.dumps((PATHS / name).read_text(encoding="utf-8"))});
+                places = self.places(page, f"""dgmPage.recorder.load({json.dumps((PATHS / name).read_text(encoding="utf-8"))});
                     dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots,
-                      {{ mode: 0, d_max: 5, f_max: 3, step: Math.fround(Math.fround(4.5) / 45), grasp: 0, relax: 0 }}); 0""")
-                numpy.testing.assert_array_equal(self.places(page).view(numpy.uint32), native.view(numpy.uint32))
+                      {{ mode: 0, d_max: 5, f_max: 3, step: Math.fround(Math.fround(4.5) / 45), grasp: 0, relax: 0 }})""")
+                numpy.testing.assert_array_equal(places.view(numpy.uint32), native.view(numpy.uint32))
                 self.assertNotEqual(total, 0)
 
     def test_strokes_that_stay_are_taken_back_one_by_one(self):
@@ -337,7 +337,8 @@ class Touch(unittest.TestCase):
         page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode((self.folder / MAP).read_bytes()).decode())}), (c) => c.charCodeAt(0));
             await dgmPage.drop.take([new File([bytes], 'good.dgm')]); document.getElementById('up').click(); }})()""")
         names = page.run("[...document.getElementById('look').options].map((o) => o.value)")
-        self.assertEqual(names, ["texture", "clay", "moved", "normal", "cover radius", "area of a sample", "mobility", "stiffness"])
+        self.assertEqual(names, ["texture", "clay", "moved", "normal", "bump: height beyond the grid", "cover radius", "E: row step squared", "F",
+                                 "G: column step squared", "stiffness", "area of a sample", "mobility", "diagonals"])
         colours = {}
         for name in ("clay", "area of a sample"):
             page.run(f"document.getElementById('look').value = {json.dumps(name)}; dgmPage.wake()")
@@ -347,6 +348,80 @@ class Touch(unittest.TestCase):
         self.assertTrue((colours["clay"][..., 0] >= colours["clay"][..., 2]).all())
         self.assertGreater(float(numpy.std(colours["area of a sample"][..., 1] - colours["area of a sample"][..., 0])), 5)
         self.assertRegex(page.run("document.getElementById('said').textContent"), r"^area of a sample: \S+ \(dark\) to \S+ \(light\)$")
+
+    def test_a_recorded_path_replays_natively_to_the_bit(self):
+        page = self.page("#tool=pull&size=60")
+        for at, tool, caption in (((345, 170), "pull", "pulled"), (MIDDLE, "push", "")):
+            page.run(f"dgmPage.panel.choose('{tool}'); document.getElementById('words').value = '{caption}'")
+            self.hold(page, at, .2)
+            for k in range(6):
+                page.mouse("mouseMoved", at[0] - 8 * k, at[1] - 4 * k)
+            time.sleep(.2)
+            self.let_go(page, (at[0] - 40, at[1] - 20))
+        text = page.run("dgmPage.recorder.text()")
+        self.assertRegex(text, r"(?m)^# Recorded by touch\. Size \S+, d_max \S+\.$")
+        self.assertRegex(text, r"(?m)^\S+ \S+ \S+ \S+ grasp pulled$")
+        # Up to the end of the pull, and all of it.
+        lines = text.splitlines()
+        grasps = [k for k, line in enumerate(lines) if " grasp" in line]
+        for name, part in (("pull.txt", lines[:grasps[-1] + 1]), ("whole.txt", lines)):
+            (self.folder / name).write_text("\n".join(part) + "\n")
+            run(REFERENCE, self.folder / MAP, "replay", self.folder / name, self.folder / "shape.bin")
+            native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
+            page.open(self.folder / PAGE)
+            rest = self.places(page)
+            places = self.places(page, f"""dgmPage.recorder.load({json.dumps((self.folder / name).read_text())});
+                dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots, dgmPage.recorder.settings)""")
+            numpy.testing.assert_array_equal(places.view(numpy.uint32), native.view(numpy.uint32))
+            if name == "pull.txt":
+                self.assertGreater(float(numpy.abs(native - rest).max()), .1)
+
+    def test_plays_paths_that_were_put_into_it(self):
+        liver = self.folder / "liver_press_and_pull.txt"
+        liver.write_bytes((PATHS / liver.name).read_bytes())
+        run(support.EXPORT, self.folder / MAP, "--up", "z", "--path", PATHS / "stomach_press_and_pull.txt", "--path", PATHS / "table.txt",
+            "-o", self.folder / "paths.html")
+        page = self.page(name="paths.html")
+        self.assertEqual(page.run("[...document.getElementById('paths').options].map((o) => o.text)"),
+                         ["what was recorded here", "stomach press and pull", "table"])
+        page.run("(() => { const paths = document.getElementById('paths'); paths.value = '0'; paths.dispatchEvent(new Event('change')); })()")
+        page.wait("!document.getElementById('play').disabled")
+        page.run("document.getElementById('play').click()")
+        for caption in ("at rest", "pressed at the greater curvature"):
+            page.wait(f"document.getElementById('caption').textContent === {json.dumps(caption)} && !document.getElementById('caption').hidden")
+        page.shot(SCREENSHOTS / "touch_path.png")
+        page.run("dgmPage.recorder.stop(); dgmPage.wake()")
+        page.rest()
+        (self.folder / "bad.txt").write_text("0 1 2 three grasp\n")
+        for more, code in ((("--path", self.folder / "bad.txt", "-o", "x.html"), 1), (("--path", liver, "-o", "x.glb"), 1),
+                           (("--path", self.folder / "none.txt", "-o", "x.html"), 2)):
+            done = subprocess.run([support.EXPORT, self.folder / MAP, *map(str, more)], capture_output=True, text=True, check=False, cwd=self.folder)
+            self.assertEqual(done.returncode, code, done.stderr)
+
+    def test_the_map_is_beside_the_surface(self):
+        page = self.page()
+        page.run("document.getElementById('sheet').click()")
+        page.rest()
+        left, bottom, side = page.run("dgmPage.sheet.box()")
+        draw = random.Random(9)
+        for _ in range(20):
+            u, v = draw.uniform(.02, .98), draw.uniform(.02, .98)
+            at = (left + side * u, 700 - bottom - side * (1 - v))
+            hit = page.run(f"""(() => {{ const hit = dgmPage.pick([2 * {at[0]} / dgmPage.canvas.clientWidth - 1, 1 - 2 * {at[1]} / 700]);
+                const back = dgmPage.bodies[0].pickLocal(hit.point.map((p, d) => p + .01 * hit.normal[d]), hit.normal.map((n) => -n));
+                return [hit.row, hit.column, hit.weights.reduce((a, b) => a + b), dgmPage.sheet.place(hit), back.corners, hit.corners]; }})()""")
+            # Rows go down, columns to the right; a ray onto the place finds the same triangle.
+            self.assertEqual(hit[:2], [int(v * 64), int(u * 64)])
+            self.assertAlmostEqual(hit[2], 1, 6)
+            self.assertLess(max(abs(a - b) for a, b in zip(hit[3], at)), 1e-6)
+            self.assertEqual(sorted(hit[4]), sorted(hit[5]))
+        rest = page.shot(clip=STAGE).astype(int)
+        at = (left + side // 2, 700 - bottom - side // 2)
+        self.hold(page, at, .5)
+        page.shot(SCREENSHOTS / "touch_sheet.png")
+        self.assertGreater(page.run("dgmPage.hand.felt.force"), 0)
+        self.let_go(page, at)
+        numpy.testing.assert_array_equal(page.shot(clip=STAGE).astype(int), rest)
 
     def test_link_opens_the_same_view(self):
         page = self.page("#view=1.2,-0.4,1.5,0.1,0&tool=poke&size=30&look=clay")

@@ -6,6 +6,7 @@
 //   dgm_touch_reference MAP.dgm replay PATH OUT  runs a path as samples/press_and_pull does, one grasp, poke or touch
 //                                                at a time; writes x, y, z of all samples to OUT, prints the forces'
 //                                                sum
+//   dgm_touch_reference MAP.dgm ticks PATH       "KIND X Y Z" of each tick of a replay, in the path's frame
 #include <dgm/asset.h>
 #include <dgm/deform.h>
 #include <dgm/pick.h>
@@ -18,10 +19,9 @@
 #include <string>
 #include <utility>
 
-#include "support/tool_path.h"
+#include "path/tool_path.h"
 
 namespace {
-constexpr float kReach = 4.5F;        // the path's units around the contact
 constexpr std::uint32_t kSteps = 45;  // of the kernel
 
 template <class T>
@@ -45,27 +45,43 @@ void picks(dgm::State& state) {
     }
 }
 
-void replay(dgm::State& state, const dgm::Chart& chart, const char* path, const char* out) {
+void ticks(const char* path) {
+    constexpr const char* kNames[] = {"touch", "poke", "grasp"};
+    dgm::formats::ToolPath(path).replay(
+        1e-3,
+        [&](const dgm::formats::Knot& knot, float) {
+            std::printf("%s %.9g %.9g %.9g\n", knot.engaged ? kNames[static_cast<int>(knot.kind)] : "away",
+                        double{knot.position.x}, double{knot.position.y}, double{knot.position.z});
+        },
+        [](const std::string&) {});
+}
+
+void replay(dgm::State& state, const dgm::Chart& chart, const char* file, const char* out) {
+    const dgm::formats::ToolPath path(file);
+    const auto size = path.touch_size().value_or(dgm::formats::TouchSize{4.5, 5, false});
     const auto table = take(
         dgm::DeformTable::create({.end = dgm::KernelEnd::Compact, .sigma = kSteps * kSteps / 5.0F, .reach = kSteps}));
-    const dgm::TickOptions options{
-        .d_max = 5, .f_max = 3, .footprint = dgm::Footprint::Geodesic, .step = kReach / kSteps};
+    const dgm::TickOptions options{.d_max = static_cast<float>(size.d_max),
+                                   .grasp_distance = path.touch_size() ? static_cast<float>(size.size) : 0,
+                                   .footprint = dgm::Footprint::Geodesic,
+                                   .mode = size.stays ? dgm::DeformMode::Plastic : dgm::DeformMode::Elastic,
+                                   .step = static_cast<float>(size.size / kSteps)};
     const auto offset = chart.offset();
     const dgm::Vec3 origin{static_cast<float>(offset[0]), static_cast<float>(offset[1]), static_cast<float>(offset[2])};
     double sum = 0;
-    dgm::samples::ToolPath(path).replay(
+    path.replay(
         1e-3,
-        [&](const dgm::samples::Knot& knot, float) {
+        [&](const dgm::formats::Knot& knot, float) {
             const dgm::ToolInput input{.kind = knot.kind, .position = knot.position - origin, .engaged = knot.engaged};
             dgm::ToolOutput felt;
             static_cast<void>(take(dgm::tick(state, table, options, {&input, 1}, {&felt, 1})));
             sum += double{felt.force.x} + double{felt.force.y} + double{felt.force.z};
         },
         [](const std::string&) {});
-    std::ofstream file(out, std::ios::binary);
+    std::ofstream shape(out, std::ios::binary);
     const auto positions = state.positions();
     for (const float* axis : {positions.x, positions.y, positions.z})
-        file.write(reinterpret_cast<const char*>(axis), static_cast<std::streamsize>(positions.count * sizeof(float)));
+        shape.write(reinterpret_cast<const char*>(axis), static_cast<std::streamsize>(positions.count * sizeof(float)));
     std::printf("%.17g\n", sum);
 }
 }  // namespace
@@ -77,6 +93,8 @@ int main(int argc, char** argv) {
     dgm::State state = take(dgm::State::create(chart, {.plain_loops = true}));
     if (std::string(argv[2]) == "picks")
         picks(state);
+    else if (argc == 4 && std::string(argv[2]) == "ticks")
+        ticks(argv[3]);
     else if (argc == 5)
         replay(state, chart, argv[3], argv[4]);
 }

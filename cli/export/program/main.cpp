@@ -26,7 +26,7 @@ using dgm::exporter::ExportOptions;
 
 /// CLI11 fills it in: plain text, checked afterwards.
 struct CommandLine {
-    std::vector<std::string> inputs, asset_roots;
+    std::vector<std::string> inputs, asset_roots, paths;
     std::string output, maps, formats, size, view, up = "y", exr_layout = "auto", source, lod = "1", lod_mode;
     std::uint32_t chart = 0;
     bool blank = false;
@@ -143,6 +143,8 @@ void describe(CLI::App& app, CommandLine& line) {
     mesh.flag("--compress", line.options.compress, "GLB: EXT_meshopt_compression, lossless; best with --quantize");
     mesh.text("--up", "y|z", line.up, "GLB, PNG, HTML: which axis of the source points up [y]")
         ->check(CLI::IsMember({"y", "z"}));
+    mesh.value("--path", "FILE", line.paths,
+               "HTML: a recorded tool path (docs/touch.md) that the page plays; repeatable");
     picture.text("--layer", "NAME", line.options.layer, "PNG: the picture of this layer");
     picture.flag("--sheet", line.options.sheet, "PNG: all layers of each chart on one sheet");
     picture.text("--source", "MESH", line.source, "PNG: source, reconstruction, grid and error side by side");
@@ -182,6 +184,7 @@ void set_options(CommandLine& line) {
     }
     set_levels(line);
     options.source = line.source;
+    options.paths.assign(line.paths.begin(), line.paths.end());
     dgm::bake::ImportLimits limits;
     limits.asset_roots.assign(line.asset_roots.begin(), line.asset_roots.end());
     options.read_mesh = [limits](const std::filesystem::path& path) { return dgm::bake::import_apart(path, limits); };

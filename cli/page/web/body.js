@@ -4,11 +4,8 @@
 const kSteps = 45; // reach of the kernel; a step is a 45th of the tool's size, so the grid's fineness is not felt
 const kGeodesic = 2;
 
-// Layer, numbers a sample, and which of them.
-const kLayers = { "cover radius": ["cover", 1, 0], "area of a sample": ["contact", 2, 0], mobility: ["contact", 2, 1], stiffness: ["deformation", 4, 3] };
-
 class Body {
-  constructor(painter, asset, k, middle) {
+  constructor(painter, asset, k, middle, embedded) {
     const chart = asset.charts[k];
     Object.assign(this, { painter, chart, number: k, parts: {}, picture: null });
     this.handle = dgm.touch_body(asset.handle, k, kSteps);
@@ -20,7 +17,9 @@ class Body {
     this.places = a.slice(2, 5), this.normals = a.slice(5, 8);
     this.rest = this.copy();
     this.base = this.rest;
-    if (painter.gl) this.load(this.uvs());
+    this.uv = this.uvs();
+    this.layers = layersOf(chart, embedded), this.known = {};
+    if (painter.gl) this.load(this.uv);
   }
   close() {
     dgm.touch_body_free(this.handle);
@@ -55,10 +54,8 @@ class Body {
   }
   // A layer's numbers on the grid; null if the chart has none. Border samples have none of their own: 0.
   values(name) {
-    const [layer, each, which] = kLayers[name], found = this.chart.layers[layer], grid = this.chart.rows * this.chart.cols;
-    if (!found || found.type !== 6 || found.bytes !== 4 * each * grid) return null;
-    const all = floats(found.data, each * grid);
-    return Float32Array.from({ length: grid }, (_, s) => all[each * s + which]);
+    if (!this.layers[name]) return null;
+    return this.known[name] ||= this.layers[name]();
   }
   // Puts a layer on the graphics card. False if there is none.
   show(name) {
@@ -84,8 +81,14 @@ class Body {
     return this.parts[name];
   }
   lines(name) {
-    if (!this.parts[name]) this.parts[name] = this.painter.indices(new Uint32Array(name === "grid" ? this.gridLines() : this.borderLines(name === "seams")));
-    return this.parts[name];
+    const made = { grid: () => this.gridLines(), triangles: () => this.edges(), seams: () => this.borderLines(true), borders: () => this.borderLines(false) };
+    return this.parts[name] ||= this.painter.indices(Uint32Array.from(made[name]()));
+  }
+  // Every edge of the triangles, diagonals too; inner ones twice, which nobody sees.
+  edges() {
+    const at = dgm.touch_indices(this.handle, 1), index = new Uint32Array(memory(), at, answers(1)[0]), out = new Uint32Array(2 * index.length);
+    for (let t = 0; t < index.length; t += 3) out.set([index[t], index[t + 1], index[t + 1], index[t + 2], index[t + 2], index[t]], 2 * t);
+    return out;
   }
   gridLines() {
     const { rows, cols, layers } = this.chart, out = [];

@@ -4,16 +4,16 @@
 
 const kSurfaceVertex = `
   in float x; in float y; in float z; in float nx; in float ny; in float nz; in vec2 uv; in float x0; in float y0; in float z0; in float value;
-  uniform mat4 camera; uniform vec3 origin; uniform float push;
+  uniform mat4 camera; uniform vec3 origin; uniform float push; uniform vec4 sheet;
   out vec3 n; out vec2 at; out float moved; out float number;
   void main() {
     n = vec3(nx, ny, nz); at = uv; number = value; moved = length(vec3(x, y, z) - vec3(x0, y0, z0));
-    gl_Position = camera * vec4(vec3(x, y, z) + origin, 1);
+    gl_Position = sheet.z > 0. ? vec4(sheet.xy + uv * vec2(sheet.z, -sheet.w), 0, 1) : camera * vec4(vec3(x, y, z) + origin, 1);
     gl_Position.z -= push * gl_Position.w;
   }`;
 const kSurfaceFragment = `
   in vec3 n; in vec2 at; in float moved; in float number; out vec4 colour;
-  uniform sampler2D picture; uniform vec2 texels; uniform int look; uniform vec3 plain; uniform vec3 right; uniform vec3 up; uniform vec3 back; uniform float most; uniform vec2 range;
+  uniform sampler2D picture; uniform vec2 texels; uniform int look; uniform vec3 plain; uniform vec3 right; uniform vec3 up; uniform vec3 back; uniform float most; uniform vec2 range; uniform vec4 sheet;
   vec3 heat(float t) { // viridis, straight between five of its colours
     vec3 c = mix(vec3(.267, .005, .329), vec3(.229, .322, .546), clamp(4. * t, 0., 1.));
     c = mix(c, vec3(.128, .567, .551), clamp(4. * t - 1., 0., 1.));
@@ -22,7 +22,7 @@ const kSurfaceFragment = `
   }
   void main() {
     if (look == 9) { colour = vec4(plain, 1); return; }
-    vec3 m = normalize(n) * (gl_FrontFacing ? 1. : -1.);
+    vec3 m = normalize(n) * (gl_FrontFacing || sheet.z > 0. ? 1. : -1.);
     vec3 e = vec3(dot(m, right), dot(m, up), dot(m, back));
     float key = max(0., dot(e, normalize(vec3(-.45, .6, .7)))), fill = max(0., dot(e, normalize(vec3(.8, -.1, .4))));
     float gloss = pow(max(0., dot(e, normalize(vec3(-.25, .35, 1.)))), 40.);
@@ -54,7 +54,7 @@ class Painter {
     if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(this.program));
     gl.useProgram(this.program);
     this.uniforms = {};
-    for (const name of ["camera", "origin", "push", "texels", "look", "plain", "right", "up", "back", "most", "range"])
+    for (const name of ["camera", "origin", "push", "texels", "look", "plain", "right", "up", "back", "most", "range", "sheet"])
       this.uniforms[name] = gl.getUniformLocation(this.program, name);
     this.blank = this.picture({ width: 1, height: 1, pixels: new Uint8Array([210, 190, 175, 255]) });
     this.solids = { ball: this.solid(ballMesh(32, 24, 0)), capsule: this.solid(ballMesh(32, 24, 1)), plane: this.solid(planeMesh()) };

@@ -33,7 +33,7 @@ class Keys {
     delete this.canvas.dataset.keys;
     if (e.pointerId !== undefined && e.isTrusted) this.canvas.setPointerCapture(e.pointerId);
     this.letGo();
-    const pointer = { at, role: e.button === 1 || (e.button === 2 && e.shiftKey) ? "pan" : "turn", stroke: null };
+    const pointer = { at, start: this.scene.sheet.pick(at) ? at : null, role: e.button === 1 || (e.button === 2 && e.shiftKey) ? "pan" : "turn", stroke: null };
     const hit = left && tool !== "turn" ? scene.pick(at) : null;
     if (hit && ![...this.pointers.values()].some((p) => p.role !== "tool")) {
       // Shift slides a poke, and lets a push stay.
@@ -66,7 +66,7 @@ class Keys {
     this.press(pointer, e);
     if (stroke.kind === "pull") {
       // In the plane of the screen through the place that was taken.
-      const [right, up] = camera.frame(), grip = plus(hit.point, hit.body.origin), from = camera.project(grip, aspect), half = camera.unitsAt(from[2]);
+      const [right, up] = camera.frame(), grip = plus(hit.point, hit.body.origin), seen = camera.project(grip, aspect), half = camera.unitsAt(seen[2]), from = pointer.start || seen;
       return scene.hand.follow(stroke, { way: plus(scaled(right, (at[0] - from[0]) * half * aspect), up, (at[1] - from[1]) * half) });
     }
     if (stroke.kind === "push") scene.hand.follow(stroke, { hit: scene.pick(at) });

@@ -8,9 +8,10 @@ class Scene {
     this.canvas = $("view"), this.over = $("over");
     this.soft = softDrawing();
     this.painter = new Painter(this.canvas, this.soft);
-    Object.assign(this, { maps: [], bodies: [], camera: new Camera(), number: 0, diagonal: 1, coarse: 0, waiting: false, obstacle: null, last: 0, before: -1e9, frames: 0, marked: null });
+    Object.assign(this, { maps: [], paths: [], bodies: [], camera: new Camera(), number: 0, diagonal: 1, coarse: 0, waiting: false, obstacle: null, last: 0, before: -1e9, frames: 0, marked: null });
     this.hand = new Hand(this);
     this.recorder = new Recorder(this);
+    this.sheet = new Sheet(this);
     this.panel = new Panel(this);
     this.keys = new Keys(this, this.canvas);
     this.drop = new Drop(this);
@@ -50,7 +51,8 @@ class Scene {
       asset.close();
       throw error;
     }
-    this.recorder.playing = null;
+    this.recorder.playing = null, $("caption").hidden = true;
+    this.recorder.list(this.paths, this.maps, number);
     this.bodies.forEach((body) => body.close());
     if (this.asset) this.asset.close();
     Object.assign(this, { asset, bodies, number, low, high, middle });
@@ -79,6 +81,8 @@ class Scene {
   }
   aspect() { return this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight); }
   pick(at) {
+    const flat = this.sheet.pick(at);
+    if (flat !== undefined) return flat;
     const ray = this.camera.ray(...at, this.aspect());
     return this.bodies.map((body) => body.pick(ray)).filter(Boolean).sort((a, b) => a.distance - b.distance)[0] || null;
   }
@@ -154,7 +158,7 @@ class Scene {
     }
     const began = performance.now();
     for (const body of this.bodies) body.upload();
-    this.draw(moving ? 2 ** this.coarse : 1);
+    this.draw(moving ? 2 ** this.coarse : 1, moving && this.coarse > 0);
     // Where a processor draws, what moves is drawn with fewer triangles and pixels, and all of them once it rests. Frames in a row
     // tell how long one takes: nothing that asks the card may be waited for.
     if (this.soft && moving) {
@@ -173,22 +177,27 @@ class Scene {
     ++this.frames;
     Object.assign(this.canvas.dataset, { frames: this.frames, uploaded: this.painter.uploaded, resting: String(!moving) });
   }
-  draw(stride) {
+  draw(stride, moving) {
     const { painter } = this, gl = painter.gl, background = getComputedStyle(this.canvas).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255);
+    const scale = this.canvas.width / Math.max(1, this.canvas.clientWidth);
     painter.start(this.camera, this.aspect(), background);
+    stride = Math.max(stride, Number($("detail").value));
     const looks = { texture: 1, clay: 0, moved: 2, normal: 3 }, layer = $("look").value, wanted = layer in looks ? looks[layer] : 4;
     const range = wanted === 4 ? this.rangeOf(layer) : [0, 1];
-    for (const body of this.bodies) {
+    const one = (body) => {
       const look = (wanted === 1 && !body.picture) || (wanted === 4 && !body.show(layer)) ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay };
       painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look, picture: body.picture || painter.blank, most: this.diagonal / 10, range });
       const line = (name, plain, push) => {
         const part = body.lines(name);
         if (part.count) painter.draw(body.array, part, gl.LINES, { ...common, look: 9, plain, push });
       };
-      if ($("wire").checked && stride === 1) line("grid", kSwatch.grid, 3e-4);
+      if ($("triangles").checked && !moving) line("triangles", kSwatch.grid, 2e-4);
+      if ($("wire").checked && !moving) line("grid", kSwatch.grid, 3e-4);
       if ($("seams").checked) line("seams", kSwatch.seam, 6e-4), line("borders", kSwatch.border, 6e-4);
-    }
+    };
+    this.bodies.forEach(one);
     if (this.obstacle) painter.drawSolid(this.obstacle.kind, this.obstacle.p, this.obstacle.q, this.obstacle.kind === "plane" ? this.diagonal : this.obstacle.radius, kSwatch.solid);
+    if (this.sheet.shown) this.sheet.draw(scale, background, one);
   }
   // Least and largest value of a layer on all bodies.
   rangeOf(layer) {
@@ -221,12 +230,14 @@ class Scene {
       const [, , away] = this.camera.project(plus(hit.point, hit.body.origin), aspect);
       ring(p, .5 * this.size() / this.camera.unitsAt(away) * h / 2, ink);
     };
+    const spot = (hit) => { if (this.sheet.shown) ring(this.sheet.place(hit).map((x) => x * scale), 4 * scale, "#d9480f"); };
+    for (const s of this.hand.strokes) if (s.hit) spot(s.hit);
     const hover = this.keys.hover && !this.hand.strokes.length && this.panel.tool() !== "turn" ? this.pick(this.keys.hover) : null;
-    if (hover) around(place(plus(hover.point, hover.body.origin)), hover);
+    if (hover) around(place(plus(hover.point, hover.body.origin)), hover), spot(hover);
     const walker = this.keys.walker;
     if (walker && document.activeElement === this.canvas && this.bodies.includes(walker.body)) {
       const hit = this.keys.walkerHit(), p = place(plus(hit.point, hit.body.origin));
-      ring(p, 4 * scale, "#d9480f"), around(p, hit);
+      ring(p, 4 * scale, "#d9480f"), around(p, hit), spot(hit);
     }
   }
   bodyCount(stroke) { return stroke.body.count; }
@@ -247,6 +258,8 @@ const scriptMaps = () => [...document.querySelectorAll("script.map")].map((eleme
     chart: Number(picture.dataset.chart), blob: new Blob([bytesOf(picture)], { type: picture.dataset.type }) })),
 }));
 
+const scriptPaths = () => [...document.querySelectorAll("script.path")].map((element) => ({ name: element.dataset.name, text: new TextDecoder().decode(bytesOf(element)) }));
+
 (async () => {
   try {
     await startModule(await inflated(bytesOf($("module"))));
@@ -263,6 +276,7 @@ const scriptMaps = () => [...document.querySelectorAll("script.map")].map((eleme
     }
     const maps = scriptMaps();
     scene.maps = maps;
+    scene.paths = scriptPaths();
     maps.forEach((map, k) => $("map").append(new Option(map.name, String(k))));
     const first = new URLSearchParams(location.hash.slice(1)).get("map"), number = Number(first) < maps.length ? Number(first) : 0;
     if (maps.length) await scene.choose(number), $("map").value = String(number);

@@ -10,7 +10,7 @@ class Panel {
     this.spoken = 0;
     $("panel").addEventListener("submit", (e) => e.preventDefault());
     for (const id of ["size", "depth"]) $(id).addEventListener("input", () => this.show());
-    for (const id of ["look", "wire", "seams"]) $(id).addEventListener("change", () => scene.wake());
+    for (const id of ["look", "wire", "seams", "triangles", "sheet", "detail"]) $(id).addEventListener("change", () => scene.wake());
     for (const id of ["obstacle", "height"]) $(id).addEventListener("input", () => scene.setObstacle());
     $("undo").addEventListener("click", () => { scene.hand.undo(); this.show(); });
     $("reset").addEventListener("click", () => { $("obstacle").value = "none"; scene.setObstacle(); scene.hand.reset(); scene.recorder.clear(); this.show(); });
@@ -18,6 +18,7 @@ class Panel {
     $("link").addEventListener("click", () => this.link());
     $("play").addEventListener("click", () => scene.recorder.play());
     $("save").addEventListener("click", () => this.save());
+    $("paths").addEventListener("change", () => { const path = scene.paths[$("paths").value]; if (path) scene.openPath(path.text); else scene.recorder.clear(); });
     $("path").addEventListener("change", async (e) => { const file = e.target.files[0]; e.target.value = ""; if (file) scene.openPath(await file.text()); });
     $("map").addEventListener("change", () => scene.guard(() => scene.choose(Number($("map").value))));
     $("up").addEventListener("change", () => { scene.home(); });
@@ -26,7 +27,7 @@ class Panel {
   listLayers() {
     const look = $("look"), before = look.value;
     while (look.options.length > 4) look.remove(4);
-    for (const name of Object.keys(kLayers)) if (this.scene.bodies.some((body) => body.values(name))) look.append(new Option(name, name));
+    for (const name of new Set(this.scene.bodies.flatMap((body) => Object.keys(body.layers)))) look.append(new Option(name, name));
     look.value = [...look.options].some((o) => o.value === before) ? before : "texture";
   }
   tool() { return document.querySelector("input[name=tool]:checked").value; }
@@ -60,7 +61,9 @@ class Panel {
   readout(hit) {
     if (!hit) return void ($("readout").textContent = "");
     const place = plus(hit.point, hit.body.chart.offset).map((x) => digits(x, 5)), where = hit.row < 2 ** 32 - 1 ? "row " + hit.row + ", column " + hit.column : "border strip";
-    $("readout").textContent = "chart " + hit.body.number + ", " + where + "\nplace " + place.join(", ") + "\nnormal " + hit.normal.map((x) => x.toFixed(3)).join(", ");
+    const layer = $("look").value, values = hit.body.values(layer), copies = dgm.touch_copies(hit.body.handle, hit.sample);
+    const more = (copies ? "\nseam sample with " + copies + " copies" : "") + (values && hit.sample < values.length ? "\n" + layer + " " + digits(values[hit.sample], 4) : "");
+    $("readout").textContent = "chart " + hit.body.number + ", " + where + "\nplace " + place.join(", ") + "\nnormal " + hit.normal.map((x) => x.toFixed(3)).join(", ") + more;
   }
   felt(now) {
     const { felt, strokes, history } = this.scene.hand, pressing = strokes.length > 0;

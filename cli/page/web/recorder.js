@@ -27,28 +27,37 @@ const knotAt = (knots, seconds) => {
   return { ...out, place: out.place.map((p, c) => f(f(p) + f(t * f(f(knots[after].place[c]) - f(p))))) };
 };
 
+const kPause = 1.2; // seconds that a caption is read
+
 class Recorder {
   constructor(scene) { Object.assign(this, { scene, knots: [], size: 0, playing: null }); }
   add(log) {
-    if (!log.knots.length) return;
+    if (log.knots.length < 2) return;
+    const caption = $("words").value.trim().replace(/\s+/g, " ");
+    log.knots.at(-1).caption = caption;
+    $("words").value = "";
+    const s = this.settings, other = s && (s.step !== log.settings.step || s.mode !== log.settings.mode);
+    if (this.loaded || other) this.clear();
+    if (other) this.scene.panel.say("A path has one size: it begins anew.");
     const start = this.knots.length ? this.knots.at(-1).seconds + .2 : 0, last = log.knots.at(-1);
     this.knots.push(...log.knots.map((knot) => ({ ...knot, seconds: start + knot.seconds })));
     this.knots.push({ seconds: start + last.seconds + .001, place: last.place, kind: "away" });
     this.settings = log.settings;
     this.scene.changed();
   }
-  clear() { this.knots = [], this.scene.changed(); }
+  clear() { this.knots = [], this.settings = null, this.loaded = false, $("paths").value = "", this.scene.changed(); }
   text() {
     const s = this.settings, words = (x) => String(+x.toPrecision(9));
     return "# Recorded by touch. Size " + words(s.step * kSteps) + ", d_max " + words(s.d_max) + (s.mode ? ", it stays" : "") + ".\n# seconds x y z what\n" +
-      this.knots.map((k) => [k.seconds.toFixed(3), ...k.place.map(words), k.kind].join(" ")).join("\n") + "\n";
+      this.knots.map((k) => [k.seconds.toFixed(3), ...k.place.map(words), k.kind, k.caption || ""].join(" ").trimEnd()).join("\n") + "\n";
   }
   load(words) {
     this.stop();
     this.knots = parsePath(words);
-    // What text() wrote; paths from elsewhere are played with the size of the panel.
-    const own = /^# Recorded by touch\. Size (\S+), d_max (\S+)/m.exec(words), [size, most] = own ? [parseFloat(own[1]), parseFloat(own[2])] : [0, 0];
-    this.settings = size > 0 && most > 0 ? { ...this.scene.hand.settings(size, false), d_max: most } : null;
+    this.loaded = true;
+    // As formats/path reads it; paths without it are played with the size of the panel.
+    const own = /^\s*#.*?Size (\S+?), d_max ([^\s,]+)(.*)/m.exec(words), [size, most] = own ? [parseFloat(own[1]), parseFloat(own[2])] : [0, 0];
+    this.settings = size > 0 && most > 0 ? { ...this.scene.hand.settings(size, own[3].includes(", it stays")), d_max: most } : null;
     this.scene.changed();
   }
   // All of a path at once, a tick a millisecond, as the samples run it. The tool's answers to the last tick.
@@ -70,13 +79,14 @@ class Recorder {
     this.stop();
     const body = this.nearest();
     if (!body) return;
-    this.playing = { body, knots: this.knots, at: 0, steps: 0, settings: this.settings || this.scene.hand.settings(this.scene.size(), false) };
+    this.playing = { body, knots: this.knots, at: 0, steps: 0, next: 0, pause: 0, settings: this.settings || this.scene.hand.settings(this.scene.size(), false) };
     dgm.touch_release(body.handle);
     this.scene.wake();
   }
   stop() {
     if (this.playing) this.scene.hand.lift(this.playing.body);
     this.playing = null;
+    $("caption").hidden = true;
   }
   // The body whose box the path is closest to.
   nearest() {
@@ -87,17 +97,34 @@ class Recorder {
   advance(seconds) {
     const p = this.playing;
     if (!p) return false;
+    if (p.pause > 0) {
+      p.pause -= seconds;
+      return true;
+    }
     p.at += seconds;
     const start = p.knots[0].seconds, end = p.knots.at(-1).seconds, began = performance.now();
     let felt = null;
-    for (; p.steps * kTick <= p.at && start + p.steps * kTick <= end && performance.now() - began < 30; ++p.steps) {
+    for (; p.steps * kTick <= p.at && start + p.steps * kTick <= end && p.pause <= 0 && performance.now() - began < 30; ++p.steps) {
       p.knot = knotAt(p.knots, start + p.steps * kTick);
       felt = this.tick(p.body, p.knot, p.settings);
       this.scene.hand.history.push(Math.hypot(...felt.slice(10, 13)));
+      for (; p.next < p.knots.length && p.knots[p.next].seconds <= start + p.steps * kTick + kTick / 2; ++p.next)
+        if (p.knots[p.next].caption) this.say(p, p.knots[p.next].caption);
     }
     p.at = Math.min(p.at, p.steps * kTick); // a machine that cannot keep up plays slower
     this.scene.hand.history.splice(0, Math.max(0, this.scene.hand.history.length - 2000));
-    if (start + p.steps * kTick > end) this.stop();
+    if (start + p.steps * kTick > end + kTick / 2 && p.pause <= 0) this.stop();
     return true;
+  }
+  say(playing, words) {
+    playing.pause = kPause;
+    $("caption").textContent = words, $("caption").hidden = false;
+    this.scene.panel.say(words);
+  }
+  // The page's own paths that go with a map: those that are called like it, and those that are called like none.
+  list(paths, maps, number) {
+    const owner = (path) => maps.findIndex((map) => path.name === map.name || path.name.startsWith(map.name + "_"));
+    $("paths").replaceChildren(new Option("what was recorded here", ""), ...paths.filter((path) => [-1, number].includes(owner(path))).map((path) => new Option(path.name.replaceAll("_", " "), paths.indexOf(path))));
+    $("paths").hidden = $("paths").options.length < 2;
   }
 }

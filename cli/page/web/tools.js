@@ -7,14 +7,14 @@ const kTick = .001, kBack = 14, kBudget = 10; // seconds; 1/s of springing back;
 
 class Hand {
   constructor(scene) {
-    Object.assign(this, { scene, strokes: [], done: [], due: 0, cost: 0, table: dgm.touch_table(kSteps, kSteps * kSteps / 5), history: [] });
+    Object.assign(this, { scene, strokes: [], done: [], due: 0, cost: 0, table: dgm.touch_table(kSteps, kSteps * kSteps / 5, 1), history: [] });
     this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
   }
   settings(size, lasting) {
     return { mode: lasting ? 1 : 0, d_max: 2 * size, f_max: 1, step: size / kSteps, grasp: size };
   }
   apply(s, dt, relax) {
-    dgm.touch_ticking(kGeodesic, s.mode, dt, s.d_max, s.f_max, relax, 0, s.grasp, s.step);
+    dgm.touch_ticking(kGeodesic, s.mode, 0, dt, s.d_max, s.f_max, relax, 0, s.grasp, s.step);
   }
   // `hit` from Body.pick(); kind: push, pull or poke.
   begin(hit, kind, options) {
@@ -26,14 +26,15 @@ class Hand {
       dgm.touch_release(body.handle);
       dgm.touch_normals(body.handle);
       body.base = body.copy();
-      this.log = { body, settings: this.settings(options.size, options.lasting), kinds: [], ticks: [], knots: [], started: 0 };
+      this.log = { body, settings: this.settings(options.size, options.lasting), ticks: [], knots: [], started: 0 };
     }
     const { point, normal } = body.before(hit), free = [0, 1, 2, 3].find((k) => !this.strokes.some((s) => s.slot === k));
     const outward = options.invert && kind !== "pull";
-    const stroke = { body, kind, slot: free, held: 0, depth: options.depth, pressure: 1, outward, mirror: options.invert && kind === "pull",
+    const stroke = { body, kind, hit, slot: free, held: 0, depth: options.depth, pressure: 1, outward, mirror: options.invert && kind === "pull",
       runtime: kind === "pull" || outward ? "grasp" : kind === "push" ? "touch" : "poke", start: point, anchor: point, normal, pull: [0, 0, 0], tool: point };
     stroke.most = this.room(stroke);
     this.strokes.push(stroke);
+    if (this.strokes.length === 1) this.log.knots.push(this.knot(stroke));
     this.scene.wake();
     return stroke;
   }
@@ -42,7 +43,7 @@ class Hand {
     if (stroke.kind === "pull" && way) stroke.pull = stroke.mirror ? scaled(way, -1) : way;
     if (stroke.kind === "push" && !stroke.outward && hit && hit.body === stroke.body) {
       const { point, normal } = stroke.body.before(hit);
-      stroke.anchor = point, stroke.normal = normal;
+      stroke.anchor = point, stroke.normal = normal, stroke.hit = hit;
       stroke.most = this.room(stroke);
     }
     this.scene.wake();
@@ -129,9 +130,10 @@ class Hand {
     }
     const first = this.strokes[0];
     log.started += seconds;
-    log.knots.push({ seconds: log.started, place: plus(first.tool, first.body.chart.offset), kind: first.runtime });
+    log.knots.push(this.knot(first));
     this.felt = { force: this.history.at(-1), ticks: count, micros: 1000 * this.cost, samples: a[1] };
   }
+  knot(stroke) { return { seconds: this.log.started, place: plus(stroke.tool, stroke.body.chart.offset), kind: stroke.runtime }; }
   // The last stroke that stayed is taken back: the others run again from the shape at rest, to the same bits.
   undo() {
     const last = this.strokes.length ? null : this.done.pop();

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// samples/support/tool_path.cpp
-#include "support/tool_path.h"
+// formats/path/tool_path.cpp
+#include "path/tool_path.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <locale>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "model/codes.h"
 
-namespace dgm::samples {
+namespace dgm::formats {
 namespace {
 Knot parse(const std::string& line, const std::string& place) {
     const auto bad = [&](const std::string& what) { return model::Error(model::codes::kUsage, what, place); };
@@ -31,6 +33,21 @@ Knot parse(const std::string& line, const std::string& place) {
     std::getline(words >> std::ws, knot.caption);
     return knot;
 }
+
+std::optional<TouchSize> size_in(const std::string& remark) {
+    constexpr std::string_view kSize = "Size ", kDepth = ", d_max ";
+    const std::size_t at = remark.find(kSize);
+    if (at == std::string::npos) return std::nullopt;
+    std::istringstream words(remark.substr(at + kSize.size()));
+    words.imbue(std::locale::classic());
+    TouchSize out;
+    std::string between(kDepth.size(), '\0');
+    if (!(words >> out.size) || !words.read(between.data(), static_cast<std::streamsize>(between.size())) ||
+        between != kDepth || !(words >> out.d_max) || !(out.size > 0 && out.d_max > 0))
+        return std::nullopt;
+    out.stays = remark.find(", it stays", at) != std::string::npos;
+    return out;
+}
 }  // namespace
 
 ToolPath::ToolPath(const std::filesystem::path& file) {
@@ -39,7 +56,11 @@ ToolPath::ToolPath(const std::filesystem::path& file) {
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
         const std::size_t start = line.find_first_not_of(" \t\r");
-        if (start == std::string::npos || line[start] == '#') continue;
+        if (start == std::string::npos) continue;
+        if (line[start] == '#') {
+            if (!touch_size_) touch_size_ = size_in(line);
+            continue;
+        }
         const std::string place = file.string() + ":" + std::to_string(number);
         knots_.push_back(parse(line, place));
         if (knots_.size() > 1 && knots_.back().seconds <= knots_[knots_.size() - 2].seconds)
@@ -62,4 +83,4 @@ Knot ToolPath::at(double seconds) const {
     return out;
 }
 
-}  // namespace dgm::samples
+}  // namespace dgm::formats

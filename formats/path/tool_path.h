@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// samples/support/tool_path.h
+// formats/path/tool_path.h
 // A recorded tool path: where the tool was, what it did, and when a picture was taken.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <dgm/tick.h>
 #include <dgm/vec.h>
 
-namespace dgm::samples {
+namespace dgm::formats {
 
 /// One line of a path file: `SECONDS X Y Z KIND [CAPTION]`, in the units and the frame of the mesh. KIND is touch,
 /// poke, grasp or away; a caption asks for a picture at this moment. Lines that begin with # are remarks.
@@ -21,10 +22,21 @@ struct Knot {
     std::string caption;
 };
 
+/// How large and how deep a touch of the path is, by a remark `# ... Size 4.5, d_max 5 ...`; pages that record one
+/// write it.
+struct TouchSize {
+    double size = 0;   ///< units of the mesh around the contact that follow the tool
+    double d_max = 0;  ///< largest displacement, units of the mesh
+    bool stays = false;
+};
+
 class ToolPath {
  public:
     /// @throws model::Error kReadFailed, kUsage for a line that is not as above or goes back in time
     explicit ToolPath(const std::filesystem::path& file);
+
+    /// The first remark that has one.
+    [[nodiscard]] const std::optional<TouchSize>& touch_size() const { return touch_size_; }
 
     /// The tool between knots moves straight and at an even speed; it does what the knot behind it says.
     [[nodiscard]] Knot at(double seconds) const;
@@ -45,6 +57,7 @@ class ToolPath {
 
  private:
     std::vector<Knot> knots_;
+    std::optional<TouchSize> touch_size_;
 };
 
-}  // namespace dgm::samples
+}  // namespace dgm::formats
