@@ -7,8 +7,8 @@
 
 namespace dgm::model {
 
-#if defined(__clang__) && __clang_major__ < 15
-using Half = __fp16;  // it has _Float16 on fewer processors; this one converts alike
+#if (defined(__clang__) && __clang_major__ < 15) || (defined(__aarch64__) && !defined(__clang__) && __GNUC__ < 13)
+using Half = __fp16;  // they have _Float16 on fewer processors, or in C alone; converts alike
 #else
 __extension__ using Half = _Float16;
 #endif

@@ -60,7 +60,7 @@ typedef struct dgm_step_report {
     uint32_t struct_size;
     uint32_t contacts;   /* unknowns that press against obstacles or tools */
     uint32_t cycles;     /* V-cycles that were run */
-    uint32_t clamped;    /* 1: the step could not lower the potential, and nothing has moved */
+    uint32_t clamped;    /* 1: the step led to numbers that are not finite; nothing moved */
     double volume_error; /* volume / rest volume - 1, of closed surfaces that keep it */
     double pressure;     /* Pa, inside over outside */
     double residual;     /* force left unbalanced over force at the start of the step */

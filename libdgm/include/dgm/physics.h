@@ -80,7 +80,7 @@ struct StepReport {
     double elastic = 0;          ///< J: membrane, bending, foundation
     std::uint32_t contacts = 0;  ///< unknowns that press against obstacles or tools
     std::uint32_t cycles = 0;    ///< V-cycles that were run
-    bool clamped = false;        ///< the step could not lower the potential, and nothing has moved
+    bool clamped = false;        ///< the step led to numbers that are not finite, and nothing has moved
 };
 
 /// Answer to a tool.
