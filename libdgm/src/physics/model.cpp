@@ -298,7 +298,8 @@ void take_laplacian(PhysicsImpl& p, Around& to) noexcept {
                 const Double3 e = point(p.rest, t.corner[other]) - point(p.rest, s);
                 // L x sums half cotangents times (x - other); C sums area (e . q) times (other - x).
                 const double w = half_cotangent(m, third) + m.area * dot(e, to.slide[d]);
-                const std::ptrdiff_t off = std::ptrdiff_t{t.corner[other]} - std::ptrdiff_t{s};
+                const std::ptrdiff_t off =
+                    static_cast<std::ptrdiff_t>(t.corner[other]) - static_cast<std::ptrdiff_t>(s);
                 const std::ptrdiff_t di = off > 1 ? 1 : off < -1 ? -1 : 0, dj = off - di * cols;
                 const auto place = static_cast<std::size_t>(3 * (di + 1) + dj + 1);
                 p.near[blocked(s, 4, kNear)] += static_cast<float>(w);
