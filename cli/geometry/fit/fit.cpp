@@ -154,7 +154,9 @@ bool is_worse_than(const SampledChart& start, FitState& fit) {
 }  // namespace
 
 FitOptions l2_fit() {
-    return {};
+    FitOptions o;
+    o.rounds = 6;  // against 3: +2.0 dB in the mean of 34 bakes, nowhere less, for 8 % more time
+    return o;
 }
 
 FitOptions best_fit() {
