@@ -97,6 +97,18 @@ void check_page(const fs::path& report) {
         throw model::Error(codes::kUsage, "an HTML report is a file with pages beside it", report.string());
 }
 
+/// The report and the depfile get their folders, and can be written.
+void prepare_outputs(const CommandLine& line) {
+    for (const fs::path& file : {line.report, line.depfile}) {
+        if (file.empty()) continue;
+        formats::make_folder_of(file);
+        if (file == line.report && line.html_report)
+            check_page(file);
+        else
+            formats::check_output(file);
+    }
+}
+
 /// Pages take seconds each. @return true if a signal ended it
 bool write_html(const CommandLine& line, const report::ReportToShow& shown) {
     const auto tell = [&](std::size_t done, std::size_t all) {
@@ -309,11 +321,7 @@ int run(const CommandLine& line) {
         tell_left_over(line, left_over);
         return exit;
     }
-    for (const fs::path& file : {line.report, line.depfile}) {
-        if (file.empty()) continue;
-        formats::make_folder_of(file);
-        file == line.report&& line.html_report ? check_page(file) : formats::check_output(file);
-    }
+    prepare_outputs(line);
     Conversation conversation(line, plan);
     BatchOptions batch = line.batch;
     batch.wants_inputs = !line.report.empty() || !line.depfile.empty();

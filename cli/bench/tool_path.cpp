@@ -66,6 +66,48 @@ Vec3 below(const State& state, std::uint32_t sample, double steps) {
     return state.rest_positions()[sample] - static_cast<float>(steps * state.mean_step()) * state.normal(sample);
 }
 
+/// True if the first line that is no remark names what the tool does, as paths of pages and samples do.
+bool names_kinds(std::ifstream& in) {
+    std::string line, word;
+    while (std::getline(in, line) && (line.empty() || line.front() == '#')) continue;
+    std::istringstream words(line);
+    for (int k = 0; k < 5; ++k) words >> word;
+    in.clear();
+    in.seekg(0);
+    return word == "touch" || word == "poke" || word == "grasp" || word == "away";
+}
+
+/// Positions of a path of pages and samples, as many as `ticks` at most.
+std::vector<Vec3> replayed_positions(const formats::ToolPath& path, const double (&offset)[3], std::size_t ticks) {
+    const Vec3 origin{static_cast<float>(offset[0]), static_cast<float>(offset[1]), static_cast<float>(offset[2])};
+    std::vector<Vec3> out;
+    path.replay(
+        kTickSeconds,
+        [&](const formats::Knot& knot, float) {
+            if (out.size() < ticks) out.push_back(knot.position - origin);
+        },
+        [](const std::string&) {});
+    return out;
+}
+
+/// Positions as "x y z" a line.
+std::vector<Vec3> bare_positions(std::ifstream& in, const std::filesystem::path& file, const double (&offset)[3]) {
+    std::vector<Vec3> out;
+    std::string line;
+    for (std::size_t number = 1; std::getline(in, line); ++number) {
+        if (line.empty() || line.front() == '#') continue;
+        std::istringstream words(line);
+        words.imbue(std::locale::classic());
+        double p[3];
+        if (!(words >> p[0] >> p[1] >> p[2]) || !std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+            throw model::Error(model::codes::kReadFailed, "no position \"x y z\"",
+                               file.string() + ":" + std::to_string(number));
+        out.push_back({static_cast<float>(p[0] - offset[0]), static_cast<float>(p[1] - offset[1]),
+                       static_cast<float>(p[2] - offset[2])});
+    }
+    return out;
+}
+
 }  // namespace
 
 std::vector<Vec3> stroke_path(const State& state, std::size_t ticks) {
@@ -143,47 +185,11 @@ std::vector<Vec3> replayed_path(const State& state, std::size_t ticks) {
     return out;
 }
 
-namespace {
-/// True if the first line that is no remark names what the tool does, as paths of pages and samples do.
-bool names_kinds(std::ifstream& in) {
-    std::string line, word;
-    while (std::getline(in, line) && (line.empty() || line.front() == '#')) continue;
-    std::istringstream words(line);
-    for (int k = 0; k < 5; ++k) words >> word;
-    in.clear();
-    in.seekg(0);
-    return word == "touch" || word == "poke" || word == "grasp" || word == "away";
-}
-}  // namespace
-
 std::vector<Vec3> recorded_path(const std::filesystem::path& file, const double (&offset)[3], std::size_t ticks) {
     std::ifstream in(file);
     if (!in) throw model::unopened_file(file);
-    std::vector<Vec3> recorded;
-    const Vec3 origin{static_cast<float>(offset[0]), static_cast<float>(offset[1]), static_cast<float>(offset[2])};
-    if (names_kinds(in)) {
-        const formats::ToolPath path(file);
-        path.replay(
-            kTickSeconds,
-            [&](const formats::Knot& knot, float) {
-                if (recorded.size() < ticks) recorded.push_back(knot.position - origin);
-            },
-            [](const std::string&) {});
-        for (std::size_t k = 0; recorded.size() < ticks; ++k) recorded.push_back(recorded[k]);
-        return recorded;
-    }
-    std::string line;
-    for (std::size_t number = 1; std::getline(in, line); ++number) {
-        if (line.empty() || line.front() == '#') continue;
-        std::istringstream words(line);
-        words.imbue(std::locale::classic());
-        double p[3];
-        if (!(words >> p[0] >> p[1] >> p[2]) || !std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
-            throw model::Error(model::codes::kReadFailed, "no position \"x y z\"",
-                               file.string() + ":" + std::to_string(number));
-        recorded.push_back({static_cast<float>(p[0] - offset[0]), static_cast<float>(p[1] - offset[1]),
-                            static_cast<float>(p[2] - offset[2])});
-    }
+    const std::vector<Vec3> recorded = names_kinds(in) ? replayed_positions(formats::ToolPath(in, file), offset, ticks)
+                                                       : bare_positions(in, file, offset);
     if (recorded.empty()) throw model::Error(model::codes::kReadFailed, "it holds no positions", file.string());
     std::vector<Vec3> out;
     for (std::size_t k = 0; k < ticks; ++k) out.push_back(recorded[k % recorded.size()]);

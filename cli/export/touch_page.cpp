@@ -3,7 +3,9 @@
 #include "export/touch_page.h"
 
 #include <fstream>
+#include <sstream>
 #include <string>
+#include <utility>
 
 #include "files/regular_file.h"
 #include "image/image.h"
@@ -29,8 +31,9 @@ std::vector<page::PagedPath> paths_of(const ExportOptions& options) {
     constexpr std::size_t kMostBytes = std::size_t{16} << 20;  // an hour of strokes at 60 frames a second
     std::vector<page::PagedPath> out;
     for (const std::filesystem::path& file : options.paths) {
-        static_cast<void>(formats::ToolPath(file));
-        out.push_back({file.stem().string(), formats::read_small_file(file, kMostBytes)});
+        std::istringstream text(formats::read_small_file(file, kMostBytes));
+        static_cast<void>(formats::ToolPath(text, file));
+        out.push_back({file.stem().string(), std::move(text).str()});
     }
     return out;
 }

@@ -53,6 +53,10 @@ std::optional<TouchSize> size_in(const std::string& remark) {
 ToolPath::ToolPath(const std::filesystem::path& file) {
     std::ifstream in(file);
     if (!in) throw model::Error(model::codes::kReadFailed, "the tool path cannot be read", file.string());
+    *this = ToolPath(in, file);
+}
+
+ToolPath::ToolPath(std::istream& in, const std::filesystem::path& file) {
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
         const std::size_t start = line.find_first_not_of(" \t\r");

@@ -3,6 +3,7 @@
 // A recorded tool path: where the tool was, what it did, and when a picture was taken.
 #pragma once
 #include <filesystem>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ class ToolPath {
  public:
     /// @throws model::Error kReadFailed, kUsage for a line that is not as above or goes back in time
     explicit ToolPath(const std::filesystem::path& file);
+    /// From a stream at its start; `file` is the place that errors name. @throws model::Error kUsage as above
+    ToolPath(std::istream& in, const std::filesystem::path& file);
 
     /// The first remark that has one.
     [[nodiscard]] const std::optional<TouchSize>& touch_size() const { return touch_size_; }

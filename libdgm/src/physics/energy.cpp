@@ -17,14 +17,6 @@ void place_samples(PhysicsImpl& p) noexcept {
     }
 }
 
-void add_field(const Level& l, const Field& to, const Field& from) noexcept {
-    for (int c = 0; c < 3; ++c) {
-        float* __restrict t = to.p[c];
-        const float* __restrict f = from.p[c];
-        for (std::size_t s = 0; s < l.count(); ++s) t[s] += f[s];
-    }
-}
-
 /// Inertia and foundation: diagonal, so they are added after copies have been summed.
 void add_diagonal(PhysicsImpl& p, Potential& to) noexcept {
     const Level& l = p.fine();
@@ -74,12 +66,6 @@ void add_grasps(PhysicsImpl& p, Potential& to) noexcept {
         for (int c = 0; c < 3; ++c) p.gradient.p[c][g.sample] -= p.free[g.sample] * pull[c];
     }
 }
-
-void share_copies(const PhysicsImpl& p, const Field& f) noexcept {
-    const Level& l = p.fine();
-    for (std::size_t k = 0; k < l.copies.size(); k += 2)
-        for (float* plane : f.p) plane[l.copies[k]] = plane[l.copies[k + 1]];
-}
 }  // namespace
 
 double sum_plane(const PhysicsImpl& p, const float* plane) noexcept {
@@ -93,7 +79,7 @@ void sum_classes(const PhysicsImpl& p, const Field& f) noexcept {
     const Level& l = p.fine();
     for (float* plane : f.p)
         for (std::size_t k = 0; k < l.copies.size(); k += 2) plane[l.copies[k + 1]] += plane[l.copies[k]];
-    share_copies(p, f);
+    share_copies(l, f);
 }
 
 Potential evaluate(PhysicsImpl& p) noexcept {
@@ -130,7 +116,7 @@ Potential evaluate(PhysicsImpl& p) noexcept {
     add_diagonal(p, potential);
     add_contacts(p, potential);
     add_grasps(p, potential);
-    if (p.touching_count + p.grasped_count != 0) share_copies(p, p.gradient);
+    if (p.touching_count + p.grasped_count != 0) share_copies(l, p.gradient);
     return potential;
 }
 

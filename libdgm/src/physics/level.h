@@ -98,6 +98,10 @@ void bound_eigenvalues(Multigrid& m) noexcept;
 /// level[0].x is about (A + extra)^-1 level[0].r, one V-cycle; level[0].r is overwritten. The map from r to x is
 /// linear, symmetric and positive definite.
 void run_cycle(Multigrid& m) noexcept;
+/// All copies of an unknown get the value of the sample that holds it.
+void share_copies(const Level& level, const Field& f) noexcept;
+/// to += from
+void add_field(const Level& level, const Field& to, const Field& from) noexcept;
 /// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual unless empty.
 void sweep_level(const Multigrid& m, const Level& level, const Field& way, const Field& residual, const Field& next,
                  float keep, float step) noexcept;

@@ -21,20 +21,6 @@ constexpr int kSmooth = 3;       ///< steps before and after
 constexpr double kSpread = 12;   ///< the smoother works on eigenvalues from largest / kSpread
 constexpr double kMargin = 1.1;  ///< power iterations end below the largest eigenvalue
 
-void share(const Level& l, const Field& f) noexcept {
-    for (std::size_t k = 0; k < l.copies.size(); k += 2)
-        for (float* p : f.p) p[l.copies[k]] = p[l.copies[k + 1]];
-}
-
-void add(const Level& l, const Field& to, const Field& from) noexcept {
-    const std::size_t n = l.count();
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict t = to.p[a];
-        const float* __restrict f = from.p[a];
-        for (std::size_t s = 0; s < n; ++s) t[s] += f[s];
-    }
-}
-
 /// Steps of the Chebyshev recurrence: the first one's factor, then (keep, step) of the others.
 struct Chebyshev {
     double theta, delta, sigma, rho;
@@ -69,12 +55,12 @@ void smooth(const Multigrid& m, Level& l, bool residual) noexcept {
     Chebyshev steps(l.largest);
     Field way = l.d0, next = l.d1;
     begin(l, steps.theta, way);
-    add(l, l.x, way);
+    add_field(l, l.x, way);
     for (int k = 1; k < kSmooth; ++k) {
         const auto [keep, step] = steps.next();
         sweep_level(m, l, way, l.r, next, keep, step);
         std::swap(way, next);
-        add(l, l.x, way);
+        add_field(l, l.x, way);
     }
     if (residual) sweep_level(m, l, way, l.r, {}, 0, 0);
 }
@@ -88,7 +74,7 @@ void restrict_residual(const Level& f, const Level& c) noexcept {
         }
         for (int a = 0; a < 3; ++a) c.r.p[a][c.sample_of[p]] = sum[a];
     }
-    share(c, c.r);
+    share_copies(c, c.r);
 }
 
 void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
@@ -100,7 +86,7 @@ void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
         }
         for (int a = 0; a < 3; ++a) to.p[a][f.sample_of[d]] = sum[a];
     }
-    share(f, to);
+    share_copies(f, to);
 }
 
 /// Cholesky factorisation of the coarsest matrix. @return false if it is not positive definite.
@@ -145,7 +131,7 @@ void solve_directly(Multigrid& m, Level& l) noexcept {
             l.x.p[c][l.sample_of[i]] = static_cast<float>(y[i]);
         }
     }
-    share(l, l.x);
+    share_copies(l, l.x);
 }
 
 void run_level(Multigrid& m, std::uint32_t k) noexcept {
@@ -156,7 +142,7 @@ void run_level(Multigrid& m, std::uint32_t k) noexcept {
     restrict_residual(l, m.level[k + 1]);
     run_level(m, k + 1);
     interpolate(l, m.level[k + 1], l.d0);
-    add(l, l.x, l.d0);
+    add_field(l, l.x, l.d0);
     sweep_level(m, l, l.d0, l.r, {}, 0, 0);
     smooth(m, l, false);
 }
@@ -169,7 +155,7 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
             random = random * 1664525u + 1013904223u;
             l.d0.p[a][l.sample_of[d]] = static_cast<float>(random >> 8) * 0x1p-23f - 1.0f;
         }
-    share(l, l.d0);
+    share_copies(l, l.d0);
     double found = 0;
     for (int k = 0; k < 20; ++k) {
         for (float* p : l.r.p) std::fill(p, p + l.count(), 0.0f);
@@ -193,6 +179,20 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
     return found > 0 ? found : 1;
 }
 }  // namespace
+
+void share_copies(const Level& l, const Field& f) noexcept {
+    for (std::size_t k = 0; k < l.copies.size(); k += 2)
+        for (float* p : f.p) p[l.copies[k]] = p[l.copies[k + 1]];
+}
+
+void add_field(const Level& l, const Field& to, const Field& from) noexcept {
+    const std::size_t n = l.count();
+    for (int a = 0; a < 3; ++a) {
+        float* __restrict t = to.p[a];
+        const float* __restrict f = from.p[a];
+        for (std::size_t s = 0; s < n; ++s) t[s] += f[s];
+    }
+}
 
 void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Field& residual, const Field& next,
                  float keep, float step) noexcept {
@@ -239,8 +239,8 @@ void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Fie
             if (both) next.p[a][s] = now[6 * k + 3 + static_cast<std::size_t>(a)];
         }
     }
-    share(l, residual);
-    if (both) share(l, next);
+    share_copies(l, residual);
+    if (both) share_copies(l, next);
 }
 
 void take_extra(Multigrid& m) noexcept {
