@@ -2,10 +2,11 @@
 // tests/exact/bake_bits.cpp
 // Bakes samples in this process and prints a hash of each file, so that processors can be compared.
 //
-//   dgm_bake_bits SAMPLES WORK [--threads N] [--few]
+//   dgm_bake_bits SAMPLES WORK [--threads N] [--few | --case NAME]
 //
-// SAMPLES: what dgm-make-samples wrote. WORK: a folder for the files. --few: the quickest cases, for emulators. The
-// first line, "control", is a hash of the C library's own functions: it shows whether a comparison compares anything.
+// SAMPLES: what dgm-make-samples wrote. WORK: a folder for the files. --few: the quickest cases, --case: one, for
+// emulators. The first line, "control", is a hash of the C library's own functions: it shows whether a comparison
+// compares anything.
 // No worker process is started: emulators do not follow into it, and it may drop the environment that a test sets.
 #include <tbb/global_control.h>
 
@@ -110,20 +111,22 @@ std::string bits_of(const Case& c, const fs::path& samples, const fs::path& work
 
 int main(int argc, char** argv) {
     if (argc < 3) {
-        std::fprintf(stderr, "usage: dgm_bake_bits SAMPLES WORK [--threads N] [--few]\n");
+        std::fprintf(stderr, "usage: dgm_bake_bits SAMPLES WORK [--threads N] [--few | --case NAME]\n");
         return 1;
     }
     bool few = false;
+    const char* only = nullptr;
     std::size_t threads = 2;
     for (int k = 3; k < argc; ++k) {
         if (std::strcmp(argv[k], "--few") == 0) few = true;
+        if (std::strcmp(argv[k], "--case") == 0 && k + 1 < argc) only = argv[++k];
         if (std::strcmp(argv[k], "--threads") == 0 && k + 1 < argc) threads = std::strtoul(argv[++k], nullptr, 10);
     }
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     std::printf("control %s\n", control().c_str());
     int code = 0;
     for (const Case& c : kCases) {
-        if (few && !c.few) continue;
+        if ((few && !c.few) || (only != nullptr && std::strcmp(only, c.name) != 0)) continue;
         try {
             std::printf("%s %s\n", c.name, bits_of(c, argv[1], argv[2]).c_str());
         } catch (const std::exception& e) {

@@ -32,10 +32,10 @@ class Processors(unittest.TestCase):
         cls.here = bits()
         cls.few = bits("--few")
 
-    def compare(self, there, here=None):
+    def compare(self, there, here=None, at_least=5):
         here = here or self.here
         self.assertEqual(list(there), list(here))
-        self.assertGreater(len(there), 4)
+        self.assertGreaterEqual(len(there), at_least)
         different = [name for name in here if here[name] != there[name] and name != "control"]
         self.assertEqual(different, [])
 
@@ -58,9 +58,11 @@ class Processors(unittest.TestCase):
         qemu = shutil.which("qemu-x86_64")
         if not qemu or os.uname().machine != "x86_64":
             self.skipTest("needs qemu-x86_64 (Debian: qemu-user) and an x86-64 machine")
-        for model in ("Nehalem", "Haswell"):
+        # An emulator takes five times as long for AVX2 and fused instructions: there one bake stands for the others.
+        sheet = {name: self.few[name] for name in ("control", "sheet")}
+        for model, cases, here in (("Nehalem", ["--few"], self.few), ("Haswell", ["--case", "sheet"], sheet)):
             with self.subTest(model=model):
-                self.compare(bits("--few", before=(qemu, "-cpu", model)), self.few)
+                self.compare(bits(*cases, before=(qemu, "-cpu", model)), here, len(here))
 
 
 if __name__ == "__main__":

@@ -123,7 +123,7 @@ Potential evaluate(PhysicsImpl& p) noexcept {
 double volume_of(const PhysicsImpl& p, const Field& delta, double step, const Field* way) noexcept {
     if (!p.closed) return 0;
     const auto at = [&](std::size_t s) {
-        double x[3];
+        double x[3] = {};
         for (int c = 0; c < 3; ++c) {
             x[c] = double{p.rest.p[c][s]} + p.at[c][s] + double{delta.p[c][s]};
             if (way != nullptr) x[c] += step * double{way->p[c][s]};

@@ -58,7 +58,7 @@ void take_pressure(PhysicsImpl& p, const Swelling& v) noexcept {
 
 void find_way(PhysicsImpl& p, const Swelling& v) noexcept {
     const Level& l = p.fine();
-    double share[kHistory];
+    double share[kHistory] = {};
     copy(p, p.way, p.gradient);
     for (int k = 0; k < p.pairs; ++k) {
         const int at = (p.next_pair - 1 - k + 2 * kHistory) % kHistory;
