@@ -7,6 +7,7 @@
 
 #include "baking/cpu_clock.h"
 #include "baking/methods.h"
+#include "geometry/fit/fit.h"
 #include "geometry/metrics/map_metrics.h"
 
 namespace dgm::bake {
@@ -17,6 +18,10 @@ using model::Error;
 constexpr double kGain = 0.99;    // a later candidate must be 1 % better, and the earlier not exact but for rounding
 constexpr double kExact = 1e-10;  // normalised units
 constexpr std::uint64_t kSamples = 20'000;
+// With two vertices of the source to a sample the error before the fit tells which chart has the lower one after it;
+// with one, 1.2 dB do.
+constexpr std::size_t kVerticesToTell = 2;
+constexpr double kSureGain = 0.87;
 
 struct MeasuredCandidate {
     SampledChart chart;
@@ -41,15 +46,34 @@ void check_topology(const TriMesh& component, const SampledChart& chart) {
 
 CandidateReport report_of(const Candidate& candidate) {
     CandidateReport out{std::string(name_of(candidate.method)), candidate.psnr, candidate.note, candidate.cpu_seconds};
-    if (candidate.outcome == CandidateOutcome::kHigherError) out.outcome = "higher error";
-    if (candidate.outcome == CandidateOutcome::kChosen)
-        out.outcome = candidate.note.empty() ? "chosen" : "chosen; " + candidate.note;
+    if (candidate.outcome != CandidateOutcome::kFailed) {
+        out.outcome = candidate.outcome == CandidateOutcome::kChosen ? "chosen" : "higher error";
+        if (candidate.fitted) out.outcome += " after a trial fit";
+        if (candidate.directed) out.outcome += "; along the directions of curvature";
+        if (candidate.outcome == CandidateOutcome::kChosen && !candidate.note.empty())
+            out.outcome += "; " + candidate.note;
+    }
     return out;
 }
 
 void Contest::enter(Method method, const std::function<SampledChart()>& make) {
     Candidate candidate;
     candidate.method = method;
+    judge(std::move(candidate), make,
+          [this](const SampledChart& chart, double rms, Candidate&) { return !best_ || wins(chart, rms); });
+}
+
+void Contest::challenge(const std::function<SampledChart()>& make, bool will_be_fitted,
+                        const model::Progress& progress) {
+    Candidate candidate;
+    candidate.method = best_method();
+    candidate.directed = true;
+    judge(std::move(candidate), make, [&](const SampledChart& chart, double rms, Candidate& as) {
+        return will_be_fitted ? wins_fitted(chart, rms, as, progress) : wins(chart, rms);
+    });
+}
+
+void Contest::judge(Candidate candidate, const std::function<SampledChart()>& make, const Wins& wins) {
     const CpuClock clock;
     Attempt<MeasuredCandidate> made = attempt([&] {
         MeasuredCandidate out{make(), {}};
@@ -59,7 +83,7 @@ void Contest::enter(Method method, const std::function<SampledChart()>& make) {
     });
     if (made) {
         candidate.psnr = made->error.psnr();
-        if (!best_ || wins(made->chart, made->error.rms)) {
+        if (wins(made->chart, made->error.rms, candidate)) {
             best_ = std::move(made->chart);
             best_rms_ = made->error.rms;
             best_index_ = candidates_.size();
@@ -71,6 +95,16 @@ void Contest::enter(Method method, const std::function<SampledChart()>& make) {
     }
     candidate.cpu_seconds = clock.seconds();
     candidates_.push_back(std::move(candidate));
+}
+
+bool Contest::wins_fitted(const SampledChart& chart, double rms, Candidate& candidate,
+                          const model::Progress& progress) const {
+    if (!(rms < best_rms_)) return false;
+    const std::size_t vertices = component_.positions.size();
+    if (kVerticesToTell * chart.grid_count() <= vertices) return wins(chart, rms);
+    if (chart.grid_count() <= vertices && rms < kSureGain * best_rms_) return true;
+    candidate.fitted = true;
+    return trial_fit_rms(chart, progress) < kGain * trial_fit_rms(*best_, progress);
 }
 
 /// Between charts that differ by less than 1 % or by rounding, the one that uses all samples wins, then the earlier
@@ -87,7 +121,7 @@ bool Contest::tried(Method method) const {
 
 bool Contest::failed(Method method) const {
     return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& c) {
-        return c.method == method && c.outcome == CandidateOutcome::kFailed;
+        return c.method == method && !c.directed && c.outcome == CandidateOutcome::kFailed;
     });
 }
 

@@ -21,9 +21,11 @@ enum class CandidateOutcome { kChosen, kHigherError, kFailed };
 struct Candidate {
     Method method = Method::kAuto;
     CandidateOutcome outcome = CandidateOutcome::kHigherError;
-    double psnr = 0;         ///< 0 if it failed
+    double psnr = 0;         ///< before the fit; 0 if it failed
     std::string note;        ///< kFailed: why; kChosen: the chart's note about itself, may be empty
     double cpu_seconds = 0;  ///< map and measurement, without the cut that candidates share
+    bool directed = false;   ///< levelled to the directions of curvature
+    bool fitted = false;     ///< compared with the one before after a trial fit of both
 };
 
 /// The same in words.
@@ -45,18 +47,31 @@ class Contest {
     /// Makes a chart and measures it. The chart must have the component's topology. A failure is recorded.
     /// @throws model::Error kInterrupted
     void enter(Method method, const std::function<SampledChart()>& make);
+    /// As enter(), for a chart of the best one's method and cut whose samples follow the directions of curvature. Where
+    /// a fit is going to move them, its error before that says less the more samples there are on each facet: unless
+    /// the chart is clearly better or worse, both are fitted for a few rounds and then compared.
+    /// @param will_be_fitted  false: the samples stay where the map puts them
+    /// There must be a best chart.
+    void challenge(const std::function<SampledChart()>& make, bool will_be_fitted, const model::Progress& progress);
     /// Records that no chart of the next candidates could be tried.
     void fail(const model::Error& error) { failure_ = error; }
 
     [[nodiscard]] bool has_best() const { return best_.has_value(); }
     [[nodiscard]] double best_psnr() const { return candidates_[best_index_].psnr; }
+    [[nodiscard]] Method best_method() const { return candidates_[best_index_].method; }
     [[nodiscard]] bool tried(Method method) const;
+    /// True if enter() had no chart of it.
     [[nodiscard]] bool failed(Method method) const;
     /// The best chart, or the last failure if there is none.
     [[nodiscard]] Attempt<ComponentResult> result() &&;
 
  private:
+    using Wins = std::function<bool(const SampledChart& chart, double rms, Candidate& candidate)>;
+
+    void judge(Candidate candidate, const std::function<SampledChart()>& make, const Wins& wins);
     [[nodiscard]] bool wins(const SampledChart& chart, double rms) const;
+    [[nodiscard]] bool wins_fitted(const SampledChart& chart, double rms, Candidate& candidate,
+                                   const model::Progress& progress) const;
 
     const TriMesh& component_;
     std::vector<Candidate> candidates_;

@@ -57,15 +57,22 @@ SampledChart uv_chart(const ComponentTask& task, const model::Progress& progress
     return make_uv_chart(task.component, task.size.rows, task.size.cols, free_tools(), progress);
 }
 
-SampledChart square_chart(GridSize size, Method method, const BakeOptions& options, const CutSearchResult& cut,
+bool by_stretch(Method method) {
+    return method == Method::kStretch || method == Method::kSphere;
+}
+
+std::unique_ptr<Parameterizer> square_parameterizer(Method method, const BakeOptions& options,
+                                                    std::shared_ptr<StretchMemory> memory = nullptr) {
+    if (!by_stretch(method)) return make_cgal_parameterizer(name_of(method));
+    return make_stretch_parameterizer(options.ablates("newton") ? 0 : kNewtonSteps,
+                                      options.ablates("curvature") ? Levelling::kArea : Levelling::kCurvature,
+                                      std::move(memory));
+}
+
+SampledChart square_chart(GridSize size, Method method, const Parameterizer& parameterizer, const CutSearchResult& cut,
                           const model::Progress& progress) {
-    const bool stretch = method == Method::kStretch || method == Method::kSphere;
-    const std::unique_ptr<Parameterizer> parameterizer =
-        stretch
-            ? make_stretch_parameterizer(options.ablates("newton") ? 0 : kNewtonSteps, !options.ablates("curvature"))
-            : make_cgal_parameterizer(name_of(method));
     SampledChart chart =
-        make_square_chart(cut.disk, size.rows, size.cols, cut.rotation, *parameterizer, progress, cut.shares);
+        make_square_chart(cut.disk, size.rows, size.cols, cut.rotation, parameterizer, progress, cut.shares);
     chart.method = name_of(method);
     chart.cut_length = cut.cut_length;
     return chart;
@@ -131,8 +138,19 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     const Attempt<CutSearchResult> cut =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!cut) contest.fail(cut.error());
+    const auto memory = std::make_shared<StretchMemory>();
     const auto square = [&](Method method) {
-        contest.enter(method, [&] { return square_chart(task.size, method, options, *cut, progress); });
+        contest.enter(method, [&] {
+            SampledChart chart =
+                square_chart(task.size, method, *square_parameterizer(method, options, memory), *cut, progress);
+            memory->map = chart.uv;
+            return chart;
+        });
+    };
+    const auto directed = [&](Method method) {
+        const auto parameterizer = make_stretch_parameterizer(kNewtonSteps, Levelling::kDirections, memory);
+        contest.challenge([&] { return square_chart(task.size, method, *parameterizer, *cut, progress); },
+                          options.fit != Fit::kSample, progress);
     };
     const auto arap = [&](const FreeChartTools& tools) {
         contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, tools, progress); });
@@ -141,7 +159,13 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
         if (cut) square(options.method);
         return;
     }
-    if (cut) square(cut->shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch);
+    if (cut) {
+        const Method method = cut->shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch;
+        square(method);
+        const bool levelled = !options.ablates("newton") && !options.ablates("curvature");
+        if (levelled && !options.ablates("directions") && contest.has_best() && contest.best_method() == method)
+            directed(method);
+    }
     // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
     // cloth above all.
     const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();
@@ -150,8 +174,8 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     if (contest.failed(Method::kSphere))
         contest.enter(Method::kStretch, [&] {
             search.stars = 0;
-            return square_chart(task.size, Method::kStretch, options, search_cut(task.component, search, progress),
-                                progress);
+            return square_chart(task.size, Method::kStretch, *square_parameterizer(Method::kStretch, options),
+                                search_cut(task.component, search, progress), progress);
         });
     if (may_be_free && !contest.tried(Method::kArap) && (!contest.has_best() || free_may_help(task, contest)))
         arap(contest.has_best() ? free_tools(kSecondRounds) : free_tools());

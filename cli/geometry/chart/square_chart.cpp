@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <span>
+#include <utility>
 
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/convex_map.h"
@@ -29,22 +29,16 @@ constexpr std::size_t kFewFolds = 2;  // of a thousand triangles
 
 class StretchParameterizer final : public Parameterizer {
  public:
-    StretchParameterizer(std::size_t newton_steps, bool curvature)
-        : newton_steps_(newton_steps), curvature_(curvature) {}
+    StretchParameterizer(std::size_t newton_steps, Levelling levelling, std::shared_ptr<StretchMemory> memory)
+        : newton_steps_(newton_steps),
+          levelling_(levelling),
+          memory_(memory ? std::move(memory) : std::make_shared<StretchMemory>()) {}
     [[nodiscard]] std::string_view name() const override { return "stretch"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
         if (newton_steps_ == 0) return stretch_map(disk, 0, progress);
         const auto level_out = [&](const DiskView& on, std::vector<Vec2d> uv) {
-            const std::vector<RestShape> rest = curvature_ ? curved_rest_shapes(on) : std::vector<RestShape>{};
-            return descend(on, std::move(uv), kLevelSteps, kLevelEpsilon, progress, rest);
-        };
-        // Normalised stretch: the square has area 1.
-        const auto crowded = [](const DiskView& on, const std::vector<Vec2d>& uv) {
-            double area = 0;
-            for (const Face& f : on.faces)
-                area += face_area({on.positions[f[0]], on.positions[f[1]], on.positions[f[2]]});
-            return std::sqrt(stretch_energy(on.positions, on.faces, uv)) > kCrowded * area;
+            return descend(on, std::move(uv), kLevelSteps, kLevelEpsilon, progress, rest_of(on));
         };
         // The grid has far fewer samples than a large mesh has vertices: where they go is settled on a coarser level.
         // Levelling itself may stretch a map beyond kCrowded, so the map before it is tested.
@@ -55,19 +49,13 @@ class StretchParameterizer final : public Parameterizer {
                 sound = !crowded(on, uv);
                 return sound ? level_out(on, std::move(uv)) : uv;
             };
-            std::optional<std::vector<Vec2d>> levelled = multilevel_stretch_map(disk, options, progress);
+            std::optional<std::vector<Vec2d>> levelled =
+                multilevel_stretch_map(disk, options, progress, &memory_->levels);
             if (levelled && sound) return std::move(*levelled);
         }
-        std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress);
-        if (!map || crowded(disk, *map)) {
-            const auto energy = [&](const std::vector<Vec2d>& uv) {
-                return stretch_energy(disk.positions, disk.faces, uv);
-            };
-            std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
-            if (!map || energy(other) < energy(*map)) map = std::move(other);
-        }
-        if (count_not_positive(disk.faces, *map) > 0) return std::move(*map);  // the caller refuses it
-        return level_out(disk, std::move(*map));
+        std::vector<Vec2d> map = memory_->map ? *memory_->map : plain_map(disk, progress);
+        if (count_not_positive(disk.faces, map) > 0) return map;  // the caller refuses it
+        return level_out(disk, std::move(map));
     }
 
     [[nodiscard]] std::optional<std::vector<Vec2d>> level(const DiskView& disk, const std::vector<Vec2d>& uv,
@@ -77,23 +65,56 @@ class StretchParameterizer final : public Parameterizer {
         constexpr std::size_t kSteps = 12;
         if (newton_steps_ == 0 || step >= kEpsilons.size()) return std::nullopt;
         MultilevelOptions options;
-        if (disk.faces.size() <= options.finish_faces) return descend(disk, uv, kSteps, kEpsilons[step], progress);
+        // Levelling for curvature is given up; to give up its directions would be to make the plain map again.
+        const auto rest = [&](const DiskView& on) {
+            return levelling_ == Levelling::kDirections ? rest_of(on) : std::vector<RestShape>{};
+        };
+        if (disk.faces.size() <= options.finish_faces)
+            return descend(disk, uv, kSteps, kEpsilons[step], progress, rest(disk));
         // As solve(): on a coarser level, where all steps up to this one cost less than one at full size.
         options.finish = [&](const DiskView& on, std::vector<Vec2d> coarse) {
-            coarse = descend(on, std::move(coarse), kLevelSteps, kLevelEpsilon, progress,
-                             curvature_ ? curved_rest_shapes(on) : std::vector<RestShape>{});
+            coarse = descend(on, std::move(coarse), kLevelSteps, kLevelEpsilon, progress, rest_of(on));
             for (std::size_t k = 0; k <= step; ++k)
-                coarse = descend(on, std::move(coarse), kSteps, kEpsilons[k], progress);
+                coarse = descend(on, std::move(coarse), kSteps, kEpsilons[k], progress, rest(on));
             return coarse;
         };
-        return multilevel_stretch_map(disk, options, progress);
+        return multilevel_stretch_map(disk, options, progress, &memory_->levels);
     }
 
  private:
+    /// Normalised stretch: the square has area 1.
+    static bool crowded(const DiskView& on, const std::vector<Vec2d>& uv) {
+        double area = 0;
+        for (const Face& f : on.faces) area += face_area({on.positions[f[0]], on.positions[f[1]], on.positions[f[2]]});
+        return std::sqrt(stretch_energy(on.positions, on.faces, uv)) > kCrowded * area;
+    }
+
+    /// The map before it is levelled.
+    [[nodiscard]] std::vector<Vec2d> plain_map(const DiskView& disk, const model::Progress& progress) const {
+        std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress, &memory_->levels);
+        if (map && !crowded(disk, *map)) return std::move(*map);
+        const auto energy = [&](const std::vector<Vec2d>& uv) {
+            return stretch_energy(disk.positions, disk.faces, uv);
+        };
+        std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
+        return !map || energy(other) < energy(*map) ? other : std::move(*map);
+    }
+
+    [[nodiscard]] std::vector<RestShape> rest_of(const DiskView& on) const {
+        switch (levelling_) {
+            case Levelling::kCurvature:
+                return curved_rest_shapes(on);
+            case Levelling::kDirections:
+                return directed_rest_shapes(on);
+            case Levelling::kArea:
+                break;
+        }
+        return {};
+    }
     /// Faces sheared into slivers cost no stretch, but their samples fold; the half of the energy that epsilon weighs
     /// levels them.
     static std::vector<Vec2d> descend(const DiskView& disk, std::vector<Vec2d> uv, std::size_t steps, double epsilon,
-                                      const model::Progress& progress, std::span<const RestShape> rest = {}) {
+                                      const model::Progress& progress, const std::vector<RestShape>& rest) {
         SlimOptions options;
         options.rest = rest;
         options.energy = FlipFreeEnergy::kStretch;
@@ -105,7 +126,8 @@ class StretchParameterizer final : public Parameterizer {
     }
 
     std::size_t newton_steps_;
-    bool curvature_;
+    Levelling levelling_;
+    std::shared_ptr<StretchMemory> memory_;
 };
 
 class ReweightedParameterizer final : public Parameterizer {
@@ -123,8 +145,9 @@ std::unique_ptr<Parameterizer> make_reweighted_parameterizer() {
     return std::make_unique<ReweightedParameterizer>();
 }
 
-std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps, bool curvature) {
-    return std::make_unique<StretchParameterizer>(newton_steps, curvature);
+std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps, Levelling levelling,
+                                                          std::shared_ptr<StretchMemory> memory) {
+    return std::make_unique<StretchParameterizer>(newton_steps, levelling, std::move(memory));
 }
 
 void check_map(const Disk& disk, const std::vector<Vec2d>& uv, std::string_view method) {

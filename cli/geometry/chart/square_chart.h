@@ -2,9 +2,13 @@
 // cli/geometry/chart/square_chart.h
 // A disk on the whole square (docs/design.md section 2.4).
 #pragma once
+#include <cstddef>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "geometry/chart/sampled_chart.h"
+#include "geometry/parameterize/multilevel_map.h"
 #include "geometry/parameterize/parameterizer.h"
 #include "geometry/parameterize/square_border.h"
 
@@ -18,12 +22,26 @@ namespace dgm::bake {
                                              const Parameterizer& method, const model::Progress& progress,
                                              BorderShares shares = BorderShares::kByLength);
 
+/// What a map by stretch is levelled to, which decides where the samples are dense.
+enum class Levelling {
+    kArea,        ///< equal steps everywhere
+    kCurvature,   ///< more room where the surface bends (curved_rest_shapes)
+    kDirections,  ///< longer steps along the direction in which it bends least (directed_rest_shapes)
+};
+
+/// What one map by stretch leaves to the next one of the same disk with the same border.
+struct StretchMemory {
+    MultilevelMemory levels;
+    std::optional<std::vector<Vec2d>> map;  ///< flip-free; levelled on, where no coarser level settles the map
+};
+
 /// `stretch`: multilevel_map.h, and where that crowds or has no start, stretch_map.h with so many Newton steps for an
 /// ordinary map. The one with the lower stretch is taken, and levelled by a few Newton steps on an energy that counts
-/// shear too, and with `curvature` the bending of the surface (curved_rest_shapes.h). 0 steps: a trial, stretch_map.h
-/// alone.
-[[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(std::size_t newton_steps,
-                                                                        bool curvature = true);
+/// shear too. 0 steps: a trial, stretch_map.h alone.
+/// @param memory  of earlier maps of the disk; one user at a time
+[[nodiscard]] std::unique_ptr<Parameterizer> make_stretch_parameterizer(
+    std::size_t newton_steps, Levelling levelling = Levelling::kCurvature,
+    std::shared_ptr<StretchMemory> memory = nullptr);
 
 /// The reweighted convex map [Yoshizawa 2004] alone: crowds limbs about as the named convex methods do, so a cut found
 /// with it suits them too.

@@ -26,7 +26,8 @@ constexpr std::size_t kFewInverted = 20;
 constexpr std::uint64_t kFewSamples = 20'000;
 // The hardest shapes measured, at 65 x 65, take 14,000 faces a sample; 190,000 are allowed there.
 constexpr std::uint64_t kLooksPerSample = 40'000, kFewestSamples = 20'000;
-constexpr double kExact = 1e-10;  // normalised units: nothing is left to fit
+constexpr double kTrialPoints = 3;  // a sample, and three times as many on small grids
+constexpr double kExact = 1e-10;    // normalised units: nothing is left to fit
 
 /// Options and progress of one fit.
 struct Plan {
@@ -77,8 +78,9 @@ void settle(FitState& fit, const Plan& plan, FitReport& report) {
     fit.matches.update(false);
 }
 
-/// The rounds for the mean error, then those for the largest.
-void run_rounds(FitState& fit, LocalRepair& repair, const Plan& plan, FitReport& report) {
+/// The rounds for the mean error; the best state is kept.
+/// @return  true if the last round gave it
+bool lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     const FitOptions& options = plan.options;
     if (options.split_quads) fit.split_quads();
     if (fit.sliding.occupy_corners()) fit.matches.update(false);
@@ -95,11 +97,17 @@ void run_rounds(FitState& fit, LocalRepair& repair, const Plan& plan, FitReport&
         fit.keep();
         ++report.rounds;
     }
-    if (!kept || options.worst_rounds > 0) {
+    return kept;
+}
+
+/// The rounds for the mean error, then those for the largest.
+void run_rounds(FitState& fit, LocalRepair& repair, const Plan& plan, FitReport& report) {
+    const bool kept = lower_mean(fit, plan, report);
+    if (!kept || plan.options.worst_rounds > 0) {
         fit.restore();
         fit.matches.update(false);
     }
-    if (options.worst_rounds <= 0 || fit.is_spent()) return;
+    if (plan.options.worst_rounds <= 0 || fit.is_spent()) return;
     repair.repair();
     settle(fit, plan, report);
 }
@@ -204,6 +212,16 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
                 .size();
     }
     return report;
+}
+
+double trial_fit_rms(SampledChart chart, const model::Progress& progress) {
+    FitOptions options;
+    options.points_per_sample = kTrialPoints;
+    FitState fit(chart, options);
+    fit.matches.update(false);
+    FitReport report;
+    lower_mean(fit, {options, progress}, report);
+    return fit.kept.rms;
 }
 
 }  // namespace dgm::bake

@@ -46,4 +46,8 @@ struct FitReport {
 /// Deterministic, whatever the number of threads.
 FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress);
 
+/// The error after a few rounds for the mean, without repairs, to compare charts of one component by: what they will
+/// have after fit_chart() differs alike. Normalised units, over the points of the fit.
+[[nodiscard]] double trial_fit_rms(SampledChart chart, const model::Progress& progress);
+
 }  // namespace dgm::bake

@@ -14,4 +14,11 @@ namespace dgm::bake {
 /// smoothed again; a weight of more than 100 would be a sharp edge's, which no step resolves.
 [[nodiscard]] std::vector<RestShape> curved_rest_shapes(const DiskView& disk);
 
+/// The faces laid flat in the metric |II|, at the scale of the unit square, and weighted by their areas: of the energy
+/// with the fourth power of the stretch this makes the squared error itself, so that cells become long where the
+/// surface bends one way only. |II| is that of smoothed normals, and its square is smoothed as a tensor; a curvature
+/// counts as at least half the mean, and as at least a quarter of the other one: below that the grid's own quads, and
+/// noise, decide the error.
+[[nodiscard]] std::vector<RestShape> directed_rest_shapes(const DiskView& disk);
+
 }  // namespace dgm::bake

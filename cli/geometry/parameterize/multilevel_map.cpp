@@ -166,35 +166,65 @@ struct Level {
     Simplified coarser;                   ///< how the next coarser level was made of this one
 };
 
+}  // namespace
+
+struct MultilevelMemory::Settled {
+    std::vector<Level> ladder;             ///< finest first
+    std::size_t level = 0;                 ///< that `finish` moves
+    std::optional<std::vector<Vec2d>> uv;  ///< its map; none if there is no flip-free one
+};
+
+namespace {
+
 class Multilevel {
  public:
-    Multilevel(const DiskView& disk, const MultilevelOptions& options, const model::Progress& progress)
-        : disk_(disk), options_(options), progress_(progress), on_border_(disk.positions.size(), 0) {
+    Multilevel(const DiskView& disk, const MultilevelOptions& options, const model::Progress& progress,
+               MultilevelMemory::Settled& settled)
+        : disk_(disk),
+          options_(options),
+          progress_(progress),
+          ladder_(settled.ladder),
+          settled_(settled),
+          on_border_(disk.positions.size(), 0) {
         for (std::uint32_t v : disk.border) on_border_[v] = 1;
     }
 
     std::optional<std::vector<Vec2d>> run() {
-        build_ladder();
-        Level& coarsest = ladder_.back();
-        std::vector<Vec2d> uv;
-        if (!map_coarsest(coarsest, uv)) return std::nullopt;
-        relax(coarsest, uv, ladder_.size() - 1, options_.coarsest_sweeps);
-        const std::size_t finished = options_.finish ? finish_level() : ladder_.size();
-        if (finished == ladder_.size() - 1) finish(finished, uv);
-        for (std::size_t l = ladder_.size() - 1; l-- > 0;) {
-            const Level &fine = ladder_[l], &coarse = ladder_[l + 1];
-            std::vector<Vec2d> finer(fine.mesh.positions.size());
-            for (std::size_t v = 0; v < uv.size(); ++v) finer[coarse.original[v]] = uv[v];
-            if (!put_back(fine, finer)) return std::nullopt;
-            uv = std::move(finer);
-            relax(fine, uv, l, finished < ladder_.size() && l < finished ? options_.sweeps_after : options_.sweeps);
-            if (l == finished) finish(l, uv);
-        }
+        if (ladder_.empty()) settle();
+        if (!settled_.uv) return std::nullopt;
+        std::vector<Vec2d> uv = *settled_.uv;
+        if (options_.finish) finish(settled_.level, uv);
+        for (std::size_t l = settled_.level; l-- > 0;)
+            if (!refine(l, uv, options_.finish ? options_.sweeps_after : options_.sweeps)) return std::nullopt;
         if (count_not_positive(disk_.faces, uv) > 0) return std::nullopt;
         return uv;
     }
 
  private:
+    /// Maps the levels up to the one that `finish` moves.
+    void settle() {
+        build_ladder();
+        settled_.level = finish_level();
+        Level& coarsest = ladder_.back();
+        std::vector<Vec2d> uv;
+        if (!map_coarsest(coarsest, uv)) return;
+        relax(coarsest, uv, ladder_.size() - 1, options_.coarsest_sweeps);
+        for (std::size_t l = ladder_.size() - 1; l-- > settled_.level;)
+            if (!refine(l, uv, options_.sweeps)) return;
+        settled_.uv = std::move(uv);
+    }
+
+    /// From level l + 1 to level l.
+    bool refine(std::size_t l, std::vector<Vec2d>& uv, int sweeps) {
+        const Level &fine = ladder_[l], &coarse = ladder_[l + 1];
+        std::vector<Vec2d> finer(fine.mesh.positions.size());
+        for (std::size_t v = 0; v < uv.size(); ++v) finer[coarse.original[v]] = uv[v];
+        if (!put_back(fine, finer)) return false;
+        uv = std::move(finer);
+        relax(fine, uv, l, sweeps);
+        return true;
+    }
+
     void build_ladder() {
         Level first;
         first.mesh.positions.assign(disk_.positions.begin(), disk_.positions.end());
@@ -332,15 +362,22 @@ class Multilevel {
     const DiskView& disk_;
     const MultilevelOptions& options_;
     const model::Progress& progress_;
+    std::vector<Level>& ladder_;
+    MultilevelMemory::Settled& settled_;
     std::vector<char> on_border_;
-    std::vector<Level> ladder_;
 };
 
 }  // namespace
 
+MultilevelMemory::MultilevelMemory() = default;
+MultilevelMemory::~MultilevelMemory() = default;
+
 std::optional<std::vector<Vec2d>> multilevel_stretch_map(const DiskView& disk, const MultilevelOptions& options,
-                                                         const model::Progress& progress) {
-    return Multilevel(disk, options, progress).run();
+                                                         const model::Progress& progress, MultilevelMemory* memory) {
+    std::unique_ptr<MultilevelMemory::Settled> own;
+    std::unique_ptr<MultilevelMemory::Settled>& settled = memory ? memory->settled : own;
+    if (!settled) settled = std::make_unique<MultilevelMemory::Settled>();
+    return Multilevel(disk, options, progress, *settled).run();
 }
 
 }  // namespace dgm::bake

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -30,6 +31,19 @@ struct MultilevelOptions {
     int sweeps_after = 4;
 };
 
+/// What the maps of one disk have in common up to where `finish` changes them: the levels, and the map of the one that
+/// it moves. For maps with the same options but for `finish` and `sweeps_after`; one at a time.
+class MultilevelMemory {
+ public:
+    MultilevelMemory();
+    ~MultilevelMemory();
+    MultilevelMemory(const MultilevelMemory&) = delete;
+    MultilevelMemory& operator=(const MultilevelMemory&) = delete;
+
+    struct Settled;
+    std::unique_ptr<Settled> settled;
+};
+
 /// Simplifies the disk level by level with its border untouched (simplify.h), maps the coarsest level by reweighting
 /// and projected Newton (slim.h), then puts the vertices back, each inside the kernel of its ring in the map, and
 /// relaxes them one at a time by Newton steps on the stretch of their ring [Hormann, Labsik, Greiner 1999; Sander
@@ -37,12 +51,14 @@ struct MultilevelOptions {
 /// the cost is linear in the number of faces.
 ///
 /// @param disk  with a fixed border
+/// @param memory  of earlier maps of this disk, if it is given; they and this one come out as without it
 /// @return  one point per vertex, flip-free by the exact predicate; nothing if the coarsest level has no flip-free
 /// start
 /// @throws model::Error kInterrupted
 /// Deterministic, single-threaded.
 [[nodiscard]] std::optional<std::vector<Vec2d>> multilevel_stretch_map(const DiskView& disk,
                                                                        const MultilevelOptions& options,
-                                                                       const model::Progress& progress);
+                                                                       const model::Progress& progress,
+                                                                       MultilevelMemory* memory = nullptr);
 
 }  // namespace dgm::bake

@@ -3,12 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "geometry/chart/square_chart.h"
+#include "geometry/cut/cut_graph.h"
 #include "model/codes.h"
+#include "support/meshes.h"
 
 namespace dgm::bake {
 namespace {
 
 namespace codes = model::codes;
+using model::TriMesh;
 
 TEST(Attempt, HoldsTheValueOrTheError) {
     Attempt<int> good = attempt([] { return 7; });
@@ -50,6 +56,60 @@ TEST(CandidateReport, SaysTheOutcomeInWords) {
     EXPECT_EQ(words(CandidateOutcome::kHigherError, ""), "higher error");
     EXPECT_EQ(words(CandidateOutcome::kFailed, "flips"), "flips");
     EXPECT_EQ(report_of({Method::kArap, CandidateOutcome::kChosen, 60, "", 0.5}).method, "arap");
+    const auto directed = [](CandidateOutcome outcome, bool fitted) {
+        return report_of({Method::kStretch, outcome, 60, "", 0.5, true, fitted}).outcome;
+    };
+    EXPECT_EQ(directed(CandidateOutcome::kChosen, false), "chosen; along the directions of curvature");
+    EXPECT_EQ(directed(CandidateOutcome::kHigherError, true),
+              "higher error after a trial fit; along the directions of curvature");
+}
+
+/// A sheet with deep folds along one of its axes, and its charts.
+TriMesh folded_sheet(std::uint32_t n) {
+    TriMesh mesh = test::grid_sheet(n, n);
+    for (model::Vec3d& p : mesh.positions) p.z = 0.05 * std::sin(20 * (p.x + 0.3 * p.y));
+    return mesh;
+}
+
+SampledChart chart_of(const TriMesh& mesh, std::uint32_t side, Levelling levelling) {
+    CutGraph cut(mesh);
+    cut.cut_to_disk();
+    SampledChart chart = make_square_chart(cut.open(), side, side, 0, *make_stretch_parameterizer(5, levelling), {});
+    chart.method = "stretch";
+    return chart;
+}
+
+TEST(Contest, AChartAlongTheDirectionsOfCurvatureWinsWhereTheSurfaceBendsOneWay) {
+    const TriMesh mesh = folded_sheet(81);
+    for (const std::uint32_t side : {25U, 33U, 49U}) {  // twice as many vertices as samples or not, or hardly more
+        Contest contest(mesh);
+        contest.enter(Method::kStretch, [&] { return chart_of(mesh, side, Levelling::kCurvature); });
+        const double before = contest.best_psnr();
+        contest.challenge([&] { return chart_of(mesh, side, Levelling::kDirections); }, true, {});
+        const Attempt<ComponentResult> result = std::move(contest).result();
+        ASSERT_TRUE(result);
+        EXPECT_EQ(result->candidates[1].outcome, CandidateOutcome::kChosen) << side;
+        EXPECT_TRUE(result->candidates[1].directed);
+        EXPECT_GT(result->candidates[1].psnr, before + 1);
+    }
+}
+
+TEST(Contest, AChallengerMustHaveALowerErrorBeforeTheFitAtLeast) {
+    const TriMesh mesh = folded_sheet(41);
+    const SampledChart even = chart_of(mesh, 33, Levelling::kArea);
+    Contest contest(mesh);
+    contest.enter(Method::kStretch, [&] { return even; });
+    contest.challenge([&] { return even; }, true, {});  // no better than itself, whichever way it is compared
+    contest.challenge([&] { return even; }, false, {});
+    contest.challenge([]() -> SampledChart { throw model::Error(codes::kMapInvalid, "flips"); }, true, {});
+    EXPECT_FALSE(contest.failed(Method::kStretch)) << "a challenger that fails is no failure of the method";
+    const Attempt<ComponentResult> result = std::move(contest).result();
+    ASSERT_TRUE(result);
+    ASSERT_EQ(result->candidates.size(), 4u);
+    EXPECT_EQ(result->candidates[0].outcome, CandidateOutcome::kChosen);
+    EXPECT_EQ(result->candidates[1].outcome, CandidateOutcome::kHigherError);
+    EXPECT_TRUE(result->candidates[1].directed);
+    EXPECT_EQ(result->candidates[3].outcome, CandidateOutcome::kFailed);
 }
 
 }  // namespace

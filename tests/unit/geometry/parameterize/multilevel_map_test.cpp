@@ -42,6 +42,30 @@ TEST(MultilevelMap, AFlatSquareIsLeftFlat) {
     EXPECT_NEAR(stretch_energy(laid.disk.mesh.positions, laid.disk.mesh.faces, *uv), 1, 1e-3);
 }
 
+TEST(MultilevelMap, AMemoryChangesNoMap) {
+    const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
+    MultilevelOptions finished;
+    finished.finish_faces = laid.view().faces.size() / 2;
+    finished.finish = [](const DiskView& level, std::vector<Vec2d> uv) {
+        SlimOptions options;
+        options.energy = FlipFreeEnergy::kStretch;
+        options.border_fixed = true;
+        options.iterations = 2;
+        return descend_flip_free(level, std::move(uv), options, {});
+    };
+    MultilevelOptions plain;
+    plain.finish_faces = finished.finish_faces;
+    const auto with = multilevel_stretch_map(laid.view(), finished, {}),
+               without = multilevel_stretch_map(laid.view(), {}, {});
+    ASSERT_TRUE(with && without);
+    EXPECT_NE(*with, *without);
+    MultilevelMemory memory;
+    for (int time = 0; time < 2; ++time) {
+        EXPECT_EQ(multilevel_stretch_map(laid.view(), finished, {}, &memory), with);
+        EXPECT_EQ(multilevel_stretch_map(laid.view(), plain, {}, &memory), without);
+    }
+}
+
 TEST(MultilevelMap, TheFinestSmallEnoughLevelIsFinishedOnce) {
     const test::LaidDisk laid = test::lay(test::icosphere(5), 65, 3);
     MultilevelOptions options;
