@@ -110,8 +110,8 @@ std::vector<Laid> directed(const TriMesh& mesh) {
 
 TEST(DirectedRestShapes, CellsOnARolledSheetAreTwiceAsLongAsWide) {
     // Half of the area bends by 1/r one way, half not at all: the mean of both curvatures is 1/4r. What is flat counts
-    // as half of that, 1/8r; across the bend a quarter of 1/r counts. All the room is (1/4 + 1/16) / 2r... of which each
-    // direction takes its curvature: the scales are the roots of 0.3125, of four times that, and of eight times that.
+    // as half of that, 1/8r, and along the axis a quarter of 1/r counts. In the metric |II| the sheet has the area
+    // (1/2r + 1/8r) / 2 = 0.3125/r, and lengths are divided by the root of that over their curvature.
     const double r = 0.4;
     const TriMesh mesh = half_rolled(60, r);
     const std::vector<Laid> laid = directed(mesh);
