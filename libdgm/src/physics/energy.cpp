@@ -46,7 +46,10 @@ void add_contacts(PhysicsImpl& p, Potential& to) noexcept {
         const Double3 d{p.delta.p[0][t.sample], p.delta.p[1][t.sample], p.delta.p[2][t.sample]};
         const double gap = t.gap + dot(t.normal, d);
         t.force = t.multiplier - t.stiffness * gap;
-        if (!(t.force > 0)) t.force = 0;
+        if (t.force > 0)
+            t.met = true;
+        else
+            t.force = 0;
         to.contact += (t.force * t.force - t.multiplier * t.multiplier) / (2 * t.stiffness);
         const Vec3 f = narrow(t.force * t.normal);
         const float away[3] = {f.x, f.y, f.z};

@@ -25,13 +25,13 @@ struct Field {
     float* p[3] = {};
 };
 
-inline constexpr std::size_t kWide = 25, kNear = 9;  ///< entries (di, dj) of 5 x 5 and 3 x 3 stencils, row-major
+inline constexpr std::size_t kNear = 9;  ///< entries (di, dj) of 3 x 3 stencils, row-major
 
 /// residual -= (A + extra) way; next = keep way + step inverse residual. `next` may be empty: the residual alone.
 struct SweepJob {
     std::size_t first, last;  ///< samples, whole blocks
     std::ptrdiff_t cols;
-    const float* stencil;  ///< kWide entries
+    const float* stencil;  ///< kNear entries
     const float *extra, *inverse;
     Field way, residual, next;
     float keep, step;

@@ -58,14 +58,12 @@ static void sweep(const SweepJob& job) noexcept {
     const Floats keep = all(job.keep), step = all(job.step);
     for (std::size_t at = job.first; at < job.last; at += kLanes) {
         const auto s = static_cast<std::ptrdiff_t>(at);
-        const float* c = block_of(job.stencil, at, kWide);
+        const float* c = block_of(job.stencil, at, kNear);
         V3 sum{};
-#pragma GCC unroll 5
-        for (int di = -2; di <= 2; ++di) {
-            const std::ptrdiff_t row = s + di * n - 2;
-#pragma GCC unroll 5
-            for (int dj = 0; dj < 5; ++dj, c += kBlock) sum = sum + load(c) * load(job.way, row + dj);
-        }
+#pragma GCC unroll 3
+        for (int di = -1; di <= 1; ++di)
+#pragma GCC unroll 3
+            for (int dj = -1; dj <= 1; ++dj, c += kBlock) sum = sum + load(c) * load(job.way, s + di * n + dj);
         const V3 way = load(job.way, s);
         const V3 r = load(job.residual, s) - (sum + load(job.extra + s) * way);
         store(job.residual, s, r);

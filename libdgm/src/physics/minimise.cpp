@@ -100,7 +100,7 @@ double unbalanced(const PhysicsImpl& p) noexcept {
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t s = 0; s < l.grid; ++s) {
             const double g = p.gradient.p[c][s];
-            sum += double{l.own[s]} * double{l.inverse[s]} * g * g;
+            if (l.own[s] != 0) sum += g * g / double{p.firm[s] + p.pressed[s]};
         }
     return std::sqrt(sum);
 }
@@ -179,7 +179,9 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
             v.volume = v.on ? volume_of(p, p.delta, 0, nullptr) : 0;
             take_pressure(p, v);
             p.pairs = 0;
-            break;
+            // Obstacles that the way ran into were not in the matrix: a shorter way would not help, another one does.
+            if (!hold_met(p)) break;
+            continue;
         }
         if (v.on) {
             add(p, p.gradient, -old_pressure / 6, p.area);

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/multigrid.cpp
-// One V-cycle over the strides of a map.
+// V-cycles over the strides of a map.
+//
+// The matrix of a step, mass + membrane + bending, is c0 M + c1 L + c2 L M^-1 L with one Laplacian L. A smoother of
+// single samples sees the last term's couplings along the short sides of quads, which grow with the fourth power of
+// their ratio, so it is not smoothed as it stands: (L + a M) M^-1 (L + b M) c2 is the same matrix or near it, and each
+// factor is of second order, with 3 x 3 stencils. The inverse of the product is a V-cycle, the masses, and a V-cycle.
+// With a != b that would not be symmetric; B M B + (b - a) B M A M B is, for A and B near the inverses of the factors.
 //
 // Smoother: Chebyshev polynomials of D^-1 A, the same number of steps before and after the coarse correction, so that
 // the cycle is symmetric. A polynomial needs no order of the samples: it gives the same bits whatever the number of
@@ -17,8 +23,8 @@
 namespace dgm::detail::physics {
 namespace {
 
-constexpr int kSmooth = 3;       ///< steps before and after
-constexpr double kSpread = 12;   ///< the smoother works on eigenvalues from largest / kSpread
+constexpr int kSmooth = 5;       ///< steps before and after
+constexpr double kSpread = 20;   ///< the smoother works on eigenvalues from largest / kSpread
 constexpr double kMargin = 1.1;  ///< power iterations end below the largest eigenvalue
 
 /// Steps of the Chebyshev recurrence: the first one's factor, then (keep, step) of the others.
@@ -38,166 +44,12 @@ struct Chebyshev {
     }
 };
 
-/// way = D^-1 residual / theta
-void begin(const Level& l, double theta, const Field& way) noexcept {
-    const auto scale = static_cast<float>(1 / theta);
-    const std::size_t n = l.count();
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict w = way.p[a];
-        const float* __restrict r = l.r.p[a];
-        const float* __restrict inverse = l.inverse;
-        for (std::size_t s = 0; s < n; ++s) w[s] = scale * inverse[s] * r[s];
-    }
-}
-
-/// x += smoothing of the residual, which is brought up to date if asked for.
-void smooth(const Multigrid& m, Level& l, bool residual) noexcept {
-    Chebyshev steps(l.largest);
-    Field way = l.d0, next = l.d1;
-    begin(l, steps.theta, way);
-    add_field(l, l.x, way);
-    for (int k = 1; k < kSmooth; ++k) {
-        const auto [keep, step] = steps.next();
-        sweep_level(m, l, way, l.r, next, keep, step);
-        std::swap(way, next);
-        add_field(l, l.x, way);
-    }
-    if (residual) sweep_level(m, l, way, l.r, {}, 0, 0);
-}
-
-void restrict_residual(const Level& f, const Level& c) noexcept {
-    for (std::uint32_t p = 0; p < c.dofs; ++p) {
-        float sum[3] = {};
-        for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e) {
-            const std::uint32_t s = f.sample_of[f.down.col[e]];
-            for (int a = 0; a < 3; ++a) sum[a] += f.down_weight[e] * f.r.p[a][s];
-        }
-        for (int a = 0; a < 3; ++a) c.r.p[a][c.sample_of[p]] = sum[a];
-    }
-    share_copies(c, c.r);
-}
-
-void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
-    for (std::uint32_t d = 0; d < f.dofs; ++d) {
-        float sum[3] = {};
-        for (std::uint32_t e = f.up.start[d]; e < f.up.start[d + 1]; ++e) {
-            const std::uint32_t s = c.sample_of[f.up.col[e]];
-            for (int a = 0; a < 3; ++a) sum[a] += f.up_weight[e] * c.x.p[a][s];
-        }
-        for (int a = 0; a < 3; ++a) to.p[a][f.sample_of[d]] = sum[a];
-    }
-    share_copies(f, to);
-}
-
-/// Cholesky factorisation of the coarsest matrix. @return false if it is not positive definite.
-bool factorize(Multigrid& m) noexcept {
-    const Level& l = m.level[m.levels - 1];
-    const std::uint32_t n = l.dofs;
-    double* a = m.factor;
-    std::fill(a, a + std::size_t{n} * n, 0.0);
-    for (std::uint32_t d = 0; d < n; ++d) {
-        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
-            a[d * n + l.matrix.col[e]] = l.value[e];
-        a[d * n + d] += double{l.extra[l.sample_of[d]]};
-    }
-    for (std::uint32_t i = 0; i < n; ++i)
-        for (std::uint32_t j = 0; j <= i; ++j) {
-            double sum = a[i * n + j];
-            for (std::uint32_t k = 0; k < j; ++k) sum -= a[i * n + k] * a[j * n + k];
-            if (i != j)
-                a[i * n + j] = sum / a[j * n + j];
-            else if (sum > 0)
-                a[i * n + i] = std::sqrt(sum);
-            else
-                return false;
-        }
-    return true;
-}
-
-void solve_directly(Multigrid& m, Level& l) noexcept {
-    const std::uint32_t n = l.dofs;
-    const double* a = m.factor;
-    double y[kDirect];
-    for (int c = 0; c < 3; ++c) {
-        for (std::uint32_t i = 0; i < n; ++i) {
-            double sum = l.r.p[c][l.sample_of[i]];
-            for (std::uint32_t k = 0; k < i; ++k) sum -= a[i * n + k] * y[k];
-            y[i] = sum / a[i * n + i];
-        }
-        for (std::uint32_t i = n; i-- > 0;) {
-            double sum = y[i];
-            for (std::uint32_t k = i + 1; k < n; ++k) sum -= a[k * n + i] * y[k];
-            y[i] = sum / a[i * n + i];
-            l.x.p[c][l.sample_of[i]] = static_cast<float>(y[i]);
-        }
-    }
-    share_copies(l, l.x);
-}
-
-void run_level(Multigrid& m, std::uint32_t k) noexcept {
-    Level& l = m.level[k];
-    if (k + 1 == m.levels) return solve_directly(m, l);
-    for (float* p : l.x.p) std::fill(p, p + l.count(), 0.0f);
-    smooth(m, l, true);
-    restrict_residual(l, m.level[k + 1]);
-    run_level(m, k + 1);
-    interpolate(l, m.level[k + 1], l.d0);
-    add_field(l, l.x, l.d0);
-    sweep_level(m, l, l.d0, l.r, {}, 0, 0);
-    smooth(m, l, false);
-}
-
-/// Rayleigh quotient of three vectors after some powers of D^-1 A.
-double largest_of(const Multigrid& m, Level& l) noexcept {
-    std::uint32_t random = 12345;
-    for (int a = 0; a < 3; ++a)
-        for (std::uint32_t d = 0; d < l.dofs; ++d) {
-            random = random * 1664525u + 1013904223u;
-            l.d0.p[a][l.sample_of[d]] = static_cast<float>(random >> 8) * 0x1p-23f - 1.0f;
-        }
-    share_copies(l, l.d0);
-    double found = 0;
-    for (int k = 0; k < 20; ++k) {
-        for (float* p : l.r.p) std::fill(p, p + l.count(), 0.0f);
-        sweep_level(m, l, l.d0, l.r, {}, 0, 0);
-        double above[3] = {}, below[3] = {};
-        for (int a = 0; a < 3; ++a)
-            for (std::uint32_t d = 0; d < l.dofs; ++d) {
-                const std::uint32_t s = l.sample_of[d];
-                const double w = l.d0.p[a][s];
-                above[a] -= w * double{l.r.p[a][s]};
-                below[a] += w * w * double{l.diagonal[s]};
-            }
-        for (int a = 0; a < 3; ++a) {
-            if (!(below[a] > 0)) continue;
-            const double quotient = above[a] / below[a];
-            found = std::max(found, quotient);
-            const auto scale = static_cast<float>(-1 / std::max(quotient, 1e-3));
-            for (std::size_t s = 0; s < l.count(); ++s) l.d0.p[a][s] = scale * l.inverse[s] * l.r.p[a][s];
-        }
-    }
-    return found > 0 ? found : 1;
-}
-}  // namespace
-
-void share_copies(const Level& l, const Field& f) noexcept {
-    for (std::size_t k = 0; k < l.copies.size(); k += 2)
-        for (float* p : f.p) p[l.copies[k]] = p[l.copies[k + 1]];
-}
-
-void add_field(const Level& l, const Field& to, const Field& from) noexcept {
-    const std::size_t n = l.count();
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict t = to.p[a];
-        const float* __restrict f = from.p[a];
-        for (std::size_t s = 0; s < n; ++s) t[s] += f[s];
-    }
-}
-
-void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Field& residual, const Field& next,
-                 float keep, float step) noexcept {
+/// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual unless empty.
+void sweep_level(const Multigrid& m, const Level& l, int which, const Field& way, const Field& residual,
+                 const Field& next, float keep, float step) noexcept {
     // Rows of the rim first: the loop over all samples then overwrites what they read.
     const bool both = next.p[0] != nullptr;
+    const float *extra = l.extra[which], *inverse = l.inverse[which];
     float* now = const_cast<float*>(l.rim_now.data());
     for (std::size_t k = 0; k < l.rim.size(); ++k) {
         const std::uint32_t s = l.sample_of[l.rim[k]];
@@ -225,12 +77,12 @@ void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Fie
         }
         const float sum[3] = {even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]};
         for (int a = 0; a < 3; ++a) {
-            const float r = residual.p[a][s] - (sum[a] + l.extra[s] * way.p[a][s]);
+            const float r = residual.p[a][s] - (sum[a] + extra[s] * way.p[a][s]);
             now[6 * k + static_cast<std::size_t>(a)] = r;
-            now[6 * k + 3 + static_cast<std::size_t>(a)] = keep * way.p[a][s] + (step * l.inverse[s]) * r;
+            now[6 * k + 3 + static_cast<std::size_t>(a)] = keep * way.p[a][s] + (step * inverse[s]) * r;
         }
     }
-    m.kernels->sweep({l.first, l.last, static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), l.extra, l.inverse, way,
+    m.kernels->sweep({l.first, l.last, static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), extra, inverse, way,
                       residual, next, keep, step});
     for (std::size_t k = 0; k < l.rim.size(); ++k) {
         const std::uint32_t s = l.sample_of[l.rim[k]];
@@ -243,26 +95,232 @@ void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Fie
     if (both) share_copies(l, next);
 }
 
-void take_extra(Multigrid& m) noexcept {
-    for (std::uint32_t k = 0; k < m.levels; ++k) {
-        Level& l = m.level[k];
-        if (k != 0) {
-            // Row sums of P^T diag(extra) P bound it from above: a coarse sample near a held one hardly moves.
-            const Level& f = m.level[k - 1];
-            for (std::uint32_t p = 0; p < l.dofs; ++p) {
-                float sum = 0;
-                for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e)
-                    sum += f.down_weight[e] * f.extra[f.sample_of[f.down.col[e]]];
-                l.extra[l.sample_of[p]] = sum;
+/// way = D^-1 residual / theta, and x = or += way.
+void begin(const Level& l, int which, double theta, const Field& way, bool add) noexcept {
+    const auto scale = static_cast<float>(1 / theta);
+    const std::size_t n = l.count();
+    for (int a = 0; a < 3; ++a) {
+        float* __restrict w = way.p[a];
+        float* __restrict x = l.x.p[a];
+        const float* __restrict r = l.r.p[a];
+        const float* __restrict inverse = l.inverse[which];
+        if (add)
+            for (std::size_t s = 0; s < n; ++s) x[s] += w[s] = scale * inverse[s] * r[s];
+        else
+            for (std::size_t s = 0; s < n; ++s) x[s] = w[s] = scale * inverse[s] * r[s];
+    }
+}
+
+/// x += smoothing of the residual, or x = that of a first guess 0, with the residual brought up to date.
+void smooth(const Multigrid& m, Level& l, int which, bool first) noexcept {
+    Chebyshev steps(l.largest);
+    Field way = l.d0, next = l.d1;
+    begin(l, which, steps.theta, way, !first);
+    for (int k = 1; k < kSmooth; ++k) {
+        const auto [keep, step] = steps.next();
+        sweep_level(m, l, which, way, l.r, next, keep, step);
+        std::swap(way, next);
+        add_field(l, l.x, way);
+    }
+    if (first) sweep_level(m, l, which, way, l.r, {}, 0, 0);
+}
+
+/// Residual of the coarser level: weights 1/4, 1/2, 1 of the 3 x 3 around each sample; lists where those are others.
+void restrict_residual(const Level& f, const Level& c) noexcept {
+    if (f.odd_down.size() != c.dofs)
+        for (int a = 0; a < 3; ++a)
+            for (std::uint32_t i = 1; i + 1 < c.rows; ++i) {
+                const float *mid = f.r.p[a] + std::size_t{2 * i} * f.cols, *up = mid - f.cols, *down = mid + f.cols;
+                float* __restrict to = c.r.p[a] + std::size_t{i} * c.cols;
+                for (std::uint32_t j = 1; j + 1 < c.cols; ++j) {
+                    const std::uint32_t k = 2 * j;
+                    const float left = 0.5f * (up[k - 1] + down[k - 1]) + mid[k - 1],
+                                here = 0.5f * (up[k] + down[k]) + mid[k],
+                                right = 0.5f * (up[k + 1] + down[k + 1]) + mid[k + 1];
+                    to[j] = 0.5f * (left + right) + here;
+                }
             }
-            for (std::size_t c = 0; c < l.copies.size(); c += 2) l.extra[l.copies[c]] = l.extra[l.copies[c + 1]];
+    for (const std::uint32_t p : f.odd_down) {
+        float sum[3] = {};
+        for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e) {
+            const std::uint32_t s = f.sample_of[f.down.col[e]];
+            for (int a = 0; a < 3; ++a) sum[a] += f.down_weight[e] * f.r.p[a][s];
         }
-        for (std::uint32_t s = 0; s < l.grid; ++s) {
-            const float d = l.diagonal[s] + l.extra[s];
-            l.inverse[s] = d > 0 ? 1 / d : 0;
+        for (int a = 0; a < 3; ++a) c.r.p[a][c.sample_of[p]] = sum[a];
+    }
+    share_copies(c, c.r);
+}
+
+void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
+    if (f.odd_up.size() != f.dofs)
+        for (int a = 0; a < 3; ++a)
+            for (std::uint32_t i = 1; i + 1 < f.rows; ++i) {
+                const float *low = c.x.p[a] + std::size_t{i / 2} * c.cols, *high = low + i % 2 * c.cols;
+                float* __restrict row = to.p[a] + std::size_t{i} * f.cols;
+                float before = 0.5f * (low[0] + high[0]);
+                for (std::uint32_t j = 0; 2 * j + 1 < f.cols; ++j) {
+                    const float next = 0.5f * (low[j + 1] + high[j + 1]);
+                    row[2 * j] = before;
+                    row[2 * j + 1] = 0.5f * (before + next);
+                    before = next;
+                }
+            }
+    for (const std::uint32_t d : f.odd_up) {
+        float sum[3] = {};
+        for (std::uint32_t e = f.up.start[d]; e < f.up.start[d + 1]; ++e) {
+            const std::uint32_t s = c.sample_of[f.up.col[e]];
+            for (int a = 0; a < 3; ++a) sum[a] += f.up_weight[e] * c.x.p[a][s];
+        }
+        for (int a = 0; a < 3; ++a) to.p[a][f.sample_of[d]] = sum[a];
+    }
+    share_copies(f, to);
+}
+
+/// Cholesky factorisation of the coarsest matrix. @return false if it is not positive definite.
+bool factorize(Multigrid& m, int which) noexcept {
+    const Level& l = m.level[m.levels - 1];
+    const std::uint32_t n = l.dofs;
+    double* a = m.factor[which];
+    std::fill(a, a + std::size_t{n} * n, 0.0);
+    for (std::uint32_t d = 0; d < n; ++d) {
+        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
+            a[d * n + l.matrix.col[e]] = l.value[e];
+        a[d * n + d] += double{l.extra[which][l.sample_of[d]]};
+    }
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j <= i; ++j) {
+            double sum = a[i * n + j];
+            for (std::uint32_t k = 0; k < j; ++k) sum -= a[i * n + k] * a[j * n + k];
+            if (i != j)
+                a[i * n + j] = sum / a[j * n + j];
+            else if (sum > 0)
+                a[i * n + i] = std::sqrt(sum);
+            else
+                return false;
+        }
+    return true;
+}
+
+void solve_directly(const Multigrid& m, Level& l, int which) noexcept {
+    const std::uint32_t n = l.dofs;
+    const double* a = m.factor[which];
+    double y[kDirect];
+    for (int c = 0; c < 3; ++c) {
+        for (std::uint32_t i = 0; i < n; ++i) {
+            double sum = l.r.p[c][l.sample_of[i]];
+            for (std::uint32_t k = 0; k < i; ++k) sum -= a[i * n + k] * y[k];
+            y[i] = sum / a[i * n + i];
+        }
+        for (std::uint32_t i = n; i-- > 0;) {
+            double sum = y[i];
+            for (std::uint32_t k = i + 1; k < n; ++k) sum -= a[k * n + i] * y[k];
+            y[i] = sum / a[i * n + i];
+            l.x.p[c][l.sample_of[i]] = static_cast<float>(y[i]);
         }
     }
-    m.sound = factorize(m);
+    share_copies(l, l.x);
+}
+
+/// x of a level from its residual, by one V-cycle for factor `which`.
+void run_level(Multigrid& m, std::uint32_t k, int which) noexcept {
+    Level& l = m.level[k];
+    if (k + 1 == m.levels) return solve_directly(m, l, which);
+    smooth(m, l, which, true);
+    restrict_residual(l, m.level[k + 1]);
+    run_level(m, k + 1, which);
+    interpolate(l, m.level[k + 1], l.d0);
+    add_field(l, l.x, l.d0);
+    sweep_level(m, l, which, l.d0, l.r, {}, 0, 0);
+    smooth(m, l, which, false);
+}
+
+/// to = factor M from
+void weigh(const Multigrid& m, const Field& to, double factor, const Field& from) noexcept {
+    const auto by = static_cast<float>(factor);
+    for (int a = 0; a < 3; ++a) {
+        float* __restrict t = to.p[a];
+        const float* __restrict f = from.p[a];
+        const float* __restrict mass = m.mass;
+        for (std::size_t s = 0; s < m.level[0].count(); ++s) t[s] = by * mass[s] * f[s];
+    }
+}
+
+/// Rayleigh quotient of three vectors after some powers of D^-1 A.
+double largest_of(const Multigrid& m, Level& l) noexcept {
+    std::uint32_t random = 12345;
+    for (int a = 0; a < 3; ++a)
+        for (std::uint32_t d = 0; d < l.dofs; ++d) {
+            random = random * 1664525u + 1013904223u;
+            l.d0.p[a][l.sample_of[d]] = static_cast<float>(random >> 8) * 0x1p-23f - 1.0f;
+        }
+    share_copies(l, l.d0);
+    double found = 0;
+    for (int k = 0; k < 20; ++k) {
+        for (float* p : l.r.p) std::fill(p, p + l.count(), 0.0f);
+        sweep_level(m, l, 0, l.d0, l.r, {}, 0, 0);
+        double above[3] = {}, below[3] = {};
+        for (int a = 0; a < 3; ++a)
+            for (std::uint32_t d = 0; d < l.dofs; ++d) {
+                const std::uint32_t s = l.sample_of[d];
+                const double w = l.d0.p[a][s];
+                above[a] -= w * double{l.r.p[a][s]};
+                below[a] += w * w * double{l.diagonal[s]};
+            }
+        for (int a = 0; a < 3; ++a) {
+            if (!(below[a] > 0)) continue;
+            const double quotient = above[a] / below[a];
+            found = std::max(found, quotient);
+            const auto scale = static_cast<float>(-1 / std::max(quotient, 1e-3));
+            for (std::size_t s = 0; s < l.count(); ++s) l.d0.p[a][s] = scale * l.inverse[0][s] * l.r.p[a][s];
+        }
+    }
+    return found > 0 ? found : 1;
+}
+}  // namespace
+
+void share_copies(const Level& l, const Field& f) noexcept {
+    for (std::size_t k = 0; k < l.copies.size(); k += 2)
+        for (float* p : f.p) p[l.copies[k]] = p[l.copies[k + 1]];
+}
+
+void add_field(const Level& l, const Field& to, const Field& from) noexcept {
+    const std::size_t n = l.count();
+    for (int a = 0; a < 3; ++a) {
+        float* __restrict t = to.p[a];
+        const float* __restrict f = from.p[a];
+        for (std::size_t s = 0; s < n; ++s) t[s] += f[s];
+    }
+}
+
+void take_extra(Multigrid& m) noexcept {
+    const int factors = m.factors == Factors::Two ? 2 : 1;
+    m.sound = true;
+    for (int which = 0; which < factors; ++which) {
+        for (std::uint32_t k = 0; k < m.levels; ++k) {
+            Level& l = m.level[k];
+            float* extra = l.extra[which];
+            if (k == 0) {
+                if (which == 1)
+                    for (std::uint32_t s = 0; s < l.grid; ++s)
+                        extra[s] = l.extra[0][s] + static_cast<float>(m.apart) * m.mass[s];
+            } else {
+                // Row sums of P^T diag(extra) P bound it from above: a coarse sample near a held one hardly moves.
+                const Level& f = m.level[k - 1];
+                for (std::uint32_t p = 0; p < l.dofs; ++p) {
+                    float sum = 0;
+                    for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e)
+                        sum += f.down_weight[e] * f.extra[which][f.sample_of[f.down.col[e]]];
+                    extra[l.sample_of[p]] = sum;
+                }
+                for (std::size_t c = 0; c < l.copies.size(); c += 2) extra[l.copies[c]] = extra[l.copies[c + 1]];
+            }
+            for (std::uint32_t s = 0; s < l.grid; ++s) {
+                const float d = l.diagonal[s] + extra[s];
+                l.inverse[which][s] = d > 0 ? 1 / d : 0;
+            }
+        }
+        m.sound = factorize(m, which) && m.sound;
+    }
 }
 
 void bound_eigenvalues(Multigrid& m) noexcept {
@@ -271,7 +329,22 @@ void bound_eigenvalues(Multigrid& m) noexcept {
 }
 
 void run_cycle(Multigrid& m) noexcept {
-    run_level(m, 0);
+    Level& l = m.level[0];
+    const auto solve = [&](int which) { run_level(m, 0, which); };
+    if (m.factors == Factors::One) return solve(0);
+    const int outer = m.factors == Factors::Two ? 1 : 0;
+    const double by = 1 / m.scale;
+    solve(outer);
+    if (outer == 1) {
+        weigh(m, l.kept, by, l.x);
+        weigh(m, l.r, 1, l.x);
+        solve(0);
+        weigh(m, l.r, by * m.apart, l.x);
+        add_field(l, l.r, l.kept);
+    } else {
+        weigh(m, l.r, by, l.x);
+    }
+    solve(outer);
 }
 
 double inner(const Level& l, const Field& a, const Field& b) noexcept {
