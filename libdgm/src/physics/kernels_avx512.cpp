@@ -29,7 +29,7 @@ static DGM_INLINE Floats root(const Floats& v) {
 }  // namespace
 
 extern const Kernels kAvx512Kernels;
-const Kernels kAvx512Kernels{"avx512", sweep, near, quads, stretches, twist, bend, gather, gather_areas};
+const Kernels kAvx512Kernels{"avx512", sweep, near, quads, stretches, twist, bend, gather, gather_areas, add, weigh, inner, total, place, diagonal, volume};
 
 }  // namespace dgm::detail::physics
 

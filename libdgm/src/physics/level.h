@@ -27,7 +27,7 @@ struct Level {
 
     Rows matrix;                ///< pattern of A by unknown
     Array<double> value;        ///< A without `extra`
-    Array<std::uint8_t> place;  ///< entry of the 3 x 3 stencil for each value
+    Array<std::uint32_t> place;  ///< where in `stencil` each value stands
     Rows up, down;              ///< interpolation from the coarser level by fine unknown, and its transpose
     Array<float> up_weight, down_weight;
     Array<std::uint32_t> odd_up, odd_down;  ///< unknowns, here and on the coarser level, that are not between samples
@@ -36,11 +36,11 @@ struct Level {
     Field x, r, d0, d1, kept;
     float *diagonal = nullptr, *own = nullptr;
     float *extra[2] = {}, *inverse[2] = {};  ///< of both factors; inverse: of the diagonal with `extra`
-    Array<float> stencil;                    ///< kNear entries, blocked; 0 at rows of `rim`
-    std::size_t first = 0, last = 0;         ///< samples that the stencil loop visits
-    Array<std::uint32_t> rim;                ///< unknowns whose row is not a stencil of the grid
+    Array<float> stencil;  ///< kNear entries, blocked; 0 at rows of `rim`; the row of a class is the sum over its copies
+    Array<std::uint32_t> rim;   ///< unknowns whose row does not fit into the stencils of their samples
+    Array<std::uint32_t> late;  ///< samples of `rim`, and first samples of classes
     Rows rim_rows;                           ///< columns are samples
-    Array<float> rim_value, rim_now;
+    Array<float> rim_value, rim_now, late_now;
     double largest = 0;  ///< bound of the eigenvalues of D^-1 A
 
     [[nodiscard]] std::size_t count() const noexcept { return whole_blocks(grid); }
@@ -113,9 +113,5 @@ void bound_eigenvalues(Multigrid& m) noexcept;
 void run_cycle(Multigrid& m) noexcept;
 /// All copies of an unknown get the value of the sample that holds it.
 void share_copies(const Level& level, const Field& f) noexcept;
-/// to += from
-void add_field(const Level& level, const Field& to, const Field& from) noexcept;
-/// Sum over unknowns and coordinates, in an order that depends on the size alone.
-[[nodiscard]] double inner(const Level& level, const Field& a, const Field& b) noexcept;
 
 }  // namespace dgm::detail::physics

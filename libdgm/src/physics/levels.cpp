@@ -4,8 +4,8 @@
 //
 // Level k + 1 has every second row and column of level k, and its last ones. A sample between two others is
 // interpolated as their mean, a class as the mean over its copies: that makes coarse functions continuous across seams
-// wherever the nodes of the seam lie. Coarse matrices are P^T A P. So a coarse sample couples with the 3 x 3 around it
-// as long as that window holds no seam; the other rows are kept as lists.
+// wherever the nodes of the seam lie. Coarse matrices are P^T A P. So a coarse class couples with the 3 x 3 around its
+// samples, but for nodes of seams at odd samples; those rows are kept as lists.
 #include <algorithm>
 
 #include "physics/level.h"
@@ -193,54 +193,62 @@ bool make_pattern(const Level& f, Level& c, const Allocator& a) noexcept {
     return true;
 }
 
-/// Entry of the 3 x 3 around sample s that holds unknown q, or kNear.
-std::size_t near_entry(const Level& l, std::uint32_t s, std::uint32_t q) noexcept {
-    for (std::size_t k = 0; k < kNear; ++k)
-        if (l.dof_of[s + (k / 3) * l.cols + k % 3 - l.cols - 1] == q) return k;
-    return kNear;
-}
+/// Samples of each unknown as chains.
+struct Chains {
+    Array<std::uint32_t> first, next;
+    [[nodiscard]] bool make(const Level& l, const Allocator& a) noexcept {
+        if (!first.allocate(a, l.dofs, ~0u) || !next.allocate(a, l.grid, ~0u)) return false;
+        for (std::uint32_t s = l.grid; s-- > 0;) {
+            next[s] = first[l.dof_of[s]];
+            first[l.dof_of[s]] = s;
+        }
+        return true;
+    }
+};
 
-bool is_stencil(const Level& l, std::uint32_t d) noexcept {
-    const std::uint32_t s = l.sample_of[d], i = s / l.cols, j = s % l.cols;
-    if (i < 1 || j < 1 || i + 1 >= l.rows || j + 1 >= l.cols) return false;
-    for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
-        if (near_entry(l, s, l.matrix.col[e]) == kNear) return false;
-    return true;
+/// Place in `stencil` at which some copy of unknown d has unknown q in the 3 x 3 around it, or ~0u.
+std::uint32_t place_of(const Level& l, const Chains& chains, std::uint32_t d, std::uint32_t q) noexcept {
+    for (std::uint32_t s = chains.first[d]; s != ~0u; s = chains.next[s]) {
+        const std::uint32_t i = s / l.cols, j = s % l.cols;
+        for (std::uint32_t k = 0; k < kNear; ++k) {
+            const std::uint32_t r = i + k / 3 - 1, c = j + k % 3 - 1;
+            if (r < l.rows && c < l.cols && l.dof_of[r * l.cols + c] == q)
+                return static_cast<std::uint32_t>(blocked(s, k, kNear));
+        }
+    }
+    return ~0u;
 }
 
 bool make_rim(Level& l, const Allocator& a) noexcept {
-    std::uint64_t rim = 0, entries = 0;
-    for (std::uint32_t d = 0; d < l.dofs; ++d)
-        if (!is_stencil(l, d)) {
+    Chains chains;
+    if (!chains.make(l, a) || !l.place.allocate(a, l.matrix.col.size())) return false;
+    std::uint64_t rim = 0, entries = 0, late = 0;
+    for (std::uint32_t d = 0; d < l.dofs; ++d) {
+        bool fits = true;
+        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e) {
+            l.place[e] = place_of(l, chains, d, l.matrix.col[e]);
+            fits = fits && l.place[e] != ~0u;
+        }
+        if (!fits) {
             ++rim;
             entries += l.matrix.start[d + 1] - l.matrix.start[d];
+            l.place[l.matrix.start[d]] = ~0u;
         }
+        late += !fits || chains.next[chains.first[d]] != ~0u ? 1 : 0;
+    }
     if (!l.rim.allocate(a, rim) || !l.rim_rows.start.allocate(a, rim + 1) || !l.rim_rows.col.allocate(a, entries) ||
-        !l.rim_value.allocate(a, entries) || !l.rim_now.allocate(a, 6 * rim))
+        !l.rim_value.allocate(a, entries) || !l.rim_now.allocate(a, 3 * rim) || !l.late.allocate(a, late) ||
+        !l.late_now.allocate(a, 3 * late))
         return false;
-    std::uint32_t at = 0, place = 0;
+    std::uint32_t at = 0, place = 0, last = 0;
     for (std::uint32_t d = 0; d < l.dofs; ++d) {
-        if (is_stencil(l, d)) continue;
+        const bool fits = l.place[l.matrix.start[d]] != ~0u;
+        if (!fits || chains.next[chains.first[d]] != ~0u) l.late[last++] = l.sample_of[d];
+        if (fits) continue;
         l.rim[place] = d;
         for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
             l.rim_rows.col[at++] = l.sample_of[l.matrix.col[e]];
         l.rim_rows.start[++place] = at;
-    }
-    l.first = std::size_t{l.cols} / kBlock * kBlock;
-    l.last = whole_blocks(std::size_t{l.rows - 1} * l.cols);
-    return true;
-}
-
-bool make_places(Level& l, const Allocator& a) noexcept {
-    if (!l.place.allocate(a, l.matrix.col.size())) return false;
-    std::size_t rim = 0;
-    for (std::uint32_t d = 0; d < l.dofs; ++d) {
-        if (rim < l.rim.size() && l.rim[rim] == d) {
-            ++rim;
-            continue;
-        }
-        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
-            l.place[e] = static_cast<std::uint8_t>(near_entry(l, l.sample_of[d], l.matrix.col[e]));
     }
     return true;
 }
@@ -275,7 +283,7 @@ void take_stencil(Level& l) noexcept {
             if (rim)
                 l.rim_value[at++] = v;
             else
-                l.stencil[blocked(s, l.place[e], kNear)] = v;
+                l.stencil[l.place[e]] = v;
         }
     }
     for (std::size_t k = 0; k < l.copies.size(); k += 2) l.diagonal[l.copies[k]] = l.diagonal[l.copies[k + 1]];
@@ -313,7 +321,7 @@ bool build_levels(Multigrid& m, const Allocator& a) noexcept {
             return false;
     }
     for (std::uint32_t k = 0; k < m.levels; ++k)
-        if (!make_rim(m.level[k], a) || !make_places(m.level[k], a) || !make_fields(m.level[k], a)) return false;
+        if (!make_rim(m.level[k], a) || !make_fields(m.level[k], a)) return false;
     return true;
 }
 

@@ -89,7 +89,7 @@ bool make_unknowns(PhysicsImpl& p, const StateImpl& s) noexcept {
 
 bool make_planes(PhysicsImpl& p) noexcept {
     const Allocator& a = p.allocator;
-    constexpr std::uint64_t kFields = 16 + 6 + 2 * kHistory, kPlanes = 11;
+    constexpr std::uint64_t kFields = 16 + 6 + 2 * kHistory, kPlanes = 12;
     const bool viscous = p.options.material.viscosity > 0;
     const std::uint64_t count = 3 * kFields + kPlanes + (viscous ? 6 : 0);
     if (!p.planes.allocate(a, count * plane_size(p.rows, p.cols))) return false;
@@ -101,14 +101,14 @@ bool make_planes(PhysicsImpl& p) noexcept {
     for (Field& f : p.face) f = cut.field();
     for (Field& f : p.moves) f = cut.field();
     for (Field& f : p.turns) f = cut.field();
-    for (float** f : {&p.energy, &p.bent, &p.other, &p.modulus, &p.height, &p.mass, &p.anchor, &p.free, &p.weight,
+    for (float** f : {&p.energy, &p.bent, &p.other, &p.modulus, &p.height, &p.mass, &p.anchor, &p.free, &p.weight, &p.is_quad,
                       &p.firm, &p.pressed})
         *f = cut.plane();
     if (viscous)
         for (float*& f : p.stretch) f = cut.plane();
     const Level& l = p.fine();
     for (Array<double>& x : p.at)
-        if (!x.allocate(a, l.grid)) return false;
+        if (!x.allocate(a, l.count() + 2 * std::uint64_t{l.cols} + kBlock)) return false;
     for (Array<Touching>& t : p.touching)
         if (!t.allocate(a, 2 * std::uint64_t{l.dofs})) return false;
     return p.pinned.allocate(a, l.dofs) && p.grasped.allocate(a, l.dofs) &&
@@ -127,8 +127,10 @@ void take_rest(PhysicsImpl& p, const StateImpl& s) noexcept {
             p.rest.p[c][k] = static_cast<float>((double{from[c][k]} - middle) * p.scale);
     }
     for (std::uint32_t i = 0; i + 1 < p.rows; ++i)
-        for (std::uint32_t j = 0; j + 1 < p.cols; ++j)
+        for (std::uint32_t j = 0; j + 1 < p.cols; ++j) {
             p.other[i * p.cols + j] = static_cast<float>(s.tables.diagonal(i, j));
+            p.is_quad[i * p.cols + j] = 1;
+        }
 }
 
 /// Neighbours of each unknown, itself among them: the 3 x 3 around all of its copies, ascending.

@@ -44,70 +44,48 @@ struct Chebyshev {
     }
 };
 
-/// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual unless empty.
+/// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual and x += next unless empty.
+///
+/// The residual of a class stands at its first sample, and its other copies hold 0: so do `extra` and the parts of a row
+/// that other copies have.
 void sweep_level(const Multigrid& m, const Level& l, int which, const Field& way, const Field& residual,
                  const Field& next, float keep, float step) noexcept {
-    // Rows of the rim first: the loop over all samples then overwrites what they read.
-    const bool both = next.p[0] != nullptr;
     const float *extra = l.extra[which], *inverse = l.inverse[which];
-    float* now = const_cast<float*>(l.rim_now.data());
+    const bool both = next.p[0] != nullptr;
+    // What the loop over all samples will overwrite.
+    float *now = const_cast<float*>(l.rim_now.data()), *x_now = const_cast<float*>(l.late_now.data());
     for (std::size_t k = 0; k < l.rim.size(); ++k) {
         const std::uint32_t s = l.sample_of[l.rim[k]];
-        // Two sums a coordinate: one alone would wait for each addition.
-        const std::uint32_t* col = l.rim_rows.col.data();
-        const float* value = l.rim_value.data();
-        const float *wx = way.p[0], *wy = way.p[1], *wz = way.p[2];
-        float even[3] = {}, odd[3] = {};
-        std::uint32_t e = l.rim_rows.start[k];
-        const std::uint32_t end = l.rim_rows.start[k + 1];
-        for (; e + 1 < end; e += 2) {
-            const std::uint32_t c = col[e], d = col[e + 1];
-            const float v = value[e], w = value[e + 1];
-            even[0] += v * wx[c];
-            even[1] += v * wy[c];
-            even[2] += v * wz[c];
-            odd[0] += w * wx[d];
-            odd[1] += w * wy[d];
-            odd[2] += w * wz[d];
-        }
-        if (e < end) {
-            even[0] += value[e] * wx[col[e]];
-            even[1] += value[e] * wy[col[e]];
-            even[2] += value[e] * wz[col[e]];
-        }
-        const float sum[3] = {even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]};
-        for (int a = 0; a < 3; ++a) {
-            const float r = residual.p[a][s] - (sum[a] + extra[s] * way.p[a][s]);
-            now[6 * k + static_cast<std::size_t>(a)] = r;
-            now[6 * k + 3 + static_cast<std::size_t>(a)] = keep * way.p[a][s] + (step * inverse[s]) * r;
-        }
+        float sum[3] = {};
+        for (std::uint32_t e = l.rim_rows.start[k]; e < l.rim_rows.start[k + 1]; ++e)
+            for (int a = 0; a < 3; ++a) sum[a] += l.rim_value[e] * way.p[a][l.rim_rows.col[e]];
+        for (int a = 0; a < 3; ++a)
+            now[3 * k + static_cast<std::size_t>(a)] = residual.p[a][s] - (sum[a] + extra[s] * way.p[a][s]);
     }
-    m.kernels->sweep({l.first, l.last, static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), extra, inverse, way,
-                      residual, next, keep, step});
-    for (std::size_t k = 0; k < l.rim.size(); ++k) {
-        const std::uint32_t s = l.sample_of[l.rim[k]];
-        for (int a = 0; a < 3; ++a) {
-            residual.p[a][s] = now[6 * k + static_cast<std::size_t>(a)];
-            if (both) next.p[a][s] = now[6 * k + 3 + static_cast<std::size_t>(a)];
+    const std::size_t late = l.late.size();
+    if (both)
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t k = 0; k < late; ++k) x_now[a * late + k] = l.x.p[a][l.late[k]];
+    m.kernels->sweep({l.count(), static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), extra, inverse, way, residual,
+                      next, l.x, keep, step});
+    for (std::size_t a = 0; a < 3; ++a) {
+        float* r = residual.p[a];
+        for (std::size_t k = 0; k < l.copies.size(); k += 2) {
+            r[l.copies[k + 1]] += r[l.copies[k]];
+            r[l.copies[k]] = 0;
         }
-    }
-    share_copies(l, residual);
-    if (both) share_copies(l, next);
-}
-
-/// way = D^-1 residual / theta, and x = or += way.
-void begin(const Level& l, int which, double theta, const Field& way, bool add) noexcept {
-    const auto scale = static_cast<float>(1 / theta);
-    const std::size_t n = l.count();
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict w = way.p[a];
-        float* __restrict x = l.x.p[a];
-        const float* __restrict r = l.r.p[a];
-        const float* __restrict inverse = l.inverse[which];
-        if (add)
-            for (std::size_t s = 0; s < n; ++s) x[s] += w[s] = scale * inverse[s] * r[s];
-        else
-            for (std::size_t s = 0; s < n; ++s) x[s] = w[s] = scale * inverse[s] * r[s];
+        for (std::size_t k = 0; k < l.rim.size(); ++k) r[l.sample_of[l.rim[k]]] = now[3 * k + a];
+        if (!both) continue;
+        float *to = next.p[a], *x = l.x.p[a];
+        for (std::size_t k = 0; k < late; ++k) {
+            const std::uint32_t s = l.late[k];
+            to[s] = keep * way.p[a][s] + (step * inverse[s]) * r[s];
+            x[s] = x_now[a * late + k] + to[s];
+        }
+        for (std::size_t k = 0; k < l.copies.size(); k += 2) {
+            to[l.copies[k]] = to[l.copies[k + 1]];
+            x[l.copies[k]] = x[l.copies[k + 1]];
+        }
     }
 }
 
@@ -115,12 +93,16 @@ void begin(const Level& l, int which, double theta, const Field& way, bool add) 
 void smooth(const Multigrid& m, Level& l, int which, bool first) noexcept {
     Chebyshev steps(l.largest);
     Field way = l.d0, next = l.d1;
-    begin(l, which, steps.theta, way, !first);
+    const auto by = static_cast<float>(1 / steps.theta);
+    if (first)
+        for (float* x : l.x.p) std::fill(x, x + l.count(), 0.0f);
+    m.kernels->weigh(l.count(), way, by, l.inverse[which], l.r, l.x);
+    share_copies(l, way);
+    share_copies(l, l.x);
     for (int k = 1; k < kSmooth; ++k) {
         const auto [keep, step] = steps.next();
         sweep_level(m, l, which, way, l.r, next, keep, step);
         std::swap(way, next);
-        add_field(l, l.x, way);
     }
     if (first) sweep_level(m, l, which, way, l.r, {}, 0, 0);
 }
@@ -148,7 +130,6 @@ void restrict_residual(const Level& f, const Level& c) noexcept {
         }
         for (int a = 0; a < 3; ++a) c.r.p[a][c.sample_of[p]] = sum[a];
     }
-    share_copies(c, c.r);
 }
 
 void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
@@ -225,24 +206,15 @@ void solve_directly(const Multigrid& m, Level& l, int which) noexcept {
 void run_level(Multigrid& m, std::uint32_t k, int which) noexcept {
     Level& l = m.level[k];
     if (k + 1 == m.levels) return solve_directly(m, l, which);
+    for (float* r : l.r.p)
+        for (std::size_t c = 0; c < l.copies.size(); c += 2) r[l.copies[c]] = 0;
     smooth(m, l, which, true);
     restrict_residual(l, m.level[k + 1]);
     run_level(m, k + 1, which);
     interpolate(l, m.level[k + 1], l.d0);
-    add_field(l, l.x, l.d0);
+    m.kernels->add(l.count(), l.x, 1, l.d0);
     sweep_level(m, l, which, l.d0, l.r, {}, 0, 0);
     smooth(m, l, which, false);
-}
-
-/// to = factor M from
-void weigh(const Multigrid& m, const Field& to, double factor, const Field& from) noexcept {
-    const auto by = static_cast<float>(factor);
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict t = to.p[a];
-        const float* __restrict f = from.p[a];
-        const float* __restrict mass = m.mass;
-        for (std::size_t s = 0; s < m.level[0].count(); ++s) t[s] = by * mass[s] * f[s];
-    }
 }
 
 /// Rayleigh quotient of three vectors after some powers of D^-1 A.
@@ -273,6 +245,7 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
             const auto scale = static_cast<float>(-1 / std::max(quotient, 1e-3));
             for (std::size_t s = 0; s < l.count(); ++s) l.d0.p[a][s] = scale * l.inverse[0][s] * l.r.p[a][s];
         }
+        share_copies(l, l.d0);
     }
     return found > 0 ? found : 1;
 }
@@ -281,15 +254,6 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
 void share_copies(const Level& l, const Field& f) noexcept {
     for (std::size_t k = 0; k < l.copies.size(); k += 2)
         for (float* p : f.p) p[l.copies[k]] = p[l.copies[k + 1]];
-}
-
-void add_field(const Level& l, const Field& to, const Field& from) noexcept {
-    const std::size_t n = l.count();
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict t = to.p[a];
-        const float* __restrict f = from.p[a];
-        for (std::size_t s = 0; s < n; ++s) t[s] += f[s];
-    }
 }
 
 void take_extra(Multigrid& m) noexcept {
@@ -312,8 +276,8 @@ void take_extra(Multigrid& m) noexcept {
                         sum += f.down_weight[e] * f.extra[which][f.sample_of[f.down.col[e]]];
                     extra[l.sample_of[p]] = sum;
                 }
-                for (std::size_t c = 0; c < l.copies.size(); c += 2) extra[l.copies[c]] = extra[l.copies[c + 1]];
             }
+            for (std::size_t c = 0; c < l.copies.size(); c += 2) extra[l.copies[c]] = 0;  // see sweep_level()
             for (std::uint32_t s = 0; s < l.grid; ++s) {
                 const float d = l.diagonal[s] + extra[s];
                 l.inverse[which][s] = d > 0 ? 1 / d : 0;
@@ -333,29 +297,21 @@ void run_cycle(Multigrid& m) noexcept {
     const auto solve = [&](int which) { run_level(m, 0, which); };
     if (m.factors == Factors::One) return solve(0);
     const int outer = m.factors == Factors::Two ? 1 : 0;
+    const auto weigh = [&](const Field& to, double factor) {
+        m.kernels->weigh(l.count(), to, static_cast<float>(factor), m.mass, l.x, {});
+    };
     const double by = 1 / m.scale;
     solve(outer);
     if (outer == 1) {
-        weigh(m, l.kept, by, l.x);
-        weigh(m, l.r, 1, l.x);
+        weigh(l.kept, by);
+        weigh(l.r, 1);
         solve(0);
-        weigh(m, l.r, by * m.apart, l.x);
-        add_field(l, l.r, l.kept);
+        weigh(l.r, by * m.apart);
+        m.kernels->add(l.count(), l.r, 1, l.kept);
     } else {
-        weigh(m, l.r, by, l.x);
+        weigh(l.r, by);
     }
     solve(outer);
-}
-
-double inner(const Level& l, const Field& a, const Field& b) noexcept {
-    double sum[8] = {};
-    for (int c = 0; c < 3; ++c) {
-        const float* x = a.p[c];
-        const float* y = b.p[c];
-        for (std::size_t s = 0; s < l.count(); s += 8)
-            for (std::size_t k = 0; k < 8; ++k) sum[k] += double{l.own[s + k]} * (double{x[s + k]} * double{y[s + k]});
-    }
-    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
 }  // namespace dgm::detail::physics

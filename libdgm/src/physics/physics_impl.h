@@ -72,6 +72,7 @@ struct PhysicsImpl {
     physics::Field rest_normal;
     float *energy = nullptr, *bent = nullptr, *other = nullptr, *modulus = nullptr, *height = nullptr;
     float *mass = nullptr, *anchor = nullptr, *free = nullptr;  ///< kg, N/m of the foundation, 1 or 0: held
+    float* is_quad = nullptr;                   ///< 1 at samples with a quad (i, j), 0 at the last row and column
     float* weight = nullptr;                                    ///< kg: M of the solver's product of factors
     float *firm = nullptr, *pressed = nullptr;  ///< N/m: diagonal of the matrix; stiffness of grasps and contacts
     float* stretch[6] = {};                     ///< at the end of the step before; null without viscosity
@@ -140,7 +141,6 @@ void keep_multipliers(PhysicsImpl& p) noexcept;
 [[nodiscard]] double volume_of(const PhysicsImpl& p, const Field& delta, double step, const Field* way) noexcept;
 /// to_class = sum over its copies.
 void sum_classes(const PhysicsImpl& p, const Field& f) noexcept;
-[[nodiscard]] double sum_plane(const PhysicsImpl& p, const float* plane) noexcept;
 
 }  // namespace physics
 }  // namespace dgm::detail
