@@ -13,9 +13,9 @@ void add_diagonal(PhysicsImpl& p, Potential& to) noexcept {
     const Level& l = p.fine();
     const auto by_dt2 = static_cast<float>(1 / (double{p.options.dt} * double{p.options.dt}));
     double energies[2];
-    p.solver.kernels->diagonal({l.count(), p.mass, p.anchor, p.free, l.own, by_dt2, p.delta, p.inertial, p.moved,
-                                p.target, p.gradient},
-                               energies);
+    p.solver.kernels->diagonal(
+        {l.count(), p.mass, p.anchor, p.free, l.own, by_dt2, p.delta, p.inertial, p.moved, p.target, p.gradient},
+        energies);
     to.inertial += 0.5 * energies[0];
     to.elastic += 0.5 * energies[1];
 }

@@ -292,24 +292,30 @@ static void weigh(std::size_t count, const Field& to, float factor, const float*
 // Eight doubles whatever the number of lanes: their sum then has the same parts.
 typedef double Doubles __attribute__((vector_size(64)));
 typedef float Eight __attribute__((vector_size(32)));
-#define DGM_EIGHT(name, from) \
-    Eight name##_floats;      \
+#ifdef DGM_WIDE_LOAD
+#define DGM_EIGHT(name, from) const Doubles name = static_cast<Doubles>(eight_doubles(from))
+#else
+#define DGM_EIGHT(name, from)                                     \
+    Eight name##_floats;                                          \
     __builtin_memcpy(&name##_floats, from, sizeof name##_floats); \
     const Doubles name = __builtin_convertvector(name##_floats, Doubles)
+#endif
 #define DGM_EIGHT_PARTS(sum) \
     (((sum)[0] + (sum)[1]) + ((sum)[2] + (sum)[3])) + (((sum)[4] + (sum)[5]) + ((sum)[6] + (sum)[7]))
 
 static double inner(std::size_t count, const float* own, const Field& a, const Field& b) noexcept {
-    Doubles sum{};
+    Doubles sum[3] = {};  // one a coordinate: additions need not wait for each other
     for (std::size_t s = 0; s < count; s += 8) {
         DGM_EIGHT(weight, own + s);
+#pragma GCC unroll 3
         for (int c = 0; c < 3; ++c) {
             DGM_EIGHT(x, a.p[c] + s);
             DGM_EIGHT(y, b.p[c] + s);
-            sum = sum + weight * (x * y);
+            sum[c] = sum[c] + weight * (x * y);
         }
     }
-    return DGM_EIGHT_PARTS(sum);
+    const Doubles both = sum[0] + sum[1] + sum[2];
+    return DGM_EIGHT_PARTS(both);
 }
 
 static double total(std::size_t count, const float* plane) noexcept {

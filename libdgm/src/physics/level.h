@@ -25,10 +25,10 @@ struct Level {
     Array<std::uint32_t> sample_of;  ///< by unknown: its first sample
     Array<std::uint32_t> copies;     ///< pairs (copy, first)
 
-    Rows matrix;                ///< pattern of A by unknown
-    Array<double> value;        ///< A without `extra`
+    Rows matrix;                 ///< pattern of A by unknown
+    Array<double> value;         ///< A without `extra`
     Array<std::uint32_t> place;  ///< where in `stencil` each value stands
-    Rows up, down;              ///< interpolation from the coarser level by fine unknown, and its transpose
+    Rows up, down;               ///< interpolation from the coarser level by fine unknown, and its transpose
     Array<float> up_weight, down_weight;
     Array<std::uint32_t> odd_up, odd_down;  ///< unknowns, here and on the coarser level, that are not between samples
 
@@ -36,10 +36,11 @@ struct Level {
     Field x, r, d0, d1, kept;
     float *diagonal = nullptr, *own = nullptr;
     float *extra[2] = {}, *inverse[2] = {};  ///< of both factors; inverse: of the diagonal with `extra`
-    Array<float> stencil;  ///< kNear entries, blocked; 0 at rows of `rim`; the row of a class is the sum over its copies
+    Array<float>
+        stencil;  ///< kNear entries, blocked; 0 at rows of `rim`; the row of a class is the sum over its copies
     Array<std::uint32_t> rim;   ///< unknowns whose row does not fit into the stencils of their samples
     Array<std::uint32_t> late;  ///< samples of `rim`, and first samples of classes
-    Rows rim_rows;                           ///< columns are samples
+    Rows rim_rows;              ///< columns are samples
     Array<float> rim_value, rim_now, late_now;
     double largest = 0;  ///< bound of the eigenvalues of D^-1 A
 

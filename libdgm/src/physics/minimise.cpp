@@ -120,7 +120,7 @@ Swelling prepare_swelling(PhysicsImpl& p) noexcept {
 /// Finds the multiple of `swell` that gives the rest volume, by secants: the volume is a cubic that is nearly a line.
 void restore_volume(PhysicsImpl& p, const Swelling& v) noexcept {
     if (!v.on) return;
-    double now = volume_of(p, p.delta, 0, nullptr), slope = v.response, at = 0;
+    double now = v.volume, slope = v.response, at = 0;
     for (int k = 0; k < 6; ++k) {
         const double wanted = p.rest_volume - now;
         if (std::fabs(wanted) <= 1e-12 * std::fabs(p.rest_volume) || !(slope > 0)) break;

@@ -101,8 +101,8 @@ bool make_planes(PhysicsImpl& p) noexcept {
     for (Field& f : p.face) f = cut.field();
     for (Field& f : p.moves) f = cut.field();
     for (Field& f : p.turns) f = cut.field();
-    for (float** f : {&p.energy, &p.bent, &p.other, &p.modulus, &p.height, &p.mass, &p.anchor, &p.free, &p.weight, &p.is_quad,
-                      &p.firm, &p.pressed})
+    for (float** f : {&p.energy, &p.bent, &p.other, &p.modulus, &p.height, &p.mass, &p.anchor, &p.free, &p.weight,
+                      &p.is_quad, &p.firm, &p.pressed})
         *f = cut.plane();
     if (viscous)
         for (float*& f : p.stretch) f = cut.plane();

@@ -23,8 +23,8 @@
 namespace dgm::detail::physics {
 namespace {
 
-constexpr int kSmooth = 5;       ///< steps before and after
-constexpr double kSpread = 20;   ///< the smoother works on eigenvalues from largest / kSpread
+constexpr int kSmooth = 4;       ///< steps before and after
+constexpr double kSpread = 10;   ///< the smoother works on eigenvalues from largest / kSpread
 constexpr double kMargin = 1.1;  ///< power iterations end below the largest eigenvalue
 
 /// Steps of the Chebyshev recurrence: the first one's factor, then (keep, step) of the others.

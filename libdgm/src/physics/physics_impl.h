@@ -73,7 +73,7 @@ struct PhysicsImpl {
     float *energy = nullptr, *bent = nullptr, *other = nullptr, *modulus = nullptr, *height = nullptr;
     float *mass = nullptr, *anchor = nullptr, *free = nullptr;  ///< kg, N/m of the foundation, 1 or 0: held
     float* is_quad = nullptr;                   ///< 1 at samples with a quad (i, j), 0 at the last row and column
-    float* weight = nullptr;                                    ///< kg: M of the solver's product of factors
+    float* weight = nullptr;                    ///< kg: M of the solver's product of factors
     float *firm = nullptr, *pressed = nullptr;  ///< N/m: diagonal of the matrix; stiffness of grasps and contacts
     float* stretch[6] = {};                     ///< at the end of the step before; null without viscosity
     Array<float> quads, near, near_turned;      ///< see kernels.h

@@ -158,10 +158,13 @@ void take_holds(PhysicsImpl& p) noexcept {
     // E1 M^-1 E2 scale is the stiffness of a sample that is held by both factors alike.
     const bool product = p.solver.factors != Factors::One;
     const auto by = static_cast<float>(1 / p.solver.scale);
+    float* extra = l.d0.p[0];
     for (std::uint32_t s = 0; s < l.grid; ++s) {
         const float held = p.pressed[s];
-        l.extra[0][s] = (p.free[s] == 0 ? p.hold : 0) + (product ? std::sqrt(held * by * p.mass[s]) : held);
+        extra[s] = l.own[s] * ((p.free[s] == 0 ? p.hold : 0) + (product ? std::sqrt(held * by * p.mass[s]) : held));
     }
+    if (std::equal(extra, extra + l.grid, l.extra[0])) return;  // as in most steps
+    std::copy(extra, extra + l.grid, l.extra[0]);
     take_extra(p.solver);
 }
 
