@@ -46,8 +46,8 @@ struct Chebyshev {
 
 /// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual and x += next unless empty.
 ///
-/// The residual of a class stands at its first sample, and its other copies hold 0: so do `extra` and the parts of a row
-/// that other copies have.
+/// The residual of a class stands at its first sample, as does its `extra`; its other copies hold 0. Each copy has a
+/// part of the class's row.
 void sweep_level(const Multigrid& m, const Level& l, int which, const Field& way, const Field& residual,
                  const Field& next, float keep, float step) noexcept {
     const float *extra = l.extra[which], *inverse = l.inverse[which];
