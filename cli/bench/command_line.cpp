@@ -14,6 +14,7 @@
 #include "bench/compare.h"
 #include "bench/interrupt.h"
 #include "bench/machine_facts.h"
+#include "bench/physics_sweep.h"
 #include "bench/run_files.h"
 #include "bench/run_sweep.h"
 #include "bench/sample_asset.h"
@@ -39,11 +40,12 @@ constexpr tool::Example kExamples[] = {
     {"dgm-bench bake", "the same of a sample stomach"},
     {"dgm-bench bake stomach.obj --compare out/bake.json", "faster, slower, better, worse, beyond the noise"},
     {"dgm-bench run stomach.dgm", "ticks, tracking, contact, levels of detail"},
+    {"dgm-bench physics liver.obj", "implicit steps: time against distance from the converged step"},
     {"dgm-bench stability --families sliver,genus", "where methods start to fail, and what takes over"},
     {"dgm-bench scale --faces 10000,100000,1000000", "time and memory as meshes grow"},
 };
 constexpr tool::Term kFiles[] = {
-    {"ASSET", "any mesh that dgm-bake reads; for run also NAME.dgm"},
+    {"ASSET", "any mesh that dgm-bake reads; for run and physics also NAME.dgm"},
     {"FOLDER/COMMAND.json", "all that was measured, for --compare"},
     {"FOLDER/COMMAND.html", "one page with plots, fronts and tables; it needs no other file"},
     {"FOLDER/COMMAND*.csv", "each table, and the facts of the machine"}};
@@ -51,6 +53,7 @@ constexpr tool::Term kEnvironment[] = {{"TMPDIR", "folder for the maps that are 
 constexpr tool::Manual kManual{.synopsis =
                                    "dgm-bench bake [OPTIONS] [ASSET...]\n"
                                    "dgm-bench run [OPTIONS] [ASSET...]\n"
+                                   "dgm-bench physics [OPTIONS] [ASSET...]\n"
                                    "dgm-bench stability [OPTIONS]\n"
                                    "dgm-bench scale [OPTIONS]",
                                .sections = {},
@@ -61,7 +64,7 @@ constexpr tool::Manual kManual{.synopsis =
                                    "0    measured; a mesh that is refused is a row that says why\n"
                                    "1    the command line is wrong\n"
                                    "2    a file cannot be read or written\n"
-                                   "3    a mesh of run is refused\n"
+                                   "3    a mesh of run or physics is refused\n"
                                    "4    internal error, or a library crashed\n"
                                    "130  interrupted",
                                .see_also = "dgm-bake(1), dgm-info(1), dgm-validate(1), dgm-export(1), dgm-edit(1)"};
@@ -300,6 +303,35 @@ struct RunCommand {
     }
 };
 
+struct PhysicsCommand {
+    Common common;
+    PhysicsSweepOptions sweep;
+    CLI::App* app;
+
+    explicit PhysicsCommand(CLI::App& parent)
+        : app(parent.add_subcommand("physics", "solve steps of mass and material with every choice")) {
+        add_assets(*app, sweep.assets, "meshes, which are baked first, or .dgm files");
+        add_sides(*app, "--sizes", sweep.sizes, "samples a side of the meshes' maps")->capture_default_str();
+        add_counts(*app, "--cycles", sweep.cycles, "iterations of the solver in a step", 1000);
+        const tool::Group measured(*app, kWhatIsMeasured);
+        measured.value("--milliseconds", "T,...", sweep.milliseconds, "lengths of a step")
+            ->delimiter(',')
+            ->check(CLI::Range(0.01, 10'000.0))
+            ->capture_default_str();
+        measured.number("--steps", "N", sweep.steps, "steps that are timed, of each setting")
+            ->check(CLI::Range(100, 1'000'000))
+            ->capture_default_str();
+        measured
+            .number("--metres-per-unit", "M", sweep.metres_per_unit,
+                    "length of a unit of the assets [so that each has a diagonal of 0.15 m]")
+            ->check(CLI::Range(1e-9, 1e9));
+        common.add_to(*app);
+    }
+    int run() {
+        return measure_assets(common, "physics", sweep.assets, [&] { return sweep_physics(sweep, common.quiet); });
+    }
+};
+
 struct StabilityCommand {
     Common common;
     StabilityOptions sweep;
@@ -348,10 +380,12 @@ int bench_program(int argc, char** argv) {
     listen_for_interrupts();
     BakeCommand bake_command(app);
     RunCommand run_command(app);
+    PhysicsCommand physics_command(app);
     StabilityCommand stability_command(app);
     ScaleCommand scale_command(app);
     return tool::run_tool("dgm-bench", argc, argv, app, kManual, [&](std::string&) {
         if (bake_command.app->parsed()) return bake_command.run();
+        if (physics_command.app->parsed()) return physics_command.run();
         if (stability_command.app->parsed()) return stability_command.run();
         if (scale_command.app->parsed()) return scale_command.run();
         return run_command.run();

@@ -76,6 +76,20 @@ const char* name_of(Path path) {
     return path == Path::kStroke ? "stroke" : path == Path::kRandom ? "random" : "recorded";
 }
 
+void each_subject(const std::vector<fs::path>& assets, const std::vector<std::uint32_t>& sizes, const fs::path& folder,
+                  double time_limit_seconds, ProgressBar& bar, const std::function<void(const Subject&)>& visit) {
+    for (const fs::path& path : assets) {
+        const bool is_map = path.extension() == ".dgm";
+        for (const std::uint32_t side : is_map ? std::vector<std::uint32_t>{0} : sizes) {
+            const std::string name = path.filename().string();
+            bar.begin(name + (is_map ? "" : fmt::format(" {}x{}", side, side)), 1);
+            const fs::path file = is_map ? path : baked(path, side, folder, time_limit_seconds);
+            const Asset asset = take(Asset::open(file.c_str()));
+            visit(subject_of(asset, name));
+        }
+    }
+}
+
 std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options, std::size_t ticks) {
     const State state = subject.state();
     if (kind == Path::kStroke) return stroke_path(state, ticks);
@@ -121,24 +135,15 @@ Run sweep_runtime(const RunSweepOptions& options, bool quiet) {
 
     const formats::TemporaryFolder folder("dgm-bench");
     ProgressBar bar(quiet, static_cast<double>(options.assets.size() * sizes.size()));
-    for (const fs::path& asset_path : options.assets) {
-        const bool is_map = asset_path.extension() == ".dgm";
-        for (const std::uint32_t side : is_map ? std::vector<std::uint32_t>{0} : sizes) {
-            const std::string name = asset_path.filename().string();
-            bar.begin(name + (is_map ? "" : fmt::format(" {}x{}", side, side)), 1);
-            const fs::path file =
-                is_map ? asset_path : baked(asset_path, side, folder.path(), options.time_limit_seconds);
-            const Asset asset = take(Asset::open(file.c_str()));
-            const Subject subject = subject_of(asset, name);
-            add_tick_rows(run.tables[0], subject, options, bar);
-            stop_if_interrupted();
-            add_tracking_rows(run.tables[1], subject, options);
-            add_contact_rows(run.tables[2], subject);
-            stop_if_interrupted();
-            add_level_rows(run.tables[3], subject);
-            add_findings(run, subject, run.findings);
-        }
-    }
+    each_subject(options.assets, sizes, folder.path(), options.time_limit_seconds, bar, [&](const Subject& subject) {
+        add_tick_rows(run.tables[0], subject, options, bar);
+        stop_if_interrupted();
+        add_tracking_rows(run.tables[1], subject, options);
+        add_contact_rows(run.tables[2], subject);
+        stop_if_interrupted();
+        add_level_rows(run.tables[3], subject);
+        add_findings(run, subject, run.findings);
+    });
     run.tables.push_back(kernel_table());
     run.settings = {
         {"sizes", fmt::format("{}", fmt::join(sizes, ", "))},

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ struct Subject {
 
 /// @throws model::Error kInterrupted; exceptions of bakes and reads
 [[nodiscard]] Run sweep_runtime(const RunSweepOptions& options, bool quiet);
+
+/// The largest chart of each map, and of each mesh baked into `folder` at each size. @throws what bakes and reads throw
+void each_subject(const std::vector<std::filesystem::path>& assets, const std::vector<std::uint32_t>& sizes,
+                  const std::filesystem::path& folder, double time_limit_seconds, ProgressBar& bar,
+                  const std::function<void(const Subject&)>& visit);
 
 /// Where the tool goes.
 enum class Path { kStroke, kRandom, kRecorded };

@@ -148,6 +148,33 @@ class Bench(Folder):
         self.assertAlmostEqual(recorded["hit_share"], below, delta=0.1)
         self.assertEqual(recorded["wrong_nearest"], 0)
 
+    def test_physics_comes_nearer_with_every_cycle(self):
+        said = self.bench("physics", Path(SAMPLES) / "stomach" / "stomach.obj", SHEET, "--sizes", "17", "--cycles", "1,3,20",
+                          "--milliseconds", "1,10", "--steps", "100", "-o", "out").stdout
+        self.assertRegex(said, r"stomach\.obj 17x17, steps of 1 ms: \d+ cycles come within 1 % of the converged step, p99 ")
+        self.assertEqual(self.names(self.folder / "out"),
+                         ["physics-facts.csv", "physics.csv", "physics.html", "physics.json"])
+        rows = self.rows(self.read("out/physics.json"), "physics")
+        self.assertEqual({(row["asset"], row["grid"], row["dt_ms"], row["cycles"]) for row in rows},
+                         {(asset, "17x17", ms, k) for asset in ("stomach.obj", "sheet.obj") for ms in ("1", "10")
+                          for k in ("1", "3", "20")})
+        for row in rows:
+            self.assertEqual(row["outcome"], "solved")
+            self.assertGreater(row["contacts"], 0, row)
+            if row["p50_us"]["median"] is not None:  # on a busy machine no step may be left to itself
+                self.assertLessEqual(row["p50_us"]["median"], row["p99_us"]["median"])
+            self.assertLess(abs(row["volume_error"]), 1e-8)
+        for asset in ("stomach.obj", "sheet.obj"):
+            for ms in ("1", "10"):
+                error = [row["error"] for row in rows if row["asset"] == asset and row["dt_ms"] == ms]
+                self.assertGreater(error[0], error[2], "a step of 20 cycles is nearer to the converged one")
+                self.assertGreater(error[0], 0)
+        said = self.bench("physics", SHEET, "--sizes", "17", "--cycles", "1", "--steps", "100", "--metres-per-unit", "1e-8",
+                          "-o", "refused").stdout
+        self.assertEqual(self.rows(self.read("refused/physics.json"), "physics")[0]["outcome"],
+                         "the material bends over a length beyond the body: check the unit, bending and membrane")
+        self.bench("physics", SHEET, "--cycles", "0", code=1)
+
     def look_at_page(self, page):
         self.assertLess(page.stat().st_size, 2 << 20)
         dom, console = run_browser(page, "--dump-dom")

@@ -25,15 +25,16 @@ struct Field {
     float* p[3] = {};
 };
 
-inline constexpr std::size_t kWide = 25, kNear = 9;  ///< entries (di, dj) of 5 x 5 and 3 x 3 stencils, row-major
+inline constexpr std::size_t kNear = 9;  ///< entries (di, dj) of 3 x 3 stencils, row-major
 
-/// residual -= (A + extra) way; next = keep way + step inverse residual. `next` may be empty: the residual alone.
+/// residual -= (A + extra) way; next = keep way + step inverse residual; sum += next. `next` may be empty: the residual
+/// alone.
 struct SweepJob {
-    std::size_t first, last;  ///< samples, whole blocks
+    std::size_t count;  ///< samples, whole blocks
     std::ptrdiff_t cols;
-    const float* stencil;  ///< kWide entries
+    const float* stencil;  ///< kNear entries
     const float *extra, *inverse;
-    Field way, residual, next;
+    Field way, residual, next, sum;
     float keep, step;
 };
 
@@ -93,6 +94,28 @@ struct BendJob {
     const float* own;     ///< 1 at representatives, 0 at their copies
 };
 
+/// Where samples are now, in double precision, and their inertia and foundation.
+struct PlaceJob {
+    std::size_t count;
+    const double* at[3];
+    Field delta, moved;
+};
+struct DiagonalJob {
+    std::size_t count;
+    const float *mass, *anchor, *free, *own;
+    float by_dt2;
+    Field delta, inertial, moved, target, gradient;
+};
+/// Volume of rest + at + delta + step way; `way` may be empty.
+struct VolumeJob {
+    std::size_t count;
+    std::ptrdiff_t cols;
+    const float *other, *quad;  ///< quad: 1 where sample s has one
+    const double* at[3];
+    Field rest, delta, way;
+    double step;
+};
+
 struct Kernels {
     const char* name;
     void (*sweep)(const SweepJob&) noexcept;
@@ -104,6 +127,17 @@ struct Kernels {
     /// Gathers what quads left at their corners; area vectors twice.
     void (*gather)(std::size_t count, std::ptrdiff_t cols, const Field* corner, const Field& to) noexcept;
     void (*gather_areas)(const Quads& on, const Field* area, const Field& to) noexcept;
+    // The following work on `count` samples, whole blocks. Sums have eight parts by sample number.
+    void (*add)(std::size_t count, const Field& to, float factor, const Field& from) noexcept;  ///< to += factor from
+    /// to = factor weight from, and sum += to unless empty.
+    void (*weigh)(std::size_t count, const Field& to, float factor, const float* weight, const Field& from,
+                  const Field& sum) noexcept;
+    double (*inner)(std::size_t count, const float* own, const Field& a, const Field& b) noexcept;
+    double (*total)(std::size_t count, const float* plane) noexcept;
+    void (*place)(const PlaceJob& job) noexcept;
+    /// gradient = free (gradient + forces). @return twice the inertial, then twice the foundation's energy
+    void (*diagonal)(const DiagonalJob& job, double* energies) noexcept;
+    double (*volume)(const VolumeJob& job) noexcept;
 };
 extern const Kernels kPlainKernels;
 [[nodiscard]] const Kernels& choose_kernels(bool plain) noexcept;

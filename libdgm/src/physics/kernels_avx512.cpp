@@ -25,11 +25,17 @@ constexpr int kLanes = 16;
 static DGM_INLINE Floats root(const Floats& v) {
     return static_cast<Floats>(_mm512_maskz_sqrt_ps(0xFFFF, static_cast<__m512>(v)));
 }
+// The compiler makes two halves of this.
+#define DGM_WIDE_LOAD
+static DGM_INLINE __m512d eight_doubles(const float* from) {
+    return _mm512_maskz_cvtps_pd(0xff, _mm256_loadu_ps(from));  // unmasked, GCC 12 warns of its own header
+}
 #include "physics/kernels_impl.h"
 }  // namespace
 
 extern const Kernels kAvx512Kernels;
-const Kernels kAvx512Kernels{"avx512", sweep, near, quads, stretches, twist, bend, gather, gather_areas};
+const Kernels kAvx512Kernels{"avx512",     sweep, near,  quads, stretches, twist, bend,     gather,
+                             gather_areas, add,   weigh, inner, total,     place, diagonal, volume};
 
 }  // namespace dgm::detail::physics
 

@@ -56,20 +56,21 @@ static DGM_INLINE const float* block_of(const float* stencil, std::size_t s, std
 static void sweep(const SweepJob& job) noexcept {
     const std::ptrdiff_t n = job.cols;
     const Floats keep = all(job.keep), step = all(job.step);
-    for (std::size_t at = job.first; at < job.last; at += kLanes) {
+    for (std::size_t at = 0; at < job.count; at += kLanes) {
         const auto s = static_cast<std::ptrdiff_t>(at);
-        const float* c = block_of(job.stencil, at, kWide);
+        const float* c = block_of(job.stencil, at, kNear);
         V3 sum{};
-#pragma GCC unroll 5
-        for (int di = -2; di <= 2; ++di) {
-            const std::ptrdiff_t row = s + di * n - 2;
-#pragma GCC unroll 5
-            for (int dj = 0; dj < 5; ++dj, c += kBlock) sum = sum + load(c) * load(job.way, row + dj);
-        }
+#pragma GCC unroll 3
+        for (int di = -1; di <= 1; ++di)
+#pragma GCC unroll 3
+            for (int dj = -1; dj <= 1; ++dj, c += kBlock) sum = sum + load(c) * load(job.way, s + di * n + dj);
         const V3 way = load(job.way, s);
         const V3 r = load(job.residual, s) - (sum + load(job.extra + s) * way);
         store(job.residual, s, r);
-        if (job.next.p[0] != nullptr) store(job.next, s, keep * way + (step * load(job.inverse + s)) * r);
+        if (job.next.p[0] == nullptr) continue;
+        const V3 next = keep * way + (step * load(job.inverse + s)) * r;
+        store(job.next, s, next);
+        store(job.sum, s, load(job.sum, s) + next);
     }
 }
 
@@ -269,3 +270,140 @@ static void gather_areas(const Quads& on, const Field* area, const Field& to) no
         store(to, s, a + b + c + d);
     }
 }
+
+static void add(std::size_t count, const Field& to, float factor, const Field& from) noexcept {
+    const Floats by = all(factor);
+    for (std::size_t at = 0; at < count; at += kLanes) {
+        const auto s = static_cast<std::ptrdiff_t>(at);
+        store(to, s, load(to, s) + by * load(from, s));
+    }
+}
+
+static void weigh(std::size_t count, const Field& to, float factor, const float* weight, const Field& from,
+                  const Field& sum) noexcept {
+    for (std::size_t at = 0; at < count; at += kLanes) {
+        const auto s = static_cast<std::ptrdiff_t>(at);
+        const V3 v = (factor * load(weight + s)) * load(from, s);
+        store(to, s, v);
+        if (sum.p[0] != nullptr) store(sum, s, load(sum, s) + v);
+    }
+}
+
+// Eight doubles whatever the number of lanes: their sum then has the same parts.
+typedef double Doubles __attribute__((vector_size(64)));
+typedef float Eight __attribute__((vector_size(32)));
+#ifdef DGM_WIDE_LOAD
+#define DGM_EIGHT(name, from) const Doubles name = static_cast<Doubles>(eight_doubles(from))
+#else
+#define DGM_EIGHT(name, from)                                     \
+    Eight name##_floats;                                          \
+    __builtin_memcpy(&name##_floats, from, sizeof name##_floats); \
+    const Doubles name = __builtin_convertvector(name##_floats, Doubles)
+#endif
+#define DGM_EIGHT_PARTS(sum) \
+    (((sum)[0] + (sum)[1]) + ((sum)[2] + (sum)[3])) + (((sum)[4] + (sum)[5]) + ((sum)[6] + (sum)[7]))
+
+static double inner(std::size_t count, const float* own, const Field& a, const Field& b) noexcept {
+    Doubles sum[3] = {};  // one a coordinate: additions need not wait for each other
+    for (std::size_t s = 0; s < count; s += 8) {
+        DGM_EIGHT(weight, own + s);
+#pragma GCC unroll 3
+        for (int c = 0; c < 3; ++c) {
+            DGM_EIGHT(x, a.p[c] + s);
+            DGM_EIGHT(y, b.p[c] + s);
+            sum[c] = sum[c] + weight * (x * y);
+        }
+    }
+    const Doubles both = sum[0] + sum[1] + sum[2];
+    return DGM_EIGHT_PARTS(both);
+}
+
+static double total(std::size_t count, const float* plane) noexcept {
+    Doubles sum{};
+    for (std::size_t s = 0; s < count; s += 8) {
+        DGM_EIGHT(x, plane + s);
+        sum = sum + x;
+    }
+    return DGM_EIGHT_PARTS(sum);
+}
+
+static void place(const PlaceJob& job) noexcept {
+    for (int c = 0; c < 3; ++c)
+        for (std::size_t s = 0; s < job.count; s += 8) {
+            Doubles at;
+            __builtin_memcpy(&at, job.at[c] + s, sizeof at);
+            DGM_EIGHT(delta, job.delta.p[c] + s);
+            const Eight to = __builtin_convertvector(at + delta, Eight);
+            __builtin_memcpy(job.moved.p[c] + s, &to, sizeof to);
+        }
+}
+
+static void diagonal(const DiagonalJob& job, double* energies) noexcept {
+    Doubles inertial{}, anchored{};
+    for (std::size_t s = 0; s < job.count; s += 8) {
+        Eight mass, anchor, free;
+        __builtin_memcpy(&mass, job.mass + s, sizeof mass);
+        __builtin_memcpy(&anchor, job.anchor + s, sizeof anchor);
+        __builtin_memcpy(&free, job.free + s, sizeof free);
+        mass = mass * job.by_dt2;
+        DGM_EIGHT(own, job.own + s);
+        for (int c = 0; c < 3; ++c) {
+            Eight delta, way, moved, aim, g;
+            __builtin_memcpy(&delta, job.delta.p[c] + s, sizeof delta);
+            __builtin_memcpy(&way, job.inertial.p[c] + s, sizeof way);
+            __builtin_memcpy(&moved, job.moved.p[c] + s, sizeof moved);
+            __builtin_memcpy(&aim, job.target.p[c] + s, sizeof aim);
+            __builtin_memcpy(&g, job.gradient.p[c] + s, sizeof g);
+            const Eight d = delta - way, u = moved - aim, f = mass * d, a = anchor * u;
+            g = free * (g + f + a);
+            __builtin_memcpy(job.gradient.p[c] + s, &g, sizeof g);
+            inertial = inertial + own * (__builtin_convertvector(f, Doubles) * __builtin_convertvector(d, Doubles));
+            anchored = anchored + own * (__builtin_convertvector(a, Doubles) * __builtin_convertvector(u, Doubles));
+        }
+    }
+    energies[0] = DGM_EIGHT_PARTS(inertial);
+    energies[1] = DGM_EIGHT_PARTS(anchored);
+}
+
+struct Place8 {
+    Doubles x[3];
+};
+static DGM_INLINE void place_of(const VolumeJob& job, std::ptrdiff_t s, Place8& to) {
+    for (int c = 0; c < 3; ++c) {
+        Doubles at;
+        __builtin_memcpy(&at, job.at[c] + s, sizeof at);
+        DGM_EIGHT(rest, job.rest.p[c] + s);
+        DGM_EIGHT(delta, job.delta.p[c] + s);
+        to.x[c] = rest + at + delta;
+        if (job.way.p[0] == nullptr) continue;
+        DGM_EIGHT(way, job.way.p[c] + s);
+        to.x[c] = to.x[c] + job.step * way;
+    }
+}
+static double volume(const VolumeJob& job) noexcept {
+    Doubles six{};
+    for (std::size_t at = 0; at < job.count; at += 8) {
+        const auto s = static_cast<std::ptrdiff_t>(at);
+        Place8 a, b, c, d, third, first;
+        place_of(job, s, a);
+        place_of(job, s + job.cols, b);
+        place_of(job, s + job.cols + 1, c);
+        place_of(job, s + 1, d);
+        DGM_EIGHT(other, job.other + at);
+        DGM_EIGHT(quad, job.quad + at);
+        for (int k = 0; k < 3; ++k) {
+            third.x[k] = other > 0.5 ? d.x[k] : c.x[k];
+            first.x[k] = other > 0.5 ? b.x[k] : a.x[k];
+        }
+        const Doubles one = a.x[0] * (b.x[1] * third.x[2] - b.x[2] * third.x[1]) +
+                            a.x[1] * (b.x[2] * third.x[0] - b.x[0] * third.x[2]) +
+                            a.x[2] * (b.x[0] * third.x[1] - b.x[1] * third.x[0]);
+        const Doubles two = first.x[0] * (c.x[1] * d.x[2] - c.x[2] * d.x[1]) +
+                            first.x[1] * (c.x[2] * d.x[0] - c.x[0] * d.x[2]) +
+                            first.x[2] * (c.x[0] * d.x[1] - c.x[1] * d.x[0]);
+        six = six + quad * (one + two);
+    }
+    return (DGM_EIGHT_PARTS(six)) / 6;
+}
+#undef DGM_EIGHT
+#undef DGM_EIGHT_PARTS

@@ -25,20 +25,23 @@ struct Level {
     Array<std::uint32_t> sample_of;  ///< by unknown: its first sample
     Array<std::uint32_t> copies;     ///< pairs (copy, first)
 
-    Rows matrix;                ///< pattern of A by unknown
-    Array<double> value;        ///< A without `extra`
-    Array<std::uint8_t> place;  ///< entry of the 5 x 5 stencil for each value
-    Rows up, down;              ///< interpolation from the coarser level by fine unknown, and its transpose
+    Rows matrix;                 ///< pattern of A by unknown
+    Array<double> value;         ///< A without `extra`
+    Array<std::uint32_t> place;  ///< where in `stencil` each value stands
+    Rows up, down;               ///< interpolation from the coarser level by fine unknown, and its transpose
     Array<float> up_weight, down_weight;
+    Array<std::uint32_t> odd_up, odd_down;  ///< unknowns, here and on the coarser level, that are not between samples
 
     Array<float> planes;
-    Field x, r, d0, d1;
-    float *diagonal = nullptr, *extra = nullptr, *inverse = nullptr, *own = nullptr;
-    Array<float> stencil;             ///< kWide entries, blocked; 0 at rows of `rim`
-    std::size_t first = 0, last = 0;  ///< samples that the stencil loop visits
-    Array<std::uint32_t> rim;         ///< unknowns whose row is not a stencil of the grid
-    Rows rim_rows;                    ///< columns are samples
-    Array<float> rim_value, rim_now;
+    Field x, r, d0, d1, kept;
+    float *diagonal = nullptr, *own = nullptr;
+    float *extra[2] = {}, *inverse[2] = {};  ///< of both factors; inverse: of the diagonal with `extra`
+    Array<float>
+        stencil;  ///< kNear entries, blocked; 0 at rows of `rim`; the row of a class is the sum over its copies
+    Array<std::uint32_t> rim;   ///< unknowns whose row does not fit into the stencils of their samples
+    Array<std::uint32_t> late;  ///< samples of `rim`, and first samples of classes
+    Rows rim_rows;              ///< columns are samples
+    Array<float> rim_value, rim_now, late_now;
     double largest = 0;  ///< bound of the eigenvalues of D^-1 A
 
     [[nodiscard]] std::size_t count() const noexcept { return whole_blocks(grid); }
@@ -76,12 +79,22 @@ class PlaneCutter {
 inline constexpr std::uint32_t kMostLevels = 14;
 inline constexpr std::uint32_t kDirect = 25;  ///< unknowns solved directly; a grid of 5 x 5 has no more
 
+/// The matrix that is solved for, of fourth order, as a product of two of second order: scale (A + E0) M^-1 (A + E1),
+/// M the masses, A level[0].value, E0 and E1 its `extra`.
+enum class Factors : std::uint8_t {
+    One,   ///< A + E0 alone
+    Same,  ///< E0 = E1
+    Two    ///< E1 = E0 + apart M
+};
 struct Multigrid {
     Level level[kMostLevels];
     std::uint32_t levels = 0;
     const Kernels* kernels = nullptr;
-    double factor[kDirect * kDirect] = {};  ///< Cholesky factor of the coarsest matrix
-    bool sound = false;                     ///< it has one: the matrix is positive definite
+    Factors factors = Factors::One;
+    double apart = 0, scale = 1;
+    const float* mass = nullptr;               ///< plane of level[0]
+    double factor[2][kDirect * kDirect] = {};  ///< Cholesky factors of the coarsest matrices
+    bool sound = false;                        ///< they exist: the matrix is positive definite
 };
 
 /// Builds all coarser levels of level[0], whose samples, unknowns and matrix pattern are given. @return false: no
@@ -91,21 +104,15 @@ struct Multigrid {
 [[nodiscard]] bool list_unknowns(Level& level, const Allocator& allocator) noexcept;
 /// Takes over level[0].value: coarse matrices P^T A P, stencils, diagonals, smoother. No allocation. O(samples).
 void take_values(Multigrid& m) noexcept;
-/// Takes over level[0].extra, a diagonal matrix that is added to A. No allocation.
+/// Takes over level[0].extra[0], a diagonal matrix that is added to A, and makes extra[1] if there are two factors. No
+/// allocation.
 void take_extra(Multigrid& m) noexcept;
 /// Bounds the eigenvalues of D^-1 A on each level. No allocation.
 void bound_eigenvalues(Multigrid& m) noexcept;
-/// level[0].x is about (A + extra)^-1 level[0].r, one V-cycle; level[0].r is overwritten. The map from r to x is
-/// linear, symmetric and positive definite.
+/// level[0].x is about the inverse of the product of both factors times level[0].r, one V-cycle for each inverse of a
+/// factor; level[0].r is overwritten. The map from r to x is linear, symmetric and positive definite.
 void run_cycle(Multigrid& m) noexcept;
 /// All copies of an unknown get the value of the sample that holds it.
 void share_copies(const Level& level, const Field& f) noexcept;
-/// to += from
-void add_field(const Level& level, const Field& to, const Field& from) noexcept;
-/// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual unless empty.
-void sweep_level(const Multigrid& m, const Level& level, const Field& way, const Field& residual, const Field& next,
-                 float keep, float step) noexcept;
-/// Sum over unknowns and coordinates, in an order that depends on the size alone.
-[[nodiscard]] double inner(const Level& level, const Field& a, const Field& b) noexcept;
 
 }  // namespace dgm::detail::physics

@@ -4,8 +4,8 @@
 //
 // Level k + 1 has every second row and column of level k, and its last ones. A sample between two others is
 // interpolated as their mean, a class as the mean over its copies: that makes coarse functions continuous across seams
-// wherever the nodes of the seam lie. Coarse matrices are P^T A P. So a coarse sample couples with the 5 x 5 around it
-// as long as that window holds no seam; the other rows are kept as lists.
+// wherever the nodes of the seam lie. Coarse matrices are P^T A P. So a coarse class couples with the 3 x 3 around its
+// samples, but for nodes of seams at odd samples; those rows are kept as lists.
 #include <algorithm>
 
 #include "physics/level.h"
@@ -51,10 +51,11 @@ bool make_coarse_samples(const Level& f, Level& c, const Allocator& a) noexcept 
 /// Lists the rows of a transposed pattern with its weights.
 bool transpose(const Rows& from, const Array<float>& weight, std::uint32_t cols, Rows& to, Array<float>& to_weight,
                const Allocator& a) noexcept {
-    if (!to.start.allocate(a, std::uint64_t{cols} + 2) || !to.col.allocate(a, from.col.size()) ||
-        !to_weight.allocate(a, from.col.size()))
+    const std::uint32_t entries = from.start[from.count()];  // lists may be longer
+    if (!to.start.allocate(a, std::uint64_t{cols} + 2) || !to.col.allocate(a, entries) ||
+        !to_weight.allocate(a, entries))
         return false;
-    for (const std::uint32_t c : from.col) ++to.start[c + 2];
+    for (std::uint32_t e = 0; e < entries; ++e) ++to.start[from.col[e] + 2];
     for (std::size_t k = 2; k < to.start.size(); ++k) to.start[k] += to.start[k - 1];
     for (std::uint32_t r = 0; r < from.count(); ++r)
         for (std::uint32_t e = from.start[r]; e < from.start[r + 1]; ++e) {
@@ -118,6 +119,54 @@ void each_product(const Level& f, std::uint32_t coarse_row, F add) noexcept {
     }
 }
 
+/// Whether an unknown of the finer level is interpolated between samples as the loops do.
+bool is_between(const Level& f, const Level& c, std::uint32_t d) noexcept {
+    const std::uint32_t s = f.sample_of[d], i = s / f.cols, j = s % f.cols;
+    if (c.rows == f.rows || c.cols == f.cols) return false;
+    if (i < 1 || j < 1 || i + 1 >= f.rows || j + 1 >= f.cols) return false;
+    const std::uint32_t here = (i / 2) * c.cols + j / 2, count = (1 + i % 2) * (1 + j % 2);
+    if (f.up.start[d + 1] - f.up.start[d] != count) return false;
+    for (std::uint32_t di = 0; di <= i % 2; ++di)
+        for (std::uint32_t dj = 0; dj <= j % 2; ++dj) {
+            const std::uint32_t to = c.dof_of[here + di * c.cols + dj];
+            std::uint32_t e = f.up.start[d];
+            while (e < f.up.start[d + 1] && f.up.col[e] != to) ++e;
+            if (e == f.up.start[d + 1] || f.up_weight[e] * static_cast<float>(count) != 1) return false;
+        }
+    return true;
+}
+/// Whether an unknown of the coarser level gathers from the 3 x 3 around its sample as the loops do.
+bool is_gathered(const Level& f, const Level& c, std::uint32_t p) noexcept {
+    const std::uint32_t s = c.sample_of[p], i = s / c.cols, j = s % c.cols;
+    if (c.rows == f.rows || c.cols == f.cols) return false;
+    if (i < 1 || j < 1 || i + 1 >= c.rows || j + 1 >= c.cols || f.down.start[p + 1] - f.down.start[p] != kNear)
+        return false;
+    for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e) {
+        const std::uint32_t from = f.sample_of[f.down.col[e]], di = from / f.cols + 1 - 2 * i,
+                            dj = from % f.cols + 1 - 2 * j;
+        if (di > 2 || dj > 2) return false;
+        if (f.down_weight[e] != (di == 1 ? 1.0f : 0.5f) * (dj == 1 ? 1.0f : 0.5f)) return false;
+    }
+    return true;
+}
+/// Lists the unknowns that loops over samples do not interpolate.
+template <class F>
+bool list_odd(std::uint32_t dofs, F is_odd, Array<std::uint32_t>& to, const Allocator& a) noexcept {
+    std::uint64_t count = 0;
+    for (std::uint32_t d = 0; d < dofs; ++d) count += is_odd(d) ? 1 : 0;
+    if (!to.allocate(a, count)) return false;
+    std::size_t at = 0;
+    for (std::uint32_t d = 0; d < dofs; ++d)
+        if (is_odd(d)) to[at++] = d;
+    return true;
+}
+bool list_odds(Level& f, const Level& c, const Allocator& a) noexcept {
+    return list_odd(
+               f.dofs, [&](std::uint32_t d) { return !is_between(f, c, d); }, f.odd_up, a) &&
+           list_odd(
+               c.dofs, [&](std::uint32_t p) { return !is_gathered(f, c, p); }, f.odd_down, a);
+}
+
 bool make_pattern(const Level& f, Level& c, const Allocator& a) noexcept {
     Array<std::uint32_t> seen;
     if (!c.matrix.start.allocate(a, std::uint64_t{c.dofs} + 1) || !seen.allocate(a, c.dofs, ~0u)) return false;
@@ -144,71 +193,80 @@ bool make_pattern(const Level& f, Level& c, const Allocator& a) noexcept {
     return true;
 }
 
-/// Entry of the 5 x 5 around sample s that holds unknown q, or kWide.
-std::size_t wide_entry(const Level& l, std::uint32_t s, std::uint32_t q) noexcept {
-    for (std::size_t k = 0; k < kWide; ++k)
-        if (l.dof_of[s + (k / 5) * l.cols + k % 5 - 2 * l.cols - 2] == q) return k;
-    return kWide;
-}
+/// Samples of each unknown as chains.
+struct Chains {
+    Array<std::uint32_t> first, next;
+    [[nodiscard]] bool make(const Level& l, const Allocator& a) noexcept {
+        if (!first.allocate(a, l.dofs, ~0u) || !next.allocate(a, l.grid, ~0u)) return false;
+        for (std::uint32_t s = l.grid; s-- > 0;) {
+            next[s] = first[l.dof_of[s]];
+            first[l.dof_of[s]] = s;
+        }
+        return true;
+    }
+};
 
-bool is_stencil(const Level& l, std::uint32_t d) noexcept {
-    const std::uint32_t s = l.sample_of[d], i = s / l.cols, j = s % l.cols;
-    if (i < 2 || j < 2 || i + 2 >= l.rows || j + 2 >= l.cols) return false;
-    for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
-        if (wide_entry(l, s, l.matrix.col[e]) == kWide) return false;
-    return true;
+/// Place in `stencil` at which some copy of unknown d has unknown q in the 3 x 3 around it, or ~0u.
+std::uint32_t place_of(const Level& l, const Chains& chains, std::uint32_t d, std::uint32_t q) noexcept {
+    for (std::uint32_t s = chains.first[d]; s != ~0u; s = chains.next[s]) {
+        const std::uint32_t i = s / l.cols, j = s % l.cols;
+        for (std::uint32_t k = 0; k < kNear; ++k) {
+            const std::uint32_t r = i + k / 3 - 1, c = j + k % 3 - 1;
+            if (r < l.rows && c < l.cols && l.dof_of[r * l.cols + c] == q)
+                return static_cast<std::uint32_t>(blocked(s, k, kNear));
+        }
+    }
+    return ~0u;
 }
 
 bool make_rim(Level& l, const Allocator& a) noexcept {
-    std::uint64_t rim = 0, entries = 0;
-    for (std::uint32_t d = 0; d < l.dofs; ++d)
-        if (!is_stencil(l, d)) {
+    Chains chains;
+    if (!chains.make(l, a) || !l.place.allocate(a, l.matrix.col.size())) return false;
+    std::uint64_t rim = 0, entries = 0, late = 0;
+    for (std::uint32_t d = 0; d < l.dofs; ++d) {
+        bool fits = true;
+        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e) {
+            l.place[e] = place_of(l, chains, d, l.matrix.col[e]);
+            fits = fits && l.place[e] != ~0u;
+        }
+        if (!fits) {
             ++rim;
             entries += l.matrix.start[d + 1] - l.matrix.start[d];
+            l.place[l.matrix.start[d]] = ~0u;
         }
+        late += !fits || chains.next[chains.first[d]] != ~0u ? 1 : 0;
+    }
     if (!l.rim.allocate(a, rim) || !l.rim_rows.start.allocate(a, rim + 1) || !l.rim_rows.col.allocate(a, entries) ||
-        !l.rim_value.allocate(a, entries) || !l.rim_now.allocate(a, 6 * rim))
+        !l.rim_value.allocate(a, entries) || !l.rim_now.allocate(a, 3 * rim) || !l.late.allocate(a, late) ||
+        !l.late_now.allocate(a, 3 * late))
         return false;
-    std::uint32_t at = 0, place = 0;
+    std::uint32_t at = 0, place = 0, last = 0;
     for (std::uint32_t d = 0; d < l.dofs; ++d) {
-        if (is_stencil(l, d)) continue;
+        const bool fits = l.place[l.matrix.start[d]] != ~0u;
+        if (!fits || chains.next[chains.first[d]] != ~0u) l.late[last++] = l.sample_of[d];
+        if (fits) continue;
         l.rim[place] = d;
         for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
             l.rim_rows.col[at++] = l.sample_of[l.matrix.col[e]];
         l.rim_rows.start[++place] = at;
     }
-    l.first = l.rows > 4 ? 2 * std::size_t{l.cols} / kBlock * kBlock : 0;
-    l.last = l.rows > 4 ? whole_blocks(std::size_t{l.rows - 2} * l.cols) : 0;
-    return true;
-}
-
-bool make_places(Level& l, const Allocator& a) noexcept {
-    if (!l.place.allocate(a, l.matrix.col.size())) return false;
-    std::size_t rim = 0;
-    for (std::uint32_t d = 0; d < l.dofs; ++d) {
-        if (rim < l.rim.size() && l.rim[rim] == d) {
-            ++rim;
-            continue;
-        }
-        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
-            l.place[e] = static_cast<std::uint8_t>(wide_entry(l, l.sample_of[d], l.matrix.col[e]));
-    }
     return true;
 }
 
 bool make_fields(Level& l, const Allocator& a) noexcept {
-    if (!l.planes.allocate(a, 16 * std::uint64_t{plane_size(l.rows, l.cols)}) ||
-        !l.stencil.allocate(a, kWide * std::uint64_t{l.count()}) || !l.value.allocate(a, l.matrix.col.size()))
+    if (!l.planes.allocate(a, 21 * std::uint64_t{plane_size(l.rows, l.cols)}) ||
+        !l.stencil.allocate(a, kNear * std::uint64_t{l.count()}) || !l.value.allocate(a, l.matrix.col.size()))
         return false;
     PlaneCutter cut(l.planes, l.rows, l.cols);
     l.x = cut.field();
     l.r = cut.field();
     l.d0 = cut.field();
     l.d1 = cut.field();
+    l.kept = cut.field();
     l.diagonal = cut.plane();
-    l.extra = cut.plane();
-    l.inverse = cut.plane();
     l.own = cut.plane();
+    for (float*& e : l.extra) e = cut.plane();
+    for (float*& i : l.inverse) i = cut.plane();
     for (std::uint32_t d = 0; d < l.dofs; ++d) l.own[l.sample_of[d]] = 1;
     return true;
 }
@@ -225,7 +283,7 @@ void take_stencil(Level& l) noexcept {
             if (rim)
                 l.rim_value[at++] = v;
             else
-                l.stencil[blocked(s, l.place[e], kWide)] = v;
+                l.stencil[l.place[e]] = v;
         }
     }
     for (std::size_t k = 0; k < l.copies.size(); k += 2) l.diagonal[l.copies[k]] = l.diagonal[l.copies[k + 1]];
@@ -258,10 +316,12 @@ bool build_levels(Multigrid& m, const Allocator& a) noexcept {
         Level& f = m.level[m.levels - 1];
         if (f.rows <= 5 && f.cols <= 5) break;
         Level& c = m.level[m.levels];
-        if (!make_coarse_samples(f, c, a) || !make_interpolation(f, c, a) || !make_pattern(f, c, a)) return false;
+        if (!make_coarse_samples(f, c, a) || !make_interpolation(f, c, a) || !list_odds(f, c, a) ||
+            !make_pattern(f, c, a))
+            return false;
     }
     for (std::uint32_t k = 0; k < m.levels; ++k)
-        if (!make_rim(m.level[k], a) || !make_places(m.level[k], a) || !make_fields(m.level[k], a)) return false;
+        if (!make_rim(m.level[k], a) || !make_fields(m.level[k], a)) return false;
     return true;
 }
 

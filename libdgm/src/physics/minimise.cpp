@@ -19,12 +19,10 @@ void copy(const PhysicsImpl& p, const Field& to, const Field& from) noexcept {
 }
 /// to += factor from
 void add(const PhysicsImpl& p, const Field& to, double factor, const Field& from) noexcept {
-    const auto by = static_cast<float>(factor);
-    for (int c = 0; c < 3; ++c) {
-        float* __restrict t = to.p[c];
-        const float* __restrict f = from.p[c];
-        for (std::size_t s = 0; s < p.fine().count(); ++s) t[s] += by * f[s];
-    }
+    p.solver.kernels->add(p.fine().count(), to, static_cast<float>(factor), from);
+}
+double inner(const PhysicsImpl& p, const Field& a, const Field& b) noexcept {
+    return p.solver.kernels->inner(p.fine().count(), p.fine().own, a, b);
 }
 void hold(const PhysicsImpl& p, const Field& f) noexcept {
     for (int c = 0; c < 3; ++c) {
@@ -51,7 +49,7 @@ struct Swelling {
 /// gradient -= pressure * gradient of the volume, with the pressure that makes the rest keep the volume.
 void take_pressure(PhysicsImpl& p, const Swelling& v) noexcept {
     if (!v.on) return;
-    p.pressure = inner(p.fine(), p.gradient, p.swell) / v.response;
+    p.pressure = inner(p, p.gradient, p.swell) / v.response;
     add(p, p.gradient, -p.pressure / 6, p.area);
     hold(p, p.gradient);
 }
@@ -62,18 +60,18 @@ void find_way(PhysicsImpl& p, const Swelling& v) noexcept {
     copy(p, p.way, p.gradient);
     for (int k = 0; k < p.pairs; ++k) {
         const int at = (p.next_pair - 1 - k + 2 * kHistory) % kHistory;
-        share[at] = inner(l, p.moves[at], p.way) / p.products[at];
+        share[at] = inner(p, p.moves[at], p.way) / p.products[at];
         add(p, p.way, -share[at], p.turns[at]);
     }
     precondition(p, p.way, p.way);
     for (int k = p.pairs - 1; k >= 0; --k) {
         const int at = (p.next_pair - 1 - k + 2 * kHistory) % kHistory;
-        add(p, p.way, share[at] - inner(l, p.turns[at], p.way) / p.products[at], p.moves[at]);
+        add(p, p.way, share[at] - inner(p, p.turns[at], p.way) / p.products[at], p.moves[at]);
     }
     for (float* f : p.way.p)
         for (std::size_t s = 0; s < l.count(); ++s) f[s] = -f[s];
     if (!v.on) return;
-    const double gained = inner(l, p.area, p.way) / 6;
+    const double gained = inner(p, p.area, p.way) / 6;
     add(p, p.way, (p.rest_volume - v.volume - gained) / v.response, p.swell);
 }
 
@@ -86,7 +84,7 @@ void learn(PhysicsImpl& p, double step) noexcept {
             move.p[c][s] = p.delta.p[c][s] - p.before.p[c][s];
             turn.p[c][s] = p.gradient.p[c][s] - p.last.p[c][s];
         }
-    const double product = inner(l, move, turn), expected = -step * inner(l, p.last, move);
+    const double product = inner(p, move, turn), expected = -step * inner(p, p.last, move);
     if (!(product > 1e-3 * std::fabs(expected)) || !std::isfinite(product)) return;
     p.products[p.next_pair] = product;
     p.next_pair = (p.next_pair + 1) % kHistory;
@@ -100,7 +98,7 @@ double unbalanced(const PhysicsImpl& p) noexcept {
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t s = 0; s < l.grid; ++s) {
             const double g = p.gradient.p[c][s];
-            sum += double{l.own[s]} * double{l.inverse[s]} * g * g;
+            if (l.own[s] != 0) sum += g * g / double{p.firm[s] + p.pressed[s]};
         }
     return std::sqrt(sum);
 }
@@ -113,7 +111,7 @@ Swelling prepare_swelling(PhysicsImpl& p) noexcept {
     for (float* f : p.way.p)
         for (std::size_t s = 0; s < p.fine().count(); ++s) f[s] *= 1.0f / 6;
     precondition(p, p.swell, p.way);
-    v.response = inner(p.fine(), p.area, p.swell) / 6;
+    v.response = inner(p, p.area, p.swell) / 6;
     v.volume = volume_of(p, p.delta, 0, nullptr);
     v.on = v.response > 0;
     return v;
@@ -122,7 +120,7 @@ Swelling prepare_swelling(PhysicsImpl& p) noexcept {
 /// Finds the multiple of `swell` that gives the rest volume, by secants: the volume is a cubic that is nearly a line.
 void restore_volume(PhysicsImpl& p, const Swelling& v) noexcept {
     if (!v.on) return;
-    double now = volume_of(p, p.delta, 0, nullptr), slope = v.response, at = 0;
+    double now = v.volume, slope = v.response, at = 0;
     for (int k = 0; k < 6; ++k) {
         const double wanted = p.rest_volume - now;
         if (std::fabs(wanted) <= 1e-12 * std::fabs(p.rest_volume) || !(slope > 0)) break;
@@ -161,7 +159,7 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
         ++report.cycles;
         copy(p, p.before, p.delta);
         copy(p, p.last, p.gradient);
-        const double merit = now.sum() - p.pressure * v.volume, slope = inner(p.fine(), p.last, p.way);
+        const double merit = now.sum() - p.pressure * v.volume, slope = inner(p, p.last, p.way);
         const double noise = 1e-6 * (std::fabs(now.elastic) + now.inertial + std::fabs(now.contact));
         const double old_pressure = p.pressure;
         double step = 1;
@@ -179,7 +177,9 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
             v.volume = v.on ? volume_of(p, p.delta, 0, nullptr) : 0;
             take_pressure(p, v);
             p.pairs = 0;
-            break;
+            // Obstacles that the way ran into were not in the matrix: a shorter way would not help, another one does.
+            if (!hold_met(p)) break;
+            continue;
         }
         if (v.on) {
             add(p, p.gradient, -old_pressure / 6, p.area);

@@ -5,7 +5,7 @@
 // Membrane: constant-strain triangles. In the matrix each stands for (2 mu + lambda) times its Dirichlet energy, whose
 // stencil has half the cotangents of its angles [Pinkall, Polthier 1993]: it bounds the membrane's own second
 // derivatives near rest whatever the rotation of the triangle, so it is made once [Bouaziz et al. 2014; Liu, Bouaziz,
-// Kavan 2017].
+// Kavan 2017]. For the solver the matrix is taken apart into factors of second order (multigrid.cpp).
 //
 // Bending: 1/2 sum B / A |L u - h (n - n0)|^2 over samples. L x is the cotangent Laplacian: twice mean curvature times
 // area times normal. Its part along the surface at rest is removed by a stencil C over the same triangles, the smallest
@@ -18,7 +18,8 @@
 namespace dgm::detail::physics {
 namespace {
 
-constexpr double kThin = 1e-4;  ///< height over longest edge below which a triangle counts as none
+constexpr double kAsSquare = 3;  ///< see take_step_length()
+constexpr double kThin = 1e-4;   ///< height over longest edge below which a triangle counts as none
 
 struct Measured {
     Double3 e[3];     ///< edges opposite to the corners: from corner k + 1 to corner k + 2
@@ -70,8 +71,7 @@ void each_triangle(const PhysicsImpl& p, F f) noexcept {
 struct Around {
     Array<double> area, stiffness;
     Array<Double3> normal, bend, slide;  ///< slide: coefficients of C by an edge
-    Rows ring;
-    Array<double> laplace;
+    Array<double> laplace;               ///< L - C, by the matrix's pattern
 };
 
 bool make_unknowns(PhysicsImpl& p, const StateImpl& s) noexcept {
@@ -89,7 +89,7 @@ bool make_unknowns(PhysicsImpl& p, const StateImpl& s) noexcept {
 
 bool make_planes(PhysicsImpl& p) noexcept {
     const Allocator& a = p.allocator;
-    constexpr std::uint64_t kFields = 16 + 6 + 2 * kHistory, kPlanes = 8;
+    constexpr std::uint64_t kFields = 16 + 6 + 2 * kHistory, kPlanes = 12;
     const bool viscous = p.options.material.viscosity > 0;
     const std::uint64_t count = 3 * kFields + kPlanes + (viscous ? 6 : 0);
     if (!p.planes.allocate(a, count * plane_size(p.rows, p.cols))) return false;
@@ -101,13 +101,14 @@ bool make_planes(PhysicsImpl& p) noexcept {
     for (Field& f : p.face) f = cut.field();
     for (Field& f : p.moves) f = cut.field();
     for (Field& f : p.turns) f = cut.field();
-    for (float** f : {&p.energy, &p.bent, &p.other, &p.modulus, &p.height, &p.mass, &p.anchor, &p.free})
+    for (float** f : {&p.energy, &p.bent, &p.other, &p.modulus, &p.height, &p.mass, &p.anchor, &p.free, &p.weight,
+                      &p.is_quad, &p.firm, &p.pressed})
         *f = cut.plane();
     if (viscous)
         for (float*& f : p.stretch) f = cut.plane();
     const Level& l = p.fine();
     for (Array<double>& x : p.at)
-        if (!x.allocate(a, l.grid)) return false;
+        if (!x.allocate(a, l.count() + 2 * std::uint64_t{l.cols} + kBlock)) return false;
     for (Array<Touching>& t : p.touching)
         if (!t.allocate(a, 2 * std::uint64_t{l.dofs})) return false;
     return p.pinned.allocate(a, l.dofs) && p.grasped.allocate(a, l.dofs) &&
@@ -126,8 +127,10 @@ void take_rest(PhysicsImpl& p, const StateImpl& s) noexcept {
             p.rest.p[c][k] = static_cast<float>((double{from[c][k]} - middle) * p.scale);
     }
     for (std::uint32_t i = 0; i + 1 < p.rows; ++i)
-        for (std::uint32_t j = 0; j + 1 < p.cols; ++j)
+        for (std::uint32_t j = 0; j + 1 < p.cols; ++j) {
             p.other[i * p.cols + j] = static_cast<float>(s.tables.diagonal(i, j));
+            p.is_quad[i * p.cols + j] = 1;
+        }
 }
 
 /// Neighbours of each unknown, itself among them: the 3 x 3 around all of its copies, ascending.
@@ -153,31 +156,6 @@ bool make_ring(const Level& l, Rows& ring, const Allocator& a) noexcept {
                 }
         std::sort(ring.col.begin() + begin, ring.col.begin() + at);
         ring.start[d + 1] = at;
-    }
-    return true;
-}
-
-/// Rows of the matrix: neighbours of neighbours.
-bool make_matrix_pattern(Level& l, const Rows& ring, const Allocator& a) noexcept {
-    Array<std::uint32_t> seen;
-    if (!seen.allocate(a, l.dofs, ~0u) || !l.matrix.start.allocate(a, std::uint64_t{l.dofs} + 1)) return false;
-    for (int pass = 0; pass < 2; ++pass) {
-        std::uint32_t at = 0;
-        for (std::uint32_t d = 0; d < l.dofs; ++d) {
-            const std::uint32_t mark = pass == 0 ? d : l.dofs + d, begin = at;
-            for (std::uint32_t e = ring.start[d]; e < ring.start[d + 1]; ++e)
-                for (std::uint32_t f = ring.start[ring.col[e]]; f < ring.start[ring.col[e] + 1]; ++f) {
-                    const std::uint32_t q = ring.col[f];
-                    if (seen[q] == mark) continue;
-                    seen[q] = mark;
-                    if (pass == 1) l.matrix.col[at] = q;
-                    ++at;
-                }
-            if (pass == 0) continue;
-            std::sort(l.matrix.col.begin() + begin, l.matrix.col.begin() + at);
-            l.matrix.start[d + 1] = at;
-        }
-        if (pass == 0 && !l.matrix.col.allocate(a, at)) return false;
     }
     return true;
 }
@@ -212,11 +190,12 @@ bool measure_samples(PhysicsImpl& p, const StateImpl& s, Around& to) noexcept {
     const Allocator& a = p.allocator;
     Level& l = p.fine();
     if (!to.area.allocate(a, l.dofs) || !to.normal.allocate(a, l.dofs) || !to.bend.allocate(a, l.dofs) ||
-        !to.slide.allocate(a, l.dofs) || !make_ring(l, to.ring, a) || !make_matrix_pattern(l, to.ring, a) ||
-        !to.laplace.allocate(a, to.ring.col.size()) || !p.membrane.allocate(a, l.matrix.col.size()) ||
-        !p.stiff.allocate(a, l.matrix.col.size()))
+        !to.slide.allocate(a, l.dofs) || !make_ring(l, l.matrix, a))
         return false;
-    const double modulus = 2 * double{p.shear} + double{p.dilate};
+    const std::uint64_t entries = l.matrix.col.size();
+    if (!to.laplace.allocate(a, entries) || !p.laplace.allocate(a, entries) || !p.membrane.allocate(a, entries) ||
+        !p.membrane_firm.allocate(a, l.dofs) || !p.other_firm.allocate(a, l.dofs))
+        return false;
     each_triangle(p, [&](const Triangle& t) {
         const Measured m = measure(p, t);
         const float soft = stiffness_of(s, t);
@@ -230,11 +209,12 @@ bool measure_samples(PhysicsImpl& p, const StateImpl& s, Around& to) noexcept {
             const Double3 way = point(p.rest, t.corner[k]) - point(p.rest, t.corner[(k + 1) % 3]);
             to.bend[d] = to.bend[d] + w * way;
             to.bend[e] = to.bend[e] - w * way;
-            const double stiff = w * modulus * double{soft};
-            entry(l.matrix, p.membrane, d, d) += stiff;
-            entry(l.matrix, p.membrane, e, e) += stiff;
-            entry(l.matrix, p.membrane, d, e) -= stiff;
-            entry(l.matrix, p.membrane, e, d) -= stiff;
+            for (const auto& [values, weight] : {std::pair{&p.laplace, w}, std::pair{&p.membrane, w * double{soft}}}) {
+                entry(l.matrix, *values, d, d) += weight;
+                entry(l.matrix, *values, e, e) += weight;
+                entry(l.matrix, *values, d, e) -= weight;
+                entry(l.matrix, *values, e, d) -= weight;
+            }
         }
     });
     for (Double3& n : to.normal) n = unit(n);
@@ -306,8 +286,8 @@ void take_laplacian(PhysicsImpl& p, Around& to) noexcept {
                 p.near[blocked(s, place, kNear)] -= static_cast<float>(w);
                 p.near_turned[blocked(s, 4, kNear)] += static_cast<float>(w);
                 p.near_turned[blocked(t.corner[other], 8 - place, kNear)] -= static_cast<float>(w);
-                entry(to.ring, to.laplace, d, d) += w;
-                entry(to.ring, to.laplace, d, l.dof_of[t.corner[other]]) -= w;
+                entry(l.matrix, to.laplace, d, d) += w;
+                entry(l.matrix, to.laplace, d, l.dof_of[t.corner[other]]) -= w;
             }
         }
     });
@@ -320,8 +300,8 @@ void take_samples(PhysicsImpl& p, const StateImpl& s, const Around& from) noexce
         const std::uint32_t d = l.dof_of[k], first = l.sample_of[d];
         const bool rim = (s.ring[k] & kRingRim) != 0 || from.area[d] == 0;
         Double3 bend;
-        for (std::uint32_t e = from.ring.start[d]; e < from.ring.start[d + 1]; ++e)
-            bend = bend + from.laplace[e] * point(p.rest, l.sample_of[from.ring.col[e]]);
+        for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
+            bend = bend + from.laplace[e] * point(p.rest, l.sample_of[l.matrix.col[e]]);
         p.modulus[k] = rim ? 0 : static_cast<float>(double{material.bending} / from.area[d]);
         p.height[k] = static_cast<float>(dot(bend, from.normal[d]));
         const Vec3 n = narrow(from.normal[d]);
@@ -334,17 +314,17 @@ void take_samples(PhysicsImpl& p, const StateImpl& s, const Around& from) noexce
     }
 }
 
-/// Bending and foundation: (L - C)^T B / A (L - C) + foundation.
-void add_bending(PhysicsImpl& p, const Around& from) noexcept {
+/// Diagonals of (2 mu + lambda) L and of (L - C)^T B / A (L - C) + foundation.
+void take_firmness(PhysicsImpl& p, const Around& from) noexcept {
     const Level& l = p.fine();
+    const double modulus = 2 * double{p.shear} + double{p.dilate};
     for (std::uint32_t k = 0; k < l.dofs; ++k) {
-        const double modulus = p.modulus[l.sample_of[k]];
-        entry(l.matrix, p.stiff, k, k) += double{p.anchor[l.sample_of[k]]};
-        if (modulus == 0) continue;
-        for (std::uint32_t e = from.ring.start[k]; e < from.ring.start[k + 1]; ++e)
-            for (std::uint32_t f = from.ring.start[k]; f < from.ring.start[k + 1]; ++f)
-                entry(l.matrix, p.stiff, from.ring.col[e], from.ring.col[f]) +=
-                    modulus * from.laplace[e] * from.laplace[f];
+        const double bending = p.modulus[l.sample_of[k]];
+        p.other_firm[k] += double{p.anchor[l.sample_of[k]]};
+        for (std::uint32_t e = l.matrix.start[k]; e < l.matrix.start[k + 1]; ++e) {
+            p.other_firm[l.matrix.col[e]] += bending * from.laplace[e] * from.laplace[e];
+            if (l.matrix.col[e] == k) p.membrane_firm[k] = modulus * p.membrane[e];
+        }
     }
 }
 
@@ -359,8 +339,8 @@ bool find_followers(PhysicsImpl& p, const Around& from) noexcept {
         if (from.area[d] != 0) continue;
         p.followers[at] = d;
         p.followers[at + 1] = l.sample_of[d];
-        for (std::uint32_t e = from.ring.start[d + 1]; e-- > from.ring.start[d];)
-            if (from.area[from.ring.col[e]] > 0) p.followers[at + 1] = l.sample_of[from.ring.col[e]];
+        for (std::uint32_t e = l.matrix.start[d + 1]; e-- > l.matrix.start[d];)
+            if (from.area[l.matrix.col[e]] > 0) p.followers[at + 1] = l.sample_of[l.matrix.col[e]];
         at += 2;
     }
     return true;
@@ -374,7 +354,7 @@ Result<void> build_model(PhysicsImpl& p, const StateImpl& s) noexcept {
     if (!measure_samples(p, s, around) || !find_slides(p, around)) return kNoMemory;
     take_laplacian(p, around);
     take_samples(p, s, around);
-    add_bending(p, around);
+    take_firmness(p, around);
     if (!find_followers(p, around) || !build_levels(p.solver, p.allocator)) return kNoMemory;
     p.rest_volume = volume_of(p, p.delta, 0, nullptr);
     return {};
@@ -382,18 +362,47 @@ Result<void> build_model(PhysicsImpl& p, const StateImpl& s) noexcept {
 
 void take_step_length(PhysicsImpl& p) noexcept {
     Level& l = p.fine();
-    const double dt = p.options.dt, viscous = 1 + double{p.options.material.viscosity} / dt;
+    Multigrid& m = p.solver;
+    const Material& material = p.options.material;
+    const double dt = p.options.dt, viscous = 1 + double{material.viscosity} / dt;
+    for (std::uint32_t s = 0; s < l.grid; ++s) {
+        const std::uint32_t d = l.dof_of[s];
+        p.firm[s] = static_cast<float>(viscous * p.membrane_firm[d] + p.other_firm[d] + double{p.mass[s]} / (dt * dt));
+        if (!(p.firm[s] > 0)) p.firm[s] = 1;  // without a triangle: held
+    }
+    // c0 M + c1 L + c2 L M^-1 L, M the masses.
+    const double c0 = 1 / (dt * dt) + double{material.foundation} / double{material.density},
+                 c1 = viscous * (2 * double{p.shear} + double{p.dilate}),
+                 c2 = double{material.bending} * double{material.density};
+    // A border does not bend. The product cannot say so, but twice the mass there, in between, is near.
+    m.mass = p.weight;
+    for (std::uint32_t s = 0; s < l.grid; ++s) p.weight[s] = p.modulus[s] > 0 ? p.mass[s] : 2 * p.mass[s];
+    m.apart = 0;
+    m.scale = 1;
+    double shift = c0, laplace = c1;
+    m.factors = Factors::One;
+    if (c2 > 0) {
+        // The membrane resists motion along the surface by c1 and motion across it hardly at all, so a square that has
+        // less of it, c1 = 2 (c0 c2)^(1/2), will do as long as the two are not far apart.
+        const double square = 2 * std::sqrt(c0 * c2), root = std::sqrt(std::max(0.0, c1 * c1 - square * square));
+        m.factors = c1 <= kAsSquare * square ? Factors::Same : Factors::Two;
+        m.scale = c2;
+        laplace = 1;
+        shift = m.factors == Factors::Same ? square / (2 * c2) : 2 * c0 / (c1 + root);
+        m.apart = m.factors == Factors::Same ? 0 : root / c2;
+    }
+    const Array<double>& values = m.factors == Factors::Same ? p.laplace : p.membrane;
     double mean = 0;
-    for (std::size_t e = 0; e < l.value.size(); ++e) l.value[e] = viscous * p.membrane[e] + p.stiff[e];
+    for (std::size_t e = 0; e < l.value.size(); ++e) l.value[e] = laplace * values[e];
     for (std::uint32_t d = 0; d < l.dofs; ++d) {
         double& v = entry(l.matrix, l.value, d, d);
-        v += double{p.mass[l.sample_of[d]]} / (dt * dt);
+        v += shift * double{p.mass[l.sample_of[d]]};
         mean += v / l.dofs;
     }
     for (std::size_t k = 0; k < p.followers.size(); k += 2)
         entry(l.matrix, l.value, p.followers[k], p.followers[k]) += mean;
     p.hold = static_cast<float>(mean);
-    take_values(p.solver);
+    take_values(m);
     p.pairs = 0;
 }
 

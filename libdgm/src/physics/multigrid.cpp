@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/multigrid.cpp
-// One V-cycle over the strides of a map.
+// V-cycles over the strides of a map.
+//
+// The matrix of a step, mass + membrane + bending, is c0 M + c1 L + c2 L M^-1 L with one Laplacian L. A smoother of
+// single samples sees the last term's couplings along the short sides of quads, which grow with the fourth power of
+// their ratio, so it is not smoothed as it stands: (L + a M) M^-1 (L + b M) c2 is the same matrix or near it, and each
+// factor is of second order, with 3 x 3 stencils. The inverse of the product is a V-cycle, the masses, and a V-cycle.
+// With a != b that would not be symmetric; B M B + (b - a) B M A M B is, for A and B near the inverses of the factors.
 //
 // Smoother: Chebyshev polynomials of D^-1 A, the same number of steps before and after the coarse correction, so that
 // the cycle is symmetric. A polynomial needs no order of the samples: it gives the same bits whatever the number of
@@ -17,8 +23,8 @@
 namespace dgm::detail::physics {
 namespace {
 
-constexpr int kSmooth = 3;       ///< steps before and after
-constexpr double kSpread = 12;   ///< the smoother works on eigenvalues from largest / kSpread
+constexpr int kSmooth = 4;       ///< steps before and after
+constexpr double kSpread = 10;   ///< the smoother works on eigenvalues from largest / kSpread
 constexpr double kMargin = 1.1;  ///< power iterations end below the largest eigenvalue
 
 /// Steps of the Chebyshev recurrence: the first one's factor, then (keep, step) of the others.
@@ -38,35 +44,85 @@ struct Chebyshev {
     }
 };
 
-/// way = D^-1 residual / theta
-void begin(const Level& l, double theta, const Field& way) noexcept {
-    const auto scale = static_cast<float>(1 / theta);
-    const std::size_t n = l.count();
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict w = way.p[a];
-        const float* __restrict r = l.r.p[a];
-        const float* __restrict inverse = l.inverse;
-        for (std::size_t s = 0; s < n; ++s) w[s] = scale * inverse[s] * r[s];
+/// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual and x += next unless empty.
+///
+/// The residual of a class stands at its first sample, as does its `extra`; its other copies hold 0. Each copy has a
+/// part of the class's row.
+void sweep_level(const Multigrid& m, const Level& l, int which, const Field& way, const Field& residual,
+                 const Field& next, float keep, float step) noexcept {
+    const float *extra = l.extra[which], *inverse = l.inverse[which];
+    const bool both = next.p[0] != nullptr;
+    // What the loop over all samples will overwrite.
+    float *now = const_cast<float*>(l.rim_now.data()), *x_now = const_cast<float*>(l.late_now.data());
+    for (std::size_t k = 0; k < l.rim.size(); ++k) {
+        const std::uint32_t s = l.sample_of[l.rim[k]];
+        float sum[3] = {};
+        for (std::uint32_t e = l.rim_rows.start[k]; e < l.rim_rows.start[k + 1]; ++e)
+            for (int a = 0; a < 3; ++a) sum[a] += l.rim_value[e] * way.p[a][l.rim_rows.col[e]];
+        for (int a = 0; a < 3; ++a)
+            now[3 * k + static_cast<std::size_t>(a)] = residual.p[a][s] - (sum[a] + extra[s] * way.p[a][s]);
+    }
+    const std::size_t late = l.late.size();
+    if (both)
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t k = 0; k < late; ++k) x_now[a * late + k] = l.x.p[a][l.late[k]];
+    m.kernels->sweep({l.count(), static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), extra, inverse, way, residual,
+                      next, l.x, keep, step});
+    for (std::size_t a = 0; a < 3; ++a) {
+        float* r = residual.p[a];
+        for (std::size_t k = 0; k < l.copies.size(); k += 2) {
+            r[l.copies[k + 1]] += r[l.copies[k]];
+            r[l.copies[k]] = 0;
+        }
+        for (std::size_t k = 0; k < l.rim.size(); ++k) r[l.sample_of[l.rim[k]]] = now[3 * k + a];
+        if (!both) continue;
+        float *to = next.p[a], *x = l.x.p[a];
+        for (std::size_t k = 0; k < late; ++k) {
+            const std::uint32_t s = l.late[k];
+            to[s] = keep * way.p[a][s] + (step * inverse[s]) * r[s];
+            x[s] = x_now[a * late + k] + to[s];
+        }
+        for (std::size_t k = 0; k < l.copies.size(); k += 2) {
+            to[l.copies[k]] = to[l.copies[k + 1]];
+            x[l.copies[k]] = x[l.copies[k + 1]];
+        }
     }
 }
 
-/// x += smoothing of the residual, which is brought up to date if asked for.
-void smooth(const Multigrid& m, Level& l, bool residual) noexcept {
+/// x += smoothing of the residual, or x = that of a first guess 0, with the residual brought up to date.
+void smooth(const Multigrid& m, Level& l, int which, bool first) noexcept {
     Chebyshev steps(l.largest);
     Field way = l.d0, next = l.d1;
-    begin(l, steps.theta, way);
-    add_field(l, l.x, way);
+    const auto by = static_cast<float>(1 / steps.theta);
+    if (first)
+        for (float* x : l.x.p) std::fill(x, x + l.count(), 0.0f);
+    m.kernels->weigh(l.count(), way, by, l.inverse[which], l.r, l.x);
+    share_copies(l, way);
+    share_copies(l, l.x);
     for (int k = 1; k < kSmooth; ++k) {
         const auto [keep, step] = steps.next();
-        sweep_level(m, l, way, l.r, next, keep, step);
+        sweep_level(m, l, which, way, l.r, next, keep, step);
         std::swap(way, next);
-        add_field(l, l.x, way);
     }
-    if (residual) sweep_level(m, l, way, l.r, {}, 0, 0);
+    if (first) sweep_level(m, l, which, way, l.r, {}, 0, 0);
 }
 
+/// Residual of the coarser level: weights 1/4, 1/2, 1 of the 3 x 3 around each sample; lists where those are others.
 void restrict_residual(const Level& f, const Level& c) noexcept {
-    for (std::uint32_t p = 0; p < c.dofs; ++p) {
+    if (f.odd_down.size() != c.dofs)
+        for (int a = 0; a < 3; ++a)
+            for (std::uint32_t i = 1; i + 1 < c.rows; ++i) {
+                const float *mid = f.r.p[a] + std::size_t{2 * i} * f.cols, *up = mid - f.cols, *down = mid + f.cols;
+                float* __restrict to = c.r.p[a] + std::size_t{i} * c.cols;
+                for (std::uint32_t j = 1; j + 1 < c.cols; ++j) {
+                    const std::uint32_t k = 2 * j;
+                    const float left = 0.5f * (up[k - 1] + down[k - 1]) + mid[k - 1],
+                                here = 0.5f * (up[k] + down[k]) + mid[k],
+                                right = 0.5f * (up[k + 1] + down[k + 1]) + mid[k + 1];
+                    to[j] = 0.5f * (left + right) + here;
+                }
+            }
+    for (const std::uint32_t p : f.odd_down) {
         float sum[3] = {};
         for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e) {
             const std::uint32_t s = f.sample_of[f.down.col[e]];
@@ -74,11 +130,23 @@ void restrict_residual(const Level& f, const Level& c) noexcept {
         }
         for (int a = 0; a < 3; ++a) c.r.p[a][c.sample_of[p]] = sum[a];
     }
-    share_copies(c, c.r);
 }
 
 void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
-    for (std::uint32_t d = 0; d < f.dofs; ++d) {
+    if (f.odd_up.size() != f.dofs)
+        for (int a = 0; a < 3; ++a)
+            for (std::uint32_t i = 1; i + 1 < f.rows; ++i) {
+                const float *low = c.x.p[a] + std::size_t{i / 2} * c.cols, *high = low + i % 2 * c.cols;
+                float* __restrict row = to.p[a] + std::size_t{i} * f.cols;
+                float before = 0.5f * (low[0] + high[0]);
+                for (std::uint32_t j = 0; 2 * j + 1 < f.cols; ++j) {
+                    const float next = 0.5f * (low[j + 1] + high[j + 1]);
+                    row[2 * j] = before;
+                    row[2 * j + 1] = 0.5f * (before + next);
+                    before = next;
+                }
+            }
+    for (const std::uint32_t d : f.odd_up) {
         float sum[3] = {};
         for (std::uint32_t e = f.up.start[d]; e < f.up.start[d + 1]; ++e) {
             const std::uint32_t s = c.sample_of[f.up.col[e]];
@@ -90,15 +158,15 @@ void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
 }
 
 /// Cholesky factorisation of the coarsest matrix. @return false if it is not positive definite.
-bool factorize(Multigrid& m) noexcept {
+bool factorize(Multigrid& m, int which) noexcept {
     const Level& l = m.level[m.levels - 1];
     const std::uint32_t n = l.dofs;
-    double* a = m.factor;
+    double* a = m.factor[which];
     std::fill(a, a + std::size_t{n} * n, 0.0);
     for (std::uint32_t d = 0; d < n; ++d) {
         for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
             a[d * n + l.matrix.col[e]] = l.value[e];
-        a[d * n + d] += double{l.extra[l.sample_of[d]]};
+        a[d * n + d] += double{l.extra[which][l.sample_of[d]]};
     }
     for (std::uint32_t i = 0; i < n; ++i)
         for (std::uint32_t j = 0; j <= i; ++j) {
@@ -114,9 +182,9 @@ bool factorize(Multigrid& m) noexcept {
     return true;
 }
 
-void solve_directly(Multigrid& m, Level& l) noexcept {
+void solve_directly(const Multigrid& m, Level& l, int which) noexcept {
     const std::uint32_t n = l.dofs;
-    const double* a = m.factor;
+    const double* a = m.factor[which];
     double y[kDirect];
     for (int c = 0; c < 3; ++c) {
         for (std::uint32_t i = 0; i < n; ++i) {
@@ -134,17 +202,19 @@ void solve_directly(Multigrid& m, Level& l) noexcept {
     share_copies(l, l.x);
 }
 
-void run_level(Multigrid& m, std::uint32_t k) noexcept {
+/// x of a level from its residual, by one V-cycle for factor `which`.
+void run_level(Multigrid& m, std::uint32_t k, int which) noexcept {
     Level& l = m.level[k];
-    if (k + 1 == m.levels) return solve_directly(m, l);
-    for (float* p : l.x.p) std::fill(p, p + l.count(), 0.0f);
-    smooth(m, l, true);
+    if (k + 1 == m.levels) return solve_directly(m, l, which);
+    for (float* r : l.r.p)
+        for (std::size_t c = 0; c < l.copies.size(); c += 2) r[l.copies[c]] = 0;
+    smooth(m, l, which, true);
     restrict_residual(l, m.level[k + 1]);
-    run_level(m, k + 1);
+    run_level(m, k + 1, which);
     interpolate(l, m.level[k + 1], l.d0);
-    add_field(l, l.x, l.d0);
-    sweep_level(m, l, l.d0, l.r, {}, 0, 0);
-    smooth(m, l, false);
+    m.kernels->add(l.count(), l.x, 1, l.d0);
+    sweep_level(m, l, which, l.d0, l.r, {}, 0, 0);
+    smooth(m, l, which, false);
 }
 
 /// Rayleigh quotient of three vectors after some powers of D^-1 A.
@@ -159,7 +229,7 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
     double found = 0;
     for (int k = 0; k < 20; ++k) {
         for (float* p : l.r.p) std::fill(p, p + l.count(), 0.0f);
-        sweep_level(m, l, l.d0, l.r, {}, 0, 0);
+        sweep_level(m, l, 0, l.d0, l.r, {}, 0, 0);
         double above[3] = {}, below[3] = {};
         for (int a = 0; a < 3; ++a)
             for (std::uint32_t d = 0; d < l.dofs; ++d) {
@@ -173,8 +243,9 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
             const double quotient = above[a] / below[a];
             found = std::max(found, quotient);
             const auto scale = static_cast<float>(-1 / std::max(quotient, 1e-3));
-            for (std::size_t s = 0; s < l.count(); ++s) l.d0.p[a][s] = scale * l.inverse[s] * l.r.p[a][s];
+            for (std::size_t s = 0; s < l.count(); ++s) l.d0.p[a][s] = scale * l.inverse[0][s] * l.r.p[a][s];
         }
+        share_copies(l, l.d0);
     }
     return found > 0 ? found : 1;
 }
@@ -185,84 +256,35 @@ void share_copies(const Level& l, const Field& f) noexcept {
         for (float* p : f.p) p[l.copies[k]] = p[l.copies[k + 1]];
 }
 
-void add_field(const Level& l, const Field& to, const Field& from) noexcept {
-    const std::size_t n = l.count();
-    for (int a = 0; a < 3; ++a) {
-        float* __restrict t = to.p[a];
-        const float* __restrict f = from.p[a];
-        for (std::size_t s = 0; s < n; ++s) t[s] += f[s];
-    }
-}
-
-void sweep_level(const Multigrid& m, const Level& l, const Field& way, const Field& residual, const Field& next,
-                 float keep, float step) noexcept {
-    // Rows of the rim first: the loop over all samples then overwrites what they read.
-    const bool both = next.p[0] != nullptr;
-    float* now = const_cast<float*>(l.rim_now.data());
-    for (std::size_t k = 0; k < l.rim.size(); ++k) {
-        const std::uint32_t s = l.sample_of[l.rim[k]];
-        // Two sums a coordinate: one alone would wait for each addition.
-        const std::uint32_t* col = l.rim_rows.col.data();
-        const float* value = l.rim_value.data();
-        const float *wx = way.p[0], *wy = way.p[1], *wz = way.p[2];
-        float even[3] = {}, odd[3] = {};
-        std::uint32_t e = l.rim_rows.start[k];
-        const std::uint32_t end = l.rim_rows.start[k + 1];
-        for (; e + 1 < end; e += 2) {
-            const std::uint32_t c = col[e], d = col[e + 1];
-            const float v = value[e], w = value[e + 1];
-            even[0] += v * wx[c];
-            even[1] += v * wy[c];
-            even[2] += v * wz[c];
-            odd[0] += w * wx[d];
-            odd[1] += w * wy[d];
-            odd[2] += w * wz[d];
-        }
-        if (e < end) {
-            even[0] += value[e] * wx[col[e]];
-            even[1] += value[e] * wy[col[e]];
-            even[2] += value[e] * wz[col[e]];
-        }
-        const float sum[3] = {even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]};
-        for (int a = 0; a < 3; ++a) {
-            const float r = residual.p[a][s] - (sum[a] + l.extra[s] * way.p[a][s]);
-            now[6 * k + static_cast<std::size_t>(a)] = r;
-            now[6 * k + 3 + static_cast<std::size_t>(a)] = keep * way.p[a][s] + (step * l.inverse[s]) * r;
-        }
-    }
-    m.kernels->sweep({l.first, l.last, static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), l.extra, l.inverse, way,
-                      residual, next, keep, step});
-    for (std::size_t k = 0; k < l.rim.size(); ++k) {
-        const std::uint32_t s = l.sample_of[l.rim[k]];
-        for (int a = 0; a < 3; ++a) {
-            residual.p[a][s] = now[6 * k + static_cast<std::size_t>(a)];
-            if (both) next.p[a][s] = now[6 * k + 3 + static_cast<std::size_t>(a)];
-        }
-    }
-    share_copies(l, residual);
-    if (both) share_copies(l, next);
-}
-
 void take_extra(Multigrid& m) noexcept {
-    for (std::uint32_t k = 0; k < m.levels; ++k) {
-        Level& l = m.level[k];
-        if (k != 0) {
-            // Row sums of P^T diag(extra) P bound it from above: a coarse sample near a held one hardly moves.
-            const Level& f = m.level[k - 1];
-            for (std::uint32_t p = 0; p < l.dofs; ++p) {
-                float sum = 0;
-                for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e)
-                    sum += f.down_weight[e] * f.extra[f.sample_of[f.down.col[e]]];
-                l.extra[l.sample_of[p]] = sum;
+    const int factors = m.factors == Factors::Two ? 2 : 1;
+    m.sound = true;
+    for (int which = 0; which < factors; ++which) {
+        for (std::uint32_t k = 0; k < m.levels; ++k) {
+            Level& l = m.level[k];
+            float* extra = l.extra[which];
+            if (k == 0) {
+                if (which == 1)
+                    for (std::uint32_t s = 0; s < l.grid; ++s)
+                        extra[s] = l.extra[0][s] + static_cast<float>(m.apart) * m.mass[s];
+            } else {
+                // Row sums of P^T diag(extra) P bound it from above: a coarse sample near a held one hardly moves.
+                const Level& f = m.level[k - 1];
+                for (std::uint32_t p = 0; p < l.dofs; ++p) {
+                    float sum = 0;
+                    for (std::uint32_t e = f.down.start[p]; e < f.down.start[p + 1]; ++e)
+                        sum += f.down_weight[e] * f.extra[which][f.sample_of[f.down.col[e]]];
+                    extra[l.sample_of[p]] = sum;
+                }
             }
-            for (std::size_t c = 0; c < l.copies.size(); c += 2) l.extra[l.copies[c]] = l.extra[l.copies[c + 1]];
+            for (std::size_t c = 0; c < l.copies.size(); c += 2) extra[l.copies[c]] = 0;  // see sweep_level()
+            for (std::uint32_t s = 0; s < l.grid; ++s) {
+                const float d = l.diagonal[s] + extra[s];
+                l.inverse[which][s] = d > 0 ? 1 / d : 0;
+            }
         }
-        for (std::uint32_t s = 0; s < l.grid; ++s) {
-            const float d = l.diagonal[s] + l.extra[s];
-            l.inverse[s] = d > 0 ? 1 / d : 0;
-        }
+        m.sound = factorize(m, which) && m.sound;
     }
-    m.sound = factorize(m);
 }
 
 void bound_eigenvalues(Multigrid& m) noexcept {
@@ -271,18 +293,25 @@ void bound_eigenvalues(Multigrid& m) noexcept {
 }
 
 void run_cycle(Multigrid& m) noexcept {
-    run_level(m, 0);
-}
-
-double inner(const Level& l, const Field& a, const Field& b) noexcept {
-    double sum[8] = {};
-    for (int c = 0; c < 3; ++c) {
-        const float* x = a.p[c];
-        const float* y = b.p[c];
-        for (std::size_t s = 0; s < l.count(); s += 8)
-            for (std::size_t k = 0; k < 8; ++k) sum[k] += double{l.own[s + k]} * (double{x[s + k]} * double{y[s + k]});
+    Level& l = m.level[0];
+    const auto solve = [&](int which) { run_level(m, 0, which); };
+    if (m.factors == Factors::One) return solve(0);
+    const int outer = m.factors == Factors::Two ? 1 : 0;
+    const auto weigh = [&](const Field& to, double factor) {
+        m.kernels->weigh(l.count(), to, static_cast<float>(factor), m.mass, l.x, {});
+    };
+    const double by = 1 / m.scale;
+    solve(outer);
+    if (outer == 1) {
+        weigh(l.kept, by);
+        weigh(l.r, 1);
+        solve(0);
+        weigh(l.r, by * m.apart);
+        m.kernels->add(l.count(), l.r, 1, l.kept);
+    } else {
+        weigh(l.r, by);
     }
-    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+    solve(outer);
 }
 
 }  // namespace dgm::detail::physics

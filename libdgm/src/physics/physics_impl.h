@@ -24,6 +24,8 @@ struct Touching {
     double stiffness;       ///< N/m
     double multiplier = 0;  ///< at the start of the step, N; >= 0
     double force = 0;       ///< now
+    bool met = false;       ///< had a force at some time in this step
+    bool held = false;      ///< its stiffness is in `pressed`
 };
 
 /// Place of a sample relative to the tool that grasps it.
@@ -70,11 +72,15 @@ struct PhysicsImpl {
     physics::Field rest_normal;
     float *energy = nullptr, *bent = nullptr, *other = nullptr, *modulus = nullptr, *height = nullptr;
     float *mass = nullptr, *anchor = nullptr, *free = nullptr;  ///< kg, N/m of the foundation, 1 or 0: held
-    float* stretch[6] = {};                 ///< at the end of the step before; null without viscosity
-    Array<float> quads, near, near_turned;  ///< see kernels.h
-    Array<double> at[3];                    ///< displacement from rest
-    Array<double> membrane, stiff;   ///< values of solver.level[0].matrix: times 1 + viscosity / dt, and the rest
-    Array<std::uint32_t> followers;  ///< pairs (unknown without a triangle, sample that it follows)
+    float* is_quad = nullptr;                   ///< 1 at samples with a quad (i, j), 0 at the last row and column
+    float* weight = nullptr;                    ///< kg: M of the solver's product of factors
+    float *firm = nullptr, *pressed = nullptr;  ///< N/m: diagonal of the matrix; stiffness of grasps and contacts
+    float* stretch[6] = {};                     ///< at the end of the step before; null without viscosity
+    Array<float> quads, near, near_turned;      ///< see kernels.h
+    Array<double> at[3];                        ///< displacement from rest
+    Array<double> laplace, membrane;            ///< Laplacian, and times stiffness, by solver.level[0].matrix
+    Array<double> membrane_firm, other_firm;    ///< diagonals of membrane (times 1 + viscosity / dt) and the rest
+    Array<std::uint32_t> followers;             ///< pairs (unknown without a triangle, sample that it follows)
     Array<physics::Touching> touching[2];
     std::uint32_t touching_count = 0, touching_now = 0;
     Array<physics::Grasped> grasped;
@@ -84,7 +90,7 @@ struct PhysicsImpl {
     double products[physics::kHistory] = {};  ///< moves . turns
     double elastic = 0;                       ///< at the end of the step before, J
     double pressure = 0;
-    float hold = 0;              ///< N/m that stand for a held sample on coarser levels
+    float hold = 0;              ///< entry of `extra` that stands for a held sample on coarser levels
     Array<std::uint8_t> pinned;  ///< by unknown, while a step runs: 1 by a pin, 2 by a pin where it was held anyway
     double at_rest = 0;          ///< inertial part of the potential without displacement in this step
 
@@ -124,6 +130,8 @@ void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
 void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept;
 /// Stiffness of pins, grasps and contacts on the diagonal.
 void take_holds(PhysicsImpl& p) noexcept;
+/// Takes in contacts that were met since. @return false: there are none.
+[[nodiscard]] bool hold_met(PhysicsImpl& p) noexcept;
 /// Multipliers for the next step.
 void keep_multipliers(PhysicsImpl& p) noexcept;
 /// Minimises the potential from `delta` on. @return false: nothing lower was found, or numbers overflowed.
@@ -133,7 +141,6 @@ void keep_multipliers(PhysicsImpl& p) noexcept;
 [[nodiscard]] double volume_of(const PhysicsImpl& p, const Field& delta, double step, const Field* way) noexcept;
 /// to_class = sum over its copies.
 void sum_classes(const PhysicsImpl& p, const Field& f) noexcept;
-[[nodiscard]] double sum_plane(const PhysicsImpl& p, const float* plane) noexcept;
 
 }  // namespace physics
 }  // namespace dgm::detail

@@ -85,8 +85,9 @@ void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
             const bool flat = shape.kind == ObstacleKind::Plane;
             if (!(length > 0) && !flat) return;
             const Double3 normal = flat ? shape.normal : (1 / length) * way;
-            const double firm = double{l.diagonal[k]};
-            to[count++] = {k, scene.ids[o], normal, there.distance * p.scale, firm, memory.of(scene.ids[o], k), 0};
+            const double firm = double{p.firm[k]};
+            to[count++] = {k, scene.ids[o], normal, there.distance * p.scale, firm, memory.of(scene.ids[o], k),
+                           0, false,        false};
         };
         for (std::uint32_t i = 0; i < p.rows; i += kTile)
             for (std::uint32_t j = 0; j < p.cols; j += kTile) {
@@ -131,7 +132,7 @@ void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> 
             const std::uint32_t k = l.sample_of[d];
             const Double3 x = place(p, s, k), way = x - middle;
             if (p.free[k] == 0 || dot(way, way) > double{radius} * double{radius}) continue;
-            p.grasped[p.grasped_count++] = {k, t.tool, p.scale * (x - tool), {}, double{l.diagonal[k]}, {}, {}};
+            p.grasped[p.grasped_count++] = {k, t.tool, p.scale * (x - tool), {}, double{p.firm[k]}, {}, {}};
         }
     }
     p.holding = wanted;
@@ -144,14 +145,35 @@ void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> 
 
 void take_holds(PhysicsImpl& p) noexcept {
     Level& l = p.fine();
-    for (std::uint32_t s = 0; s < l.grid; ++s) l.extra[s] = p.free[s] == 0 ? p.hold : 0;
-    const Array<Touching>& list = p.touching[p.touching_now];
-    for (std::uint32_t k = 0; k < p.touching_count; ++k)
-        if (list[k].multiplier > 0 || list[k].gap < 0) l.extra[list[k].sample] += static_cast<float>(list[k].stiffness);
+    std::fill(p.pressed, p.pressed + l.grid, 0.0f);
+    Array<Touching>& list = p.touching[p.touching_now];
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) {
+        Touching& t = list[k];
+        t.held = t.met || t.multiplier > 0 || t.gap < 0;
+        if (t.held) p.pressed[t.sample] += static_cast<float>(t.stiffness);
+    }
     for (std::uint32_t k = 0; k < p.grasped_count; ++k)
-        l.extra[p.grasped[k].sample] += static_cast<float>(p.grasped[k].stiffness);
-    for (std::size_t k = 0; k < l.copies.size(); k += 2) l.extra[l.copies[k]] = l.extra[l.copies[k + 1]];
+        p.pressed[p.grasped[k].sample] += static_cast<float>(p.grasped[k].stiffness);
+    for (std::size_t k = 0; k < l.copies.size(); k += 2) p.pressed[l.copies[k]] = p.pressed[l.copies[k + 1]];
+    // E1 M^-1 E2 scale is the stiffness of a sample that is held by both factors alike.
+    const bool product = p.solver.factors != Factors::One;
+    const auto by = static_cast<float>(1 / p.solver.scale);
+    float* extra = l.d0.p[0];
+    for (std::uint32_t s = 0; s < l.grid; ++s) {
+        const float held = p.pressed[s];
+        extra[s] = l.own[s] * ((p.free[s] == 0 ? p.hold : 0) + (product ? std::sqrt(held * by * p.mass[s]) : held));
+    }
+    if (std::equal(extra, extra + l.grid, l.extra[0])) return;  // as in most steps
+    std::copy(extra, extra + l.grid, l.extra[0]);
     take_extra(p.solver);
+}
+
+bool hold_met(PhysicsImpl& p) noexcept {
+    const Array<Touching>& list = p.touching[p.touching_now];
+    bool found = false;
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) found = found || (list[k].met && !list[k].held);
+    if (found) take_holds(p);
+    return found;
 }
 
 void keep_multipliers(PhysicsImpl& p) noexcept {

@@ -13,6 +13,7 @@
 namespace dgm::test {
 namespace {
 
+using detail::Array;
 using detail::PhysicsImpl;
 using detail::physics::Field;
 using Points = std::vector<std::array<double, 3>>;
@@ -247,11 +248,31 @@ TEST_P(PhysicsModel, CyclesConverge) {
             for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
             return sum;
         };
-        const auto apply = [&](const Vector& v) {
+        // Mass, foundation, membrane, and bending by its stencils: what the cycle's factors stand for.
+        const double membrane = 2 * double{p.shear} + double{p.dilate};
+        const auto near = [&](const Array<float>& stencil, const Vector& v) {
             Vector to(3 * n, 0);
-            for (std::uint32_t d = 0; d < n; ++d)
+            for (std::uint32_t s = 0; s < p.total; ++s)
+                for (std::ptrdiff_t e = 0; e < 9; ++e) {
+                    const double w = double{stencil[detail::physics::blocked(s, std::size_t(e), 9)]};
+                    if (w == 0) continue;
+                    const auto o = std::size_t(std::ptrdiff_t(s) + (e / 3 - 1) * std::ptrdiff_t(p.cols) + e % 3 - 1);
+                    for (std::size_t c = 0; c < 3; ++c) to[3 * l.dof_of[s] + c] += w * v[3 * l.dof_of[o] + c];
+                }
+            return to;
+        };
+        const auto apply = [&](const Vector& v) {
+            Vector bent = near(p.near, v);
+            for (std::size_t k = 0; k < bent.size(); ++k) bent[k] *= double{p.modulus[l.sample_of[k / 3]]};
+            Vector to = near(p.near_turned, bent);
+            for (std::uint32_t d = 0; d < n; ++d) {
+                const std::uint32_t s = l.sample_of[d];
+                const double held = double{p.mass[s]} / (double{dt} * double{dt}) + double{p.anchor[s]};
+                for (std::size_t c = 0; c < 3; ++c) to[3 * d + c] += held * v[3 * d + c];
                 for (std::uint32_t e = l.matrix.start[d]; e < l.matrix.start[d + 1]; ++e)
-                    for (std::size_t c = 0; c < 3; ++c) to[3 * d + c] += l.value[e] * v[3 * l.matrix.col[e] + c];
+                    for (std::size_t c = 0; c < 3; ++c)
+                        to[3 * d + c] += membrane * p.membrane[e] * v[3 * l.matrix.col[e] + c];
+            }
             return to;
         };
         const auto cycle = [&](const Vector& v) {

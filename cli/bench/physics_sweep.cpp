@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/physics_sweep.cpp
+#include "bench/physics_sweep.h"
+
+#include <dgm/physics.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "bench/interrupt.h"
+#include "bench/machine_facts.h"
+#include "bench/run_sweep.h"
+#include "bench/runtime_error.h"
+#include "files/temporary_folder.h"
+
+namespace dgm::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDiagonal = 0.15;  ///< metres
+constexpr double kRadius = 0.1;     ///< of the ball, in diagonals
+constexpr double kDepth = 0.05;     ///< of the deepest touch, in diagonals
+constexpr double kPress = 0.1;      ///< seconds from the first touch to the deepest
+constexpr std::uint32_t kConverged = 300;
+constexpr std::uint32_t kOnTheWay = 3;  ///< cycles of the steps before the one that is looked at
+constexpr std::size_t kWarmUp = 50, kLetGo = 200;
+constexpr double kMoments[] = {0.001, 0.02, 0.06, 0.1};  ///< seconds of the press at which a step is looked at
+
+using Points = std::vector<std::array<double, 3>>;
+
+/// A body with a ball above its highest sample.
+class Poked {
+ public:
+    Poked(const Subject& subject, double metres, double dt) : state_(subject.state()), dt_(dt) {
+        const PointView rest = state_.rest_positions();
+        std::array<double, 3> low{}, high{};
+        for (std::uint32_t k = 0; k < rest.count; ++k) {
+            const std::array<double, 3> x{rest[k].x, rest[k].y, rest[k].z};
+            for (std::size_t c = 0; c < 3; ++c) {
+                low[c] = k == 0 ? x[c] : std::min(low[c], x[c]);
+                high[c] = k == 0 ? x[c] : std::max(high[c], x[c]);
+            }
+            if (k == 0 || rest[k].z > top_.z) top_ = rest[k];
+        }
+        diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+        PhysicsOptions options;
+        options.dt = static_cast<float>(dt);
+        options.metres_per_unit = metres > 0 ? metres : kDiagonal / diagonal_;
+        auto made = Physics::create(state_, options);
+        if (made)
+            physics_.emplace(std::move(made).value());
+        else
+            refusal_ = made.error().message;
+    }
+    /// Why there is no physics; empty: there is.
+    [[nodiscard]] const std::string& refusal() const { return refusal_; }
+
+    /// One step with the ball so deep, in shares of the deepest; nullopt: without it.
+    StepReport go(std::optional<double> share, std::uint32_t cycles) {
+        StepOptions options;
+        options.cycles = cycles;
+        options.tool_radius = static_cast<float>(kRadius * diagonal_);
+        ToolInput ball;
+        ball.position = top_;
+        ball.position.z += static_cast<float>((kRadius - kDepth * share.value_or(0)) * diagonal_);
+        const std::size_t tools = share ? 1 : 0;
+        return take(step(state_, *physics_, options, {&ball, tools}, {&answer_, tools}));
+    }
+    /// The ball goes in, step by step, for so long.
+    void press_for(double seconds) {
+        const auto steps = static_cast<std::size_t>(seconds / dt_ + 0.5);
+        for (std::size_t k = 1; k < steps; ++k) (void)go(share_at(static_cast<double>(k) * dt_), kOnTheWay);
+        time_ = static_cast<double>(std::max<std::size_t>(steps, 1)) * dt_;
+    }
+    /// The step after press_for(). @return how far each sample went
+    Points next(std::uint32_t cycles, StepReport& report) {
+        const Points before = points();
+        report = go(share_at(time_), cycles);
+        Points moved = points();
+        for (std::size_t k = 0; k < moved.size(); ++k)
+            for (std::size_t c = 0; c < 3; ++c) moved[k][c] -= before[k][c];
+        return moved;
+    }
+    [[nodiscard]] static double share_at(double seconds) { return std::min(1.0, seconds / kPress); }
+    [[nodiscard]] const StepTool& answer() const { return answer_; }
+
+ private:
+    [[nodiscard]] Points points() const {
+        Points out;
+        const PointView now = state_.positions();
+        for (std::uint32_t k = 0; k < now.count; ++k) out.push_back({now[k].x, now[k].y, now[k].z});
+        return out;
+    }
+    State state_;
+    std::optional<Physics> physics_;
+    std::string refusal_;
+    Vec3 top_;
+    double diagonal_ = 0, dt_, time_ = 0;
+    StepTool answer_;
+};
+
+double length(const Points& a) {
+    double sum = 0;
+    for (const auto& x : a) sum += x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    return std::sqrt(sum);
+}
+Points minus(Points a, const Points& b) {
+    for (std::size_t k = 0; k < a.size(); ++k)
+        for (std::size_t c = 0; c < 3; ++c) a[k][c] -= b[k][c];
+    return a;
+}
+double length(Vec3 v) {
+    return std::sqrt(double{v.x} * double{v.x} + double{v.y} * double{v.y} + double{v.z} * double{v.z});
+}
+
+/// What a step of `cycles` is worth beside one that has converged, from the same states.
+struct Accuracy {
+    double error = 0, force_error = 0, residual = 0, volume_error = 0;
+    std::uint32_t contacts = 0;
+};
+struct Moment {
+    double seconds;
+    Points converged;
+    Vec3 force;
+};
+using Moments = std::vector<Moment>;
+
+Moments converged_steps(const Subject& subject, double metres, double dt) {
+    Moments out;
+    for (const double seconds : kMoments) {
+        Poked body(subject, metres, dt);
+        body.press_for(seconds);
+        StepReport report;
+        Points moved = body.next(kConverged, report);
+        out.push_back({seconds, std::move(moved), body.answer().force});
+        stop_if_interrupted();
+    }
+    return out;
+}
+
+Accuracy accuracy_of(const Subject& subject, double metres, double dt, std::uint32_t cycles, const Moments& moments) {
+    Accuracy worst;
+    for (const Moment& m : moments) {
+        Poked body(subject, metres, dt);
+        body.press_for(m.seconds);
+        StepReport report;
+        const Points moved = body.next(cycles, report);
+        const double far = length(m.converged), force = length(m.force);
+        if (far > 0) worst.error = std::max(worst.error, length(minus(moved, m.converged)) / far);
+        if (force > 0) worst.force_error = std::max(worst.force_error, length(body.answer().force - m.force) / force);
+        worst.residual = std::max(worst.residual, report.residual);
+        worst.volume_error = std::max(worst.volume_error, std::fabs(report.volume_error));
+        worst.contacts = std::max(worst.contacts, report.contacts);
+    }
+    return worst;
+}
+
+/// Largest rise of kinetic plus elastic energy in a step after the ball is gone, in shares of what there was then.
+double energy_rise(const Subject& subject, double metres, double dt, std::uint32_t cycles) {
+    Poked body(subject, metres, dt);
+    body.press_for(kPress);
+    double first = 0, last = 0, rise = 0;
+    for (std::size_t k = 0; k < kLetGo; ++k) {
+        const StepReport report = body.go({}, cycles);
+        const double now = report.kinetic + report.elastic;
+        if (k == 0) first = now;
+        if (k > 0 && first > 0) rise = std::max(rise, (now - last) / first);
+        last = now;
+    }
+    return rise;
+}
+
+TickTimes step_times(const Subject& subject, double metres, double dt, std::uint32_t cycles, std::size_t steps) {
+    Poked body(subject, metres, dt);
+    // In and out, all the time in touch.
+    const auto turn = [&](std::size_t k) {
+        const double t = std::fmod(static_cast<double>(k) * dt, 2 * kPress) / kPress;
+        (void)body.go(0.1 + 0.9 * (t < 1 ? t : 2 - t), cycles);
+    };
+    return time_ticks(kWarmUp, steps, {}, turn);
+}
+
+Table step_table() {
+    Table t;
+    t.key = "physics";
+    t.title = "Implicit steps";
+    t.note =
+        "A ball of a tenth of the diagonal is pressed into the highest sample, to half its radius within 0.1 s. Error: "
+        "how far samples are after a step from where 300 cycles take them from the same state, over the way that they "
+        "go in it (root mean squares), at the worst of four moments of the press. Force error: the same of the force "
+        "on "
+        "the ball. Residual: force left unbalanced over that at the start of the step. Energy rise: of a step after "
+        "the ball is gone, at most, over the energy then. Times are those of whole calls with the ball in touch.";
+    t.columns = subject_columns(
+        {key_column("dt_ms", "step"), key_column("cycles", "cycles"), time_column("p50_us", "p50", "us"),
+         time_column("p99_us", "p99", "us"), time_column("p999_us", "p99.9", "us"),
+         exact_column("error", "error", "", Sense::kLower, 1e-3),
+         exact_column("force_error", "force error", "", Sense::kLower, 1e-3),
+         exact_column("residual", "residual", "", Sense::kLower, 1e-3),
+         exact_column("volume_error", "volume error", "", Sense::kLower, 1),
+         exact_column("energy_rise", "energy rise", "", Sense::kLower, 1),
+         exact_column("contacts", "samples in touch", "", Sense::kNone), text_column("outcome", "outcome")});
+    t.plots = {{"Error against time", "p50_us", "error", "grid", "asset", true},
+               {"Force error against time", "p50_us", "force_error", "grid", "asset", true}};
+    return t;
+}
+
+void add_rows(Run& run, const Subject& subject, const PhysicsSweepOptions& options) {
+    Table& table = run.tables.front();
+    for (const double ms : options.milliseconds) {
+        const double dt = ms / 1000, metres = options.metres_per_unit;
+        SubjectRow refused(table, subject);
+        refused.set("dt_ms", fmt::format("{:g}", ms));
+        if (const Poked body(subject, metres, dt); !body.refusal().empty()) {
+            refused.set("outcome", body.refusal());
+            table.rows.push_back(refused.row());
+            continue;
+        }
+        const Moments moments = converged_steps(subject, metres, dt);
+        std::uint32_t enough = 0;
+        double at_enough = 0;
+        for (const std::uint32_t cycles : options.cycles) {
+            stop_if_interrupted();
+            const Accuracy accuracy = accuracy_of(subject, metres, dt, cycles, moments);
+            const TickTimes times = step_times(subject, metres, dt, cycles, options.steps);
+            SubjectRow row(table, subject);
+            row.set("dt_ms", fmt::format("{:g}", ms));
+            row.set("cycles", std::to_string(cycles));
+            row.set_percentiles(times);
+            row.set("error", exactly(accuracy.error));
+            row.set("force_error", exactly(accuracy.force_error));
+            row.set("residual", exactly(accuracy.residual));
+            row.set("volume_error", exactly(accuracy.volume_error));
+            row.set("energy_rise", exactly(energy_rise(subject, metres, dt, cycles)));
+            row.set("contacts", exactly(accuracy.contacts));
+            row.set("outcome", std::string("solved"));
+            table.rows.push_back(row.row());
+            if (accuracy.error <= 0.01 && (enough == 0 || cycles < enough)) {
+                enough = cycles;
+                at_enough = times.p99.value;
+            }
+        }
+        const std::string who = fmt::format("{} {}, steps of {:g} ms: ", subject.asset, subject.grid, ms);
+        run.findings.push_back(enough == 0
+                                   ? who + "none of these numbers of cycles comes within 1 % of the converged step"
+                                   : who + fmt::format("{} cycles come within 1 % of the converged step, p99 {} us",
+                                                       enough, three_digits(at_enough)));
+    }
+}
+
+}  // namespace
+
+Run sweep_physics(const PhysicsSweepOptions& options, bool quiet) {
+    Run run;
+    run.command = "physics";
+    run.machine = machine_facts();
+    run.tables = {step_table()};
+    const formats::TemporaryFolder folder("dgm-bench");
+    ProgressBar bar(quiet, static_cast<double>(options.assets.size() * options.sizes.size()));
+    each_subject(options.assets, options.sizes, folder.path(), options.time_limit_seconds, bar,
+                 [&](const Subject& subject) { add_rows(run, subject, options); });
+    run.settings = {{"sizes", fmt::format("{}", fmt::join(options.sizes, ", "))},
+                    {"cycles", fmt::format("{}", fmt::join(options.cycles, ", "))},
+                    {"milliseconds a step", fmt::format("{}", fmt::join(options.milliseconds, ", "))},
+                    {"steps", std::to_string(options.steps)},
+                    {"warm-up", "50 steps"},
+                    {"material", "that of dgm::Material, without viscosity"},
+                    {"metres a unit", options.metres_per_unit > 0 ? fmt::format("{:g}", options.metres_per_unit)
+                                                                  : "so that the diagonal is 0.15 m"},
+                    {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
+    return run;
+}
+
+}  // namespace dgm::bench

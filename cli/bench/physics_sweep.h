@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/physics_sweep.h
+// dgm-bench physics: time of an implicit step of dgm::physics against its distance from the converged step.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "bench/table.h"
+
+namespace dgm::bench {
+
+struct PhysicsSweepOptions {
+    std::vector<std::filesystem::path> assets;  ///< meshes, which are baked first, or .dgm files
+    std::vector<std::uint32_t> sizes{33, 65, 129};
+    std::vector<std::uint32_t> cycles{1, 2, 3, 5};
+    std::vector<double> milliseconds{1};  ///< lengths of a step
+    std::size_t steps = 500;              ///< timed, of each setting
+    double metres_per_unit = 0;           ///< 0: so that the body has a diagonal of 0.15 m
+    double time_limit_seconds = 600;      ///< of a bake
+};
+
+/// A body that refuses physics is a row that says why. @throws model::Error kInterrupted; exceptions of bakes and reads
+[[nodiscard]] Run sweep_physics(const PhysicsSweepOptions& options, bool quiet);
+
+}  // namespace dgm::bench
