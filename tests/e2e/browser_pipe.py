@@ -78,11 +78,11 @@ class Page:
             time.sleep(.05)
         return value
 
-    def open(self, path, fragment=""):
+    def open(self, path, fragment="", ready="document.body.dataset.ready"):
         self.events.clear()
         self.call("Page.navigate", url=Path(path).resolve().as_uri() + fragment)
         self.wait_event("Page.loadEventFired")
-        self.wait("document.body.dataset.ready")
+        self.wait(ready)
 
     def mouse(self, kind, x, y, button="left", buttons=1, **more):
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button if buttons else "none",
