@@ -36,8 +36,8 @@ void compare_with(const model::TriMesh& source, page::PagedMap& map);
 /// Puts bump heights into `map` where a chart has them that are not all 0: at each sample, the texel that is nearest.
 void add_bump(page::PagedMap& map);
 
-/// What a bake measured, from its report: "rms error 0.0123 (0.004 % of the diagonal), largest ..."; empty if the report
-/// does not say.
+/// What a bake measured, from its report: "rms error 0.0123 (0.004 % of the diagonal), largest ..."; empty if the
+/// report does not say.
 [[nodiscard]] std::string measured_errors(const std::string& report_json);
 
 }  // namespace dgm::exporter

@@ -93,22 +93,50 @@ class Scene {
     const ray = this.camera.ray(...at, this.aspect());
     return this.bodies.map((body) => body.pick(ray)).filter(Boolean).sort((a, b) => a.distance - b.distance)[0] || null;
   }
-  // A table that rises from below, or a ball or bar that comes down from above.
+  // Axes that the obstacle's sliders mean: up, and two across.
+  axes() { return this.camera.up === "z" ? [2, 0, 1] : [1, 0, 2]; }
+  // A table from below, or a ball or bar from above, each anywhere; table and bar lean.
   setObstacle() {
-    const kind = $("obstacle").value, share = Number($("height").value) / 1000;
+    const kind = $("obstacle").value, value = (id) => Number($(id).value) / 1000;
     this.obstacle = null;
+    for (const row of document.querySelectorAll(".placed")) row.hidden = kind === "none";
     if (kind !== "none" && this.low) {
-      const up = this.camera.up === "z" ? 2 : 1, tall = this.high[up] - this.low[up], radius = .16 * this.diagonal, p = [0, 0, 0], q = [0, 0, 0];
-      if (kind === "plane") p[up] = this.low[up] - this.middle[up] + .6 * share * tall, q[up] = 1;
+      const [up, side, other] = this.axes(), tall = this.high[up] - this.low[up], radius = .16 * this.diagonal, p = [0, 0, 0], q = [0, 0, 0], lean = value("lean") * Math.PI / 2;
+      p[side] = value("across") * this.diagonal, p[other] = value("along") * this.diagonal;
+      if (kind === "plane") p[up] = this.low[up] - this.middle[up] + .6 * value("height") * tall, q[up] = Math.cos(lean), q[side] = Math.sin(lean);
       else {
-        p[up] = this.high[up] - this.middle[up] + radius - .8 * share * tall;
-        q[up] = p[up], q[0] = .3 * this.diagonal;
-        if (kind === "capsule") p[0] = -q[0];
+        const way = [0, 0, 0];
+        if (kind === "capsule") way[side] = .3 * Math.cos(lean) * this.diagonal, way[other] = .3 * Math.sin(lean) * this.diagonal;
+        p[up] = this.high[up] - this.middle[up] + radius - .8 * value("height") * tall;
+        p.forEach((x, c) => { q[c] = x + way[c], p[c] = x - way[c]; });
       }
-      this.obstacle = { kind, p, q, radius, done: false };
+      this.obstacle = { kind, p, q, radius };
     }
     this.meetAgain = true;
     this.panel.show();
+  }
+  // How far away a ball or bar is under the pointer, or null.
+  gripObstacle(at) {
+    const o = this.obstacle;
+    if (!o || o.kind === "plane") return null;
+    const { origin, direction } = this.camera.ray(...at, this.aspect());
+    // Balls along the bar: where the ray meets the first of them.
+    let nearest = null;
+    for (let k = 0; k <= 32; ++k) {
+      const to = minus(plus(scaled(o.p, 1 - k / 32), o.q, k / 32), origin), along = dot(to, direction), left = o.radius ** 2 - (dot(to, to) - along ** 2);
+      const distance = left >= 0 ? along - Math.sqrt(left) : -1;
+      if (distance > 0 && (nearest === null || distance < nearest)) nearest = distance;
+      if (o.kind === "ball") break;
+    }
+    return nearest;
+  }
+  // Moves it in the plane of the screen, as far as the sliders go.
+  dragObstacle(dx, dy, distance) {
+    const [right, up] = this.camera.frame(), half = this.camera.unitsAt(distance), way = plus(scaled(right, dx * half * this.aspect()), up, dy * half);
+    const [axis, side, other] = this.axes(), add = (id, by) => { $(id).value = Number($(id).value) + 1000 * by; };
+    add("height", -way[axis] / (.8 * (this.high[axis] - this.low[axis]) || 1));
+    add("across", way[side] / this.diagonal), add("along", way[other] / this.diagonal);
+    this.setObstacle();
   }
   // Presses every body against the obstacle, from its shape without elastic touches or with those of this frame.
   meet() {
@@ -242,8 +270,9 @@ class Scene {
     }
     if (this.recorder.playing && this.recorder.playing.knot) ring(place(plus(minus(this.recorder.playing.knot.place, this.recorder.playing.body.chart.offset), this.recorder.playing.body.origin)), 7 * scale, ink);
     const around = (p, hit) => {
-      const [, , away] = this.camera.project(plus(hit.point, hit.body.origin), aspect);
-      ring(p, .5 * this.size() / this.camera.unitsAt(away) * h / 2, ink);
+      const [, , away] = this.camera.project(plus(hit.point, hit.body.origin), aspect), pixels = h / 2 / this.camera.unitsAt(away);
+      ring(p, .5 * this.size() * pixels, ink);
+      if (this.keys.modal) ring(p, .5 * this.panel.depth() * pixels, "#d9480f");
     };
     const spot = (hit) => { if (this.sheet.shown) ring(this.sheet.place(hit).map((x) => x * scale), 4 * scale, "#d9480f"); };
     for (const s of this.hand.strokes) if (s.hit) spot(s.hit);

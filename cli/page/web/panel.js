@@ -12,7 +12,7 @@ class Panel {
     for (const id of ["size", "depth"]) $(id).addEventListener("input", () => this.show());
     for (const id of ["look", "wire", "seams", "triangles", "sheet", "detail"]) $(id).addEventListener("change", () => { this.legend(); scene.wake(); });
     $("both").addEventListener("change", () => scene.beside.show());
-    for (const id of ["obstacle", "height"]) $(id).addEventListener("input", () => scene.setObstacle());
+    for (const id of ["obstacle", "height", "across", "along", "lean"]) $(id).addEventListener("input", () => scene.setObstacle());
     $("undo").addEventListener("click", () => { scene.hand.undo(); this.show(); });
     $("reset").addEventListener("click", () => { $("obstacle").value = "none"; scene.setObstacle(); scene.hand.reset(); scene.recorder.clear(); this.show(); });
     $("home").addEventListener("click", () => scene.home());
@@ -54,6 +54,7 @@ class Panel {
     $("size-text").value = digits(this.size());
     $("depth-text").value = digits(this.depth());
     $("height-text").value = (Number($("height").value) / 10).toFixed(0) + " %";
+    $("lean-text").value = Math.round(.09 * Number($("lean").value)) + "°";
     $("undo").disabled = !this.scene.hand.done.length;
     $("play").disabled = $("save").disabled = !this.scene.recorder.knots.length;
     this.legend();
@@ -85,6 +86,7 @@ class Panel {
   felt(now) {
     const { felt, strokes, history } = this.scene.hand, pressing = strokes.length > 0;
     $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
+    if (pressing) this.rumble(now, felt.force);
     const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height, recent = history.slice(-2000);
     c.clearRect(0, 0, w, h);
     const most = Math.max(.01, ...recent);
@@ -96,6 +98,13 @@ class Panel {
       this.spoken = now;
       this.say((strokes[0].kind === "pull" ? "Pulls, " : "Presses, ") + (100 * felt.force).toFixed(0) + " % of the force");
     }
+  }
+  // A gamepad that can shake does so with the force.
+  rumble(now, force) {
+    if (now - (this.shaken || 0) < 50 || !navigator.getGamepads) return;
+    this.shaken = now;
+    for (const pad of navigator.getGamepads())
+      if (pad && pad.vibrationActuator) pad.vibrationActuator.playEffect("dual-rumble", { duration: 80, weakMagnitude: clamp(force, 0, 1), strongMagnitude: clamp(force, 0, 1) ** 2 }).catch(() => {});
   }
   volume(words) { $("volume").textContent = words; }
   link() {
