@@ -106,7 +106,7 @@ class Page:
     def shot(self, picture=None, clip=None):
         """Pixels, rows x columns x 3."""
         more = {"clip": dict(zip(("x", "y", "width", "height"), clip), scale=1)} if clip else {}
-        data = base64.b64decode(self.call("Page.captureScreenshot", format="png", **more)["data"])
+        data = base64.b64decode(self.call("Page.captureScreenshot", format="png", optimizeForSpeed=True, **more)["data"])
         if picture:
             Path(picture).parent.mkdir(parents=True, exist_ok=True)
             Path(picture).write_bytes(data)
