@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy
 
 import browser_pipe
+import meshes
 import support
 
 REFERENCE = os.environ.get("DGM_TOUCH_REFERENCE", "")
@@ -319,6 +320,44 @@ class Touch(unittest.TestCase):
         self.assertGreater(max(felt), 0)
         self.assertLessEqual(max(felt), 1)
         self.assertEqual(page.run("(async () => { const n = felt.length; await new Promise((d) => setTimeout(d, 200)); return felt.length - n; })()"), 0)
+
+    def test_free_domains_several_charts_smallest_and_large_grids(self):
+        meshes.write_obj(self.folder / "sheet.obj", meshes.sheet(24))
+        ball, faces = meshes.icosphere(2)
+        two = [*ball, *((x + 3, y, z) for x, y, z in ball)], [*faces, *(tuple(v + len(ball) for v in f) for f in faces)]
+        meshes.write_obj(self.folder / "two.obj", two)
+        quick = ["--fit", "sample", "-q", "--progress", "none"]
+        for name, mesh, *options in (("free", "sheet", "--method", "lscm", "--size", "33"), ("two", "two", "--size", "17"),
+                                     ("least", "sheet", "--size", "3", "--method", "tutte"),
+                                     ("large", "sheet", "--size", "513", "--method", "tutte")):
+            run(support.BAKE, self.folder / f"{mesh}.obj", *options, *quick, "-o", self.folder / f"{name}.dgm")
+        names = ("free", "two", "least", "large")
+        run(support.EXPORT, *(self.folder / f"{name}.dgm" for name in names), "-o", self.folder / "many.html")
+        page = self.page("#size=70", name="many.html")
+        for number, name in enumerate(names):
+            page.run(f"(async () => {{ await dgmPage.choose({number}); dgmPage.camera.set('.5,.9,1,0,0'); dgmPage.wake(); }})()")
+            page.rest()
+            charts, samples, free = page.run("[dgmPage.bodies.length, dgmPage.bodies[0].count, dgmPage.bodies[0].chart.free]")
+            self.assertEqual((charts, free), (2 if name == "two" else 1, name == "free"))
+            self.assertEqual(samples > 33 * 33 if free else samples in (17 * 17, 3 * 3, 513 * 513), True)
+            for body in range(charts):
+                rest = "dgmPage.bodies[%d].copy().map((a) => a.reduce((h, v, k) => h + v * (k %% 97 + 1), 0))" % body
+                bits = page.run(rest)
+                # A place of the surface that is seen, near the middle of the chart's own on the screen.
+                at = page.run("""(() => { const seen = [];
+                    for (let y = -18; y < 18; ++y) for (let x = -18; x < 18; ++x) { const hit = dgmPage.pick([x / 20, y / 20]);
+                        if (hit && hit.body === dgmPage.bodies[%d]) seen.push([x / 20, y / 20]); }
+                    const mean = [0, 1].map((c) => seen.reduce((sum, p) => sum + p[c], 0) / seen.length);
+                    return seen.sort((p, q) => Math.hypot(p[0] - mean[0], p[1] - mean[1]) - Math.hypot(q[0] - mean[0], q[1] - mean[1]))[0]; })()""" % body)
+                spot = ((at[0] + 1) / 2 * STAGE[2], (1 - at[1]) / 2 * STAGE[3])
+                page.mouse("mouseMoved", *spot, buttons=0)
+                page.mouse("mousePressed", *spot)
+                page.wait("dgmPage.hand.felt.force > 0")
+                self.assertEqual(page.run("dgmPage.hand.strokes[0].body.number"), body)
+                self.assertEqual(page.run("dgmPage.bodies.map((body) => body.torn())"), [0] * charts, name)
+                page.shot(SCREENSHOTS / f"touch_{name}.png")
+                self.let_go(page, spot)
+                self.assertEqual(page.run(rest), bits, name)
 
     def test_damaged_files_are_refused_by_their_code(self):
         page = self.page()
