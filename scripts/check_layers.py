@@ -101,7 +101,7 @@ PARTS = (
          "the process that bakes one asset, and its files"),
     Part("cli/batch", 6, CONTAINERS + ("formats/model", "cli/process", "cli/baking", "cli/worker"), (FMT, JSON, SYSTEM),
          "many assets: the plan, the workers, the report"),
-    Part("cli/report", 7, GEOMETRY + CONTAINERS + BAKING + ("cli/render",), (FMT, JSON, TBB, SYSTEM),
+    Part("cli/report", 7, GEOMETRY + CONTAINERS + BAKING + ("cli/render", "cli/page", "cli/export"), (FMT, JSON, TBB, SYSTEM),
          "the pages of --report: pictures and words about what was baked"),
     Part("cli/scene", 7, BELOW_PROGRAMS, (FMT, JSON, TOML), "what a scene asks for, and the batch that answers it"),
     Part("cli/bench", 8, BELOW_PROGRAMS + ("samples/generate",), (CLI11, FMT, JSON, SYSTEM), "a program"),

@@ -25,6 +25,7 @@ FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pul
            ("fig15_16_sheet", "pinch_sheet", "sheet", "sheet_pinch"),
            ("fig17_seat", "sit_on_cushion", "seat", "ball_on_seat"),
            ("fig17_cover", "sit_on_cushion", "cushion_129", "ball_on_cushion", "cover_129"))
+PATHS = Path(__file__).resolve().parent.parent / "samples/paths"
 # Pages to touch: name and maps; the first one is shown first.
 PAGES = (("organs", "stomach", "liver"), ("fabrics", "stomach", "stomach_denim", "stomach_satin"),
          ("cushion_and_cover", "cushion_129", "cover_129"), ("sheet", "sheet"), ("chair", "chair", "seat", "back"))
@@ -81,7 +82,10 @@ def write_pages(export, out):
     (out / "touch").mkdir(exist_ok=True)
     worst = 0
     for name, *maps in PAGES:
-        code = run(export, *(map_of(m, out) for m in maps), "--up", "z", "-o", out / "touch" / f"{name}.html")
+        # Recorded strokes of these maps: the page plays them.
+        strokes = [("--path", path) for m in maps for path in sorted(PATHS.glob(f"{m}_*.txt"))]
+        code = run(export, *(map_of(m, out) for m in maps), *(word for pair in strokes for word in pair), "--up", "z",
+                   "-o", out / "touch" / f"{name}.html")
         worst = worst or code
     return worst
 
@@ -95,9 +99,8 @@ def replay_figures(build, bake, out):
         code = run(bake, "-q", build / "samples/meshes" / mesh, "-o", folder / f"{name}.dgm", *options)
         worst = worst or code
 
-    paths = Path(__file__).resolve().parent.parent / "samples/paths"
     for picture, program, name, path, *more in FIGURES:
-        code = run(build / "samples" / program, map_of(name, out), paths / f"{path}.txt", folder / f"{picture}.png",
+        code = run(build / "samples" / program, map_of(name, out), PATHS / f"{path}.txt", folder / f"{picture}.png",
                    *(map_of(m, out) for m in more))
         worst = worst or code
     return worst

@@ -13,6 +13,7 @@
 #include "dgm/dgm_reader.h"
 #include "dgm/dgm_writer.h"
 #include "export/chart_mesh.h"
+#include "export/compared_map.h"
 #include "export/mesh_files.h"
 #include "export/staging_folder.h"
 #include "export/touch_page.h"
@@ -74,9 +75,10 @@ void check_options(const MapSet& maps, const path& output, const ExportOptions& 
         usage("--quantize and --compress go with a .glb output");
     if (options.power_of_two && !is_mesh(extension)) usage("--power-of-two goes with an .obj, .ply or .glb output");
     const bool picture = extension == ".png";
-    const bool asks_picture = !options.layer.empty() || options.sheet || !options.source.empty() || options.width ||
-                              options.height || options.view;
-    if (!picture && asks_picture) usage("--layer, --sheet, --source, --size and --view go with a .png output");
+    const bool asks_picture =
+        !options.layer.empty() || options.sheet || options.width || options.height || options.view;
+    if (!picture && asks_picture) usage("--layer, --sheet, --size and --view go with a .png output");
+    if (!options.source.empty() && !picture && extension != ".html") usage("--source goes with a .png or .html output");
     if (int{!options.layer.empty()} + int{options.sheet} + int{!options.source.empty()} > 1)
         usage("--layer, --sheet and --source exclude each other");
     if (!options.paths.empty() && extension != ".html") usage("--path goes with an .html output");
@@ -163,10 +165,15 @@ Image sheets_picture(const MapSet& maps, const ExportOptions& options) {
     return beside(sheets, true);
 }
 
-Image compared_picture(const MapSet& maps, const ExportOptions& options, const Warn& warn) {
-    const formats::ImportedMesh source =
+formats::ImportedMesh read_source(const ExportOptions& options, const Warn& warn) {
+    formats::ImportedMesh source =
         options.read_mesh ? options.read_mesh(options.source) : formats::read_mesh(options.source);
     for (const std::string& warning : source.warnings) warn(warning);
+    return source;
+}
+
+Image compared_picture(const MapSet& maps, const ExportOptions& options, const Warn& warn) {
+    const formats::ImportedMesh source = read_source(options, warn);
     return render::comparison_picture(source.mesh, render::read_textures(source.mesh, warn),
                                       render::chart_surface(maps.charts), picture_options(options));
 }
@@ -176,6 +183,14 @@ Image picture(const MapSet& maps, const ExportOptions& options, const Warn& warn
     if (options.sheet) return sheets_picture(maps, options);
     if (!options.source.empty()) return compared_picture(maps, options, warn);
     return render::surface_picture(render::chart_surface(maps.charts), picture_options(options));
+}
+
+page::PagedMap paged_map(std::string name, const MapSet& maps, const ExportOptions& options, const Warn& warn) {
+    page::PagedMap out{std::move(name), &maps};
+    if (!options.source.empty()) compare_with(read_source(options, warn).mesh, out);
+    add_bump(out);
+    out.facts = measured_errors(maps.report_json);
+    return out;
 }
 }  // namespace
 
@@ -216,7 +231,7 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
     else if (extension == ".dgm")
         formats::write_dgm(chosen, staging.add(output.filename()));
     else if (extension == ".html")
-        write_touch_page({{asset_name(maps), &chosen}}, output, options, staging);
+        write_touch_page({paged_map(asset_name(maps), chosen, options, warn)}, output, options, staging);
     else
         write_exr_files(chosen, output, options.multipart, staging);
     staging.publish();
@@ -226,11 +241,13 @@ void export_maps(const MapSet& maps, const path& output, const ExportOptions& op
 void export_page(const std::vector<NamedMaps>& maps, const path& output, const ExportOptions& options) {
     std::vector<MapSet> chosen;
     std::vector<page::PagedMap> paged;
+    if (!options.source.empty() && maps.size() > 1) usage("--source goes with one map");
     for (const NamedMaps& named : maps) {
         check_options(named.maps, output, options);
         chosen.push_back(only_chart(named.maps, options.chart));
     }
-    for (std::size_t k = 0; k < maps.size(); ++k) paged.push_back({maps[k].name, &chosen[k]});
+    for (std::size_t k = 0; k < maps.size(); ++k)
+        paged.push_back(paged_map(maps[k].name, chosen[k], options, [](const std::string&) {}));
     formats::make_folder_of(output);
     StagingFolder staging(output);
     write_touch_page(paged, output, options, staging);

@@ -20,7 +20,7 @@ struct ExportOptions {
     std::optional<std::uint32_t> chart;  ///< only this one; default all
     std::string layer;                   ///< PNG: this layer's picture
     bool sheet = false;                  ///< PNG: all layers of each chart
-    std::filesystem::path source;        ///< PNG: compare with this mesh
+    std::filesystem::path source;        ///< PNG, HTML: compare with this mesh
     /// Reads `source`; none: formats::read_mesh.
     std::function<formats::ImportedMesh(const std::filesystem::path&)> read_mesh;
     std::optional<std::uint32_t> width, height;  ///< PNG

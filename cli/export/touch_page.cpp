@@ -41,7 +41,10 @@ std::vector<page::PagedPath> paths_of(const ExportOptions& options) {
 
 void write_touch_page(const std::vector<page::PagedMap>& maps, const std::filesystem::path& output,
                       const ExportOptions& options, StagingFolder& staging) {
-    page::PageSettings settings{output.stem().string(), options.up == render::UpAxis::kZ, paths_of(options), {}};
+    page::PageSettings settings;
+    settings.title = output.stem().string();
+    settings.z_is_up = options.up == render::UpAxis::kZ;
+    settings.paths = paths_of(options);
     if (!maps.empty()) settings.still = still_of(*maps.front().maps, options.up);
     const std::string text = page::page_file(settings, maps, staging.where("map.dgm"));
     std::ofstream file(staging.add(output.filename()), std::ios::binary);

@@ -5,7 +5,7 @@
 #include <string_view>
 
 namespace dgm::page {
-[[nodiscard]] std::string_view page_html();    ///< web/page.html, with @TITLE@, @UP@, @STYLE@ and @DATA@ to fill in
+[[nodiscard]] std::string_view page_html();    ///< web/page.html, with @TITLE@, @BODY@, @STYLE@ and @DATA@ to fill in
 [[nodiscard]] std::string_view page_style();   ///< web/style.css
 [[nodiscard]] std::string_view page_script();  ///< web/*.js, one after the other
 [[nodiscard]] std::string_view page_module();  ///< libdgm/web as WebAssembly; empty in a build without it

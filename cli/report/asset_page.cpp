@@ -18,9 +18,7 @@
 #include "render/textures.h"
 #include "report/asset_sections.h"
 #include "report/html.h"
-#include "report/page_parts.h"
 #include "report/verdict.h"
-#include "report/viewer_data.h"
 
 namespace dgm::report {
 namespace {
@@ -73,37 +71,37 @@ BakedAsset read_back(const AssetPage& page, const model::TriMesh& source) {
     const bake::ClosestPointIndex index(source.positions, source.faces);
     for (const model::Chart& chart : baked.maps.charts) {
         baked.surfaces.push_back(bake::reconstruct(chart));
-        baked.values.push_back(surface_values(chart, baked.surfaces.back(), index));
+        baked.values.push_back(render::surface_values(chart, baked.surfaces.back(), index));
     }
     return baked;
 }
 
-/// Source, reconstruction, grid and error side by side, and the data to turn the first two with.
+/// Source, reconstruction, grid and error side by side, and how they are seen.
 struct Comparison {
     Image picture;
-    json viewer;
+    std::vector<double> source_values;  ///< render::source_distances()
+    render::View view;
 };
 
 Comparison compare(BakedAsset& baked, const model::TriMesh& source) {
     const render::ChartSurface all = render::chart_surface(baked.maps.charts);
-    const std::vector<double> source_values = source_distances(source, all.mesh);
-    baked.scales = scales_of(baked.values, source_values);
+    Comparison out;
+    out.source_values = render::source_distances(source, all.mesh);
+    baked.scales = render::scales_of(baked.values, out.source_values);
     render::PictureOptions options;
     options.width = 4 * kPanel;
     options.height = kHeight;
     options.samples_per_pixel = 4;
-    options.view = render::choose_view(source);
-    Comparison out;
+    out.view = render::choose_view(source);
+    options.view = out.view;
     out.picture =
         render::comparison_picture(source, render::read_textures(source, [](const std::string&) {}), all, options);
-    out.viewer = viewer_data({source, source_values}, {baked.maps.charts, baked.surfaces, baked.values}, baked.scales,
-                             baked.diagonal(), *options.view);
     return out;
 }
 
 }  // namespace
 
-std::string asset_page(const AssetPage& page) {
+std::string asset_page(const AssetPage& page, const std::filesystem::path& scratch) {
     const formats::ImportedMesh source = formats::read_mesh(page.source, {.asset_roots = page.asset_roots});
     BakedAsset baked = read_back(page, source.mesh);
     const Comparison comparison = compare(baked, source.mesh);
@@ -118,12 +116,11 @@ std::string asset_page(const AssetPage& page) {
         "<section><img class=\"wide\" src=\"{}\" alt=\"Source, reconstruction, grid and error\">"
         "</section>\n",
         photo_uri(comparison.picture, 88));
-    out += viewer_section(baked, comparison.viewer) + picture_sections(baked) + table_sections(baked) +
-           times_section(baked);
-    out += "</main>\n<script type=\"application/json\" id=\"viewer-data\">" + script_json(comparison.viewer) +
-           "</script>\n";
+    out += viewer_section(baked, source.mesh, comparison.source_values, comparison.view, scratch) +
+           picture_sections(baked) + table_sections(baked) + times_section(baked);
+    out += "</main>\n";
     out += "<script type=\"application/json\" id=\"asset\">" + script_json(timeless(baked)) + "</script>\n";
-    return out + "<script>\n" + kViewerScript + "</script>\n</body>\n</html>\n";
+    return out + "</body>\n</html>\n";
 }
 
 }  // namespace dgm::report

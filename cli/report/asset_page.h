@@ -20,13 +20,14 @@ struct AssetPage {
 };
 
 /// Raised when pages look or say something else for the same input.
-inline constexpr int kPageVersion = 1;
+inline constexpr int kPageVersion = 2;
 
-/// The page's text. The same bytes for the same input, but for what stands between the comments kRunStart and kRunEnd.
+/// The page's text; `scratch` is a file that may be written. The same bytes for the same input, but for what stands
+/// between the comments kRunStart and kRunEnd.
 /// Its head holds the key and two thumbnails, of the reconstruction and of the error, for the index.
 /// Reads a stranger's mesh: run it in a worker process.
 /// @throws model::Error as the readers, the renderer and reconstruct()
-[[nodiscard]] std::string asset_page(const AssetPage& page);
+[[nodiscard]] std::string asset_page(const AssetPage& page, const std::filesystem::path& scratch);
 
 inline constexpr const char* kRunStart = "<!-- of this run: times -->";
 inline constexpr const char* kRunEnd = "<!-- end of this run -->";

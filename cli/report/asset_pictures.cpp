@@ -31,7 +31,8 @@ std::string figure(const std::string& uri, std::string_view title, std::string_v
 /// The colour scale of a quantity with the words at its ends and in its middle.
 std::string legend(Quantity quantity, const std::array<std::string, 3>& words) {
     Image bar = render::blank(128, 1);
-    for (std::uint32_t x = 0; x < bar.width; ++x) bar.pixels[x] = quantity_colour(quantity, x / (bar.width - 1.0));
+    for (std::uint32_t x = 0; x < bar.width; ++x)
+        bar.pixels[x] = render::quantity_colour(quantity, x / (bar.width - 1.0));
     return fmt::format(
         "<div class=\"legend\"><img src=\"{}\" alt=\"\"><div><span>{}</span><span>{}</span><span>{}"
         "</span></div></div>",
@@ -73,7 +74,7 @@ std::string distortion_section(const BakedAsset& baked) {
     for (std::size_t k = 0; k < shown_charts(baked); ++k) {
         out += chart_heading(baked, k) + "<div class=\"pictures\">\n";
         for (const auto& [quantity, title] : kRows) {
-            const Image picture = grid_picture(baked.maps.charts[k], baked.values[k], quantity, baked.scales);
+            const Image picture = render::grid_picture(baked.maps.charts[k], baked.values[k], quantity, baked.scales);
             out += fmt::format("<figure><img src=\"{}\" alt=\"{}\"><figcaption><b>{}</b> {}</figcaption></figure>\n",
                                picture_uri(render::fitted(picture, kMapSide, kMapSide), kMostPngBytes), title, title,
                                legend(quantity, legend_words(quantity, baked.scales, baked.diagonal())));
@@ -109,32 +110,6 @@ std::string layers_section(const BakedAsset& baked) {
     return out + "</section>\n";
 }
 }  // namespace
-
-std::string viewer_section(const BakedAsset& baked, const nlohmann::json& data) {
-    const std::size_t shown = data.at("charts"), stride = data.at("stride");
-    std::string note = stride == 1 ? std::string("Every sample of the grid is drawn.")
-                                   : fmt::format(
-                                         "One sample in {} is drawn in each direction, and all along seams "
-                                         "and borders; a colour is the worst of the samples around.",
-                                         stride);
-    if (data.at("source").at("simplified")) note += " The source is drawn simplified.";
-    if (shown < baked.maps.charts.size())
-        note += fmt::format(" The first {} of {} charts are shown.", shown, baked.maps.charts.size());
-    return fmt::format(
-        "<section id=\"viewer\"><h2>Turn it</h2>\n<div class=\"tools\"><label>Colour by <select id=\"mode\">"
-        "<option value=\"distance\">distance between the two</option><option value=\"none\">nothing, lit</option>"
-        "<option value=\"area\">area distortion</option><option value=\"angle\">angle distortion</option>"
-        "</select></label><label><input type=\"checkbox\" id=\"grid\"> grid</label>"
-        "<label><input type=\"checkbox\" id=\"seams\"> seams <i class=\"seam\"></i> borders "
-        "<i class=\"border\"></i></label><div class=\"legend\" id=\"legend\" hidden><canvas width=\"256\" "
-        "height=\"1\"></canvas><div><span></span><span></span><span></span></div></div></div>\n"
-        "<div class=\"captions\"><span>source</span><span>reconstruction</span></div>\n"
-        "<canvas id=\"view\" tabindex=\"0\" aria-label=\"Source and reconstruction, turned together\"></canvas>\n"
-        "<p class=\"small\">Drag to turn, wheel to zoom, arrow keys too, double-click to go back. {}</p>\n"
-        "<p class=\"small\" id=\"no-viewer\" hidden>This browser cannot draw in three dimensions (WebGL 2 is "
-        "missing); the pictures above and below show the same.</p></section>\n",
-        escaped(note));
-}
 
 std::string picture_sections(const BakedAsset& baked) {
     return distortion_section(baked) + layers_section(baked);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "model/entities.h"
+#include "page/markup.h"
 #include "report/page_parts.h"
 
 namespace dgm::report {
@@ -15,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 std::string data_uri(std::string_view type, std::span<const std::byte> bytes) {
-    return fmt::format("data:image/{};base64,{}", type, base64(bytes));
+    return fmt::format("data:image/{};base64,{}", type, page::base64(bytes));
 }
 
 bool is_plain(unsigned char c) {
@@ -41,6 +42,20 @@ std::string escaped(std::string_view text) {
     return out;
 }
 
+std::string attribute_value(std::string_view text) {
+    std::string out;
+    out.reserve(text.size());
+    for (const char c : text) {
+        if (c == '&')
+            out += "&amp;";
+        else if (c == '"')
+            out += "&quot;";
+        else
+            out += c;
+    }
+    return out;
+}
+
 std::string script_json(const json& value) {
     std::string out;
     for (const char c : value.dump(-1, ' ', true, json::error_handler_t::replace)) {
@@ -57,20 +72,6 @@ std::string link_segment(std::string_view name) {
     for (const char c : name)
         out += is_plain(static_cast<unsigned char>(c)) ? std::string(1, c)
                                                        : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-    return out;
-}
-
-std::string base64(std::span<const std::byte> bytes) {
-    constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t k = 0; k < bytes.size(); k += 3) {
-        const std::size_t count = std::min<std::size_t>(3, bytes.size() - k);
-        std::uint32_t group = 0;
-        for (std::size_t b = 0; b < 3; ++b)
-            group = group << 8 | (b < count ? std::to_integer<std::uint32_t>(bytes[k + b]) : 0);
-        for (std::size_t d = 0; d < 4; ++d) out += d <= count ? kDigits[group >> (18 - 6 * d) & 63] : '=';
-    }
     return out;
 }
 
@@ -104,8 +105,8 @@ std::string page_start(std::string_view title, std::string_view head) {
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{}"
         "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
         "<meta name=\"color-scheme\" content=\"light dark\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-        "'unsafe-inline'; script-src 'unsafe-inline'\">\n"
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data: blob:; style-src "
+        "'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval'\">\n"
         "<link rel=\"icon\" href=\"data:,\">\n"
         "<title>{}</title>\n<style>\n{}</style>\n</head>\n",
         head, escaped(title), kStyle);

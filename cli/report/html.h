@@ -16,17 +16,14 @@ namespace dgm::report {
 /// stays), bytes that are not UTF-8 as U+FFFD.
 [[nodiscard]] std::string escaped(std::string_view text);
 
+/// `text` for a quoted attribute that gives the same characters back, whatever they are: & and " as entities.
+[[nodiscard]] std::string attribute_value(std::string_view text);
+
 /// JSON in ASCII for a script element: no < > & in it, so no end tag and no comment can begin.
 [[nodiscard]] std::string script_json(const nlohmann::json& value);
 
 /// One segment of a relative link: all bytes but letters, digits, - . _ ~ as %XX.
 [[nodiscard]] std::string link_segment(std::string_view name);
-
-[[nodiscard]] std::string base64(std::span<const std::byte> bytes);
-template <class T>
-[[nodiscard]] std::string base64_of(const std::vector<T>& values) {
-    return base64(std::as_bytes(std::span(values)));
-}
 
 /// "data:image/...": a JPEG of that quality.
 [[nodiscard]] std::string photo_uri(const formats::Image& image, int quality);

@@ -53,7 +53,8 @@ void make_page(std::string_view text) {
     std::vector<std::filesystem::path> readable = job.page.asset_roots;
     readable.push_back(job.page.map.has_parent_path() ? job.page.map.parent_path() : ".");  // an EXR's layers, too
     static_cast<void>(bake::enter_sandbox(bake::worker_sandbox(job.page.source, std::move(readable), {job.output})));
-    const std::string page = asset_page(job.page);
+    // The page takes the place of what was written there meanwhile.
+    const std::string page = asset_page(job.page, job.output);
     std::ofstream out(job.output, std::ios::binary | std::ios::trunc);
     out << page;
     out.close();

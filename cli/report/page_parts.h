@@ -4,7 +4,6 @@
 #pragma once
 
 namespace dgm::report {
-extern const char* const kStyle;         ///< page/style.css
-extern const char* const kIndexScript;   ///< page/index.js
-extern const char* const kViewerScript;  ///< page/viewer.js
+extern const char* const kStyle;        ///< page/style.css
+extern const char* const kIndexScript;  ///< page/index.js
 }  // namespace dgm::report

@@ -78,11 +78,11 @@ class Page:
             time.sleep(.05)
         return value
 
-    def open(self, path, fragment=""):
+    def open(self, path, fragment="", ready="document.body.dataset.ready"):
         self.events.clear()
         self.call("Page.navigate", url=Path(path).resolve().as_uri() + fragment)
         self.wait_event("Page.loadEventFired")
-        self.wait("document.body.dataset.ready")
+        self.wait(ready)
 
     def mouse(self, kind, x, y, button="left", buttons=1, **more):
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button if buttons else "none",
@@ -106,7 +106,7 @@ class Page:
     def shot(self, picture=None, clip=None):
         """Pixels, rows x columns x 3."""
         more = {"clip": dict(zip(("x", "y", "width", "height"), clip), scale=1)} if clip else {}
-        data = base64.b64decode(self.call("Page.captureScreenshot", format="png", **more)["data"])
+        data = base64.b64decode(self.call("Page.captureScreenshot", format="png", optimizeForSpeed=True, **more)["data"])
         if picture:
             Path(picture).parent.mkdir(parents=True, exist_ok=True)
             Path(picture).write_bytes(data)

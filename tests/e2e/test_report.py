@@ -6,9 +6,11 @@ import re
 import shutil
 import signal
 import subprocess
+import tempfile
 import unittest
 from pathlib import Path
 
+import browser_pipe
 import meshes
 import numpy
 import support
@@ -18,6 +20,7 @@ SIZE = ["--size", "33", "--method", "stretch", "--fit", "sample"]
 SCREENSHOTS = os.environ.get("DGM_SCREENSHOTS", "")
 # The software renderer: the same pictures on every machine.
 WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+FRAME = "document.getElementById('touch')."
 EVIL = "b<img src=x onerror=alert(1)>&\"'.obj"
 TIMES = re.compile(r"<!-- of this run: times -->.*?<!-- end of this run -->", re.S)
 
@@ -28,6 +31,12 @@ def complaints(console):
 
 
 class Report(support.Folder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.holder = tempfile.TemporaryDirectory(prefix="dgm-report-")
+        cls.addClassCleanup(cls.holder.cleanup)
+
     def bake_three(self, *more, program=None):
         (self.folder / "in" / "deep").mkdir(parents=True, exist_ok=True)
         meshes.write_obj(self.folder / "in" / "ball.obj", meshes.icosphere(3))
@@ -36,6 +45,16 @@ class Report(support.Folder):
         result = self.bake("in", "-o", "out/", *SIZE, "--report", "out/index.html", *more, program=program)
         self.assertEqual(result.returncode, 3, result.stderr)
         return result
+
+    def three(self):
+        """As bake_three(), baked once for all tests that only look at it."""
+        kept = Path(Report.holder.name)
+        if not (kept / "out").exists():
+            self.bake_three()
+            for name in ("in", "out"):
+                shutil.copytree(self.folder / name, kept / name)
+        else:
+            shutil.copytree(kept, self.folder, dirs_exist_ok=True)
 
     def pages(self):
         return sorted((self.folder / "out" / "assets").iterdir())
@@ -59,7 +78,7 @@ class Report(support.Folder):
         return dom
 
     def test_index_and_pages_in_a_browser(self):
-        self.bake_three()
+        self.three()
         index = self.folder / "out" / "index.html"
         dom = self.dom(index)
         self.assertIn("<h3>band.obj: refused</h3>", dom)
@@ -76,10 +95,9 @@ class Report(support.Folder):
         for page in self.pages():
             self.assertLess(page.stat().st_size, 2 << 20)
             page_dom = self.dom(page)
-            self.assertGreater(int(re.search(r'data-drawn="(\d+)"', page_dom).group(1)), 500)
-            self.assertIn('<p class="small" id="no-viewer" hidden', page_dom)
+            self.assertRegex(page_dom, r'<iframe id="touch" title="[^"]+" srcdoc="')
             self.assertRegex(page_dom, r"dgm-bake '?in/.* -o '?out/.* --size 33x33 --method stretch --fit sample")
-            for heading in ("Turn it", "Error and distortion in the map", "Layers", "Measures", "Charts", "Repaired",
+            for heading in ("Touch it", "Error and distortion in the map", "Layers", "Measures", "Charts", "Repaired",
                             "Bake it again", "Times"):
                 self.assertIn(f"<h2>{heading}</h2>", page_dom)
             links = re.findall(r'(?:src|href)="([^"]+)"', page_dom)
@@ -88,7 +106,7 @@ class Report(support.Folder):
                 json.loads(block)
 
     def test_pictures_are_not_blank(self):
-        self.bake_three()
+        self.three()
         index = self.folder / "out" / "index.html"
         dark = "--blink-settings=preferredColorScheme=0"
         light_corner, dark_corner = (self.pixels(index, f"index-{name}", *more, size=(800, 300))[3, 3].max()
@@ -96,30 +114,74 @@ class Report(support.Folder):
         self.assertEqual(light_corner, 255)
         self.assertLess(dark_corner, 48)
         ball = next(p for p in self.pages() if p.name.startswith("ball"))
-        pictures = {mode: self.pixels(ball, f"page-{mode}", fragment="#" + mode) for mode in ("none", "area")}
-        for mode in ("distance", "angle"):
-            self.picture(ball, f"page-{mode}", fragment="#" + mode)
-        self.picture(ball, "page-dark", dark)
         self.picture(ball, "page-whole", size=(1240, 3600))
-        half = pictures["none"].shape[1] // 2
-        for mode, picture in pictures.items():
-            viewer = picture[-330:-60]
-            colours = [len(numpy.unique(side.reshape(-1, 3), axis=0)) for side in (viewer[:, :half], viewer[:, half:])]
-            self.assertGreater(min(colours), 60, mode)  # lit shapes on both sides
-        # Areas differ on a ball's map: the reconstruction is blue here and red there, the source is not.
-        right = pictures["area"][-330:-60, half:]
+
+    def opened(self, page, fragment="", **more):
+        """The page, scrolled to its frame, and where in it the source and the map are drawn."""
+        out = self.enterContext(browser_pipe.opened(size=(1240, 760), **more))
+        out.open(page, fragment, ready=FRAME + "contentDocument && " + FRAME + "contentDocument.body.dataset.ready")
+        self.addCleanup(lambda: self.assertEqual(out.console, []))
+        out.run("document.getElementById('viewer').scrollIntoView()")
+        return out
+
+    def test_frame_shows_the_map_beside_its_source(self):
+        self.three()
+        ball = next(p for p in self.pages() if p.name.startswith("ball"))
+        page = self.opened(ball)
+        inside = FRAME + "contentWindow."
+        self.assertEqual(page.run(inside + "document.getElementById('look').value"), "distance to the source")
+        # Every sample of the map is there, and numbers for each; of the source every vertex.
+        self.assertEqual(page.run(f"[{inside}dgmPage.bodies[0].count, {inside}dgmPage.bodies[0].values('distance to the source').length]"),
+                         [33 * 33, 33 * 33])
+        self.assertEqual(page.run(inside + "dgmPage.beside.source.part.count"), 3 * 20 * 4 ** 3)
+        box = page.run(f"(() => {{ const b = document.getElementById('touch').getBoundingClientRect(), v = {inside}dgmPage.canvas.getBoundingClientRect();"
+                       "return [b.left + v.left, b.top + v.top, v.width, v.height]; })()")
+        scrolled = page.run("scrollY")  # pictures are cut out of the page, the pointer moves in the window
+        source, drawn = ((box[0] + shift * box[2], *box[1:]) for shift in (-1, 0))
+        pictures = {}
+        for look in ("clay", "area distortion, log2"):
+            page.run(f"{inside}document.getElementById('look').value = {json.dumps(look)}; {inside}dgmPage.wake()")
+            page.wait(inside + "dgmPage.canvas.dataset.resting === 'true' && !" + inside + "dgmPage.waiting")
+            page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+            pictures[look] = [page.shot(clip=(side[0], side[1] + scrolled, *side[2:])).astype(int) for side in (source, drawn)]
+        for side in pictures["clay"]:
+            self.assertGreater(len(numpy.unique(side.reshape(-1, 3), axis=0)), 60)  # lit shapes on both sides
+        # Areas differ on a ball's map: it is blue here and red there. The source has none, and stays as it is.
+        left, right = pictures["area distortion, log2"]
+        numpy.testing.assert_array_equal(left, pictures["clay"][0])
         self.assertGreater((right[..., 0] - right[..., 2] > 30).sum(), 200)
         self.assertGreater((right[..., 2] - right[..., 0] > 30).sum(), 200)
+        # It is the map that is touched, at the place under the pointer.
+        at = (drawn[0] + drawn[2] / 2, drawn[1] + drawn[3] / 2)
+        page.mouse("mouseMoved", *at, buttons=0)
+        page.mouse("mousePressed", *at)
+        page.wait(inside + "dgmPage.hand.felt.force > 0")
+        self.assertEqual(page.run(inside + "dgmPage.bodies[0].torn()"), 0)
+        pressed = [page.shot(clip=(side[0], side[1] + scrolled, *side[2:])).astype(int) for side in (source, drawn)]
+        numpy.testing.assert_array_equal(pressed[0], left)
+        self.assertGreater(int((numpy.abs(pressed[1] - right).max(axis=2) > 24).sum()), 200)
+        page.mouse("mouseReleased", *at)
+
+    def test_frame_on_a_phone(self):
+        self.three()
+        page = self.enterContext(browser_pipe.opened(size=(390, 800), phone=True, dark=True))
+        page.open(self.pages()[0], "#look=clay", ready=FRAME + "contentDocument && " + FRAME + "contentDocument.body.dataset.ready")
+        self.assertLessEqual(page.run("document.documentElement.scrollWidth"), 390)
+        self.assertEqual(page.run(FRAME + "contentDocument.getElementById('look').value"), "clay")
+        # A finger that has not tapped the surface scrolls the page around it.
+        self.assertEqual(page.run(f"getComputedStyle({FRAME}contentDocument.getElementById('view')).touchAction"), "pan-y")
+        self.assertEqual(page.console, [])
 
     def test_without_webgl(self):
-        self.bake_three()
-        dom = self.dom(self.pages()[0], "--disable-3d-apis")
-        self.assertIn('data-drawn="none"', dom)
-        self.assertNotIn('id="no-viewer" hidden', dom)
-        self.assertIn('src="data:image/jpeg', dom)
+        self.three()
+        page = self.opened(self.pages()[0], arguments=("--disable-3d-apis",))
+        self.assertEqual(page.run(FRAME + "contentDocument.body.dataset.ready"), "still")
+        self.assertIn("no WebGL 2", page.run(FRAME + "contentDocument.getElementById('message').textContent"))
+        self.assertLess(page.run("document.getElementById('touch').clientHeight"), 100)
+        self.assertIn("data:image/jpeg", page.run("document.querySelector('img.wide').src"))
 
     def test_names_stay_text(self):
-        self.bake_three()
+        self.three()
         evil = [p for p in self.pages() if not p.name.startswith("ball")]
         self.assertEqual(len(evil), 1)
         self.assertRegex(evil[0].name, r"^[A-Za-z0-9._-]+$")
@@ -205,7 +267,7 @@ class Report(support.Folder):
         self.assertIn("the report was interrupted", (self.folder / "out" / "index.html").read_text(encoding="utf-8"))
 
     def test_sorting_and_filtering(self):
-        self.bake_three()
+        self.three()
         index = self.folder / "out" / "index.html"
         text = index.read_text(encoding="utf-8")
 
@@ -222,7 +284,7 @@ class Report(support.Folder):
         self.assertEqual(hidden, {"ball": True, "deep": False})
 
     def test_two_hundred_assets_open_at_once(self):
-        self.bake_three()
+        self.three()
         index = self.folder / "out" / "index.html"
         text = index.read_text(encoding="utf-8")
         row = re.search(r"<tr class=\"\w+\" data-text.*?</tr>\n", text, re.S).group(0)

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy
 
 import browser_pipe
+import meshes
 import support
 
 REFERENCE = os.environ.get("DGM_TOUCH_REFERENCE", "")
@@ -252,6 +253,111 @@ class Touch(unittest.TestCase):
         page.shot(SCREENSHOTS / "touch_table.png")
         rest = page.run("dgmPage.bodies[0].torn()")
         self.assertEqual(rest, 0)
+
+    def test_size_and_depth_by_dragging(self):
+        page = self.page()
+        page.mouse("mouseMoved", *MIDDLE, buttons=0)
+        page.wait("dgmPage.keys.hover")
+        for key, value in (("f", "dgmPage.size()"), ("F", "dgmPage.panel.depth()")):
+            before, other = page.run(value), page.run("document.getElementById('depth').value")
+            page.key(key, "KeyF")
+            page.mouse("mouseMoved", MIDDLE[0] + 60, MIDDLE[1], buttons=0)
+            page.wait(f"{value} > {1.2 * before}")
+            if key == "f":
+                self.assertEqual(page.run("document.getElementById('depth').value"), other)
+                page.shot(SCREENSHOTS / "touch_size.png")
+                page.mouse("mousePressed", *MIDDLE)  # ends it, and presses nothing
+                page.mouse("mouseReleased", *MIDDLE)
+                page.mouse("mouseMoved", *MIDDLE, buttons=0)
+                self.assertGreater(page.run(value), 1.2 * before)
+                self.assertEqual(page.run("dgmPage.hand.history.length"), 0)
+            else:
+                page.key("Escape")  # gives back what was
+                self.assertEqual(page.run(value), before)
+        page.mouse("mouseMoved", *BESIDE, buttons=0)
+        page.key("f", "KeyF")
+        self.assertEqual(page.run("document.activeElement.id"), "size")
+
+    def test_obstacles_anywhere(self):
+        page = self.page()
+        page.run("""document.getElementById('obstacle').value = 'ball'; document.getElementById('height').value = 300;
+            document.getElementById('height').dispatchEvent(new Event('input'))""")
+        page.wait("dgmPage.obstacle && !dgmPage.meetAgain")
+        x, y = page.run("dgmPage.camera.project(dgmPage.obstacle.p, dgmPage.aspect())")[:2]
+        at = ((x + 1) / 2 * STAGE[2], (1 - y) / 2 * STAGE[3])
+        before = page.run("dgmPage.obstacle.p")
+        page.mouse("mouseMoved", *at, buttons=0)
+        page.mouse("mousePressed", *at)
+        page.mouse("mouseMoved", at[0] + 80, at[1] + 40)
+        page.mouse("mouseReleased", at[0] + 80, at[1] + 40)
+        self.assertEqual(page.run("dgmPage.hand.strokes.length"), 0)
+        after = page.run("dgmPage.camera.project(dgmPage.obstacle.p, dgmPage.aspect())")
+        # It went with the pointer: by less than a sixth of its way off, as it is held nearer to the eye than its middle is.
+        way = numpy.array([(after[0] - x) / 2 * STAGE[2], (y - after[1]) / 2 * STAGE[3]])
+        self.assertLess(float(numpy.abs(way - [80, 40]).max()), 14)
+        self.assertGreater(float(numpy.linalg.norm(numpy.subtract(page.run("dgmPage.obstacle.p"), before))), 1)
+        words = page.wait("document.getElementById('volume').textContent")
+        self.assertRegex(words, "samples moved|too deep|^$")
+        page.run("""document.getElementById('obstacle').value = 'plane'; document.getElementById('lean').value = 300;
+            document.getElementById('lean').dispatchEvent(new Event('input'))""")
+        page.wait("!dgmPage.meetAgain")
+        normal = page.run("dgmPage.obstacle.q")
+        self.assertAlmostEqual(sum(c * c for c in normal), 1)
+        self.assertAlmostEqual(normal[0], numpy.sin(.3 * numpy.pi / 2))
+        kept = re.search(r"kept to (\S+) of", page.wait("document.getElementById('volume').textContent"))
+        self.assertLess(float(kept[1]), 1e-6)
+        page.shot(SCREENSHOTS / "touch_lean.png")
+        self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
+
+    def test_gamepads_shake_with_the_force(self):
+        page = self.page()
+        page.run("""window.felt = []; navigator.getGamepads = () => [null, { vibrationActuator: { playEffect: (kind, how) => {
+            felt.push(how.weakMagnitude); return Promise.resolve(); } } }]; 1""")
+        self.hold(page, MIDDLE, .4)
+        self.let_go(page, MIDDLE)
+        felt = page.run("felt")
+        self.assertGreater(len(felt), 1)
+        self.assertGreater(max(felt), 0)
+        self.assertLessEqual(max(felt), 1)
+        self.assertEqual(page.run("(async () => { const n = felt.length; await new Promise((d) => setTimeout(d, 200)); return felt.length - n; })()"), 0)
+
+    def test_free_domains_several_charts_smallest_and_large_grids(self):
+        meshes.write_obj(self.folder / "sheet.obj", meshes.sheet(24))
+        ball, faces = meshes.icosphere(2)
+        two = [*ball, *((x + 3, y, z) for x, y, z in ball)], [*faces, *(tuple(v + len(ball) for v in f) for f in faces)]
+        meshes.write_obj(self.folder / "two.obj", two)
+        quick = ["--fit", "sample", "-q", "--progress", "none"]
+        for name, mesh, *options in (("free", "sheet", "--method", "lscm", "--size", "33"), ("two", "two", "--size", "17"),
+                                     ("least", "sheet", "--size", "3", "--method", "tutte"),
+                                     ("large", "sheet", "--size", "513", "--method", "tutte")):
+            run(support.BAKE, self.folder / f"{mesh}.obj", *options, *quick, "-o", self.folder / f"{name}.dgm")
+        names = ("free", "two", "least", "large")
+        run(support.EXPORT, *(self.folder / f"{name}.dgm" for name in names), "-o", self.folder / "many.html")
+        page = self.page("#size=70", name="many.html")
+        for number, name in enumerate(names):
+            page.run(f"(async () => {{ await dgmPage.choose({number}); dgmPage.camera.set('.5,.9,1,0,0'); dgmPage.wake(); }})()")
+            page.rest()
+            charts, samples, free = page.run("[dgmPage.bodies.length, dgmPage.bodies[0].count, dgmPage.bodies[0].chart.free]")
+            self.assertEqual((charts, free), (2 if name == "two" else 1, name == "free"))
+            self.assertEqual(samples > 33 * 33 if free else samples in (17 * 17, 3 * 3, 513 * 513), True)
+            for body in range(charts):
+                rest = "dgmPage.bodies[%d].copy().map((a) => a.reduce((h, v, k) => h + v * (k %% 97 + 1), 0))" % body
+                bits = page.run(rest)
+                # A place of the surface that is seen, near the middle of the chart's own on the screen.
+                at = page.run("""(() => { const seen = [];
+                    for (let y = -18; y < 18; ++y) for (let x = -18; x < 18; ++x) { const hit = dgmPage.pick([x / 20, y / 20]);
+                        if (hit && hit.body === dgmPage.bodies[%d]) seen.push([x / 20, y / 20]); }
+                    const mean = [0, 1].map((c) => seen.reduce((sum, p) => sum + p[c], 0) / seen.length);
+                    return seen.sort((p, q) => Math.hypot(p[0] - mean[0], p[1] - mean[1]) - Math.hypot(q[0] - mean[0], q[1] - mean[1]))[0]; })()""" % body)
+                spot = ((at[0] + 1) / 2 * STAGE[2], (1 - at[1]) / 2 * STAGE[3])
+                page.mouse("mouseMoved", *spot, buttons=0)
+                page.mouse("mousePressed", *spot)
+                page.wait("dgmPage.hand.felt.force > 0")
+                self.assertEqual(page.run("dgmPage.hand.strokes[0].body.number"), body)
+                self.assertEqual(page.run("dgmPage.bodies.map((body) => body.torn())"), [0] * charts, name)
+                page.shot(SCREENSHOTS / f"touch_{name}.png")
+                self.let_go(page, spot)
+                self.assertEqual(page.run(rest), bits, name)
 
     def test_damaged_files_are_refused_by_their_code(self):
         page = self.page()

@@ -7,12 +7,15 @@
 //                                                at a time; writes x, y, z of all samples to OUT, prints the forces'
 //                                                sum
 //   dgm_touch_reference MAP.dgm ticks PATH       "KIND X Y Z" of each tick of a replay, in the path's frame
+//   dgm_touch_reference MAP.dgm time PATH        microseconds a tick of a replay, the best of five
 #include <dgm/asset.h>
 #include <dgm/deform.h>
 #include <dgm/pick.h>
 #include <dgm/state.h>
 #include <dgm/tick.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -56,8 +59,12 @@ void ticks(const char* path) {
         [](const std::string&) {});
 }
 
-void replay(dgm::State& state, const dgm::Chart& chart, const char* file, const char* out) {
-    const dgm::formats::ToolPath path(file);
+struct Replayed {
+    double forces = 0;  ///< their sum
+    std::uint32_t ticks = 0;
+};
+
+Replayed run_path(dgm::State& state, const dgm::Chart& chart, const dgm::formats::ToolPath& path) {
     const auto size = path.touch_size().value_or(dgm::formats::TouchSize{4.5, 5, false});
     const auto table = take(
         dgm::DeformTable::create({.end = dgm::KernelEnd::Compact, .sigma = kSteps * kSteps / 5.0F, .reach = kSteps}));
@@ -68,16 +75,35 @@ void replay(dgm::State& state, const dgm::Chart& chart, const char* file, const 
                                    .step = static_cast<float>(size.size / kSteps)};
     const auto offset = chart.offset();
     const dgm::Vec3 origin{static_cast<float>(offset[0]), static_cast<float>(offset[1]), static_cast<float>(offset[2])};
-    double sum = 0;
+    Replayed out;
     path.replay(
         1e-3,
         [&](const dgm::formats::Knot& knot, float) {
             const dgm::ToolInput input{.kind = knot.kind, .position = knot.position - origin, .engaged = knot.engaged};
             dgm::ToolOutput felt;
             static_cast<void>(take(dgm::tick(state, table, options, {&input, 1}, {&felt, 1})));
-            sum += double{felt.force.x} + double{felt.force.y} + double{felt.force.z};
+            out.forces += double{felt.force.x} + double{felt.force.y} + double{felt.force.z};
+            ++out.ticks;
         },
         [](const std::string&) {});
+    return out;
+}
+
+void time_path(dgm::State& state, const dgm::Chart& chart, const char* file) {
+    const dgm::formats::ToolPath path(file);
+    double best = 1e300;
+    for (int k = 0; k < 5; ++k) {
+        state.reset();
+        const auto began = std::chrono::steady_clock::now();
+        const Replayed done = run_path(state, chart, path);
+        const std::chrono::duration<double, std::micro> spent = std::chrono::steady_clock::now() - began;
+        best = std::min(best, spent.count() / done.ticks);
+    }
+    std::printf("%.3f\n", best);
+}
+
+void replay(dgm::State& state, const dgm::Chart& chart, const char* file, const char* out) {
+    const double sum = run_path(state, chart, dgm::formats::ToolPath(file)).forces;
     std::ofstream shape(out, std::ios::binary);
     const auto positions = state.positions();
     for (const float* axis : {positions.x, positions.y, positions.z})
@@ -95,6 +121,8 @@ int main(int argc, char** argv) {
         picks(state);
     else if (argc == 4 && std::string(argv[2]) == "ticks")
         ticks(argv[3]);
+    else if (argc == 4 && std::string(argv[2]) == "time")
+        time_path(state, chart, argv[3]);
     else if (argc == 5)
         replay(state, chart, argv[3], argv[4]);
 }

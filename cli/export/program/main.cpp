@@ -147,7 +147,8 @@ void describe(CLI::App& app, CommandLine& line) {
                "HTML: a recorded tool path (docs/touch.md) that the page plays; repeatable");
     picture.text("--layer", "NAME", line.options.layer, "PNG: the picture of this layer");
     picture.flag("--sheet", line.options.sheet, "PNG: all layers of each chart on one sheet");
-    picture.text("--source", "MESH", line.source, "PNG: source, reconstruction, grid and error side by side");
+    picture.text("--source", "MESH", line.source,
+                 "PNG: source, reconstruction, grid and error side by side; HTML: the source beside the map");
     picture.value("--asset-root", "DIR", line.asset_roots,
                   "folder beside the mesh's from which it may name files, as for dgm-bake; repeatable");
     picture.text("--size", "WxH", line.size, "PNG: width and height in pixels");

@@ -10,12 +10,14 @@ const length = (a) => Math.hypot(...a);
 const unit = (a) => scaled(a, 1 / (length(a) || 1));
 const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
 
+// Where one looks from at first: the page may say.
+const kStart = document.body.dataset.view ? document.body.dataset.view.split(",").map((x) => x * Math.PI / 180) : [.5, .35];
 const kHalf = Math.tan(14 * Math.PI / 180);
 
 class Camera {
   constructor() { this.fit([0, 0, 0], 1, "y"); }
   fit(middle, radius, up) {
-    Object.assign(this, { middle, radius, up, yaw: .5, pitch: .35, zoom: 1, shift: [0, 0] });
+    Object.assign(this, { middle, radius, up, yaw: kStart[0], pitch: kStart[1], zoom: 1, shift: [0, 0] });
   }
   // right, up, towards the eye
   frame() {

@@ -20,6 +20,12 @@ const kSurfaceFragment = `
     c = mix(c, vec3(.369, .789, .383), clamp(4. * t - 2., 0., 1.));
     return mix(c, vec3(.993, .906, .144), clamp(4. * t - 3., 0., 1.));
   }
+  vec3 sides(float t) { // blue, pale, red
+    vec3 c = mix(vec3(0., .349, .686), vec3(.486, .659, .878), clamp(4. * t, 0., 1.));
+    c = mix(c, vec3(.961, .957, .957), clamp(4. * t - 1., 0., 1.));
+    c = mix(c, vec3(.855, .557, .518), clamp(4. * t - 2., 0., 1.));
+    return mix(c, vec3(.675, .016, .047), clamp(4. * t - 3., 0., 1.));
+  }
   void main() {
     if (look == 9) { colour = vec4(plain, 1); return; }
     vec3 m = normalize(n) * (gl_FrontFacing || sheet.z > 0. ? 1. : -1.);
@@ -30,7 +36,9 @@ const kSurfaceFragment = `
     vec3 base = plain;
     if (look == 1) base = texture(picture, (at * (texels - 1.) + .5) / texels).rgb;
     if (look == 2) { base = heat(clamp(moved / most, 0., 1.)); light = .7 + .3 * key; }
-    if (look == 4) { base = heat(clamp((number - range.x) / (range.y - range.x), 0., 1.)); light = .7 + .3 * key; }
+    float share = clamp((number - range.x) / (range.y - range.x), 0., 1.);
+    if (look == 4) { base = heat(share); light = .7 + .3 * key; }
+    if (look == 5) { base = sides(share); light = .7 + .3 * key; }
     if (look == 3) { base = .5 + .5 * normalize(n); light = 1.; gloss = 0.; }
     colour = vec4(base * light + .1 * gloss, 1);
   }`;

@@ -6,7 +6,7 @@
 
 class Keys {
   constructor(scene, canvas) {
-    Object.assign(this, { scene, canvas, pointers: new Map(), hover: null, walker: null });
+    Object.assign(this, { scene, canvas, pointers: new Map(), hover: null, walker: null, modal: null });
     const on = (name, call, options) => canvas.addEventListener(name, (e) => scene.guard(() => call(e)), options);
     on("pointerdown", (e) => this.down(e));
     on("pointermove", (e) => this.move(e));
@@ -28,13 +28,18 @@ class Keys {
     return [2 * (e.clientX - box.left) / box.width - 1, 1 - 2 * (e.clientY - box.top) / box.height];
   }
   down(e) {
+    if (this.modal) return this.modal = null, this.scene.changed();
     const { scene } = this, at = this.at(e), tool = scene.panel.tool(), left = e.button === 0;
     this.canvas.focus({ preventScroll: true });
     delete this.canvas.dataset.keys;
     if (e.pointerId !== undefined && e.isTrusted) this.canvas.setPointerCapture(e.pointerId);
     this.letGo();
     const pointer = { at, start: this.scene.sheet.pick(at) ? at : null, role: e.button === 1 || (e.button === 2 && e.shiftKey) ? "pan" : "turn", stroke: null };
-    const hit = left && tool !== "turn" ? scene.pick(at) : null;
+    const hit = left && tool !== "turn" ? scene.pick(at) : null, grip = left ? scene.gripObstacle(at) : null;
+    if (grip !== null && (!hit || grip < hit.distance)) {
+      pointer.role = "obstacle", pointer.grip = grip;
+      return void this.pointers.set(e.pointerId, pointer);
+    }
     if (hit && ![...this.pointers.values()].some((p) => p.role !== "tool")) {
       // Shift slides a poke, and lets a push stay.
       const kind = tool === "push" && e.shiftKey ? "poke" : tool === "poke" && e.shiftKey ? "push" : tool;
@@ -43,18 +48,30 @@ class Keys {
     }
     this.pointers.set(e.pointerId, pointer);
   }
+  // F, as sculptors know it: the pointer's way to the right sets the size, with Shift the depth; a click or Escape ends it.
+  begin(id) {
+    if (this.hover && this.scene.pick(this.hover)) this.modal = { id, at: this.hover, value: Number($(id).value) };
+    else $(id).focus();
+  }
+  adjust(at) {
+    const { id, value } = this.modal;
+    $(id).value = value + 100 * (at[0] - this.modal.at[0]);
+    this.scene.panel.step(id, 0);
+  }
   press(pointer, e) {
     if (e.pointerType === "pen" && e.pressure > 0) pointer.stroke.pressure = clamp(2 * e.pressure, .05, 2);
   }
   move(e) {
     const { scene } = this, at = this.at(e), pointer = this.pointers.get(e.pointerId);
+    if (this.modal) return this.adjust(at);
     if (!pointer) {
       this.hover = at;
       return scene.wake();
     }
     const dx = at[0] - pointer.at[0], dy = at[1] - pointer.at[1], aspect = scene.aspect();
     const others = [...this.pointers.values()].filter((p) => p !== pointer && p.role !== "tool");
-    if (pointer.role === "tool") this.drag(pointer, at, e);
+    if (pointer.role === "obstacle") scene.dragObstacle(dx, dy, pointer.grip);
+    else if (pointer.role === "tool") this.drag(pointer, at, e);
     else if (others.length) this.pinch(pointer, others[0], at, dx, dy);
     else if (pointer.role === "pan") scene.camera.pan(dx, dy, aspect);
     else scene.camera.turn(dx * 1.6 * aspect, -dy * 1.6);
@@ -104,7 +121,8 @@ class Keys {
     else if (e.ctrlKey) return;
     else if (e.key === "[" || e.key === "]") scene.panel.step("size", e.key === "]" ? 4 : -4);
     else if (e.key === "{" || e.key === "}") scene.panel.step("depth", e.key === "}" ? 4 : -4);
-    else if (e.key === "f" || e.key === "F") $(e.key === "f" ? "size" : "depth").focus();
+    else if (e.key === "f" || e.key === "F") this.begin(e.key === "f" ? "size" : "depth");
+    else if (e.key === "Escape" && this.modal) $(this.modal.id).value = this.modal.value, this.modal = null;
     else if (["1", "2", "3", "4"].includes(e.key)) scene.panel.choose(["push", "pull", "poke", "turn"][e.key - 1]);
     else return;
     e.preventDefault();

@@ -3,6 +3,9 @@
 
 const kSwatch = { clay: [.84, .75, .68], seam: [.84, .118, .141], border: [.094, .345, .769], grid: [.2, .21, .25], solid: [.55, .6, .68] };
 
+// Where the address is: a page in a frame has none of its own.
+const kOuter = document.body.classList.contains("framed") ? parent : window;
+
 class Scene {
   constructor() {
     this.canvas = $("view"), this.over = $("over");
@@ -12,13 +15,14 @@ class Scene {
     this.hand = new Hand(this);
     this.recorder = new Recorder(this);
     this.sheet = new Sheet(this);
+    this.beside = new Beside(this);
     this.panel = new Panel(this);
     this.keys = new Keys(this, this.canvas);
     this.drop = new Drop(this);
     new ResizeObserver(() => this.wake()).observe($("stage"));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.wake());
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
-    addEventListener("hashchange", () => this.panel.follow(location.hash));
+    kOuter.addEventListener("hashchange", () => this.panel.follow(kOuter.location.hash));
   }
   // Runs `work`; what goes wrong is said, never thrown.
   async guard(work) {
@@ -41,10 +45,11 @@ class Scene {
   }
   async choose(number) {
     const map = this.maps[number], asset = new Asset(await map.bytes()), bodies = [];
+    if (map.unpack) await map.unpack(), map.unpack = null;
     const boxes = asset.charts.map((chart) => chart.box), edge = (pick, from) => [0, 1, 2].map((c) => pick(...boxes.map((box) => box[from + c])));
     const low = edge(Math.min, 0), high = edge(Math.max, 3), middle = scaled(plus(low, high), .5);
     try {
-      asset.charts.forEach((_, k) => bodies.push(new Body(this.painter, asset, k, middle)));
+      asset.charts.forEach((_, k) => bodies.push(new Body(this.painter, asset, k, middle, embeddedValues(map, k))));
       if (this.painter.gl) for (const body of bodies) body.picture = await this.pictureOf(map, body);
     } catch (error) {
       bodies.forEach((body) => body.close());
@@ -56,6 +61,8 @@ class Scene {
     this.bodies.forEach((body) => body.close());
     if (this.asset) this.asset.close();
     Object.assign(this, { asset, bodies, number, low, high, middle });
+    this.beside.put(map.source && this.painter.gl ? new Source(this.painter, map.source, middle, map.scales) : null);
+    $("facts").textContent = map.facts || "";
     $("drop").hidden = true;
     this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.marked = null;
     this.diagonal = length(minus(high, low)) || 1;
@@ -86,22 +93,50 @@ class Scene {
     const ray = this.camera.ray(...at, this.aspect());
     return this.bodies.map((body) => body.pick(ray)).filter(Boolean).sort((a, b) => a.distance - b.distance)[0] || null;
   }
-  // A table that rises from below, or a ball or bar that comes down from above.
+  // Axes that the obstacle's sliders mean: up, and two across.
+  axes() { return this.camera.up === "z" ? [2, 0, 1] : [1, 0, 2]; }
+  // A table from below, or a ball or bar from above, each anywhere; table and bar lean.
   setObstacle() {
-    const kind = $("obstacle").value, share = Number($("height").value) / 1000;
+    const kind = $("obstacle").value, value = (id) => Number($(id).value) / 1000;
     this.obstacle = null;
+    for (const row of document.querySelectorAll(".placed")) row.hidden = kind === "none";
     if (kind !== "none" && this.low) {
-      const up = this.camera.up === "z" ? 2 : 1, tall = this.high[up] - this.low[up], radius = .16 * this.diagonal, p = [0, 0, 0], q = [0, 0, 0];
-      if (kind === "plane") p[up] = this.low[up] - this.middle[up] + .6 * share * tall, q[up] = 1;
+      const [up, side, other] = this.axes(), tall = this.high[up] - this.low[up], radius = .16 * this.diagonal, p = [0, 0, 0], q = [0, 0, 0], lean = value("lean") * Math.PI / 2;
+      p[side] = value("across") * this.diagonal, p[other] = value("along") * this.diagonal;
+      if (kind === "plane") p[up] = this.low[up] - this.middle[up] + .6 * value("height") * tall, q[up] = Math.cos(lean), q[side] = Math.sin(lean);
       else {
-        p[up] = this.high[up] - this.middle[up] + radius - .8 * share * tall;
-        q[up] = p[up], q[0] = .3 * this.diagonal;
-        if (kind === "capsule") p[0] = -q[0];
+        const way = [0, 0, 0];
+        if (kind === "capsule") way[side] = .3 * Math.cos(lean) * this.diagonal, way[other] = .3 * Math.sin(lean) * this.diagonal;
+        p[up] = this.high[up] - this.middle[up] + radius - .8 * value("height") * tall;
+        p.forEach((x, c) => { q[c] = x + way[c], p[c] = x - way[c]; });
       }
-      this.obstacle = { kind, p, q, radius, done: false };
+      this.obstacle = { kind, p, q, radius };
     }
     this.meetAgain = true;
     this.panel.show();
+  }
+  // How far away a ball or bar is under the pointer, or null.
+  gripObstacle(at) {
+    const o = this.obstacle;
+    if (!o || o.kind === "plane") return null;
+    const { origin, direction } = this.camera.ray(...at, this.aspect());
+    // Balls along the bar: where the ray meets the first of them.
+    let nearest = null;
+    for (let k = 0; k <= 32; ++k) {
+      const to = minus(plus(scaled(o.p, 1 - k / 32), o.q, k / 32), origin), along = dot(to, direction), left = o.radius ** 2 - (dot(to, to) - along ** 2);
+      const distance = left >= 0 ? along - Math.sqrt(left) : -1;
+      if (distance > 0 && (nearest === null || distance < nearest)) nearest = distance;
+      if (o.kind === "ball") break;
+    }
+    return nearest;
+  }
+  // Moves it in the plane of the screen, as far as the sliders go.
+  dragObstacle(dx, dy, distance) {
+    const [right, up] = this.camera.frame(), half = this.camera.unitsAt(distance), way = plus(scaled(right, dx * half * this.aspect()), up, dy * half);
+    const [axis, side, other] = this.axes(), add = (id, by) => { $(id).value = Number($(id).value) + 1000 * by; };
+    add("height", -way[axis] / (.8 * (this.high[axis] - this.low[axis]) || 1));
+    add("across", way[side] / this.diagonal), add("along", way[other] / this.diagonal);
+    this.setObstacle();
   }
   // Presses every body against the obstacle, from its shape without elastic touches or with those of this frame.
   meet() {
@@ -180,13 +215,15 @@ class Scene {
   draw(stride, moving) {
     const { painter } = this, gl = painter.gl, background = getComputedStyle(this.canvas).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255);
     const scale = this.canvas.width / Math.max(1, this.canvas.clientWidth);
-    painter.start(this.camera, this.aspect(), background);
     stride = Math.max(stride, Number($("detail").value));
     const looks = { texture: 1, clay: 0, moved: 2, normal: 3 }, layer = $("look").value, wanted = layer in looks ? looks[layer] : 4;
-    const range = wanted === 4 ? this.rangeOf(layer) : [0, 1];
+    const range = wanted === 4 ? this.rangeOf(layer) : [0, 1], coloured = this.diverging(layer) ? 5 : 4;
+    const shade = (look) => (look === 4 ? coloured : look), known = this.beside.shown && this.beside.source.layer === layer;
+    this.beside.draw(background, { look: known ? shade(4) : 0, plain: kSwatch.clay, range });
+    painter.start(this.camera, this.aspect(), background);
     const one = (body) => {
       const look = (wanted === 1 && !body.picture) || (wanted === 4 && !body.show(layer)) ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay };
-      painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look, picture: body.picture || painter.blank, most: this.diagonal / 10, range });
+      painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look: shade(look), picture: body.picture || painter.blank, most: this.diagonal / 10, range });
       const line = (name, plain, push) => {
         const part = body.lines(name);
         if (part.count) painter.draw(body.array, part, gl.LINES, { ...common, look: 9, plain, push });
@@ -199,13 +236,19 @@ class Scene {
     if (this.obstacle) painter.drawSolid(this.obstacle.kind, this.obstacle.p, this.obstacle.q, this.obstacle.kind === "plane" ? this.diagonal : this.obstacle.radius, kSwatch.solid);
     if (this.sheet.shown) this.sheet.draw(scale, background, one);
   }
+  // The ends of a layer's colours, where the page states them: { low, high, diverging }.
+  scale(layer) { return ((this.maps[this.number] || {}).scales || {})[layer]; }
+  diverging(layer) { const scale = this.scale(layer); return scale !== undefined && scale.diverging; }
   // Least and largest value of a layer on all bodies.
   rangeOf(layer) {
     if (this.ranged !== layer + this.number) {
       let low = Infinity, high = -Infinity;
-      for (const body of this.bodies) for (const v of body.values(layer) || []) if (v < low) low = v; else if (v > high) high = v;
+      const scale = this.scale(layer);
+      if (scale) [low, high] = [scale.low, scale.high];
+      else for (const body of this.bodies) for (const v of body.values(layer) || []) low = Math.min(low, v), high = Math.max(high, v);
       Object.assign(this, { ranged: layer + this.number, range: [low, high > low ? high : low + 1] });
-      this.panel.say(layer + ": " + digits(low) + " (dark) to " + digits(high) + " (light)");
+      const [dark, light] = this.diverging(layer) ? ["blue", "red"] : ["dark", "light"];
+      this.panel.say(layer + ": " + digits(low) + " (" + dark + ") to " + digits(high) + " (" + light + ")");
     }
     return this.range;
   }
@@ -227,8 +270,9 @@ class Scene {
     }
     if (this.recorder.playing && this.recorder.playing.knot) ring(place(plus(minus(this.recorder.playing.knot.place, this.recorder.playing.body.chart.offset), this.recorder.playing.body.origin)), 7 * scale, ink);
     const around = (p, hit) => {
-      const [, , away] = this.camera.project(plus(hit.point, hit.body.origin), aspect);
-      ring(p, .5 * this.size() / this.camera.unitsAt(away) * h / 2, ink);
+      const [, , away] = this.camera.project(plus(hit.point, hit.body.origin), aspect), pixels = h / 2 / this.camera.unitsAt(away);
+      ring(p, .5 * this.size() * pixels, ink);
+      if (this.keys.modal) ring(p, .5 * this.panel.depth() * pixels, "#d9480f");
     };
     const spot = (hit) => { if (this.sheet.shown) ring(this.sheet.place(hit).map((x) => x * scale), 4 * scale, "#d9480f"); };
     for (const s of this.hand.strokes) if (s.hit) spot(s.hit);
@@ -252,10 +296,16 @@ function softDrawing() {
 }
 
 const scriptMaps = () => [...document.querySelectorAll("script.map")].map((element, k) => ({
-  name: element.dataset.name,
+  name: element.dataset.name, facts: element.dataset.facts,
   bytes: async () => decodeGrids(await inflated(bytesOf(element)), element.dataset.grids),
   pictures: [...document.querySelectorAll("script.picture[data-map='" + k + "']")].map((picture) => ({
     chart: Number(picture.dataset.chart), blob: new Blob([bytesOf(picture)], { type: picture.dataset.type }) })),
+  async unpack() {
+    const mine = (kind) => [...document.querySelectorAll("script." + kind + "[data-map='" + k + "']")];
+    this.values = await Promise.all(mine("values").map(async (v) => ({ name: v.dataset.name, number: Number(v.dataset.chart), codes: await inflated(bytesOf(v)) })));
+    this.scales = Object.fromEntries(mine("values").map(({ dataset: d }) => [d.name, { low: Number(d.low), high: Number(d.high), diverging: d.diverging === "1" }]));
+    for (const element of mine("source")) this.source = { element, bytes: await inflated(bytesOf(element)) };
+  },
 }));
 
 const scriptPaths = () => [...document.querySelectorAll("script.path")].map((element) => ({ name: element.dataset.name, text: new TextDecoder().decode(bytesOf(element)) }));
@@ -271,6 +321,7 @@ const scriptPaths = () => [...document.querySelectorAll("script.path")].map((ele
       const still = document.querySelector("script.still");
       if (still) $("still").src = URL.createObjectURL(new Blob([bytesOf(still)], { type: "image/jpeg" })), $("still").alt = "The surface at rest", $("still").hidden = false;
       $("panel").hidden = true;
+      if (window.frameElement) frameElement.style.height = "80px";
       document.body.dataset.ready = "still";
       return;
     }
@@ -278,10 +329,11 @@ const scriptPaths = () => [...document.querySelectorAll("script.path")].map((ele
     scene.maps = maps;
     scene.paths = scriptPaths();
     maps.forEach((map, k) => $("map").append(new Option(map.name, String(k))));
-    const first = new URLSearchParams(location.hash.slice(1)).get("map"), number = Number(first) < maps.length ? Number(first) : 0;
+    const first = new URLSearchParams(kOuter.location.hash.slice(1)).get("map"), number = Number(first) < maps.length ? Number(first) : 0;
     if (maps.length) await scene.choose(number), $("map").value = String(number);
     else scene.panel.say("Drop a .dgm here, or open one."), $("drop").hidden = false;
-    scene.panel.follow(location.hash);
+    if (document.body.dataset.look) $("look").value = document.body.dataset.look;
+    scene.panel.follow(kOuter.location.hash);
     window.dgmPage = scene; // for scripts that drive the page
     requestAnimationFrame(() => { document.body.dataset.ready = "yes"; });
   } catch (error) {

@@ -10,8 +10,9 @@ class Panel {
     this.spoken = 0;
     $("panel").addEventListener("submit", (e) => e.preventDefault());
     for (const id of ["size", "depth"]) $(id).addEventListener("input", () => this.show());
-    for (const id of ["look", "wire", "seams", "triangles", "sheet", "detail"]) $(id).addEventListener("change", () => scene.wake());
-    for (const id of ["obstacle", "height"]) $(id).addEventListener("input", () => scene.setObstacle());
+    for (const id of ["look", "wire", "seams", "triangles", "sheet", "detail"]) $(id).addEventListener("change", () => { this.legend(); scene.wake(); });
+    $("both").addEventListener("change", () => scene.beside.show());
+    for (const id of ["obstacle", "height", "across", "along", "lean"]) $(id).addEventListener("input", () => scene.setObstacle());
     $("undo").addEventListener("click", () => { scene.hand.undo(); this.show(); });
     $("reset").addEventListener("click", () => { $("obstacle").value = "none"; scene.setObstacle(); scene.hand.reset(); scene.recorder.clear(); this.show(); });
     $("home").addEventListener("click", () => scene.home());
@@ -30,6 +31,15 @@ class Panel {
     for (const name of new Set(this.scene.bodies.flatMap((body) => Object.keys(body.layers)))) look.append(new Option(name, name));
     look.value = [...look.options].some((o) => o.value === before) ? before : "texture";
   }
+  // Which numbers the colours stand for.
+  legend() {
+    const layer = $("look").value, { scene } = this, known = scene.bodies.some((body) => body.layers[layer]), box = $("legend");
+    box.hidden = !known && layer !== "moved";
+    if (box.hidden) return;
+    const ends = known ? scene.rangeOf(layer) : [0, scene.diagonal / 10];
+    box.className = scene.diverging(layer) ? "diverging" : "";
+    box.querySelectorAll("span").forEach((span, k) => { span.textContent = digits(ends[k]); });
+  }
   tool() { return document.querySelector("input[name=tool]:checked").value; }
   choose(tool) { document.querySelector("input[name=tool][value=" + tool + "]").checked = true; }
   // From 1/100 to 4/10 of the surface's diagonal, even in ratios.
@@ -44,8 +54,10 @@ class Panel {
     $("size-text").value = digits(this.size());
     $("depth-text").value = digits(this.depth());
     $("height-text").value = (Number($("height").value) / 10).toFixed(0) + " %";
+    $("lean-text").value = Math.round(.09 * Number($("lean").value)) + "°";
     $("undo").disabled = !this.scene.hand.done.length;
     $("play").disabled = $("save").disabled = !this.scene.recorder.knots.length;
+    this.legend();
     $("look").options[0].disabled = !this.scene.bodies.some((body) => body.picture);
     for (const stroke of this.scene.hand.strokes) stroke.depth = this.depth();
     this.scene.wake();
@@ -62,12 +74,19 @@ class Panel {
     if (!hit) return void ($("readout").textContent = "");
     const place = plus(hit.point, hit.body.chart.offset).map((x) => digits(x, 5)), where = hit.row < 2 ** 32 - 1 ? "row " + hit.row + ", column " + hit.column : "border strip";
     const layer = $("look").value, values = hit.body.values(layer), copies = dgm.touch_copies(hit.body.handle, hit.sample);
-    const more = (copies ? "\nseam sample with " + copies + " copies" : "") + (values && hit.sample < values.length ? "\n" + layer + " " + digits(values[hit.sample], 4) : "");
+    const more = (copies ? "\nseam sample with " + copies + " copies" : "") + (values && hit.sample < values.length ? "\n" + layer + " " + this.beyond(layer, values[hit.sample]) + digits(values[hit.sample], 4) : "");
     $("readout").textContent = "chart " + hit.body.number + ", " + where + "\nplace " + place.join(", ") + "\nnormal " + hit.normal.map((x) => x.toFixed(3)).join(", ") + more;
+  }
+  // Numbers at the end of a stated scale may be beyond it.
+  beyond(layer, value) {
+    const scale = this.scene.scale(layer);
+    if (!scale) return "";
+    return value <= Math.fround(scale.low) && scale.low < 0 ? "at most " : value >= Math.fround(scale.high) ? "at least " : "";
   }
   felt(now) {
     const { felt, strokes, history } = this.scene.hand, pressing = strokes.length > 0;
     $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
+    if (pressing) this.rumble(now, felt.force);
     const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height, recent = history.slice(-2000);
     c.clearRect(0, 0, w, h);
     const most = Math.max(.01, ...recent);
@@ -80,12 +99,19 @@ class Panel {
       this.say((strokes[0].kind === "pull" ? "Pulls, " : "Presses, ") + (100 * felt.force).toFixed(0) + " % of the force");
     }
   }
+  // A gamepad that can shake does so with the force.
+  rumble(now, force) {
+    if (now - (this.shaken || 0) < 50 || !navigator.getGamepads) return;
+    this.shaken = now;
+    for (const pad of navigator.getGamepads())
+      if (pad && pad.vibrationActuator) pad.vibrationActuator.playEffect("dual-rumble", { duration: 80, weakMagnitude: clamp(force, 0, 1), strongMagnitude: clamp(force, 0, 1) ** 2 }).catch(() => {});
+  }
   volume(words) { $("volume").textContent = words; }
   link() {
     const { scene } = this, hash = "#view=" + scene.camera.text() + "&tool=" + this.tool() + "&size=" + $("size").value + "&depth=" + $("depth").value + "&look=" + $("look").value + "&map=" + scene.number;
-    history.replaceState(null, "", hash);
+    kOuter.history.replaceState(null, "", hash);
     const done = (words) => this.say(words);
-    if (navigator.clipboard) navigator.clipboard.writeText(location.href).then(() => done("The link is in the clipboard."), () => done("The link stands in the address bar."));
+    if (navigator.clipboard) navigator.clipboard.writeText(kOuter.location.href).then(() => done("The link is in the clipboard."), () => done("The link stands in the address bar."));
     else done("The link stands in the address bar.");
   }
   // "#view=YAW,PITCH,ZOOM,X,Y&tool=pull&size=40"

@@ -28,15 +28,8 @@ TEST(Html, LinksHoldAnyName) {
     EXPECT_EQ(link_segment("a b#1%?\xc3\xa4.html"), "a%20b%231%25%3F%C3%A4.html");
 }
 
-TEST(Html, Base64) {  // RFC 4648, section 10
-    const auto encoded = [](const std::string& text) { return base64(std::as_bytes(std::span(text))); };
-    EXPECT_EQ(encoded(""), "");
-    EXPECT_EQ(encoded("f"), "Zg==");
-    EXPECT_EQ(encoded("fo"), "Zm8=");
-    EXPECT_EQ(encoded("foo"), "Zm9v");
-    EXPECT_EQ(encoded("foob"), "Zm9vYg==");
-    EXPECT_EQ(encoded("fooba"), "Zm9vYmE=");
-    EXPECT_EQ(encoded("\xff\xfe\xfd"), "//79");
+TEST(Html, AttributesKeepPages) {
+    EXPECT_EQ(attribute_value("<a href=\"x&amp;y\">'\n"), "<a href=&quot;x&amp;amp;y&quot;>'\n");
 }
 
 TEST(Html, PicturesAreWhatTheirTypeSays) {

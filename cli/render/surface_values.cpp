@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/report/surface_values.cpp
+// cli/render/surface_values.cpp
 //
 // [Sander 2001] as in geometry/metrics/map_metrics.cpp: Ss and St are the partial derivatives of the surface along the
 // grid, s1 >= s2 their singular values.
-#include "report/surface_values.h"
+#include "render/surface_values.h"
 
 #include <tbb/parallel_for.h>
 
@@ -13,7 +13,7 @@
 
 #include "math/portable.h"
 
-namespace dgm::report {
+namespace dgm::render {
 namespace {
 using model::Face;
 using model::Vec2d;
@@ -148,4 +148,4 @@ std::vector<double> source_distances(const model::TriMesh& source, const model::
     return out;
 }
 
-}  // namespace dgm::report
+}  // namespace dgm::render

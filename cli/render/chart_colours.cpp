@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/report/chart_colours.cpp
-#include "report/chart_colours.h"
+// cli/render/chart_colours.cpp
+#include "render/chart_colours.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,8 @@
 #include "render/layer_picture.h"
 #include "render/percentile.h"
 
-namespace dgm::report {
+namespace dgm::render {
 namespace {
-using render::percentile;
 
 /// All numbers, without their signs.
 std::vector<double> sizes_of(std::span<const SurfaceValues> charts, std::vector<double> SurfaceValues::*field) {
@@ -65,4 +64,4 @@ formats::Image grid_picture(const model::Chart& chart, const SurfaceValues& valu
     return out;
 }
 
-}  // namespace dgm::report
+}  // namespace dgm::render

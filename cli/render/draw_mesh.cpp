@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/report/draw_mesh.cpp
+// cli/render/draw_mesh.cpp
 //
 // [Rossignac and Borrel 1993] Multi-resolution 3D approximations for rendering complex scenes.
-#include "report/draw_mesh.h"
+#include "render/draw_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 
 #include "render/normals.h"
 
-namespace dgm::report {
+namespace dgm::render {
 namespace {
 using model::Face;
 using model::TriMesh;
@@ -134,4 +134,4 @@ DrawMesh draw_mesh(const TriMesh& mesh, std::size_t most) {
     return out;
 }
 
-}  // namespace dgm::report
+}  // namespace dgm::render

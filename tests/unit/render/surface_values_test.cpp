@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "report/surface_values.h"
+#include "render/surface_values.h"
 
 #include <gtest/gtest.h>
 
 #include "charts.h"
-#include "report/chart_colours.h"
+#include "render/chart_colours.h"
 
-namespace dgm::report {
+namespace dgm::render {
 namespace {
 
 SurfaceValues values_against(const model::Chart& chart, const model::Chart& source) {
@@ -71,4 +71,4 @@ TEST(ChartColours, BlueIsInside) {
 }
 
 }  // namespace
-}  // namespace dgm::report
+}  // namespace dgm::render

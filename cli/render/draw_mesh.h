@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/report/draw_mesh.h
+// cli/render/draw_mesh.h
 // Any mesh as vertices with one normal each, few enough for a page.
 #pragma once
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "model/tri_mesh.h"
 
-namespace dgm::report {
+namespace dgm::render {
 
 struct DrawMesh {
     std::vector<model::Vec3d> positions;
@@ -26,4 +26,4 @@ struct DrawMesh {
 /// Faces with an index out of range or a position that is not finite are left out.
 [[nodiscard]] DrawMesh draw_mesh(const model::TriMesh& mesh, std::size_t most);
 
-}  // namespace dgm::report
+}  // namespace dgm::render

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/report/chart_colours.h
+// cli/render/chart_colours.h
 // Values of a chart as pictures of its grid, with the scales that all pictures of an asset share.
 #pragma once
 #include <array>
@@ -9,9 +9,9 @@
 
 #include "image/image.h"
 #include "model/map_set.h"
-#include "report/surface_values.h"
+#include "render/surface_values.h"
 
-namespace dgm::report {
+namespace dgm::render {
 
 /// Ends of the colour scales: -end..end for distance and area, 0..end for angle.
 struct Scales {
@@ -32,4 +32,4 @@ enum class Quantity { kDistance, kArea, kAngle };
 [[nodiscard]] formats::Image grid_picture(const model::Chart& chart, const SurfaceValues& values, Quantity quantity,
                                           const Scales& scales);
 
-}  // namespace dgm::report
+}  // namespace dgm::render

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// cli/report/surface_values.h
+// cli/render/surface_values.h
 // Values that colour the reconstruction: its distance from the source, and the distortion of the map.
 #pragma once
 #include <vector>
@@ -8,7 +8,7 @@
 #include "geometry/spatial/closest_point.h"
 #include "model/map_set.h"
 
-namespace dgm::report {
+namespace dgm::render {
 
 /// One number a vertex of the reconstruction; NaN where no face uses it.
 struct SurfaceValues {
@@ -31,4 +31,4 @@ struct SurfaceValues {
 /// reconstruction is inside). Faces that the map leaves out show here alone.
 [[nodiscard]] std::vector<double> source_distances(const model::TriMesh& source, const model::TriMesh& map);
 
-}  // namespace dgm::report
+}  // namespace dgm::render

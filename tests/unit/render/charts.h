@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tests/unit/report/charts.h
+// tests/unit/render/charts.h
 // Charts whose every value is known.
 #pragma once
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "model/map_set.h"
 #include "model/vec.h"
 
-namespace dgm::report {
+namespace dgm::render {
 
 /// rows x cols samples of `place`, which gets (i, j); no other layers.
 inline model::Chart chart_of(std::uint32_t rows, std::uint32_t cols,
@@ -39,4 +39,4 @@ inline model::Chart hill(std::uint32_t rows, std::uint32_t cols) {
     });
 }
 
-}  // namespace dgm::report
+}  // namespace dgm::render
