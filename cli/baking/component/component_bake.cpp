@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <string>
-#include <string_view>
+#include <utility>
 
 #include "baking/methods.h"
 #include "geometry/cgal/border_simple.h"
@@ -27,17 +26,6 @@ constexpr std::size_t kStars = 12;  // octahedra tried for a sphere
 constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
 // A free chart beside a square one must not take longer than all the rest: it gets few cuts.
 constexpr int kSecondRounds = 2;
-// A tree of tubes with 256 ends folds by every method at 65 x 65; at 257 x 257 its limbs can be cut open.
-constexpr std::uint32_t kSideForLimbs = 257;
-constexpr std::string_view kSplit =
-    "split the mesh in your modeller into parts with fewer limbs or handles: each part "
-    "gets a chart of its own";
-constexpr std::string_view kLarger = "ask for --size 257x257 or more, where hundreds of limbs can be cut open, or ";
-
-std::string hint_for_limbs(GridSize size) {
-    const bool small = std::min(size.rows, size.cols) < kSideForLimbs;
-    return std::string(small ? kLarger : "") + std::string(kSplit);
-}
 
 double samples_of(GridSize size) {
     return static_cast<double>(size.rows) * size.cols;
@@ -184,8 +172,6 @@ Attempt<ComponentResult> bake_component(const ComponentTask& task, const BakeOpt
     ComponentTask grown = task;
     for (;;) {
         Attempt<ComponentResult> result = bake_on_grid(grown, options, cuts, progress);
-        if (!result && result.failure() == Failure::kMapInvalid && options.method == Method::kAuto)
-            return model::Error(result.error()).with_hint(hint_for_limbs(task.size));
         if (result || result.failure() != Failure::kGridTooSmall || grown.size == task.most) return result;
         grown.size.rows = std::min(task.most.rows, 2 * grown.size.rows - 1);
         grown.size.cols = std::min(task.most.cols, 2 * grown.size.cols - 1);
