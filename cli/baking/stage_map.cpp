@@ -58,7 +58,7 @@ GridSize doubled(GridSize size, GridSize most) {
 // Limbs fold into each other where they have too few samples to be cut open; parts with many cost the search for a cut
 // its time again for each size tried. A tree with 256 ends: 20 s a size.
 constexpr std::uint32_t kLongestTried = 257;
-constexpr double kSecondsOfTrials = 30;
+constexpr double kSecondsOfTrials = 40;
 constexpr std::string_view kSplit =
     "split the mesh in your modeller into parts with fewer limbs or handles: each part "
     "gets a chart of its own";

@@ -14,6 +14,7 @@
 #include "geometry/chart/free_chart.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/flat_map.h"
 #include "geometry/parameterize/free_methods.h"
 #include "math/portable.h"
 
@@ -24,6 +25,7 @@ constexpr std::size_t kNewtonSteps = 8;
 constexpr std::size_t kStars = 12;  // octahedra tried for a sphere
 // dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
 constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
+constexpr double kExactPsnr = 200;  // what is left is rounding
 // A free chart beside a square one must not take longer than all the rest: it gets few cuts.
 constexpr int kSecondRounds = 2;
 
@@ -114,6 +116,14 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // the search for a cut goes.
     if (may_be_free && !task.component.corner_uvs.empty())
         contest.enter(Method::kUv, [&] { return uv_chart(task, progress); });
+    const auto arap = [&](const FreeChartTools& tools) {
+        contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, tools, progress); });
+    };
+    // A flat panel full of needles has a chart without error, and none that stretches it costs less than minutes.
+    if (may_be_free && flat_needle_map(task.component.positions, task.component.faces)) {
+        arap(free_tools());
+        if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
+    }
     CutSearchOptions search = cut_options(task.size, options);
     search.only_simplified = contest.has_best() && contest.best_psnr() > poor_psnr(task.size);
     const Attempt<CutSearchResult> cut =
@@ -121,9 +131,6 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     if (!cut) contest.fail(cut.error());
     const auto square = [&](Method method) {
         contest.enter(method, [&] { return square_chart(task.size, method, options, *cut, progress); });
-    };
-    const auto arap = [&](const FreeChartTools& tools) {
-        contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, tools, progress); });
     };
     if (!any) {
         if (cut) square(options.method);
@@ -133,7 +140,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
     // cloth above all.
     const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();
-    if (may_be_free && panel) arap(free_tools());
+    if (may_be_free && panel && !contest.tried(Method::kArap)) arap(free_tools());
     // A star that served the simplified component need not serve the component itself.
     if (contest.failed(Method::kSphere))
         contest.enter(Method::kStretch, [&] {

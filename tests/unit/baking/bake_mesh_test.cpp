@@ -266,5 +266,27 @@ TEST(BakeMesh, ASmallPartThatNeedsALargerGridIsToldTheSizeOfTheWholeAsset) {
     EXPECT_FALSE(error_at(mesh, options, named)) << error->hint();
 }
 
+TEST(BakeMesh, AFlatPanelOfNeedlesIsItsOwnChart) {
+    // Teeth of 1/400 x 1 on a thin back.
+    constexpr std::uint32_t kTeeth = 400;
+    model::TriMesh comb;
+    for (std::uint32_t k = 0; k <= kTeeth; ++k) {
+        comb.positions.push_back({double(k) / kTeeth, 0, 0});
+        comb.positions.push_back({double(k) / kTeeth, 0.01, 0});
+    }
+    for (std::uint32_t k = 0; k < kTeeth; ++k) {
+        const std::uint32_t a = 2 * k, tip = 2 * (kTeeth + 1) + k;
+        comb.positions.push_back({(k + 0.5) / kTeeth, 1.3, 0});
+        comb.faces.insert(comb.faces.end(), {{a, a + 2, a + 3}, {a, a + 3, a + 1}, {a + 1, a + 3, tip}});
+    }
+    for (model::Vec3d& p : comb.positions) p = {p.x, 0.6 * p.y, 0.8 * p.y};
+    for (std::uint32_t k = 1; k < kTeeth; ++k) comb.positions[2 * (kTeeth + 1) + k].x -= 0.4 / kTeeth;
+    const BakeResult result = bake_mesh({.mesh = comb, .name = "comb"}, small_grid());
+    ASSERT_EQ(result.report.charts.size(), 1u);
+    EXPECT_EQ(result.report.charts[0].method, "arap");
+    EXPECT_EQ(result.report.charts[0].candidates.size(), 1u) << "other maps were tried";
+    EXPECT_GT(result.report.charts[0].candidates[0].psnr, 200);
+}
+
 }  // namespace
 }  // namespace dgm::bake
