@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "baking/component/component_bake.h"
@@ -13,6 +15,7 @@
 #include "baking/search/size_search.h"
 #include "baking/stage_log.h"
 #include "baking/stages.h"
+#include "baking/time_box.h"
 #include "geometry/fit/fit.h"
 #include "model/codes.h"
 
@@ -48,6 +51,58 @@ void check_samples(std::span<const GridSize> sizes) {
             .with_hint("ask for a smaller --size, or join small components");
 }
 
+GridSize doubled(GridSize size, GridSize most) {
+    return {std::min(most.rows, 2 * size.rows - 1), std::min(most.cols, 2 * size.cols - 1)};
+}
+
+// Limbs fold into each other where they have too few samples to be cut open; parts with many cost the search for a cut
+// its time again for each size tried. A tree with 256 ends: 20 s a size.
+constexpr std::uint32_t kLongestTried = 257;
+constexpr double kSecondsOfTrials = 40;
+constexpr std::string_view kSplit =
+    "split the mesh in your modeller into parts with fewer limbs or handles: each part "
+    "gets a chart of its own";
+
+/// What to do about component `c`, which has no map at request.largest: names the smallest of some larger sizes at
+/// which it has one. The longest is tried first, since the time may not do for all.
+std::string hint_of_size(const Repaired& source, MapRequest request, std::size_t c, BakeOptions options,
+                         Failure failure, const model::Progress& progress) {
+    const GridSize asked = request.largest;
+    const GridSize longest{std::max(asked.rows, kLongestTried), std::max(asked.cols, kLongestTried)};
+    std::vector<GridSize> sizes;
+    if (asked != longest) sizes.push_back(longest);
+    for (GridSize next = doubled(asked, longest); next != longest; next = doubled(next, longest)) sizes.push_back(next);
+    // A free map is the same for each grid: where it has folds, only squares are left to be tried.
+    if (failure == Failure::kMapInvalid && options.domain == DomainChoice::kAuto)
+        options.domain = DomainChoice::kSquare;
+    TimeBox box(progress, kSecondsOfTrials);
+    std::optional<GridSize> works;
+    for (const GridSize& size : sizes) {
+        request.largest = size;
+        const std::vector<GridSize> full = full_sizes(source, request);
+        const GridSize own = component_sizes(full, source.areas, source.largest)[c];
+        CutMemory cuts;
+        const auto tried = box.run([&](const model::Progress& part) {
+            return static_cast<bool>(
+                bake_component({source.components[c], own, full[c], CutUse::kSearch}, options, cuts, part));
+        });
+        if (!tried) break;
+        if (*tried) works = size;
+        if (*tried && size != longest) break;
+    }
+    if (works) return fmt::format("ask for --size {}x{}, at which a map was found", works->rows, works->cols);
+    if (sizes.empty()) return std::string(kSplit);
+    return fmt::format("{}; no map was found at larger sizes up to {}x{} either{}", kSplit, longest.rows, longest.cols,
+                       box.spent() ? " before time ran out" : "");
+}
+
+/// True where another size may help, and the user named the one that does not do.
+bool size_may_help(const model::Error& error, const MapRequest& request, const BakeOptions& options) {
+    if (request.use != CutUse::kSearch) return false;
+    const Failure failure = failure_of(error);
+    return failure == Failure::kGridTooSmall || (failure == Failure::kMapInvalid && options.method == Method::kAuto);
+}
+
 /// The failure of component `c` of `count`.
 Error failure_at(const Error& error, std::size_t c, std::size_t count) {
     if (count == 1) return error;
@@ -79,7 +134,12 @@ Mapped map_source(const Repaired& source, const MapRequest& request, const BakeO
     for (std::size_t c = 0; c < sizes.size(); ++c) {
         Attempt<ComponentResult> chart = bake_component({source.components[c], sizes[c], full[c], request.use}, options,
                                                         cuts[c], part_of(progress, "map", c, sizes.size()));
-        if (!chart) throw failure_at(chart.error(), c, sizes.size());
+        if (!chart) {
+            Error error = chart.error();
+            if (size_may_help(error, request, options))
+                error.with_hint(hint_of_size(source, request, c, options, chart.failure(), progress));
+            throw failure_at(error, c, sizes.size());
+        }
         out.charts.push_back(std::move(*chart));
     }
     if (options.ablates("diagonals"))
@@ -107,7 +167,7 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
     for (std::size_t c = 0; c < fitted.inverted.size(); ++c) {
         GridSize size{fitted.charts[c].chart.m, fitted.charts[c].chart.n};
         while (fitted.inverted[c] > 0 && size != full[c]) {
-            size = {std::min(full[c].rows, 2 * size.rows - 1), std::min(full[c].cols, 2 * size.cols - 1)};
+            size = doubled(size, full[c]);
             const std::uint64_t samples = std::uint64_t{size.rows} * size.cols;
             if (samples > left) break;
             left -= samples;

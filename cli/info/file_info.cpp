@@ -21,6 +21,7 @@
 #include "model/element.h"
 #include "model/layer_names.h"
 #include "model/printable.h"
+#include "validate/validation.h"
 
 namespace dgm::info {
 namespace {
@@ -160,6 +161,7 @@ FileInfo read_file_info(const std::filesystem::path& path) {
     const model::MapSet maps = read_maps(path);
     FileInfo out;
     out.file = path.string();
+    out.fault = validate::first_error(maps);
     out.bytes = std::filesystem::file_size(path);
     out.is_exr = is_exr(path);
     out.format_version = maps.format_version;

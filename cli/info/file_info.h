@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "model/error.h"
 #include "model/map_set.h"
 
 namespace dgm::info {
@@ -39,6 +41,7 @@ struct FileInfo {
     std::string generator, source_name, report_json;
     std::array<std::uint8_t, 16> source_hash{}, settings_hash{};
     std::vector<ChartInfo> charts;
+    std::optional<model::Error> fault;  ///< the first error for which dgm-validate refuses the maps
 };
 
 /// Reads a .dgm or an EXR, by content. Not thread-safe (HDF5).

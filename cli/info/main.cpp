@@ -82,6 +82,11 @@ static int run_main(int argc, char** argv) {
                 }
                 infos.push_back(dgm::info::read_file_info(file));
                 if (!json) std::fputs(dgm::info::to_text(infos.back()).c_str(), stdout);
+                if (const auto& fault = infos.back().fault)
+                    dgm::tool::print_error(
+                        "dgm-info", file,
+                        dgm::model::Error(fault->code(), std::string("dgm-validate refuses this map: ") + fault->what(),
+                                          fault->place()));
             } catch (const dgm::model::Error& error) {  // the other files are still worth telling about
                 dgm::tool::print_error("dgm-info", file, error);
                 worst = dgm::model::worse(worst, error.code().exit);

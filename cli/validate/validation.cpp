@@ -119,6 +119,12 @@ FileValidation validate_maps(const MapSet& maps, const Options& options) {
     return out;
 }
 
+std::optional<model::Error> first_error(const MapSet& maps) {
+    for (const formats::Finding& f : validate_maps(maps).findings)
+        if (f.severity == formats::Severity::kError) return model::Error(*f.code, f.message, f.place);
+    return std::nullopt;
+}
+
 FileValidation validate_file(const std::filesystem::path& path, const Options& options) {
     FileValidation out;
     out.path = path;

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <string>
-#include <string_view>
+#include <utility>
 
 #include "baking/methods.h"
 #include "geometry/cgal/border_simple.h"
@@ -15,6 +14,7 @@
 #include "geometry/chart/free_chart.h"
 #include "geometry/chart/square_chart.h"
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/flat_map.h"
 #include "geometry/parameterize/free_methods.h"
 #include "math/portable.h"
 
@@ -25,19 +25,9 @@ constexpr std::size_t kNewtonSteps = 8;
 constexpr std::size_t kStars = 12;  // octahedra tried for a sphere
 // dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
 constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
+constexpr double kExactPsnr = 200;  // what is left is rounding
 // A free chart beside a square one must not take longer than all the rest: it gets few cuts.
 constexpr int kSecondRounds = 2;
-// A tree of tubes with 256 ends folds by every method at 65 x 65; at 257 x 257 its limbs can be cut open.
-constexpr std::uint32_t kSideForLimbs = 257;
-constexpr std::string_view kSplit =
-    "split the mesh in your modeller into parts with fewer limbs or handles: each part "
-    "gets a chart of its own";
-constexpr std::string_view kLarger = "ask for --size 257x257 or more, where hundreds of limbs can be cut open, or ";
-
-std::string hint_for_limbs(GridSize size) {
-    const bool small = std::min(size.rows, size.cols) < kSideForLimbs;
-    return std::string(small ? kLarger : "") + std::string(kSplit);
-}
 
 double samples_of(GridSize size) {
     return static_cast<double>(size.rows) * size.cols;
@@ -133,6 +123,14 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // the search for a cut goes.
     if (may_be_free && !task.component.corner_uvs.empty())
         contest.enter(Method::kUv, [&] { return uv_chart(task, progress); });
+    const auto arap = [&](const FreeChartTools& tools) {
+        contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, tools, progress); });
+    };
+    // A flat panel full of needles has a chart without error, and none that stretches it costs less than minutes.
+    if (may_be_free && flat_needle_map(task.component.positions, task.component.faces)) {
+        arap(free_tools());
+        if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
+    }
     CutSearchOptions search = cut_options(task.size, options);
     search.only_simplified = contest.has_best() && contest.best_psnr() > poor_psnr(task.size);
     const Attempt<CutSearchResult> cut =
@@ -152,9 +150,6 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
         contest.challenge([&] { return square_chart(task.size, method, *parameterizer, *cut, progress); },
                           options.fit != Fit::kSample, progress);
     };
-    const auto arap = [&](const FreeChartTools& tools) {
-        contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, tools, progress); });
-    };
     if (!any) {
         if (cut) square(options.method);
         return;
@@ -169,7 +164,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
     // cloth above all.
     const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();
-    if (may_be_free && panel) arap(free_tools());
+    if (may_be_free && panel && !contest.tried(Method::kArap)) arap(free_tools());
     // A star that served the simplified component need not serve the component itself.
     if (contest.failed(Method::kSphere))
         contest.enter(Method::kStretch, [&] {
@@ -208,8 +203,6 @@ Attempt<ComponentResult> bake_component(const ComponentTask& task, const BakeOpt
     ComponentTask grown = task;
     for (;;) {
         Attempt<ComponentResult> result = bake_on_grid(grown, options, cuts, progress);
-        if (!result && result.failure() == Failure::kMapInvalid && options.method == Method::kAuto)
-            return model::Error(result.error()).with_hint(hint_for_limbs(task.size));
         if (result || result.failure() != Failure::kGridTooSmall || grown.size == task.most) return result;
         grown.size.rows = std::min(task.most.rows, 2 * grown.size.rows - 1);
         grown.size.cols = std::min(task.most.cols, 2 * grown.size.cols - 1);

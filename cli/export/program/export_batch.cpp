@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <map>
 #include <new>
+#include <optional>
 #include <set>
 #include <system_error>
 
 #include "batch/file_pattern.h"
 #include "exr/exr_files.h"
 #include "model/codes.h"
+#include "validate/validation.h"
 #include "worker/output_files.h"
 
 namespace dgm::exporter {
@@ -156,9 +158,16 @@ ExportOptions options_of_kind(ExportOptions options, const std::string& extensio
     return options;
 }
 
+/// What dgm-validate refuses is not passed on to programs that check less.
+model::MapSet read_sound_maps(const fs::path& file) {
+    model::MapSet maps = read_maps(file);
+    if (const std::optional<model::Error> error = validate::first_error(maps)) throw *error;
+    return maps;
+}
+
 std::vector<NamedMaps> maps_of(const ExportJob& job) {
-    std::vector<NamedMaps> out{{job.source.stem().string(), read_maps(job.source)}};
-    for (const fs::path& other : job.others) out.push_back({other.stem().string(), read_maps(other)});
+    std::vector<NamedMaps> out{{job.source.stem().string(), read_sound_maps(job.source)}};
+    for (const fs::path& other : job.others) out.push_back({other.stem().string(), read_sound_maps(other)});
     return out;
 }
 
@@ -219,7 +228,7 @@ ExportOutcome run_exports(const ExportPlan& plan, const ExportOptions& options, 
                 ++outcome.exported;
                 continue;
             }
-            const model::MapSet maps = read_maps(job.source);
+            const model::MapSet maps = read_sound_maps(job.source);
             for (const fs::path& output : job.outputs) {
                 folders.make_below(plan.folder, output);
                 export_maps(maps, output,

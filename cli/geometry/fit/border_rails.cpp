@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 #include "math/portable.h"
 
@@ -18,6 +20,14 @@ constexpr double kOnCorner = 1e-6;    // of a mean chord: a stop this near to a 
 constexpr double kPointStep = 0.25;   // of a mean chord: longest way between two points of a loop
 constexpr double kOnBorder = 1e-9;    // squared barycentric distance; the normalised frame is 1 across
 constexpr std::size_t kMostPoints = 4'000'000;
+
+/// The corner nearer than `within` to t, or t. Corners are sorted and lie much farther from each other.
+double on_corner_near(const std::vector<double>& corners, double t, double within) {
+    const auto next = std::lower_bound(corners.begin(), corners.end(), t);
+    if (next != corners.end() && *next - t < within) return *next;
+    if (next != corners.begin() && t - *std::prev(next) < within) return *std::prev(next);
+    return t;
+}
 
 }  // namespace
 
@@ -154,18 +164,23 @@ void BorderRails::find_corners() {
                 turns.emplace_back(-wide, k);
         }
         std::sort(turns.begin(), turns.end());
+        std::set<double> corners;
         for (const auto& [wide, k] : turns) {
             const double t = loop.starts[k];
             const auto near = [&](double corner) {
                 const double way = std::abs(corner - t);
                 return std::min(way, loop.length() - way) < kCornerStep * chord;
             };
-            if (std::none_of(loop.corners.begin(), loop.corners.end(), near)) loop.corners.push_back(t);
+            // Of all corners so far, the next ones either way round the loop are the nearest.
+            const auto next = corners.lower_bound(t);
+            const bool taken =
+                !corners.empty() && (near(next == corners.end() ? *corners.begin() : *next) ||
+                                     near(next == corners.begin() ? *corners.rbegin() : *std::prev(next)));
+            if (!taken) corners.insert(next, t);
         }
-        std::sort(loop.corners.begin(), loop.corners.end());
+        loop.corners.assign(corners.begin(), corners.end());
         for (const std::uint32_t s : orders_[l])
-            for (const double corner : loop.corners)
-                if (std::abs(places_[s] - corner) < kOnCorner * chord) places_[s] = corner;
+            places_[s] = on_corner_near(loop.corners, places_[s], kOnCorner * chord);
         for (std::size_t k = 0; k < loop.half_edges.size(); ++k) {
             const double from = loop.starts[k], along = loop.starts[k + 1] - from;
             const double parts = std::min(std::ceil(along / (kPointStep * chord)), 1e6);
@@ -205,17 +220,21 @@ double BorderRails::after_sliding(const Stop& stop, double by) const {
     const Loop& loop = loops_[stop.loop];
     const double from = places_[&stop - stops_.data()];
     double to = from + by;
-    for (double corner : loop.corners)
-        for (const double turn : {-loop.length(), 0.0, loop.length()}) {
-            const double there = corner + turn;
-            if (by > 0 ? from < there && there <= to : to <= there && there < from) to = there;
+    // The first corner on the way, in this turn round the loop or the one beside it.
+    for (const double turn : {-loop.length(), 0.0, loop.length()}) {
+        const auto next = std::partition_point(loop.corners.begin(), loop.corners.end(), [&](double corner) {
+            return by > 0 ? corner + turn <= from : corner + turn < from;
+        });
+        if (by > 0) {
+            if (next != loop.corners.end() && *next + turn <= to) to = *next + turn;
+        } else if (next != loop.corners.begin() && to <= *std::prev(next) + turn) {
+            to = *std::prev(next) + turn;
         }
+    }
     if (to < 0) to += loop.length();
     if (to >= loop.length()) to -= loop.length();
     // The corner itself, not its rounded place after a turn.
-    for (const double corner : loop.corners)
-        if (std::abs(to - corner) < 1e-12 * loop.length()) to = corner;
-    return to;
+    return on_corner_near(loop.corners, to, 1e-12 * loop.length());
 }
 
 Vec3d BorderRails::place_after(std::uint32_t c, double by) const {

@@ -10,6 +10,7 @@
 
 #include "geometry/mesh/triangle.h"
 #include "geometry/parameterize/check_disk.h"
+#include "geometry/parameterize/flat_map.h"
 #include "geometry/parameterize/flip_repair.h"
 #include "geometry/parameterize/free_maps.h"
 #include "geometry/parameterize/slim.h"
@@ -77,6 +78,8 @@ class FreeParameterizer final : public Parameterizer {
     }
 
     [[nodiscard]] std::vector<Vec2d> solve_disk(const DiskView& disk, const model::Progress& progress) const {
+        if (std::optional<std::vector<Vec2d>> flat = flat_needle_map(disk.positions, disk.faces))
+            return std::move(*flat);
         std::optional<std::vector<Vec2d>> uv = direct(disk, progress);
         if (uv && count_not_positive(disk.faces, *uv) > 0) {
             const RepairShape shape = method_ == Method::kArap ? RepairShape::kIsometric : RepairShape::kConformal;

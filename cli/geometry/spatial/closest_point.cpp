@@ -60,10 +60,27 @@ struct Piece {
     std::uint32_t triangle = 0;
     float from = 0, to = 1;
     std::uint32_t crowd = kNone;
+    std::uint32_t strip = kNone;
 };
 constexpr double kNeedle = 32;      ///< length over height of a triangle that is taken to pieces
 constexpr double kPieceLength = 8;  ///< of a piece, in heights
-constexpr int kMaxPieces = 16;
+constexpr int kMaxPieces = 16;      ///< that a needle gets in any case
+// A polygon with 10 000 corners in line on one side is a fan of needles that all want more pieces: they share so many.
+constexpr std::size_t kSharedPieces = 200'000;
+
+/// Where a needle lies between its longest edge and its third corner, in its plane. Boxes of needles that lie side by
+/// side in no direction of an axis overlap, whatever the pieces; this tells them apart.
+struct Strip {
+    Vec3d across;  ///< unit
+    double low = 0, high = 0;
+
+    /// True if every point of the needle is farther from p than sqrt(squared), whatever the rounding.
+    [[nodiscard]] bool is_farther(const Vec3d& p, double reach, double squared) const {
+        constexpr double kRounding = 1e-14;
+        const double at = dot(p, across), gap = std::max(low - at, at - high) - kRounding * reach;
+        return gap > 0 && gap * gap > squared;
+    }
+};
 constexpr double kTiny = 1e-4;       ///< longest edge, in diagonals, of a triangle that may belong to a crowd
 constexpr double kCrowdSide = 1e-3;  ///< of the cube that holds its middle, in diagonals
 constexpr std::size_t kCrowd = 64;   ///< least triangles of one
@@ -72,6 +89,7 @@ struct Search {
     const Triangle* triangles = nullptr;
     const Piece* pieces = nullptr;
     const BoxTree* crowds = nullptr;
+    const Strip* strips = nullptr;
     Vec3d point;       // normalised frame
     double reach = 0;  // largest coordinate of point, at least 1: what the float slack is relative to
     Nearest nearest;
@@ -97,6 +115,7 @@ struct Search {
 
     /// Returns true if a triangle of the piece became the nearest.
     bool visit(const Piece& piece) {
+        if (piece.strip != kNone && strips[piece.strip].is_farther(point, reach, nearest.squared)) return false;
         if (piece.crowd == kNone) return visit(piece.triangle);
         bool nearer = false;
         crowds[piece.crowd].search(point, reach, nearest, [&](std::uint32_t t) { nearer = visit(t) || nearer; });
@@ -117,13 +136,29 @@ std::array<Vec3d, 3> from_longest_edge(const Triangle& tri) {
     return {tri.c, tri.a, tri.b};
 }
 
-/// Number of pieces in which a triangle is stored.
-int piece_count(const Triangle& tri) {
+/// Number of pieces in which a triangle would be stored, if it may have so many; 1 unless it is a needle.
+int piece_count(const Triangle& tri, int most) {
     const auto [p, q, r] = from_longest_edge(tri);
     const double edge = length(q - p);
     const double height = edge > 0 ? length(cross(q - p, r - p)) / edge : 0;
     if (!(edge > kNeedle * height)) return 1;
-    return static_cast<int>(std::min<double>(kMaxPieces, std::ceil(edge / (kPieceLength * height))));
+    return static_cast<int>(std::min<double>(most, std::ceil(edge / (kPieceLength * height))));
+}
+
+/// Most pieces of one needle for which all together have no more than they share.
+int most_pieces(std::span<const Triangle> triangles) {
+    constexpr int kEnough = 1 << 14;
+    std::vector<int> wanted;
+    for (const Triangle& t : triangles)
+        if (const int count = piece_count(t, kEnough); count > kMaxPieces) wanted.push_back(count);
+    std::sort(wanted.begin(), wanted.end());
+    std::size_t left = kSharedPieces;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+        const std::size_t share = left / (wanted.size() - k);
+        if (share < static_cast<std::size_t>(wanted[k])) return std::max(kMaxPieces, static_cast<int>(share));
+        left -= static_cast<std::size_t>(wanted[k]);
+    }
+    return kEnough;
 }
 
 /// Data that the scene's functions see.
@@ -192,6 +227,7 @@ struct ClosestPointIndex::Impl {
     std::vector<Vec3d> unit_normals;
     std::vector<Piece> pieces;
     std::vector<BoxTree> crowds;
+    std::vector<Strip> strips;  // of needles in at least kMaxPieces pieces
     Held held{};
     std::vector<std::uint32_t> triangle_of_face;  // kNone for faces left out
     Vec3d centre;
@@ -294,14 +330,30 @@ struct ClosestPointIndex::Impl {
         return crowded;
     }
 
+    std::uint32_t add_strip(const Triangle& tri) {
+        const std::array<Vec3d, 3> corners = from_longest_edge(tri);
+        const Vec3d edge = corners[1] - corners[0], to_apex = corners[2] - corners[0];
+        const Vec3d across = normalized(to_apex - edge * (dot(to_apex, edge) / dot(edge, edge)), {});
+        if (across == Vec3d{}) return kNone;
+        Strip strip{across, kInfinity, -kInfinity};
+        for (const Vec3d& corner : corners) {
+            strip.low = std::min(strip.low, dot(corner, across));
+            strip.high = std::max(strip.high, dot(corner, across));
+        }
+        strips.push_back(strip);
+        return static_cast<std::uint32_t>(strips.size() - 1);
+    }
+
     void build() {
         const std::vector<char> crowded = gather_crowds();
+        const int most = most_pieces(triangles);
         for (std::uint32_t t = 0; t < triangles.size(); ++t) {
             if (crowded[t]) continue;
-            const int count = piece_count(triangles[t]);
+            const int count = piece_count(triangles[t], most);
+            const std::uint32_t strip = count >= kMaxPieces ? add_strip(triangles[t]) : kNone;
             for (int k = 0; k < count; ++k)
                 pieces.push_back({t, static_cast<float>(k) / static_cast<float>(count),
-                                  static_cast<float>(k + 1) / static_cast<float>(count)});
+                                  static_cast<float>(k + 1) / static_cast<float>(count), kNone, strip});
         }
         held = {triangles.data(), pieces.data(), crowds.data()};
         RTCDevice embree = device();
@@ -330,6 +382,7 @@ struct ClosestPointIndex::Impl {
         search.triangles = triangles.data();
         search.pieces = pieces.data();
         search.crowds = crowds.data();
+        search.strips = strips.data();
         if (triangles.empty() || !is_finite(search.point)) return {};
         search.reach = std::max({std::abs(search.point.x), std::abs(search.point.y), std::abs(search.point.z), 1.0});
         if (hint < triangle_of_face.size() && triangle_of_face[hint] != kNone) search.visit(triangle_of_face[hint]);

@@ -7,19 +7,24 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "baking/attempt.h"
 #include "baking/pipeline.h"
 #include "baking/stages.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "support/meshes.h"
 
 namespace dgm::bake {
 namespace {
@@ -202,6 +207,85 @@ TEST(Stages, SmallComponentsWithInvertedFacesGetFinerGrids) {
     fitted.inverted[small] = 0;
     fitted.inverted[source.largest] = 5;
     EXPECT_EQ(sides(fitted), std::pair(49U, 17U)) << "the largest keeps the grid that was asked for";
+}
+
+/// Parses "ask for --size 17x17, ..."; {0, 0} if the hint names no size.
+GridSize size_named_in(const std::string& hint) {
+    GridSize out{0, 0};
+    const std::size_t at = hint.find("--size ");
+    if (at == std::string::npos || std::sscanf(hint.c_str() + at, "--size %ux%u", &out.rows, &out.cols) != 2)
+        return {0, 0};
+    return out;
+}
+
+/// The error of a bake at `size`; nothing if it succeeds.
+std::optional<model::Error> error_at(const model::TriMesh& mesh, BakeOptions options, GridSize size) {
+    options.size = size;
+    options.fit = Fit::kSample;
+    const auto baked = attempt([&] { return bake_mesh({.mesh = mesh, .name = "limbs"}, options); });
+    if (baked) return std::nullopt;
+    return baked.error();
+}
+
+/// Nine holes of a sheet need nine cuts: too many paths for the border of a small square.
+model::TriMesh sheet_of_nine_holes() {
+    std::vector<std::array<std::uint32_t, 2>> holes;
+    for (std::uint32_t i = 1; i < 12; i += 4)
+        for (std::uint32_t j = 1; j < 12; j += 4) holes.push_back({i, j});
+    return test::sheet_with_holes(12, holes);
+}
+
+TEST(BakeMesh, ASurfaceThatNeedsALargerGridIsToldWhichOne) {
+    const model::TriMesh mesh = sheet_of_nine_holes();
+    BakeOptions options = small_grid();
+    options.domain = DomainChoice::kSquare;
+    const GridSize asked{5, 5};
+    const std::optional<model::Error> error = error_at(mesh, options, asked);
+    ASSERT_TRUE(error);
+    EXPECT_EQ(&error->code(), &codes::kGridTooSmall);
+    const GridSize named = size_named_in(error->hint());
+    ASSERT_GT(named.rows, asked.rows) << error->hint();
+    ASSERT_LT(named.rows, 257u) << "not the smallest: " << error->hint();
+    EXPECT_FALSE(error_at(mesh, options, named)) << "the size that the hint names does not work";
+    const GridSize before{(named.rows + 1) / 2, (named.cols + 1) / 2};
+    EXPECT_TRUE(error_at(mesh, options, before)) << "a smaller size works than the hint names";
+}
+
+TEST(BakeMesh, ASmallPartThatNeedsALargerGridIsToldTheSizeOfTheWholeAsset) {
+    model::TriMesh mesh = test::grid_sheet(4, 4, 3, 3);
+    const model::TriMesh part = sheet_of_nine_holes();
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const model::Vec3d& p : part.positions) mesh.positions.push_back(p + model::Vec3d{5, 0, 0});
+    for (const model::Face& f : part.faces) mesh.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+    BakeOptions options = small_grid();
+    options.domain = DomainChoice::kSquare;
+    const std::optional<model::Error> error = error_at(mesh, options, {5, 5});
+    ASSERT_TRUE(error);
+    const GridSize named = size_named_in(error->hint());
+    ASSERT_GT(named.rows, 0u) << error->hint();
+    EXPECT_FALSE(error_at(mesh, options, named)) << error->hint();
+}
+
+TEST(BakeMesh, AFlatPanelOfNeedlesIsItsOwnChart) {
+    // Teeth of 1/400 x 1 on a thin back.
+    constexpr std::uint32_t kTeeth = 400;
+    model::TriMesh comb;
+    for (std::uint32_t k = 0; k <= kTeeth; ++k) {
+        comb.positions.push_back({double(k) / kTeeth, 0, 0});
+        comb.positions.push_back({double(k) / kTeeth, 0.01, 0});
+    }
+    for (std::uint32_t k = 0; k < kTeeth; ++k) {
+        const std::uint32_t a = 2 * k, tip = 2 * (kTeeth + 1) + k;
+        comb.positions.push_back({(k + 0.5) / kTeeth, 1.3, 0});
+        comb.faces.insert(comb.faces.end(), {{a, a + 2, a + 3}, {a, a + 3, a + 1}, {a + 1, a + 3, tip}});
+    }
+    for (model::Vec3d& p : comb.positions) p = {p.x, 0.6 * p.y, 0.8 * p.y};
+    for (std::uint32_t k = 1; k < kTeeth; ++k) comb.positions[2 * (kTeeth + 1) + k].x -= 0.4 / kTeeth;
+    const BakeResult result = bake_mesh({.mesh = comb, .name = "comb"}, small_grid());
+    ASSERT_EQ(result.report.charts.size(), 1u);
+    EXPECT_EQ(result.report.charts[0].method, "arap");
+    EXPECT_EQ(result.report.charts[0].candidates.size(), 1u) << "other maps were tried";
+    EXPECT_GT(result.report.charts[0].candidates[0].psnr, 200);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "dgm/dgm_writer.h"
 #include "dgm/hash.h"
 #include "model/codes.h"
+#include "model/layer_names.h"
 #include "unit/render/sample_chart.h"
 
 namespace dgm::info {
@@ -70,6 +71,24 @@ TEST_F(Info, JsonHasEverythingAndTextTheMeasuredErrors) {
     EXPECT_NE(text.find("PSNR 81.25 dB, rms 0.0087 %, seam gap 0"), std::string::npos) << text;
     EXPECT_NE(text.find("chart 1: 9 x 9, free"), std::string::npos) << text;
     EXPECT_EQ(to_json(std::span(&info, 1)), to_json(std::span(&info, 1)));
+}
+
+TEST_F(Info, MapsThatTheValidatorRefusesAreToldWithTheirFault) {
+    maps_.charts = {test::surface_alone(test::torus_chart(17, 33))};
+    maps_.report_json.clear();
+    formats::write_dgm(maps_, file_);
+    EXPECT_FALSE(read_file_info(file_).fault);
+    for (model::Layer& layer : maps_.charts[0].layers)
+        if (layer.name == model::layers::kGeometry) {
+            const float far = -1e30f;
+            std::memcpy(layer.bytes.data(), &far, sizeof far);
+        }
+    formats::write_dgm(maps_, file_);  // with hashes that fit
+    const FileInfo info = read_file_info(file_);
+    EXPECT_EQ(info.charts.size(), 1u);
+    ASSERT_TRUE(info.fault);
+    EXPECT_EQ(info.fault->code().id(), "DGM2007");
+    EXPECT_EQ(info.fault->place(), "/charts/0/geometry[0][0][0]");
 }
 
 TEST_F(Info, DamagedFilesAreRefusedWithACode) {

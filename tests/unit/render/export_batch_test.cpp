@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 
 #include "dgm/dgm_writer.h"
 #include "model/codes.h"
+#include "model/layer_names.h"
 #include "sample_chart.h"
 
 namespace dgm::exporter {
@@ -99,8 +101,7 @@ TEST_F(ExportBatch, OneFileForOneMap) {
 TEST_F(ExportBatch, OneBadFileNeverStopsTheRest) {
     model::MapSet maps;
     maps.source_name = "torus.obj";
-    maps.report_json = "{}";
-    maps.charts = {test::torus_chart(9, 9)};
+    maps.charts = {test::surface_alone(test::torus_chart(9, 9))};
     touch("in/broken.dgm");
     formats::write_dgm(maps, folder_ / "in/a.dgm");
     formats::write_dgm(maps, folder_ / "in/z.dgm");
@@ -121,6 +122,39 @@ TEST_F(ExportBatch, OneBadFileNeverStopsTheRest) {
     // With one format the option goes with nothing, and that is said.
     const ExportPlan alone = plan_exports({{(folder_ / "in/a.dgm").string()}, (folder_ / "x.obj").string(), {}});
     EXPECT_EQ(run_exports(alone, options, listener).exit, model::ExitCode::kUsage);
+}
+
+TEST_F(ExportBatch, MapsThatTheValidatorRefusesAreNotExported) {
+    model::MapSet maps;
+    maps.source_name = "torus.obj";
+    maps.charts = {test::surface_alone(test::torus_chart(9, 9))};
+    formats::write_dgm(maps, folder_ / "sound.dgm");
+    for (model::Layer& layer : maps.charts[0].layers)
+        if (layer.name == model::layers::kGeometry) {
+            const float far = 1e30f;
+            std::memcpy(layer.bytes.data(), &far, sizeof far);
+        }
+    formats::write_dgm(maps, folder_ / "far.dgm");  // with hashes that fit
+    std::vector<std::string> failed;
+    const ExportListener listener{
+        [](const path&) {},
+        [&](const path& file, const model::Error& error) {
+            failed.push_back(file.filename().string() + " " + error.code().id() + " " + error.place());
+        },
+        [](const std::string&) {}};
+    const auto exported = [&](const char* name, const std::string& output) {
+        return run_exports(plan_exports({{(folder_ / name).string()}, (folder_ / output).string(), {}}), {}, listener);
+    };
+    EXPECT_EQ(exported("sound.dgm", "sound.obj").exit, model::ExitCode::kOk);
+    for (const char* output : {"far.obj", "far.glb", "far.exr", "copy.dgm", "far.html"}) {
+        EXPECT_EQ(exported("far.dgm", output).exit, model::ExitCode::kInvalid) << output;
+        EXPECT_FALSE(std::filesystem::exists(folder_ / output)) << output;
+    }
+    EXPECT_EQ(failed, Lines(5, "far.dgm DGM2007 /charts/0/geometry[0][0][0]"));
+    const ExportPlan page = plan_exports(
+        {{(folder_ / "sound.dgm").string(), (folder_ / "far.dgm").string()}, (folder_ / "both.html").string(), {}});
+    EXPECT_EQ(run_exports(page, {}, listener).exit, model::ExitCode::kInvalid);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "both.html"));
 }
 
 }  // namespace
