@@ -164,7 +164,8 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
         const double old_pressure = p.pressure;
         double step = 1;
         bool lower = false;
-        for (int tries = 0; tries < 8 && !lower; ++tries, step *= 0.5) {
+        for (int tries = 0; tries < 8 && !lower; ++tries) {
+            if (tries > 0) step *= 0.5;
             copy(p, p.delta, p.before);
             add(p, p.delta, step, p.way);
             now = evaluate(p);
