@@ -104,7 +104,8 @@ class Recorder {
     p.at += seconds;
     const start = p.knots[0].seconds, end = p.knots.at(-1).seconds, began = performance.now();
     let felt = null;
-    for (; p.steps * kTick <= p.at && start + p.steps * kTick <= end && p.pause <= 0 && performance.now() - began < 30; ++p.steps) {
+    const more = () => p.steps === 0 || end > start + (p.steps - 1) * kTick + kTick / 2; // as replay()
+    for (; p.steps * kTick <= p.at && more() && p.pause <= 0 && performance.now() - began < 30; ++p.steps) {
       p.knot = knotAt(p.knots, start + p.steps * kTick);
       felt = this.tick(p.body, p.knot, p.settings);
       this.scene.hand.history.push(Math.hypot(...felt.slice(10, 13)));
@@ -113,7 +114,7 @@ class Recorder {
     }
     p.at = Math.min(p.at, p.steps * kTick); // a machine that cannot keep up plays slower
     this.scene.hand.history.splice(0, Math.max(0, this.scene.hand.history.length - 2000));
-    if (start + p.steps * kTick > end + kTick / 2 && p.pause <= 0) this.stop();
+    if (!more() && p.pause <= 0) this.stop();
     return true;
   }
   say(playing, words) {
