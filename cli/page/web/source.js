@@ -46,7 +46,7 @@ class Source {
 
 // Left of the surface. It is drawn where the surface will be, and copied; pressing does not draw it again.
 class Beside {
-  constructor(scene) { Object.assign(this, { scene, canvas: $("beside"), source: null, drawn: "" }); }
+  constructor(scene) { Object.assign(this, { scene, canvas: $("beside"), source: null, drawn: "", size: "" }); }
   put(source) {
     if (this.source) this.source.close();
     this.source = source, this.drawn = "";
@@ -60,9 +60,10 @@ class Beside {
   }
   draw(background, how) {
     if (!this.shown) return;
-    const { scene, canvas } = this, from = scene.canvas, key = [scene.camera.text(), scene.camera.up, from.width, from.height, how.look, how.range, background].join();
-    if (key === this.drawn) return;
-    this.drawn = key;
+    const { scene, canvas } = this, from = scene.canvas, key = [scene.camera.text(), scene.camera.up, how.look, how.range, background].join(), size = [from.width, from.height].join();
+    // While the surface is pressed it may be drawn with fewer pixels; the source stands still.
+    if (key === this.drawn && (size === this.size || scene.hand.strokes.length)) return;
+    Object.assign(this, { drawn: key, size });
     canvas.width = from.width, canvas.height = from.height;
     scene.painter.start(scene.camera, scene.aspect(), background);
     scene.painter.draw(this.source.array, this.source.part, scene.painter.gl.TRIANGLES, how);
