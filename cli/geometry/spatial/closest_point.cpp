@@ -65,8 +65,9 @@ struct Piece {
 constexpr double kNeedle = 32;      ///< length over height of a triangle that is taken to pieces
 constexpr double kPieceLength = 8;  ///< of a piece, in heights
 constexpr int kMaxPieces = 16;      ///< that a needle gets in any case
-// A polygon with 10 000 corners in line on one side is a fan of needles that all want more pieces: they share so many.
-constexpr std::size_t kSharedPieces = 200'000;
+// A polygon with 10 000 corners in line on one side is a fan of needles that all want more pieces: they share so many,
+// a few a triangle, since an index is made often and serves some hundred thousand points at most.
+constexpr std::size_t kSharedPieces = 200'000, kPiecesPerTriangle = 4;
 
 /// Where a needle lies between its longest edge and its third corner, in its plane. Boxes of needles that lie side by
 /// side in no direction of an axis overlap, whatever the pieces; this tells them apart.
@@ -152,7 +153,7 @@ int most_pieces(std::span<const Triangle> triangles) {
     for (const Triangle& t : triangles)
         if (const int count = piece_count(t, kEnough); count > kMaxPieces) wanted.push_back(count);
     std::sort(wanted.begin(), wanted.end());
-    std::size_t left = kSharedPieces;
+    std::size_t left = std::min(kSharedPieces, kPiecesPerTriangle * triangles.size());
     for (std::size_t k = 0; k < wanted.size(); ++k) {
         const std::size_t share = left / (wanted.size() - k);
         if (share < static_cast<std::size_t>(wanted[k])) return std::max(kMaxPieces, static_cast<int>(share));
