@@ -172,6 +172,13 @@ struct MultilevelMemory::Settled {
     std::vector<Level> ladder;             ///< finest first
     std::size_t level = 0;                 ///< that `finish` moves
     std::optional<std::vector<Vec2d>> uv;  ///< its map; none if there is no flip-free one
+    std::vector<Vec2d> border_uv;          ///< of the disk
+
+    [[nodiscard]] bool is_of(const DiskView& disk) const {
+        return !ladder.empty() && std::ranges::equal(ladder.front().mesh.positions, disk.positions) &&
+               std::ranges::equal(ladder.front().mesh.faces, disk.faces) &&
+               std::ranges::equal(border_uv, disk.border_uv);
+    }
 };
 
 namespace {
@@ -204,6 +211,7 @@ class Multilevel {
     /// Maps the levels up to the one that `finish` moves.
     void settle() {
         build_ladder();
+        settled_.border_uv.assign(disk_.border_uv.begin(), disk_.border_uv.end());
         settled_.level = finish_level();
         Level& coarsest = ladder_.back();
         std::vector<Vec2d> uv;
@@ -376,7 +384,7 @@ std::optional<std::vector<Vec2d>> multilevel_stretch_map(const DiskView& disk, c
                                                          const model::Progress& progress, MultilevelMemory* memory) {
     std::unique_ptr<MultilevelMemory::Settled> own;
     std::unique_ptr<MultilevelMemory::Settled>& settled = memory ? memory->settled : own;
-    if (!settled) settled = std::make_unique<MultilevelMemory::Settled>();
+    if (!settled || !settled->is_of(disk)) settled = std::make_unique<MultilevelMemory::Settled>();
     return Multilevel(disk, options, progress, *settled).run();
 }
 

@@ -64,6 +64,9 @@ TEST(MultilevelMap, AMemoryChangesNoMap) {
         EXPECT_EQ(multilevel_stretch_map(laid.view(), finished, {}, &memory), with);
         EXPECT_EQ(multilevel_stretch_map(laid.view(), plain, {}, &memory), without);
     }
+    const test::LaidDisk turned = test::lay(test::icosphere(5), 65, 9);  // the same disk with another border
+    EXPECT_EQ(multilevel_stretch_map(turned.view(), plain, {}, &memory),
+              multilevel_stretch_map(turned.view(), plain, {}));
 }
 
 TEST(MultilevelMap, TheFinestSmallEnoughLevelIsFinishedOnce) {
