@@ -32,8 +32,8 @@ struct MultilevelOptions {
 };
 
 /// What the maps of one disk have in common up to where `finish` changes them: the levels, and the map of the one that
-/// it moves. For maps with the same options but for `finish` and `sweeps_after`; one at a time. Another disk, or another
-/// border, begins anew.
+/// it moves. For maps with the same options but for `finish` and `sweeps_after`; one at a time. Another disk or
+/// border begins anew.
 class MultilevelMemory {
  public:
     MultilevelMemory();
