@@ -213,9 +213,9 @@ void add_rows(Run& run, const Subject& subject, const PhysicsSweepOptions& optio
     Table& table = run.tables.front();
     for (const double ms : options.milliseconds) {
         const double dt = ms / 1000, metres = options.metres_per_unit;
-        SubjectRow refused(table, subject);
-        refused.set("dt_ms", fmt::format("{:g}", ms));
         if (const Poked body(subject, metres, dt); !body.refusal().empty()) {
+            SubjectRow refused(table, subject);
+            refused.set("dt_ms", fmt::format("{:g}", ms));
             refused.set("outcome", body.refusal());
             table.rows.push_back(refused.row());
             continue;
@@ -263,15 +263,16 @@ Run sweep_physics(const PhysicsSweepOptions& options, bool quiet) {
     ProgressBar bar(quiet, static_cast<double>(options.assets.size() * options.sizes.size()));
     each_subject(options.assets, options.sizes, folder.path(), options.time_limit_seconds, bar,
                  [&](const Subject& subject) { add_rows(run, subject, options); });
-    run.settings = {{"sizes", fmt::format("{}", fmt::join(options.sizes, ", "))},
-                    {"cycles", fmt::format("{}", fmt::join(options.cycles, ", "))},
-                    {"milliseconds a step", fmt::format("{}", fmt::join(options.milliseconds, ", "))},
-                    {"steps", std::to_string(options.steps)},
-                    {"warm-up", "50 steps"},
-                    {"material", "that of dgm::Material, without viscosity"},
-                    {"metres a unit", options.metres_per_unit > 0 ? fmt::format("{:g}", options.metres_per_unit)
-                                                                  : "so that the diagonal is 0.15 m"},
-                    {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
+    run.settings = {
+        {"sizes", fmt::format("{}", fmt::join(options.sizes, ", "))},
+        {"cycles", fmt::format("{}", fmt::join(options.cycles, ", "))},
+        {"milliseconds a step", fmt::format("{}", fmt::join(options.milliseconds, ", "))},
+        {"steps", std::to_string(options.steps)},
+        {"warm-up", fmt::format("{} steps", kWarmUp)},
+        {"material", "that of dgm::Material, without viscosity"},
+        {"metres a unit", options.metres_per_unit > 0 ? fmt::format("{:g}", options.metres_per_unit)
+                                                      : fmt::format("so that the diagonal is {:g} m", kDiagonal)},
+        {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
     return run;
 }
 

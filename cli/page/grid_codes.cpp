@@ -14,8 +14,7 @@ void code_grid(std::span<std::byte> bytes, std::uint32_t rows, std::uint32_t col
     for (std::size_t k = 0; k < count; ++k) {
         const bool row = k >= 3 * n, col = k % (3 * n) >= 3;
         const int guess = (col ? q[k - 3] : 0) + (row ? q[k - 3 * n] : 0) - (row && col ? q[k - 3 * n - 3] : 0);
-        const auto rest = static_cast<std::uint16_t>(q[k] - guess);
-        const auto code = static_cast<std::uint16_t>(rest << 1 ^ (rest & 0x8000 ? 0xffff : 0));
+        const std::uint16_t code = sign_last(static_cast<std::uint16_t>(q[k] - guess));
         bytes[k] = static_cast<std::byte>(code & 0xff);
         bytes[count + k] = static_cast<std::byte>(code >> 8);
     }

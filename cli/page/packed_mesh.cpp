@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "page/grid_codes.h"
+
 namespace dgm::page {
 namespace {
 constexpr double kCodes = 65535;
@@ -19,13 +21,6 @@ void append_planes(const std::vector<T>& numbers, std::vector<std::byte>& out) {
         for (const T number : numbers) out.push_back(static_cast<std::byte>(number >> shift & 0xff));
 }
 
-/// What is left of `number` when `before` is known, with its sign in the lowest bit.
-template <class T>
-T rest(T number, T before) {
-    const auto left = static_cast<T>(number - before);
-    const bool negative = (left >> (8 * sizeof(T) - 1) & 1) != 0;
-    return static_cast<T>(static_cast<T>(left << 1) ^ (negative ? static_cast<T>(~T{0}) : T{0}));
-}
 }  // namespace
 
 PackedMesh packed_mesh(std::span<const model::Vec3d> positions, std::span<const model::Face> faces) {
@@ -45,14 +40,14 @@ PackedMesh packed_mesh(std::span<const model::Vec3d> positions, std::span<const 
             const double place = is_finite(p) ? std::round((p[k] - out.low[k]) / out.step) : 0;
             const auto code = static_cast<std::uint16_t>(std::clamp(place, 0.0, kCodes));
             std::uint16_t& before = last[static_cast<std::size_t>(k)];
-            places.push_back(rest(code, before));
+            places.push_back(sign_last(static_cast<std::uint16_t>(code - before)));
             before = code;
         }
     append_planes(places, out.bytes);
     std::vector<std::uint32_t> indices;
     std::uint32_t before = 0;
     for (const model::Face& f : faces)
-        for (const std::uint32_t v : f) indices.push_back(rest(v, before)), before = v;
+        for (const std::uint32_t v : f) indices.push_back(sign_last(v - before)), before = v;
     append_planes(indices, out.bytes);
     return out;
 }

@@ -15,8 +15,8 @@ struct PackedMesh {
     model::Vec3d low;
     double step = 1;
     /// Low bytes of 3 numbers a vertex, then their high bytes: the code less that of the vertex before, modulo 2^16.
-    /// Then the bytes of 3 numbers a face, lowest bytes first: the index less the one before, modulo 2^32. Signs are
-    /// moved to the lowest bit, as in grid_codes.h.
+    /// Then the bytes of 3 numbers a face, lowest bytes first: the index less the one before, modulo 2^32. Both
+    /// by sign_last().
     std::vector<std::byte> bytes;
 };
 

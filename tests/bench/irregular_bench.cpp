@@ -4,7 +4,8 @@
 //
 // The mesh is simplified by CGAL's edge collapse with the cost and placement of [Lindstrom, Turk 1998], borders kept by
 // both, and normals bounded; its error is measured as that of a map. One JSON object on standard output:
-// {"vertices": of the source, "of": [{"vertices", "faces", "psnr" in dB, "hausdorff_percent" of the diagonal}, ...]},
+// {"vertices": of the source, "of": [{"asked", "vertices", "faces", "psnr" in dB, "hausdorff_percent" of the
+// diagonal}, ...]},
 // the sizes from the largest to the smallest, each simplified from the one before. A size that is not smaller than the
 // source, or that cannot be reached, is left out. Exit code 1: wrong use, 3: the mesh cannot be used.
 #include <CGAL/Simple_cartesian.h>
@@ -81,7 +82,8 @@ nlohmann::json compare(const TriMesh& source, std::vector<std::size_t> sizes) {
         const TriMesh simple = from_cgal(mesh);
         if (simple.positions.size() > wanted) continue;
         const SurfaceError error = dgm::bake::measure_surface_error(source, simple);
-        out["of"].push_back({{"vertices", simple.positions.size()},
+        out["of"].push_back({{"asked", wanted},
+                             {"vertices", simple.positions.size()},
                              {"faces", simple.faces.size()},
                              {"psnr", error.psnr()},
                              {"hausdorff_percent", 100 * error.hausdorff / error.diagonal}});

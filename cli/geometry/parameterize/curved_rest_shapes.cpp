@@ -148,15 +148,18 @@ std::vector<RestShape> directed_rest_shapes(const DiskView& disk) {
     constexpr double kLeast = 0.5, kMost = 10, kRatio = 4;
     std::vector<RestShape> rest = rest_shapes(disk);
     const std::vector<Vec3d> normals = smooth_normals(disk, rest);
+    std::vector<Frame> frames(rest.size());
     std::vector<Tensor> squared(rest.size());
-    for (std::size_t f = 0; f < rest.size(); ++f)
-        squared[f] = squared_form(frame_of(disk, disk.faces[f]), change_of(normals, disk.faces[f], rest[f]));
+    for (std::size_t f = 0; f < rest.size(); ++f) {
+        frames[f] = frame_of(disk, disk.faces[f]);
+        squared[f] = squared_form(frames[f], change_of(normals, disk.faces[f], rest[f]));
+    }
     smooth(disk, rest, squared);
     const double total = total_area(rest);
     std::vector<Principal> curvature(rest.size());
     double mean = 0;
     for (std::size_t f = 0; f < rest.size(); ++f) {
-        curvature[f] = principal(frame_of(disk, disk.faces[f]), squared[f]);
+        curvature[f] = principal(frames[f], squared[f]);
         mean += rest[f].area / total * 0.5 * (curvature[f].large + curvature[f].small);
     }
     if (!(mean * std::sqrt(total) > 1e-6)) mean = 1;  // a plane: all alike

@@ -5,13 +5,15 @@ const inflated = async (bytes) =>
   new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());
 const bytesOf = (element) => Uint8Array.from(atob(element.textContent), (c) => c.charCodeAt(0));
 
+// Undoes sign_last() of grid_codes.h.
+const signedOf = (code) => code >>> 1 ^ -(code & 1);
 // Undoes grid_codes.h in place: "OFFSET,ROWS,COLS ...".
 const decodeGrids = (bytes, grids) => {
   for (const grid of grids.split(" ").filter(Boolean)) {
     const [offset, rows, cols] = grid.split(",").map(Number), row = 3 * cols, count = rows * row;
     const codes = bytes.slice(offset, offset + 2 * count), q = new Uint16Array(count);
     for (let k = 0; k < count; ++k) {
-      const code = codes[k] | codes[count + k] << 8, rest = code >> 1 ^ -(code & 1), left = k % row >= 3;
+      const code = codes[k] | codes[count + k] << 8, rest = signedOf(code), left = k % row >= 3;
       q[k] = rest + (left ? q[k - 3] : 0) + (k >= row ? q[k - row] - (left ? q[k - row - 3] : 0) : 0);
     }
     for (let k = 0; k < count; ++k) bytes[offset + 2 * k] = q[k] & 255, bytes[offset + 2 * k + 1] = q[k] >> 8;

@@ -8,7 +8,7 @@ const differences = (bytes, at, count, width) => {
   for (let k = 0; k < count; ++k) {
     let code = 0;
     for (let b = 0; b < width; ++b) code |= bytes[at + b * count + k] << 8 * b;
-    out[k] = code >>> 1 ^ -(code & 1);
+    out[k] = signedOf(code);
   }
   return out;
 };

@@ -35,6 +35,16 @@ TriMesh half_rolled(std::uint32_t n, double r) {
     return sheet;
 }
 
+/// Where a face of half_rolled() lies; neither beside the border, where smoothed normals end, or where the roll begins.
+enum class Part { kNeither, kFlat, kRolled };
+Part part_of(const TriMesh& mesh, std::size_t face, double r) {
+    const auto q = mesh.corners(face);
+    const Vec3d c = (q[0] + q[1] + q[2]) / 3;
+    const double x = c.z > 1e-9 ? 0.5 + r * std::atan2(c.x - 0.5, r - c.z) : c.x;
+    if (c.y < 0.15 || c.y > 0.85 || x > 0.85) return Part::kNeither;
+    return x < 0.35 ? Part::kFlat : x > 0.65 ? Part::kRolled : Part::kNeither;
+}
+
 TEST(CurvedRestShapes, FlatSheetsHaveOneDensity) {
     for (const double w : weights(test::grid_sheet(20, 20))) EXPECT_NEAR(w, 1, 1e-9);
 }
@@ -46,16 +56,13 @@ TEST(CurvedRestShapes, WeighBendingByItsSquareOverTheMean) {
         const std::vector<double> w = weights(mesh);
         int flat = 0, rolled = 0;
         for (std::size_t f = 0; f < w.size(); ++f) {
-            const auto q = mesh.corners(f);
-            const Vec3d c = (q[0] + q[1] + q[2]) / 3;
-            const double x = c.z > 1e-9 ? 0.5 + r * std::atan2(c.x - 0.5, r - c.z) : c.x;
-            if (c.y < 0.15 || c.y > 0.85 || x > 0.85) continue;  // smoothed normals end at the border
-            if (x < 0.35) {
-                EXPECT_NEAR(w[f], 1, 0.01) << x;
+            const Part part = part_of(mesh, f, r);
+            if (part == Part::kFlat) {
+                EXPECT_NEAR(w[f], 1, 0.01) << f;
                 ++flat;
             }
-            if (x > 0.65) {
-                EXPECT_NEAR(w[f], 5, 0.4) << x;
+            if (part == Part::kRolled) {
+                EXPECT_NEAR(w[f], 5, 0.4) << f;
                 ++rolled;
             }
         }
@@ -117,16 +124,13 @@ TEST(DirectedRestShapes, CellsOnARolledSheetAreTwiceAsLongAsWide) {
     const std::vector<Laid> laid = directed(mesh);
     int flat = 0, rolled = 0;
     for (std::size_t f = 0; f < laid.size(); ++f) {
-        const auto q = mesh.corners(f);
-        const Vec3d c = (q[0] + q[1] + q[2]) / 3;
-        const double x = c.z > 1e-9 ? 0.5 + r * std::atan2(c.x - 0.5, r - c.z) : c.x;
-        if (c.y < 0.15 || c.y > 0.85 || x > 0.85) continue;
-        if (x < 0.35) {
+        const Part part = part_of(mesh, f, r);
+        if (part == Part::kFlat) {
             EXPECT_NEAR(laid[f].along, std::sqrt(8 * 0.3125), 0.06);
             EXPECT_NEAR(laid[f].across, std::sqrt(8 * 0.3125), 0.06);
             ++flat;
         }
-        if (x > 0.65) {
+        if (part == Part::kRolled) {
             EXPECT_NEAR(laid[f].along, std::sqrt(4 * 0.3125), 0.05);
             EXPECT_NEAR(laid[f].across, std::sqrt(0.3125), 0.025);
             EXPECT_NEAR(std::abs(laid[f].way.y), 1, 1e-3);  // lengths along the axis of the roll are divided by most
