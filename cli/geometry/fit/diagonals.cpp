@@ -7,6 +7,7 @@
 #include <dgm/grid.h>
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "geometry/fit/inverted_faces.h"
@@ -23,6 +24,31 @@ std::vector<std::uint32_t> quads_of_faces(const WeldedGrid& grid) {
         if (grid.face_of_quad[q] != kNone) out.insert(out.end(), 2, q);
     return out;
 }
+
+/// Splits quads the other way where the welded surface has no such edge yet: beside a seam that folds back two quads may
+/// ask for the same one.
+class NewEdges {
+ public:
+    /// Both must outlive the object; the grid is linked as the chart was split.
+    NewEdges(SampledChart& chart, const WeldedGrid& grid) : chart_(chart), grid_(grid) {}
+
+    /// @return  false if the quad has to stay as it is
+    bool split_otherwise(std::uint32_t quad) {
+        const std::uint32_t n = chart_.n, a = quad / (n - 1) * n + quad % (n - 1), b = a + n;
+        const std::uint8_t old = chart_.diagonals[quad];
+        const std::uint32_t from = grid_.class_of[old == 0 ? b : a], to = grid_.class_of[old == 0 ? a + 1 : b + 1];
+        const std::pair edge(std::min(from, to), std::max(from, to));
+        if (from == to || std::binary_search(grid_.edges.begin(), grid_.edges.end(), edge)) return false;
+        if (!fresh_.insert(edge).second) return false;
+        chart_.diagonals[quad] = !old;
+        return true;
+    }
+
+ private:
+    SampledChart& chart_;
+    const WeldedGrid& grid_;
+    std::set<std::pair<std::uint32_t, std::uint32_t>> fresh_;
+};
 
 /// True if fewer of a quad's triangles are inverted by this diagonal than by the other.
 bool turns_less(const SampledChart& chart, const ClosestPointIndex& source, std::uint32_t i, std::uint32_t j,
@@ -55,20 +81,18 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
     for (const Match& match : matches.points) {
         if (match.hit.face >= quad_of_face.size()) continue;
         const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
-        if (i == 0 || j == 0 || i + 2 >= m || j + 2 >= n) continue;  // those at the border keep theirs
         for (unsigned d = 0; d < 2; ++d) {
             const auto t = quad_triangles(i, j, n, d);
             sums[quad][d] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),
                                       closest_on_triangle(match.position, corners(t[1]), ignored));
         }
     }
-    std::vector<char> changed(grid.surface.faces.size(), 0);
-    tbb::parallel_for(std::uint32_t{1}, m - 2, [&](std::uint32_t i) {
-        for (std::uint32_t j = 1; j + 2 < n; ++j) {
+    std::vector<char> wanted(grid.face_of_quad.size(), 0);
+    tbb::parallel_for(std::uint32_t{0}, m - 1, [&](std::uint32_t i) {
+        for (std::uint32_t j = 0; j + 1 < n; ++j) {
             const std::size_t quad = std::size_t{i} * (n - 1) + j, a = std::size_t{i} * n + j;
-            const std::uint32_t face = grid.face_of_quad[quad];  // and the next
-            if (face == kNone) continue;
-            const std::uint32_t start = matches.middles[face].hit.face;
+            if (grid.face_of_quad[quad] == kNone) continue;
+            const std::uint32_t start = matches.middles[grid.face_of_quad[quad]].hit.face;
             const auto off = [&](std::size_t from, std::size_t to) {
                 const Vec3d middle = (chart.positions[from] + chart.positions[to]) * 0.5;
                 return kMiddleWeight * walk_to_closest(source, middle, start).squared;
@@ -77,12 +101,16 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
             sums[quad][1] += off(a + n, a + 1);
             const std::uint8_t old = chart.diagonals[quad];
             const bool old_folds = folds(chart, i, j, old), other_folds = folds(chart, i, j, !old);
-            if (old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old]) {
-                chart.diagonals[quad] = !old;
-                changed[face] = changed[face + 1] = 1;
-            }
+            wanted[quad] = old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old];
         }
     });
+    std::vector<char> changed(grid.surface.faces.size(), 0);
+    NewEdges edges(chart, grid);
+    for (std::uint32_t quad = 0; quad < wanted.size(); ++quad) {
+        if (!wanted[quad] || !edges.split_otherwise(quad)) continue;
+        const std::uint32_t face = grid.face_of_quad[quad];
+        changed[face] = changed[face + 1] = 1;
+    }
     return changed;
 }
 
@@ -90,24 +118,17 @@ bool flip_diagonals(SampledChart& chart, const WeldedGrid& grid, std::span<const
                     const ClosestPointIndex* source) {
     grid.write_positions(chart);
     const std::vector<std::uint32_t> quad_of_face = quads_of_faces(grid);
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh;
+    NewEdges edges(chart, grid);
+    bool any = false;
     for (const std::uint32_t f : faces) {
         if (f >= quad_of_face.size()) continue;
         const std::uint32_t quad = quad_of_face[f], i = quad / (chart.n - 1), j = quad % (chart.n - 1);
         const std::uint8_t old = chart.diagonals[quad];
         const bool better = source != nullptr ? turns_less(chart, *source, i, j, !old)
                                               : folds(chart, i, j, old) && !folds(chart, i, j, !old);
-        if (!better) continue;
-        const std::uint32_t a = i * chart.n + j, b = a + chart.n;
-        const std::uint32_t from = grid.class_of[old == 0 ? b : a], to = grid.class_of[old == 0 ? a + 1 : b + 1];
-        const std::pair edge(std::min(from, to), std::max(from, to));
-        if (from == to || std::binary_search(grid.edges.begin(), grid.edges.end(), edge) ||
-            std::find(fresh.begin(), fresh.end(), edge) != fresh.end())
-            continue;
-        fresh.push_back(edge);
-        chart.diagonals[quad] = !old;
+        if (better && edges.split_otherwise(quad)) any = true;
     }
-    return !fresh.empty();
+    return any;
 }
 
 }  // namespace dgm::bake

@@ -14,8 +14,8 @@
 namespace dgm::bake {
 
 /// Each quad takes the diagonal with the smaller squared distance to the source points over it and of its own middle to
-/// the source. Quads at the chart's border keep theirs: those may be the only ones that leave the welded surface a
-/// manifold. The caller links the grid anew.
+/// the source. One that the welded surface has as an edge already is not taken: it would be no manifold any more. The
+/// caller links the grid anew.
 /// @return  per face of the grid: its quad is split the other way now
 [[nodiscard]] std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, const Matches& matches,
                                               const LinkedSurface& source);
