@@ -34,7 +34,7 @@ Fitted map_and_fit(PreparedAsset& asset, GridSize largest, CutUse use) {
     const BakeOptions& options = asset.options;
     const bool searched = options.auto_samples || options.max_error || options.budget_bytes;
     return asset.log.run("fit", [&](const model::Progress& progress) {
-        Fitted fitted = fit_source(std::move(mapped), options, asset.u16, progress);
+        Fitted fitted = fit_source(asset.source, std::move(mapped), options, asset.u16, progress);
         if (searched) return fitted;  // a search counts on the sizes that it asks for
         return refine_inverted(asset.source, {largest, asset.aspects, use}, std::move(fitted), options, asset.u16,
                                asset.cuts, progress);

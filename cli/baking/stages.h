@@ -97,7 +97,8 @@ struct Fitted {
 };
 
 /// Moves the samples closest to the source, as options.fit says. `u16`: to places that u16 positions have.
-[[nodiscard]] Fitted fit_source(Mapped mapped, const BakeOptions& options, bool u16, const model::Progress& progress);
+[[nodiscard]] Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& options, bool u16,
+                                const model::Progress& progress);
 
 /// Gives small components whose fit left inverted faces finer grids, up to the largest component's, and keeps those
 /// with fewer inverted: a part that is small beside the rest of its asset may be too much for 17 samples a side. All

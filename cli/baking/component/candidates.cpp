@@ -84,6 +84,7 @@ void Contest::judge(Candidate candidate, const std::function<SampledChart()>& ma
     if (made) {
         candidate.psnr = made->error.psnr();
         if (wins(made->chart, made->error.rms, candidate)) {
+            if (!candidate.fitted) begun_.reset();
             best_ = std::move(made->chart);
             best_rms_ = made->error.rms;
             best_index_ = candidates_.size();
@@ -98,13 +99,16 @@ void Contest::judge(Candidate candidate, const std::function<SampledChart()>& ma
 }
 
 bool Contest::wins_fitted(const SampledChart& chart, double rms, Candidate& candidate,
-                          const model::Progress& progress) const {
+                          const model::Progress& progress) {
     if (!(rms < best_rms_)) return false;
     const std::size_t vertices = component_.positions.size();
     if (kVerticesToTell * chart.grid_count() <= vertices) return wins(chart, rms);
     if (chart.grid_count() <= vertices && rms < kSureGain * best_rms_) return true;
     candidate.fitted = true;
-    return trial_fit_rms(chart, progress) < kGain * trial_fit_rms(*best_, progress);
+    TrialFit challenger = trial_fit(chart, progress), holder = trial_fit(*best_, progress);
+    const bool better = challenger.rms < kGain * holder.rms;
+    begun_ = std::move(better ? challenger : holder);
+    return better;
 }
 
 /// Between charts that differ by less than 1 % or by rounding, the one that uses all samples wins, then the earlier
@@ -131,7 +135,7 @@ Attempt<ComponentResult> Contest::result() && {
     chosen.outcome = CandidateOutcome::kChosen;
     chosen.note = best_->note;
     const Method method = chosen.method;
-    return ComponentResult{std::move(*best_), method, std::move(candidates_)};
+    return ComponentResult{std::move(*best_), method, std::move(candidates_), std::move(begun_)};
 }
 
 }  // namespace dgm::bake

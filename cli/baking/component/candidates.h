@@ -12,6 +12,7 @@
 #include "baking/bake_options.h"
 #include "baking/bake_report.h"
 #include "geometry/chart/sampled_chart.h"
+#include "geometry/fit/fit.h"
 
 namespace dgm::bake {
 
@@ -36,6 +37,7 @@ struct ComponentResult {
     SampledChart chart;
     Method method = Method::kAuto;      ///< that made it
     std::vector<Candidate> candidates;  ///< in the order tried
+    std::optional<TrialFit> begun;      ///< of the chart, if it won by a trial fit
 };
 
 /// Holds the best chart so far, and the record of all.
@@ -71,11 +73,12 @@ class Contest {
     void judge(Candidate candidate, const std::function<SampledChart()>& make, const Wins& wins);
     [[nodiscard]] bool wins(const SampledChart& chart, double rms) const;
     [[nodiscard]] bool wins_fitted(const SampledChart& chart, double rms, Candidate& candidate,
-                                   const model::Progress& progress) const;
+                                   const model::Progress& progress);
 
     const TriMesh& component_;
     std::vector<Candidate> candidates_;
     std::optional<SampledChart> best_;
+    std::optional<TrialFit> begun_;  // of best_
     std::optional<model::Error> failure_;
     std::size_t best_index_ = 0;
     double best_rms_ = 0;

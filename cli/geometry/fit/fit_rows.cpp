@@ -13,10 +13,13 @@ constexpr double kWorstShare = 0.6, kUrgency = 200;  // of the largest error, wh
 constexpr double kFading = 0.5;                      // of a pull, from one round to the next
 constexpr double kBorderShare = 0.1;  // weight of a sample's part of the border, in those of its source points
 
+bool is_inside(const std::array<double, 3>& b) {
+    return b[0] > 1e-9 && b[1] > 1e-9 && b[2] > 1e-9;
+}
+
 /// Normal of the metric: the surface's, but along the gap where the closest point is on an edge of the face.
 Vec3d metric_normal(const Vec3d& gap, const Vec3d& face, const std::array<double, 3>& b) {
-    const bool inside = b[0] > 1e-9 && b[1] > 1e-9 && b[2] > 1e-9;
-    return inside ? face : normalized(gap, face);
+    return is_inside(b) ? face : normalized(gap, face);
 }
 
 }  // namespace
@@ -36,10 +39,14 @@ void FitRows::assemble(NormalEquations& equations, bool worst_only, std::span<co
     for (std::size_t k = 0; k < matches_.points.size(); ++k) {
         const Match& m = matches_.points[k];
         if (!near.empty() && !near[m.hit.face]) continue;
-        const Vec3d gap = m.position - point_at(grid, m.hit);
-        equations.add(m.hit.face, m.hit.b, gap, metric_normal(gap, grid.normals[m.hit.face], m.hit.b),
-                      m.weight * urgency(pulls_[0], matches_.points, k));
+        const Vec3d gap = m.position - point_at(grid, m.hit), &normal = grid.normals[m.hit.face];
+        const double weight = m.weight * urgency(pulls_[0], matches_.points, k);
+        if (is_inside(m.hit.b))
+            equations.add_along_normal(m.hit.face, m.hit.b, dot(normal, gap), weight);
+        else
+            equations.add(m.hit.face, m.hit.b, gap, normalized(gap, normal), weight);
     }
+    equations.close();
     const auto add_back = [&](const Match& m, double weight, std::uint32_t face, const std::array<double, 3>& b) {
         const Vec3d gap = point_at(source_, m.hit) - m.position;
         equations.add(face, b, gap, metric_normal(gap, source_.normals[m.hit.face], m.hit.b), weight);

@@ -22,9 +22,10 @@ std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
 FitState::FitState(SampledChart& fitted, const FitOptions& options)
     : chart(fitted),
       most_looks(options.most_looks != 0 ? options.most_looks : most_looks_of(fitted.grid_count())),
+      damping(options.hold.damping),
       source(link_source(fitted.disk)),
       grid(fitted),
-      matches(fitted, source, grid, point_count(fitted, options)),
+      matches(fitted, source, grid, point_count(fitted, options), options.hold),
       fixed(grid.on_border),
       rails(fitted, source, grid),
       upward(normals_at_scale(source, surface_area(source) / static_cast<double>(fitted.grid_count()))),
@@ -66,7 +67,7 @@ void FitState::look_up_farthest() {
 void FitState::step(bool worst_only) {
     NormalEquations equations(grid);
     rows.assemble(equations, worst_only);
-    const std::vector<Vec3d> step = equations.solve(rails.freedom(), rails.directions(), kDamping, kCgIterations);
+    const std::vector<Vec3d> step = equations.solve(rails.freedom(), rails.directions(), damping, kCgIterations);
     std::vector<double> ways(rails.empty() ? 0 : step.size());
     for (std::size_t c = 0; c < ways.size(); ++c) ways[c] = dot(step[c], rails.directions()[c]);
     sliding.take(step, std::move(ways));

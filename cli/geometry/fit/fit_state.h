@@ -74,6 +74,7 @@ struct FitState {
 
     SampledChart& chart;
     std::uint64_t most_looks;
+    double damping;
     LinkedSurface source;
     WeldedGrid grid;
     Matches matches;
@@ -89,9 +90,7 @@ struct FitState {
     void move_back(std::span<const std::uint32_t> faces, const std::vector<Vec3d>& before, std::span<char> went_back);
 };
 
-// Chosen by measurement on organs and busts: they trade the speed of a step against its stability.
-inline constexpr double kDamping = 0.001;
-inline constexpr int kCgIterations = 20;
+inline constexpr int kCgIterations = 40;
 /// Cosine to the source below which faces are repaired at the end.
 inline constexpr double kEndUpright = 0.02;
 

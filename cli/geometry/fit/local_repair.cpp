@@ -160,7 +160,7 @@ void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_mo
         gained_before = gained;
         NormalEquations equations(fit_.grid);
         fit_.rows.assemble(equations, round % 2 == 1, near.faces);
-        fit_.sliding.take(equations.solve(freedom, {}, kDamping, kCgIterations), {});
+        fit_.sliding.take(equations.solve(freedom, {}, fit_.damping, kCgIterations), {});
         fit_.matches.update(true, near.faces);
         const bool sound = fit_.take_back(fit_.kept.positions, fresh, held);
         gained = sound ? std::max(0.0, 1 - fit_.matches.rms / fit_.kept.rms) : 0;

@@ -39,8 +39,9 @@ std::uint64_t in_chunks(const std::vector<Match>& list, std::vector<double>& far
 
 }  // namespace
 
-Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid, std::size_t count)
-    : source_(source), grid_(grid) {
+Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid, std::size_t count,
+                 const Hold& hold)
+    : source_(source), grid_(grid), hold_(hold) {
     if (source.faces.size() > grid.surface.faces.size()) {
         source_index_ = std::make_unique<ClosestPointIndex>(source.positions, source.faces);
         slack_ = 0.25 * std::sqrt(surface_area(source) / static_cast<double>(chart.grid_count()));
@@ -246,20 +247,20 @@ std::vector<std::uint32_t> Matches::faces_beyond(double distance) const {
     return out;
 }
 
-/// By area; as much in all as the source's points have, none under a twentieth of the mean: a sample in a crowded part
-/// of the grid, where no source point falls, is still held to the surface.
+/// By area; a share of what the source's points have in all, none under a twentieth of the mean: a sample in a crowded
+/// part of the grid, where no source point falls, is still held to the surface.
 void Matches::weigh_and_measure() {
     const LinkedSurface& grid = grid_.surface;
     for (Match& m : classes) m.weight = 0;
     double total = 0;
     for (std::size_t f = 0; f < grid.faces.size(); ++f) {
         const double area = face_area(grid.corners(f));
-        middles[f].weight = area;
+        middles[f].weight = (1 - hold_.corner_share) * area;
         total += area;
-        for (const std::uint32_t c : grid.faces[f]) classes[c].weight += area / 3;
+        for (const std::uint32_t c : grid.faces[f]) classes[c].weight += hold_.corner_share * area / 3;
     }
-    const double mean = 2 * total / static_cast<double>(classes.size() + middles.size());
-    const double scale = total > 0 ? static_cast<double>(area_points) / (2 * total) : 0;
+    const double mean = total / static_cast<double>(classes.size() + middles.size());
+    const double scale = total > 0 ? hold_.grid_share * static_cast<double>(area_points) / total : 0;
     double forward = 0, backward = 0, weight = 0;
     for (auto* list : {&classes, &middles})
         for (Match& m : *list) {

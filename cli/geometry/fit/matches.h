@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/fit/fit.h"
 #include "geometry/fit/welded_grid.h"
 #include "geometry/spatial/closest_point.h"
 
@@ -28,7 +29,8 @@ class Matches {
  public:
     /// About `count` area-uniform points of the source and its vertices, which weigh a quarter; all classes of the
     /// grid and the middles of its faces. The references must outlive the object.
-    Matches(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid, std::size_t count);
+    Matches(const SampledChart& chart, const LinkedSurface& source, const WeldedGrid& grid, std::size_t count,
+            const Hold& hold = kLoose);
 
     /// Looks everything up for the grid's present shape. `with_edges`: the middles of the edges too, where a chord
     /// across a fold is farthest from it; they have no weight, but count for `largest`.
@@ -76,6 +78,7 @@ class Matches {
     const LinkedSurface& source_;
     const WeldedGrid& grid_;
     std::unique_ptr<ClosestPointIndex> source_index_;  // only for a source denser than the grid
+    Hold hold_;
     double slack_ = 0;
     std::uint64_t looked_ = 0;
     std::array<std::vector<double>, 4> farthest_;  // squared, per chunk of points, classes, middles and edges

@@ -23,6 +23,19 @@ class NormalEquations {
     explicit NormalEquations(const WeldedGrid& grid);
 
     void add(std::uint32_t face, const std::array<double, 3>& b, const Vec3d& gap, const Vec3d& normal, double weight);
+    /// The same along the face's own normal: most rows, of which only these sums per face are kept until close().
+    /// @param distance  normal . gap
+    void add_along_normal(std::uint32_t face, const std::array<double, 3>& b, double distance, double weight) {
+        FaceSums& sums = along_normal_[face];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double share = weight * b[k];
+            sums.own[k] += share * b[k];
+            sums.pair[k] += share * b[(k + 1) % 3];
+            sums.pull[k] += share * distance;
+        }
+    }
+    /// Takes the sums per face into the blocks, after the last row of that kind.
+    void close();
 
     /// Minimises the rows + damping * (own diagonal) * |step|^2 by conjugate gradients with 3x3 block Jacobi
     /// preconditioning; classes that are held stay 0, those that slide go along their unit vector in `rails` (which may
@@ -43,7 +56,13 @@ class NormalEquations {
  private:
     using Block = std::array<double, 6>;  // symmetric: xx, xy, xz, yy, yz, zz
 
+    /// Of a face, per corner: its weight squared, with that of the next corner, and times the distance.
+    struct FaceSums {
+        std::array<double, 3> own{}, pair{}, pull{};
+    };
+
     const WeldedGrid& grid_;
+    std::vector<FaceSums> along_normal_;
     std::vector<Block> diagonal_, off_;
     std::vector<Vec3d> right_;
 };

@@ -168,7 +168,7 @@ TEST(Stages, OneAfterTheOtherTheyGiveWhatBakeMeshGives) {
     EXPECT_EQ(mapped.charts[0].method, Method::kStretch);
     EXPECT_EQ(mapped.charts[0].candidates.front().outcome, CandidateOutcome::kChosen);
     const Fitted plain{mapped.charts};
-    const Fitted fitted = fit_source(std::move(mapped), options, false, {});
+    const Fitted fitted = fit_source(source, std::move(mapped), options, false, {});
     const Layered layered = store_layers(source, fitted, {}, options, false, {});
     const Measured measured = measure_layers(source, fitted, layered, kSurfaceSamples, {});
     const BakeResult whole = bake_mesh({bowl(), "bowl"}, options);
@@ -193,7 +193,7 @@ TEST(Stages, SmallComponentsWithInvertedFacesGetFinerGrids) {
     std::vector<CutMemory> cuts(2);
     const std::vector<double> aspects(2);
     const MapRequest request{options.size, aspects};
-    Fitted fitted = fit_source(map_source(source, request, options, cuts, {}), options, false, {});
+    Fitted fitted = fit_source(source, map_source(source, request, options, cuts, {}), options, false, {});
     ASSERT_EQ(fitted.inverted, (std::vector<std::size_t>{0, 0}));
     const std::size_t small = 1 - source.largest;
     ASSERT_EQ(fitted.charts[small].chart.m, 17U);
