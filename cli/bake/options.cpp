@@ -134,6 +134,8 @@ void set_grid(const Raw& raw, BakeOptions& bake) {
         bake.size = parse_size("--size", raw.size, kMinSide, kMaxSide);
     else if (bake.max_error || bake.budget_bytes)
         bake.auto_samples = kLargestSearched;
+    else
+        bake.shape_rings = true;
 }
 
 /// Format of the report: as asked, else by the file's extension.

@@ -22,7 +22,8 @@ void drop_unasked(std::vector<model::Chart>& charts, std::span<const std::string
 
 Mapped map_grid(PreparedAsset& asset, GridSize largest, CutUse use) {
     return asset.log.run("map", [&](const model::Progress& progress) {
-        return map_source(asset.source, {largest, asset.aspects, use}, asset.options, asset.cuts, progress);
+        return map_source(asset.source, {largest, asset.aspects, use, asset.rings}, asset.options, asset.cuts,
+                          progress);
     });
 }
 
@@ -36,8 +37,8 @@ Fitted map_and_fit(PreparedAsset& asset, GridSize largest, CutUse use) {
     return asset.log.run("fit", [&](const model::Progress& progress) {
         Fitted fitted = fit_source(asset.source, std::move(mapped), options, asset.u16, progress);
         if (searched) return fitted;  // a search counts on the sizes that it asks for
-        return refine_inverted(asset.source, {largest, asset.aspects, use}, std::move(fitted), options, asset.u16,
-                               asset.cuts, progress);
+        return refine_inverted(asset.source, {largest, asset.aspects, use, asset.rings}, std::move(fitted), options,
+                               asset.u16, asset.cuts, progress);
     });
 }
 

@@ -23,6 +23,7 @@ struct PreparedAsset {
     StageLog& log;
     Repaired source;
     std::vector<double> aspects;       ///< MapRequest::aspects
+    std::vector<RingUse> rings;        ///< MapRequest::rings
     std::vector<CutMemory> cuts;       ///< one a component
     std::optional<GridSearch> shapes;  ///< how the aspects were chosen, if a number of samples was asked for
     bool u16 = false;                  ///< positions are stored as u16

@@ -2,6 +2,8 @@
 // cli/baking/pipeline.cpp
 #include "baking/pipeline.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -26,6 +28,7 @@ GridSize choose_shapes(PreparedAsset& asset) {
                                        part_of(progress, "shape", 0, 1));
     });
     asset.aspects = std::move(chosen.aspects);
+    asset.rings = std::move(chosen.rings);
     const GridSize out = grid_of(samples, asset.aspects[asset.source.largest]);
     GridSearch& search = asset.shapes.emplace();
     search.goal = SearchGoal::kSamples;
@@ -35,6 +38,24 @@ GridSize choose_shapes(PreparedAsset& asset) {
     search.rows = out.rows;
     search.cols = out.cols;
     return out;
+}
+
+/// No --size: rings get the shapes that suit them. @return the grid of the largest component
+GridSize shape_rings(PreparedAsset& asset) {
+    const GridSize named = asset.options.size;
+    const Repaired& source = asset.source;
+    const bool any = std::any_of(source.components.begin(), source.components.end(),
+                                 [&](const model::TriMesh& c) { return may_unroll(c, asset.options); });
+    if (!any) return named;
+    const std::uint64_t samples = std::uint64_t{named.rows} * named.cols;
+    ComponentShapes chosen = asset.log.run("shape", [&](const model::Progress& progress) {
+        return choose_ring_shapes(source.components, source.areas, samples, asset.options, asset.cuts,
+                                  part_of(progress, "shape", 0, 1));
+    });
+    asset.aspects = std::move(chosen.aspects);
+    asset.rings = std::move(chosen.rings);
+    const double aspect = asset.aspects[source.largest];
+    return aspect == 1 ? named : even_grid_of(samples, aspect);
 }
 
 /// Tells what is known of the mesh before the long part begins.
@@ -57,10 +78,13 @@ BakeResult bake_imported(Imported imported, std::optional<MaterialImages> images
                         .log = log,
                         .source = std::move(source),
                         .aspects = std::vector<double>(components),
+                        .rings = {},
                         .cuts = std::vector<CutMemory>(components),
                         .shapes = std::nullopt,
                         .u16 = u16};
-    const GridSize largest = options.auto_samples ? choose_shapes(asset) : options.size;
+    const GridSize largest = options.auto_samples  ? choose_shapes(asset)
+                             : options.shape_rings ? shape_rings(asset)
+                                                   : options.size;
     if (options.max_error) return bake_to_error(asset, largest);
     if (options.budget_bytes) return bake_to_budget(asset, largest);
     const CutUse use = options.auto_samples ? CutUse::kBest : CutUse::kSearch;

@@ -110,6 +110,18 @@ Error failure_at(const Error& error, std::size_t c, std::size_t count) {
     return out.with_hint(error.hint());
 }
 
+/// Component `c` on a grid of `size`. A ring that cannot be unrolled there gets another chart.
+Attempt<ComponentResult> bake_one(const Repaired& source, const MapRequest& request, std::size_t c, GridSize size,
+                                  GridSize most, const BakeOptions& options, std::span<CutMemory> cuts,
+                                  const model::Progress& progress) {
+    ComponentTask task{source.components[c], size, most, request.use, RingUse::kTried};
+    if (!request.rings.empty()) task.rings = request.rings[c];
+    Attempt<ComponentResult> out = bake_component(task, options, cuts[c], progress);
+    if (out || task.rings != RingUse::kOnly) return out;
+    task.rings = RingUse::kTried;
+    return bake_component(task, options, cuts[c], progress);
+}
+
 FitOptions fit_options(const BakeOptions& options, bool u16) {
     FitOptions out = options.fit == Fit::kBest ? best_fit() : l2_fit();
     out.split_quads = !options.ablates("diagonals");
@@ -161,8 +173,8 @@ Mapped map_source(const Repaired& source, const MapRequest& request, const BakeO
     check_samples(sizes);
     Mapped out;
     for (std::size_t c = 0; c < sizes.size(); ++c) {
-        Attempt<ComponentResult> chart = bake_component({source.components[c], sizes[c], full[c], request.use}, options,
-                                                        cuts[c], part_of(progress, "map", c, sizes.size()));
+        Attempt<ComponentResult> chart =
+            bake_one(source, request, c, sizes[c], full[c], options, cuts, part_of(progress, "map", c, sizes.size()));
         if (!chart) {
             Error error = chart.error();
             if (size_may_help(error, request, options))
@@ -204,8 +216,7 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
             const std::uint64_t samples = std::uint64_t{size.rows} * size.cols;
             if (samples > left) break;
             left -= samples;
-            Attempt<ComponentResult> finer =
-                bake_component({source.components[c], size, full[c], request.use}, options, cuts[c], progress);
+            Attempt<ComponentResult> finer = bake_one(source, request, c, size, full[c], options, cuts, progress);
             if (!finer) break;
             const std::size_t inverted = fit_component(source.components[c], *finer, fit, progress);
             if (inverted >= fitted.inverted[c]) continue;

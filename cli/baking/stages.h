@@ -21,6 +21,7 @@
 #include "baking/bake_options.h"
 #include "baking/bake_report.h"
 #include "baking/component/candidates.h"
+#include "baking/component/component_bake.h"
 #include "baking/component/cut_memory.h"
 #include "geometry/layers/layers.h"
 #include "geometry/repair/repair.h"
@@ -83,6 +84,7 @@ struct MapRequest {
     GridSize largest;                 ///< grid of the largest component
     std::span<const double> aspects;  ///< (rows - 1) : (cols - 1) of each component; 0: that of the largest
     CutUse use = CutUse::kSearch;
+    std::span<const RingUse> rings{};  ///< of each component; empty: kTried
 };
 
 /// Cuts, parameterizes and samples every component. `cuts` has one memory a component.

@@ -87,6 +87,7 @@ json to_object(const BakeOptions& options) {
     json roots = json::array();
     for (const std::filesystem::path& root : options.asset_roots) roots.push_back(encode_path(root));
     out["asset_roots"] = std::move(roots);
+    if (options.shape_rings) out["shape_rings"] = true;
     if (options.auto_samples) out["auto_samples"] = *options.auto_samples;
     if (options.budget_bytes) out["budget_bytes"] = *options.budget_bytes;
     if (options.max_error)
@@ -120,6 +121,7 @@ BakeOptions options_from(const json& object) {
     if (object.contains("bump_size")) out.bump_size = size_at(object, "bump_size");
     if (object.contains("texture_bytes")) out.texture_bytes = number_at(object, "texture_bytes", kMaxU64);
     if (object.contains("texel_length")) out.texel_length = real_at(object, "texel_length");
+    if (object.contains("shape_rings")) out.shape_rings = flag_at(object, "shape_rings");
     if (object.contains("auto_samples")) out.auto_samples = number_at(object, "auto_samples", kMaxU64);
     if (object.contains("budget_bytes")) out.budget_bytes = number_at(object, "budget_bytes", kMaxU64);
     if (const auto goal = object.find("max_error"); goal != object.end()) {

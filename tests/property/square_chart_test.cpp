@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include "geometry/cut/cut_graph.h"
@@ -85,6 +87,55 @@ TEST_P(SquareChart, IsOneToOneAndWatertight) {
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, SquareChart, testing::ValuesIn(surfaces()),
                          [](const auto& at) { return at.param.name; });
+
+/// A tube about the z axis, bent along a spiral of three turns.
+TriMesh bent_tube(double radius, std::uint32_t around, std::uint32_t along) {
+    TriMesh mesh = test::tube(1, 1, 1, around, along);
+    for (Vec3d& p : mesh.positions) {
+        const double turn = 6 * std::numbers::pi * p.z, out = 3 + radius * p.x;
+        p = {out * std::cos(turn), out * std::sin(turn), 8 * p.z + radius * p.y};
+    }
+    return mesh;
+}
+
+std::vector<Named> rings() {
+    TriMesh hat = test::annulus(0.1, 2, 48, 24);
+    for (Vec3d& p : hat.positions) p.z = 1.2 * std::exp(-std::pow(dot(p, p), 2));
+    return {{"annulus", test::annulus(1, 2, 40, 8)},   {"pinhole", test::annulus(1e-4, 1, 40, 20)},
+            {"tube", test::tube(1, 1, 2, 24, 10)},     {"long_tube", test::tube(1, 1, 500, 12, 300)},
+            {"band", test::tube(1, 1, 0.02, 60, 1)},   {"pinched", test::tube(1, 1e-5, 3, 24, 20)},
+            {"triangular", test::tube(1, 2, 1, 3, 1)}, {"hat", hat},
+            {"three_turns", bent_tube(0.8, 20, 120)}};
+}
+
+class RingChart : public testing::TestWithParam<Named> {};
+
+/// Loops on opposite sides, their cut on the others: copies lie in one line of the grid and nowhere else.
+TEST_P(RingChart, IsOneToOneAndWatertight) {
+    const TriMesh mesh = component(GetParam().mesh);
+    for (const auto& [m, n] : {std::pair{33u, 33u}, {65u, 17u}, {16u, 51u}}) {
+        SCOPED_TRACE(std::to_string(m) + "x" + std::to_string(n));
+        CutSearchOptions options;
+        options.m = m;
+        options.n = n;
+        options.rings = 3;
+        const CutSearchResult cut = search_cut(mesh, options, {});
+        ASSERT_TRUE(faces_loops(cut.shares));
+        const SampledChart chart =
+            make_square_chart(cut.disk, m, n, cut.rotation, *make_stretch_parameterizer(3), {}, cut.shares);
+        ASSERT_NO_FATAL_FAILURE(test::expect_bijective(chart));
+        ASSERT_NO_FATAL_FAILURE(test::expect_classes(chart));
+        ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, mesh));
+        const bool on_m = cut.shares == BorderShares::kLoopsOnM;
+        for (std::uint32_t s = 0; s < chart.representative.size(); ++s) {
+            const std::uint32_t i = s / n, j = s % n;
+            const bool second = on_m ? i == m - 1 : j == n - 1;
+            ASSERT_EQ(chart.representative[s], !second ? s : on_m ? j : i * n) << i << ", " << j;
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rings, RingChart, testing::ValuesIn(rings()), [](const auto& at) { return at.param.name; });
 
 /// The error of a piecewise linear surface falls with the square of the step: 12 dB a doubling where the map is smooth.
 TEST(SquareChartError, FallsWhenTheGridIsDoubled) {

@@ -129,6 +129,19 @@ inline TriMesh annulus(double inner, double outer, std::uint32_t around, std::ui
     return mesh;
 }
 
+/// Open tube about the z axis from z = 0 to `height`, two boundary loops: `around` x (along + 1) vertices, vertex j of
+/// ring i has the number i * around + j. A cone's frustum where the radii differ.
+inline TriMesh tube(double bottom, double top, double height, std::uint32_t around, std::uint32_t along) {
+    TriMesh mesh;
+    for (std::uint32_t i = 0; i <= along; ++i)
+        for (std::uint32_t j = 0; j < around; ++j) {
+            const double r = bottom + (top - bottom) * i / along, t = 2 * std::numbers::pi * j / around;
+            mesh.positions.push_back({r * std::cos(t), r * std::sin(t), height * i / along});
+        }
+    for (const Face& f : lattice_faces(along + 1, around, false, true)) mesh.faces.push_back({f[0], f[2], f[1]});
+    return mesh;
+}
+
 /// Fan of `corners` triangles about the origin, radius 1.
 inline TriMesh polygon_disk(std::uint32_t corners) {
     TriMesh mesh;

@@ -27,6 +27,7 @@ struct Candidate {
     double cpu_seconds = 0;  ///< map and measurement, without the cut that candidates share
     bool directed = false;   ///< levelled to the directions of curvature
     bool fitted = false;     ///< compared with the one before after a trial fit of both
+    bool ring = false;       ///< a ring whose loops lie on opposite sides of the square
 };
 
 /// The same in words.
@@ -37,14 +38,15 @@ struct ComponentResult {
     SampledChart chart;
     Method method = Method::kAuto;      ///< that made it
     std::vector<Candidate> candidates;  ///< in the order tried
-    std::optional<TrialFit> begun;      ///< of the chart, if it won by a trial fit
+    std::optional<TrialFit> begun;      ///< of the chart, if there was a trial fit of it
 };
 
 /// Holds the best chart so far, and the record of all.
 class Contest {
  public:
     /// `component` must outlive it.
-    explicit Contest(const TriMesh& component) : component_(component) {}
+    /// @param ring  its charts have the loops of a ring on opposite sides
+    explicit Contest(const TriMesh& component, bool ring = false) : component_(component), ring_(ring) {}
 
     /// Makes a chart and measures it. The chart must have the component's topology. A failure is recorded.
     /// @throws model::Error kInterrupted
@@ -55,6 +57,10 @@ class Contest {
     /// @param will_be_fitted  false: the samples stay where the map puts them
     /// There must be a best chart.
     void challenge(const std::function<SampledChart()>& make, bool will_be_fitted, const model::Progress& progress);
+    /// Compares the best chart of `rival`, a contest about the same component, with the best one here and takes it over
+    /// if it is better. Where a fit is going to move the samples, both are fitted as in challenge() unless their errors
+    /// differ clearly. Takes over the record of the rival's charts in any case.
+    void meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress);
     /// Records that no chart of the next candidates could be tried.
     void fail(const model::Error& error) { failure_ = error; }
 
@@ -68,20 +74,26 @@ class Contest {
     [[nodiscard]] Attempt<ComponentResult> result() &&;
 
  private:
-    using Wins = std::function<bool(const SampledChart& chart, double rms, Candidate& candidate)>;
+    struct Entry {
+        SampledChart chart;
+        double rms = 0;                   ///< as the map has it
+        std::optional<TrialFit> begun{};  ///< once there was a trial fit
+    };
+    using Wins = std::function<bool(Entry& entry, Candidate& candidate)>;
 
     void judge(Candidate candidate, const std::function<SampledChart()>& make, const Wins& wins);
-    [[nodiscard]] bool wins(const SampledChart& chart, double rms) const;
-    [[nodiscard]] bool wins_fitted(const SampledChart& chart, double rms, Candidate& candidate,
-                                   const model::Progress& progress);
+    [[nodiscard]] bool wins(const Entry& entry) const;
+    [[nodiscard]] bool wins_challenge(Entry& entry, Candidate& candidate, const model::Progress& progress);
+    [[nodiscard]] bool beats_best(Entry& entry, Candidate& candidate, bool will_be_fitted,
+                                  const model::Progress& progress);
+    [[nodiscard]] bool wins_fitted(Entry& entry, Candidate& candidate, const model::Progress& progress);
 
     const TriMesh& component_;
+    bool ring_;
     std::vector<Candidate> candidates_;
-    std::optional<SampledChart> best_;
-    std::optional<TrialFit> begun_;  // of best_
+    std::optional<Entry> best_;
     std::optional<model::Error> failure_;
     std::size_t best_index_ = 0;
-    double best_rms_ = 0;
 };
 
 }  // namespace dgm::bake

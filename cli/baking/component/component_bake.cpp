@@ -13,6 +13,8 @@
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/chart/free_chart.h"
 #include "geometry/chart/square_chart.h"
+#include "geometry/cut_search/ring_cut.h"
+#include "geometry/mesh/infinity.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/flat_map.h"
 #include "geometry/parameterize/free_methods.h"
@@ -22,7 +24,9 @@ namespace dgm::bake {
 namespace {
 
 constexpr std::size_t kNewtonSteps = 8;
-constexpr std::size_t kStars = 12;  // octahedra tried for a sphere
+constexpr std::size_t kStars = 12;                     // octahedra tried for a sphere
+constexpr std::size_t kRings = 6, kMeasuredRings = 2;  // cuts tried for a ring
+constexpr double kFarRing = 1.5;                       // a ring whose cut is predicted so much more error is not mapped
 // dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
 constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
 constexpr double kExactPsnr = 200;  // what is left is rounding
@@ -115,6 +119,58 @@ bool free_may_help(const ComponentTask& task, const Contest& contest) {
     return contest.best_psnr() < poor_psnr(task.size) - (handles ? kHandles : 0);
 }
 
+/// The maps of one cut onto the square.
+class SquareMaps {
+ public:
+    /// All must outlive the object.
+    SquareMaps(const ComponentTask& task, const BakeOptions& options, const CutSearchResult& cut,
+               const model::Progress& progress)
+        : task_(task), options_(options), cut_(cut), progress_(progress), memory_(std::make_shared<StretchMemory>()) {}
+
+    void enter(Method method, Contest& contest) const {
+        contest.enter(method, [&] {
+            SampledChart chart =
+                square_chart(task_.size, method, *square_parameterizer(method, options_, memory_), cut_, progress_);
+            memory_->map = chart.uv;
+            return chart;
+        });
+    }
+    /// `auto` levels a second map along the directions of curvature, if the first one is the best so far.
+    void challenge(Method method, Contest& contest) const {
+        const bool levelled = !options_.ablates("newton") && !options_.ablates("curvature");
+        if (options_.method != Method::kAuto || !levelled || options_.ablates("directions")) return;
+        if (!contest.has_best() || contest.best_method() != method) return;
+        const auto parameterizer = make_stretch_parameterizer(kNewtonSteps, Levelling::kDirections, memory_);
+        contest.challenge([&] { return square_chart(task_.size, method, *parameterizer, cut_, progress_); },
+                          options_.fit != Fit::kSample, progress_);
+    }
+
+ private:
+    const ComponentTask& task_;
+    const BakeOptions& options_;
+    const CutSearchResult& cut_;
+    const model::Progress& progress_;
+    std::shared_ptr<StretchMemory> memory_;
+};
+
+/// Unrolls a ring between opposite sides of the square, beside the charts in `contest`.
+/// @param search  of the cut that those have, whose error was `rms`; infinity: they have none
+void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOptions search, double rms,
+              CutMemory& cuts, Contest& contest, const model::Progress& progress) {
+    if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
+    search.rings = search.measured ? kMeasuredRings : kRings;
+    search.stars = 0;
+    const Attempt<CutSearchResult> cut =
+        attempt([&] { return cuts.search(task.component, search, task.use, progress); });
+    if (!cut && task.rings == RingUse::kOnly) contest.fail(cut.error());
+    if (!cut || cut->rms > kFarRing * rms) return;
+    Contest rings(task.component, true);
+    const SquareMaps maps(task, options, *cut, progress);
+    maps.enter(Method::kStretch, rings);
+    maps.challenge(Method::kStretch, rings);
+    contest.meet(std::move(rings), options.fit != Fit::kSample, progress);
+}
+
 /// The square of `auto` and of the methods that name it, and the free charts that `auto` tries beside it.
 void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts, Contest& contest,
                 const model::Progress& progress) {
@@ -132,35 +188,22 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
         if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
     }
     CutSearchOptions search = cut_options(task.size, options);
+    if (task.rings == RingUse::kOnly) return try_ring(task, options, search, kInfinity, cuts, contest, progress);
     search.only_simplified = contest.has_best() && contest.best_psnr() > poor_psnr(task.size);
     const Attempt<CutSearchResult> cut =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!cut) contest.fail(cut.error());
-    const auto memory = std::make_shared<StretchMemory>();
-    const auto square = [&](Method method) {
-        contest.enter(method, [&] {
-            SampledChart chart =
-                square_chart(task.size, method, *square_parameterizer(method, options, memory), *cut, progress);
-            memory->map = chart.uv;
-            return chart;
-        });
-    };
-    const auto directed = [&](Method method) {
-        const auto parameterizer = make_stretch_parameterizer(kNewtonSteps, Levelling::kDirections, memory);
-        contest.challenge([&] { return square_chart(task.size, method, *parameterizer, *cut, progress); },
-                          options.fit != Fit::kSample, progress);
-    };
-    if (!any) {
-        if (cut) square(options.method);
-        return;
-    }
     if (cut) {
-        const Method method = cut->shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch;
-        square(method);
-        const bool levelled = !options.ablates("newton") && !options.ablates("curvature");
-        if (levelled && !options.ablates("directions") && contest.has_best() && contest.best_method() == method)
-            directed(method);
+        const bool star = any && cut->shares == BorderShares::kEqualArms;
+        const Method method = star ? Method::kSphere : any ? Method::kStretch : options.method;
+        const SquareMaps maps(task, options, *cut, progress);
+        maps.enter(method, contest);
+        maps.challenge(method, contest);
     }
+    const bool may_unroll = task.rings == RingUse::kTried && (any || options.method == Method::kStretch);
+    if (may_unroll && is_ring(task.component))
+        try_ring(task, options, search, cut ? cut->rms : kInfinity, cuts, contest, progress);
+    if (!any) return;
     // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
     // cloth above all.
     const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();

@@ -10,11 +10,19 @@
 
 namespace dgm::bake {
 
+/// Whether a ring is unrolled, its loops on opposite sides of the square.
+enum class RingUse {
+    kTried,  ///< beside other charts
+    kOnly,   ///< and nothing else is tried; other components have no chart then
+    kNot,
+};
+
 struct ComponentTask {
     const model::TriMesh& component;
     GridSize size;  ///< tried first
     GridSize most;  ///< the grid grows up to this where the cut does not fit it
     CutUse use = CutUse::kSearch;
+    RingUse rings = RingUse::kTried;
 };
 
 /// `auto` tries the methods that fit the component and keeps the one with the least measured error; a named method is

@@ -23,7 +23,8 @@ enum class CutUse {
 class CutMemory {
  public:
     /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers the cuts that it
-    /// finds. Cuts are compared by measured error on a grid of at most 257 a side.
+    /// finds. Cuts are compared by measured error on a grid of at most 257 a side, those of rings (options.rings) and
+    /// others each among themselves.
     /// @throws as search_cut
     [[nodiscard]] CutSearchResult search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
                                          const model::Progress& progress);
@@ -32,11 +33,12 @@ class CutMemory {
     struct Found {
         std::uint32_t m, n;
         std::uint32_t rotation;  ///< on that grid
-        bool chosen;             ///< by comparison
+        BorderShares shares;
+        bool chosen;  ///< by comparison
         std::shared_ptr<const CutSearchResult> cut;
     };
     using Candidates = std::vector<Found>;
-    [[nodiscard]] Candidates similar(std::uint32_t m, std::uint32_t n, bool chosen) const;
+    [[nodiscard]] Candidates similar(const CutSearchOptions& options, bool chosen) const;
     /// The best of `candidates` on the grid; the first one's error if none has a valid map there.
     [[nodiscard]] Attempt<CutSearchResult> best_of(const Candidates& candidates, const TriMesh& component,
                                                    const CutSearchOptions& options, const model::Progress& progress);

@@ -137,6 +137,18 @@ GridSize grid_of(std::uint64_t samples, double aspect) {
     return best;
 }
 
+GridSize even_grid_of(std::uint64_t samples, double aspect) {
+    constexpr std::uint32_t kDivisor = 8, kLeast = 33;
+    const GridSize exact = grid_of(samples, aspect);
+    const auto held = [](double side) { return 1 + (static_cast<std::uint32_t>(side) - 1) / kDivisor * kDivisor; };
+    const bool rows_longer = exact.rows >= exact.cols;
+    const std::uint32_t shorter = std::min(exact.rows, exact.cols);
+    if (shorter < kLeast) return exact;
+    const std::uint32_t few = held(shorter);
+    const std::uint32_t many = std::min(held(static_cast<double>(samples) / few), kMaxSide);
+    return rows_longer ? GridSize{many, few} : GridSize{few, many};
+}
+
 std::vector<GridSize> grid_ladder(GridSize largest, bool coarse) {
     const std::uint32_t longer = std::max(largest.rows, largest.cols) - 1;
     std::vector<GridSize> out;
@@ -250,7 +262,7 @@ SizeSearch largest_that_fits(std::span<const GridSize> ladder, double budget, st
     return out;
 }
 
-AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure) {
+AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure, int longest) {
     constexpr double kGain = 0.98;
     AspectChoice out;
     const auto aspect_of = [](int step) { return math::pow(2.0, 0.5 * step); };  // in factors of sqrt 2
@@ -264,21 +276,28 @@ AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure) 
     if (const double free = out.trials.front().chart_aspect; free > 0) {
         const double aspect = std::clamp(free, 1.0 / 8, 8.0);
         const GridSize size = grid_of(samples, aspect);
+        out.rms = out.trials.front().rms;
         if (size == out.trials.front().size) return out;
-        const double square_rms = out.trials.front().rms;
-        if (out.trials.emplace_back(measure(size)).rms < kGain * square_rms) out.aspect = aspect;
+        if (const double own = out.trials.emplace_back(measure(size)).rms; own < kGain * out.rms) {
+            out.aspect = aspect;
+            out.rms = own;
+        }
         return out;
     }
     const auto consider = [&](int step) {
+        if (std::abs(step) > longest) return;
         if (try_step(step) < (best == 0 ? kGain : 1.0) * rms[best]) best = step;
     };
     consider(-2);
     consider(2);
-    if (best != 0) consider(2 * best);
+    for (int last = 0; best != last;) {
+        last = best;
+        consider(last + (last < 0 ? -2 : 2));
+    }
     const int centre = best;
-    for (const int step : {centre - 1, centre + 1})
-        if (std::abs(step) <= 4) consider(step);
+    for (const int step : {centre - 1, centre + 1}) consider(step);
     out.aspect = aspect_of(best);
+    out.rms = rms[best];
     return out;
 }
 

@@ -61,13 +61,19 @@ struct AspectTrial {
 using MeasureAspect = std::function<AspectTrial(GridSize)>;
 
 struct AspectChoice {
-    double aspect = 1;  ///< (rows - 1) : (cols - 1), between 1/4 and 4 (free charts: 1/8 and 8)
+    double aspect = 1;  ///< (rows - 1) : (cols - 1), between 1/4 and 4 or as far as was asked (free charts: 1/8 and 8)
+    double rms = 0;     ///< of its trial
     std::vector<AspectTrial> trials;
 };
 
 /// The aspect with the least measured error at `samples` samples. A free chart has one, that of its rectangle. For a
-/// square one: 1:2, 1:1, 2:1, beyond the better end also 4:1, then the neighbours (factor sqrt 2) of the best. Another
-/// aspect than 1:1 must be better by 2 %.
-[[nodiscard]] AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure);
+/// square one: 1:2, 1:1, 2:1, beyond the better end also 4:1 and so on while that is better, then the neighbours (by
+/// sqrt 2) of the best. Another aspect than 1:1 must be better by 2 %.
+/// @param longest  aspect tried for a square chart, as a power of sqrt 2
+[[nodiscard]] AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure, int longest = 4);
+
+/// grid_of(), but with numbers of intervals that 8 divides where both sides have at least 33 samples: three levels of
+/// detail keep the borders then.
+[[nodiscard]] GridSize even_grid_of(std::uint64_t samples, double aspect);
 
 }  // namespace dgm::bake

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/cell_rectangle.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/curved_rest_shapes.h"
 #include "geometry/parameterize/multilevel_map.h"
@@ -36,6 +37,26 @@ class StretchParameterizer final : public Parameterizer {
     [[nodiscard]] std::string_view name() const override { return "stretch"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
+        const CellRectangle cells(disk);
+        std::vector<Vec2d> uv = cells.to_square(solved(cells, progress));
+        if (disk.aspect == 1 || count_not_positive(disk.faces, uv) == 0) return uv;
+        DiskView square = disk;  // rounding may turn faces of next to no area
+        square.aspect = 1;
+        return solved(CellRectangle(square), progress);
+    }
+
+    [[nodiscard]] std::optional<std::vector<Vec2d>> level(const DiskView& disk, const std::vector<Vec2d>& uv,
+                                                          std::size_t step,
+                                                          const model::Progress& progress) const override {
+        const CellRectangle cells(disk);
+        std::optional<std::vector<Vec2d>> out = levelled(cells.view(), cells.from_square(uv), step, progress);
+        if (out) out = cells.to_square(std::move(*out));
+        return out && count_not_positive(disk.faces, *out) == 0 ? std::move(out) : std::nullopt;
+    }
+
+ private:
+    [[nodiscard]] std::vector<Vec2d> solved(const CellRectangle& cells, const model::Progress& progress) const {
+        const DiskView& disk = cells.view();
         if (newton_steps_ == 0) return stretch_map(disk, 0, progress);
         const auto level_out = [&](const DiskView& on, std::vector<Vec2d> uv) {
             return descend(on, std::move(uv), kLevelSteps, kLevelEpsilon, progress, rest_of(on));
@@ -53,14 +74,13 @@ class StretchParameterizer final : public Parameterizer {
                 multilevel_stretch_map(disk, options, progress, &memory_->levels);
             if (levelled && sound) return std::move(*levelled);
         }
-        std::vector<Vec2d> map = memory_->map ? *memory_->map : plain_map(disk, progress);
+        std::vector<Vec2d> map = memory_->map ? cells.from_square(*memory_->map) : plain_map(disk, progress);
         if (count_not_positive(disk.faces, map) > 0) return map;  // the caller refuses it
         return level_out(disk, std::move(map));
     }
 
-    [[nodiscard]] std::optional<std::vector<Vec2d>> level(const DiskView& disk, const std::vector<Vec2d>& uv,
-                                                          std::size_t step,
-                                                          const model::Progress& progress) const override {
+    [[nodiscard]] std::optional<std::vector<Vec2d>> levelled(const DiskView& disk, const std::vector<Vec2d>& uv,
+                                                             std::size_t step, const model::Progress& progress) const {
         constexpr std::array<double, 3> kEpsilons{6, 20, 60};
         constexpr std::size_t kSteps = 12;
         if (newton_steps_ == 0 || step >= kEpsilons.size()) return std::nullopt;
@@ -81,7 +101,6 @@ class StretchParameterizer final : public Parameterizer {
         return multilevel_stretch_map(disk, options, progress, &memory_->levels);
     }
 
- private:
     /// Normalised stretch: the square has area 1.
     static bool crowded(const DiskView& on, const std::vector<Vec2d>& uv) {
         double area = 0;
@@ -135,7 +154,8 @@ class ReweightedParameterizer final : public Parameterizer {
     [[nodiscard]] std::string_view name() const override { return "reweighted"; }
     [[nodiscard]] bool fixed_border() const override { return true; }
     [[nodiscard]] std::vector<Vec2d> solve(const DiskView& disk, const model::Progress& progress) const override {
-        return reweighted_stretch_map(disk, {}, progress);
+        const CellRectangle cells(disk);
+        return cells.to_square(reweighted_stretch_map(cells.view(), {}, progress));
     }
 };
 
@@ -200,7 +220,8 @@ SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std:
     chart.n = n;
     chart.method = method.name();
     chart.disk = std::move(disk);
-    const DiskView view{chart.disk.mesh.positions, chart.disk.mesh.faces, border.vertices, border.uv};
+    const DiskView view{chart.disk.mesh.positions, chart.disk.mesh.faces, border.vertices, border.uv,
+                        (m - 1.0) / (n - 1.0)};
     chart.uv = method.solve(view, progress);
     sample_map(chart, border);
     // The fit mends the few folds that are left.

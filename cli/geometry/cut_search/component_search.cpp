@@ -12,6 +12,7 @@
 #include "geometry/cut_search/cut_transfer.h"
 #include "geometry/cut_search/cut_trial.h"
 #include "geometry/cut_search/hidden_cut.h"
+#include "geometry/cut_search/ring_cut.h"
 #include "geometry/cut_search/star_cut.h"
 #include "geometry/cut_search/straight_cut.h"
 
@@ -99,13 +100,15 @@ class ComponentSearch {
         : component_(component), options_(options), progress_(progress), trials_(component, options, progress) {}
 
     [[nodiscard]] ComponentCut best() {
-        if (!options_.only_stars) {
+        if (options_.rings > 0) {
+            try_rings();
+        } else if (!options_.only_stars) {
             augment(first_cut());
             if (!best_) throw *trials_.failure();
             drop_branches();
             try_rotations();
         }
-        if (options_.stars > 0 && !(best_ && out_.rms < kExact)) try_stars();
+        if (options_.rings == 0 && options_.stars > 0 && !(best_ && out_.rms < kExact)) try_stars();
         if (!best_) throw *trials_.failure();
         if (options_.given_to_hide > 0 && !options_.measured) hide();
         out_.disk = best_->open();
@@ -217,12 +220,25 @@ class ComponentSearch {
             trials_.note({model::codes::kMapInvalid, "sphere: no star of arms can be laid on the surface"});
     }
 
+    /// On a square grid the loops may lie on either pair of sides.
+    void try_rings() {
+        std::vector<BorderShares> sides{BorderShares::kLoopsOnM};
+        if (options_.m != options_.n) sides.push_back(BorderShares::kLoopsOnN);
+        for (const CutGraph& cut : ring_cuts(component_, options_.rings))
+            for (const BorderShares shares : sides) {
+                const Trial trial = attempt(cut, 0, shares);
+                if (trial.rms < (best_ ? kGain * out_.rms : kInfinity)) keep(cut, trial, shares);
+            }
+        if (!best_ && !trials_.failure())
+            trials_.note({model::codes::kMethodUnsuited, "the surface is no ring: two sides, two loops, no handles"});
+    }
+
     /// Leads the seams of the best cut through hidden places, all of them or those that gain most, where the error
     /// allows it.
     void hide() {
         constexpr std::size_t kSingles = 4;
         // The arms of a star are even on the sphere; detours would fold the parts between them.
-        if (out_.shares == BorderShares::kEqualArms || out_.rms < kExact || best_->length() <= 0) return;
+        if (out_.shares != BorderShares::kByLength || out_.rms < kExact || best_->length() <= 0) return;
         CutGraph cut = *best_;
         cut.weigh(hiding_factors(component_, best_->opposite()));
         const std::vector<CutWay> ways = hideable_ways(cut);
@@ -261,7 +277,7 @@ class ComponentSearch {
         const double shorter = 1 - length_of_cut(straight) / best_->length();
         if (shorter < kJagged) return false;
         std::uint32_t rotation = 0;
-        if (out_.shares != BorderShares::kEqualArms) {
+        if (out_.shares == BorderShares::kByLength) {
             const auto found = rotation_on(straight);
             rotation = found ? *found : candidate_rotations(straight, options_.m, options_.n, 1).front();
         }

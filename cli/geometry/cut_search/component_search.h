@@ -20,8 +20,8 @@ inline constexpr double kStraightReach = 1;
 /// Length of the cut that opened a disk.
 [[nodiscard]] double length_of_cut(const Disk& disk);
 
-/// As search_cut(), without simplification: the cut is augmented, branches are dropped, and rotations, stars, hidden
-/// ways and straight paths are tried, in that order.
+/// As search_cut(), without simplification: a ring's cuts alone, if they are asked for; else the cut is augmented,
+/// branches are dropped, and rotations, stars, hidden ways and straight paths are tried, in that order.
 /// @param component  must outlive the result
 /// @throws model::Error  the reason of the first failure if no cut gave a valid map
 [[nodiscard]] ComponentCut search_component(const TriMesh& component, const CutSearchOptions& options,

@@ -110,9 +110,9 @@ GridSides trial_grid(const TriMesh& component, const TriMesh& mesh, const CutSea
 CutSearchResult carried_over(const TriMesh& component, const std::optional<Coarse>& coarse, ComponentCut found,
                              GridSides grid, GridSides wanted) {
     CutSearchResult out = std::move(found.result);
-    const bool star = out.shares == BorderShares::kEqualArms;
+    const bool laid_out = out.shares != BorderShares::kByLength;  // its rotation is not heeded
     if (!coarse) {
-        if (!star) out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
+        if (!laid_out) out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
         return out;
     }
     const std::vector<std::uint32_t>& original = coarse->compact.original;
@@ -124,7 +124,7 @@ CutSearchResult carried_over(const TriMesh& component, const std::optional<Coars
         std::sqrt(static_cast<double>(component.faces.size()) / static_cast<double>(coarse->steps.faces.size()));
     out.disk = found.straight ? open_straight(fine, kStraightReach * finer) : fine.open();
     out.cut_length = length_of_cut(out.disk);
-    if (star) return out;
+    if (laid_out) return out;
     const auto rotation =
         transfer_rotation(coarse_disk, grid.m, grid.n, out.rotation, original, out.disk, wanted.m, wanted.n);
     out.rotation = rotation ? *rotation : candidate_rotations(out.disk, wanted.m, wanted.n, 1).front();

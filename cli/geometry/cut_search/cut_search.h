@@ -22,6 +22,9 @@ struct CutSearchOptions {
     std::size_t drops = 12;  ///< branches tried without, at most
     std::size_t stars = 0;   ///< octahedra tried on a closed component without handles (star_cut.h), for odd m and n
     bool only_stars = false;
+    /// Where not 0, the cuts of a ring (ring_cut.h) are tried and nothing else: so many paths from loop to loop, with
+    /// the loops on opposite sides of the grid.
+    std::size_t rings = 0;
     /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows by at most this factor. 0: they
     /// are not. Nor are stars, nor where trials are measured.
     double given_to_hide = 1.01;
@@ -48,8 +51,7 @@ struct CutSearchResult {
 /// grows by more than a quarter of the share that the cut gets shorter, or where trials are measured; the disk has
 /// vertices then that the component has not.
 /// @throws model::Error kMapInvalid or kGridTooSmall if no cut gave a valid map; kMethodUnsuited if stars alone are
-/// asked
-///     of a surface or a grid that has none
+///     asked of a surface or a grid that has none, or rings of a surface that is none
 [[nodiscard]] CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options,
                                          const model::Progress& progress);
 

@@ -36,7 +36,7 @@ Trial CutTrials::attempt(Disk disk, std::optional<std::uint32_t> rotation, Borde
     Trial failed;
     try {
         failed.rotation = rotation ? *rotation : candidate_rotations(disk, options_.m, options_.n, 1).front();
-        return options_.measured ? measured(std::move(disk), failed.rotation)
+        return options_.measured ? measured(std::move(disk), failed.rotation, shares)
                                  : predicted(std::move(disk), failed.rotation, shares);
     } catch (const model::Error& e) { note(e); }
     return failed;
@@ -52,8 +52,8 @@ Trial CutTrials::predicted(Disk disk, std::uint32_t rotation, BorderShares share
     return {map.rms, rotation, std::move(map.disk), std::move(map.uv)};
 }
 
-Trial CutTrials::measured(Disk disk, std::uint32_t rotation) const {
-    SampledChart chart = make_square_chart(std::move(disk), options_.m, options_.n, rotation, *method_, {});
+Trial CutTrials::measured(Disk disk, std::uint32_t rotation, BorderShares shares) const {
+    SampledChart chart = make_square_chart(std::move(disk), options_.m, options_.n, rotation, *method_, {}, shares);
     if (!holds_topology(welded_topology(chart), topology_))
         throw model::Error(model::codes::kGridTooSmall, "the grid does not hold the topology of the cut");
     const double rms = quick_error(component_, chart, options_.samples).rms;

@@ -42,7 +42,7 @@ class CutTrials {
 
  private:
     [[nodiscard]] Trial predicted(Disk disk, std::uint32_t rotation, BorderShares shares) const;
-    [[nodiscard]] Trial measured(Disk disk, std::uint32_t rotation) const;
+    [[nodiscard]] Trial measured(Disk disk, std::uint32_t rotation, BorderShares shares) const;
 
     const TriMesh& component_;
     const CutSearchOptions& options_;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geometry/chart/square_chart.h"
+#include "geometry/parameterize/cell_rectangle.h"
 #include "geometry/parameterize/damped_reweight.h"
 #include "geometry/resample/rasterize.h"
 #include "model/codes.h"
@@ -83,11 +84,10 @@ TrialMap make_trial_map(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32
                         const MultilevelOptions& options, const model::Progress& progress, BorderShares shares) {
     TrialMap map;
     const SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
-    const DiskView view{disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv};
-    if (std::optional<std::vector<Vec2d>> uv = multilevel_stretch_map(view, options, progress))
-        map.uv = std::move(*uv);
-    else
-        map.uv = damped_stretch_map(view, 12, progress);
+    const DiskView view{disk.mesh.positions, disk.mesh.faces, border.vertices, border.uv, (m - 1.0) / (n - 1.0)};
+    const CellRectangle cells(view);
+    std::optional<std::vector<Vec2d>> uv = multilevel_stretch_map(cells.view(), options, progress);
+    map.uv = cells.to_square(uv ? std::move(*uv) : damped_stretch_map(cells.view(), 12, progress));
     check_map(disk, map.uv, "stretch");
     const SampleGrid grid = rasterize(disk.mesh.faces, map.uv, m, n);
     if (grid.missing > 0)

@@ -25,8 +25,8 @@ std::vector<std::uint32_t> quads_of_faces(const WeldedGrid& grid) {
     return out;
 }
 
-/// Splits quads the other way where the welded surface has no such edge yet: beside a seam that folds back two quads may
-/// ask for the same one.
+/// Splits quads the other way where the welded surface has no such edge yet: beside a seam that folds back two quads
+/// may ask for the same one.
 class NewEdges {
  public:
     /// Both must outlive the object; the grid is linked as the chart was split.

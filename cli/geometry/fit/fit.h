@@ -22,9 +22,9 @@ struct Hold {
     double grid_share;    ///< weight of the grid's points in all, against the source's
 };
 
-/// A quarter on the corners is right for squares of linear distances, and more draws the grid to the surface there, away
-/// from where it is nearest. The grid's points are few and weigh little: the source's see all of both surfaces. A tenth
-/// of the damping gains 0.1 dB more, and doubles the largest error of some.
+/// A quarter on the corners is right for squares of linear distances, and more draws the grid to the surface there,
+/// away from where it is nearest. The grid's points are few and weigh little: the source's see all of both surfaces.
+/// A tenth of the damping gains 0.1 dB more, and doubles the largest error of some.
 inline constexpr Hold kLoose{1e-4, 0.25, 0.2};
 inline constexpr Hold kFirm{1e-3, 0.5, 1};
 

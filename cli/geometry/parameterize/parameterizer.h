@@ -26,6 +26,7 @@ struct DiskView {
     std::span<const std::uint32_t> border;  ///< the one border cycle, surface on its left, each vertex once
     std::span<const Vec2d> border_uv;  ///< fixed-border methods: one point per entry of `border`, counter-clockwise
                                        ///  on the boundary of the unit square; empty for free-border methods
+    double aspect = 1;  ///< fixed-border methods: cells of the grid along u : along v; > 0. Stretch counts in cells.
 };
 
 class Parameterizer {

@@ -86,16 +86,41 @@ Shares equal_arms(const std::vector<BorderPath>& paths, BorderGrid grid) {
     return out;
 }
 
+/// The two sides of a cut from loop to loop lie on two opposite sides of the square, the loops on the other two, each
+/// of their paths by its length.
+Shares facing_loops(const std::vector<BorderPath>& paths, BorderGrid grid, bool loops_on_m) {
+    const auto is_cut = [](const BorderPath& path) { return path.mate != kNone; };
+    const auto first = static_cast<std::size_t>(std::find_if(paths.begin(), paths.end(), is_cut) - paths.begin());
+    const std::size_t second = first < paths.size() ? paths[first].mate : first;
+    const bool one_path = std::count_if(paths.begin(), paths.end(), is_cut) == 2 && second != first &&
+                          !paths[first].same_way && second - first > 1 && paths.size() + first - second > 1;
+    if (!one_path) throw Error(codes::kMethodUnsuited, "the cut is no path between two loops");
+    const std::uint32_t loop = (loops_on_m ? grid.m : grid.n) - 1, side = (loops_on_m ? grid.n : grid.m) - 1;
+    Shares out{std::vector<std::uint32_t>(paths.size(), side), 0};
+    for (const auto& [cut, next] : {std::pair{first, second}, std::pair{second, first + paths.size()}}) {
+        std::vector<BorderPath> run;
+        for (std::size_t p = cut + 1; p < next; ++p) run.push_back(paths[p % paths.size()]);
+        const std::vector<std::uint32_t> intervals = allocate_intervals(run, loop);
+        for (std::size_t p = cut + 1; p < next; ++p) out.intervals[p % paths.size()] = intervals[p - cut - 1];
+    }
+    std::uint32_t before = 0;
+    for (std::size_t p = 0; p < first; ++p) before += out.intervals[p];
+    out.start = (grid.corner(loops_on_m ? 1 : 0) + grid.count() - before) % grid.count();
+    return out;
+}
+
 class BorderLayout {
  public:
     BorderLayout(Disk& disk, BorderGrid grid, std::uint32_t rotation, BorderShares shares) : disk_(disk), grid_(grid) {
         const std::vector<BorderPath> paths = disk.paths();
         std::uint32_t start = rotation % grid.count();
         std::vector<std::uint32_t> intervals;
-        if (shares == BorderShares::kEqualArms) {
-            const Shares arms = equal_arms(paths, grid);
-            intervals = arms.intervals;
-            start = arms.start;
+        if (shares != BorderShares::kByLength) {
+            const Shares given = shares == BorderShares::kEqualArms
+                                     ? equal_arms(paths, grid)
+                                     : facing_loops(paths, grid, shares == BorderShares::kLoopsOnM);
+            intervals = given.intervals;
+            start = given.start;
         } else if (has_four_real_sides(paths)) {
             intervals = {grid.m - 1, grid.n - 1, grid.m - 1, grid.n - 1};
         } else {

@@ -44,7 +44,14 @@ struct BorderGrid {
 enum class BorderShares {
     kByLength,   ///< to each path by its length
     kEqualArms,  ///< the cut is a star of four arms: its middle on the four corners, each side folds at its middle
+    kLoopsOnM,   ///< the cut is a path between two loops: they on the sides of m samples, it on both sides of n
+    kLoopsOnN,   ///< the same, the loops on the sides of n samples
 };
+
+/// True where the loops of a ring lie on opposite sides of the square.
+[[nodiscard]] constexpr bool faces_loops(BorderShares shares) {
+    return shares == BorderShares::kLoopsOnM || shares == BorderShares::kLoopsOnN;
+}
 
 /// Lays the disk's border on the square (docs/methods.md section 2): path p gets a whole number of sample intervals,
 /// the same for both mates, nearest its share of the length; inside a path vertices follow arc length; the square's
@@ -52,10 +59,11 @@ enum class BorderShares {
 /// that joins two points of the border is split, so that no triangle can collapse onto a side and no part of the
 /// surface is locked up behind a straight edge.
 ///
-/// Changes `disk` by those splits. `rotation` moves the first path's start to border sample `rotation`; equal arms have
-/// only one, and ignore it.
+/// Changes `disk` by those splits. `rotation` moves the first path's start to border sample `rotation`; only shares by
+/// length heed it.
 /// @throws model::Error kGridTooSmall if the paths need more intervals than the grid has; kMethodUnsuited if equal arms
-///     are asked of another cut than a star of four, or of even m or n
+///     are asked of another cut than a star of four, or of even m or n, or loops are to face each other that no single
+///     path joins
 [[nodiscard]] SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                              BorderShares shares = BorderShares::kByLength);
 

@@ -31,12 +31,16 @@ void expect_same(const std::string& options, bool exr = false) {
 }
 
 TEST(RepeatCommand, DefaultsAreLeftOut) {
-    const PlannedAsset asset{"in/m.obj", "out/./m.dgm", "", {}, "m.obj", {}};
+    PlannedAsset asset{"in/m.obj", "out/./m.dgm", "", {}, "m.obj", {}};
+    asset.options.shape_rings = true;
     EXPECT_EQ(repeat_command(asset), "dgm-bake in/m.obj -o out/m.dgm");
+    asset.options.shape_rings = false;
+    EXPECT_EQ(repeat_command(asset), "dgm-bake in/m.obj -o out/m.dgm --size 257x257");
 }
 
 TEST(RepeatCommand, GivesTheSameSettings) {
     expect_same("");
+    expect_same("--size 257x257");  // of rings too
     expect_same("--size 129x65 --method lscm --fit best --precision u16 --layers normal,texture --bump-size 65");
     expect_same("--size auto:5000 --texture-size 512x256 --domain free --ablate newton,cut-search");
     expect_same("--max-error 0.05% --max-error-kind hausdorff");
@@ -60,7 +64,7 @@ TEST(RepeatCommand, NamesAreQuoted) {
     EXPECT_EQ(shell_word("it's; rm $x"), "'it'\\''s; rm $x'");
     EXPECT_EQ(shell_word(""), "''");
     const PlannedAsset asset{"-x.obj", "-x.dgm", "", {}, "-x.obj", {}};
-    EXPECT_EQ(repeat_command(asset), "dgm-bake ./-x.obj -o ./-x.dgm");
+    EXPECT_EQ(repeat_command(asset), "dgm-bake ./-x.obj -o ./-x.dgm --size 257x257");
 }
 
 }  // namespace

@@ -112,5 +112,56 @@ TEST(Contest, AChallengerMustHaveALowerErrorBeforeTheFitAtLeast) {
     EXPECT_EQ(result->candidates[3].outcome, CandidateOutcome::kFailed);
 }
 
+TEST(CandidateReport, SaysThatLoopsFaceEachOther) {
+    const Candidate ring{Method::kStretch, CandidateOutcome::kChosen, 60, "", 0.5, true, true, true};
+    EXPECT_EQ(report_of(ring).outcome,
+              "chosen after a trial fit; loops on opposite sides; along the directions of curvature");
+}
+
+TEST(Contest, TheBestOfARivalIsComparedAndItsRecordKept) {
+    const TriMesh mesh = folded_sheet(41);
+    const SampledChart plain = chart_of(mesh, 17, Levelling::kArea), better = chart_of(mesh, 33, Levelling::kArea);
+    for (const bool fitted : {false, true})
+        for (const bool rival_is_better : {false, true}) {
+            SCOPED_TRACE(fitted);
+            Contest contest(mesh);
+            contest.enter(Method::kStretch, [&] { return rival_is_better ? plain : better; });
+            Contest rival(mesh, true);
+            rival.enter(Method::kStretch, [&] { return rival_is_better ? better : plain; });
+            rival.challenge([]() -> SampledChart { throw model::Error(codes::kMapInvalid, "flips"); }, fitted, {});
+            contest.meet(std::move(rival), fitted, {});
+            const Attempt<ComponentResult> result = std::move(contest).result();
+            ASSERT_TRUE(result);
+            ASSERT_EQ(result->candidates.size(), 3u);
+            EXPECT_FALSE(result->candidates[0].ring);
+            EXPECT_TRUE(result->candidates[1].ring);
+            EXPECT_EQ(result->candidates[1].outcome == CandidateOutcome::kChosen, rival_is_better);
+            EXPECT_EQ(result->candidates[0].outcome == CandidateOutcome::kChosen, !rival_is_better);
+            EXPECT_EQ(result->candidates[2].outcome, CandidateOutcome::kFailed);
+            EXPECT_EQ(result->chart.positions == better.positions, true);
+        }
+}
+
+TEST(Contest, ARivalWithoutAChartLeavesTheBest) {
+    const TriMesh mesh = folded_sheet(21);
+    const SampledChart chart = chart_of(mesh, 17, Levelling::kArea);
+    const auto fail = []() -> SampledChart { throw model::Error(codes::kMapInvalid, "flips"); };
+    Contest contest(mesh);
+    Contest first(mesh, true);
+    first.enter(Method::kStretch, fail);
+    contest.meet(std::move(first), true, {});
+    EXPECT_FALSE(contest.has_best());
+    Contest second(mesh, true);
+    second.enter(Method::kStretch, [&] { return chart; });
+    contest.meet(std::move(second), true, {});
+    EXPECT_TRUE(contest.has_best()) << "the only one";
+    Contest third(mesh, true);
+    third.enter(Method::kStretch, fail);
+    contest.meet(std::move(third), true, {});
+    const Attempt<ComponentResult> result = std::move(contest).result();
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->candidates[1].outcome, CandidateOutcome::kChosen);
+}
+
 }  // namespace
 }  // namespace dgm::bake

@@ -174,6 +174,33 @@ TEST(ChooseAspect, StaysSquareForAPercent) {
     EXPECT_EQ(choice.aspect, 1);
 }
 
+TEST(ChooseAspect, GoesAsFarAsItIsAskedAndNoFarther) {
+    const auto longer_is_better = [](GridSize size) {
+        const double aspect = (size.rows - 1.0) / (size.cols - 1.0);
+        return AspectTrial{size, aspect >= 1 ? 1 / aspect : 10.0, 0};
+    };
+    EXPECT_NEAR(choose_aspect(4225, longer_is_better).aspect, 4, 1e-12);
+    const AspectChoice far = choose_aspect(4225, longer_is_better, 8);
+    EXPECT_NEAR(far.aspect, 16, 1e-12);
+    EXPECT_LT(far.rms, 0.07);
+    EXPECT_EQ(far.trials.size(), 7U) << "1:1, 1:2, 2:1, 4:1, 8:1, 16:1 and the neighbour of the last";
+}
+
+TEST(EvenGridOf, HasIntervalsThatEightDivides) {
+    EXPECT_EQ(even_grid_of(257 * 257, 1), (GridSize{257, 257}));
+    EXPECT_EQ(even_grid_of(257 * 257, 2), (GridSize{369, 177}));
+    EXPECT_EQ(even_grid_of(257 * 257, 0.5), (GridSize{177, 369}));
+    EXPECT_EQ(even_grid_of(257 * 257, 8), (GridSize{737, 89}));
+    EXPECT_EQ(even_grid_of(4225, 16), grid_of(4225, 16)) << "too small";
+    for (const double aspect : {1 / 11.0, 0.3, 0.7, 1.4, 2.8, 5.6, 11.0}) {
+        const GridSize size = even_grid_of(257 * 257, aspect);
+        EXPECT_EQ((size.rows - 1) % 8 + (size.cols - 1) % 8, 0U);
+        EXPECT_LE(size.rows * size.cols, 257U * 257);
+        EXPECT_GE(size.rows * size.cols, 257U * 257 * 9 / 10);
+        EXPECT_NEAR(std::log((size.rows - 1.0) / (size.cols - 1.0) / aspect), 0, 0.25);
+    }
+}
+
 TEST(ChooseAspect, AFreeChartHasItsOwn) {
     const AspectChoice choice = choose_aspect(4225, [](GridSize size) {
         return AspectTrial{size, size.rows > size.cols ? 0.7 : 1.0, 3.0};

@@ -343,6 +343,106 @@ TEST(SquareBorder, RotationCountsSamples) {
     }
 }
 
+/// Vertices of one loop of a tube have one z: they fill one side of the square, corner to corner, and the two copies of
+/// each vertex of the cut face each other.
+TEST(SquareBorder, LoopsOfARingFaceEachOther) {
+    const double height = 2;
+    for (const double top : {1.0, 0.01, 5.0})
+        for (const auto& [m, n] : {std::pair{17u, 17u}, {15u, 22u}, {33u, 9u}, {5u, 40u}})
+            for (const BorderShares shares : {BorderShares::kLoopsOnM, BorderShares::kLoopsOnN}) {
+                const bool on_m = shares == BorderShares::kLoopsOnM;
+                if ((on_m ? m : n) < 5 || (on_m ? n : m) < 5) continue;
+                SCOPED_TRACE(std::to_string(m) + "x" + std::to_string(n) + (on_m ? " on m" : " on n"));
+                const TriMesh mesh = test::tube(1, top, height, 12, 4);
+                CutGraph cut(mesh);
+                cut.cut_to_disk();
+                Disk disk = cut.open();
+                const SquareBorder border = lay_square_border(disk, m, n, 3, shares);
+                ASSERT_NO_FATAL_FAILURE(expect_laid(disk, border, m, n));
+                // (along the loops, from loop to loop)
+                const auto at = [&](std::size_t k) {
+                    return on_m ? border.uv[k] : Vec2d{border.uv[k].y, border.uv[k].x};
+                };
+                std::vector<std::vector<double>> copies(disk.weld_count);
+                double lower_side = -1;
+                std::size_t on_loops = 0;
+                for (std::size_t k = 0; k < border.vertices.size(); ++k) {
+                    const Vec3d p = disk.mesh.positions[border.vertices[k]];
+                    const Vec2d q = at(k);
+                    if (p.z == 0 && lower_side < 0) lower_side = q.y;
+                    if (p.z == 0) { EXPECT_EQ(q.y, lower_side); }
+                    if (p.z == height) { EXPECT_EQ(q.y == 0, lower_side != 0) << q.y; }
+                    on_loops += p.z == 0 || p.z == height;
+                    if (q.x == 0 || q.x == 1) copies[disk.weld[border.vertices[k]]].push_back(q.y);
+                }
+                EXPECT_EQ(on_loops, 2 * (12u + 1));
+                std::size_t pairs = 0;
+                for (const std::vector<double>& both : copies)
+                    if (!both.empty()) {
+                        ASSERT_EQ(both.size(), 2u);
+                        EXPECT_NEAR(both[0], both[1], 1e-12);
+                        ++pairs;
+                    }
+                EXPECT_GE(pairs, 5u);
+                for (const BorderSample& s : border.samples) {
+                    const std::uint32_t i = s.index / n, j = s.index % n, along = on_m ? i : j;
+                    const bool on_cut = along == 0 || along == (on_m ? m : n) - 1;
+                    const std::uint32_t mate = border.samples[s.same_as].index;
+                    if (!on_cut) { EXPECT_EQ(mate, s.index); }
+                    if (on_cut) { EXPECT_EQ(on_m ? mate % n : mate / n, on_m ? j : i) << "in the same line"; }
+                }
+            }
+}
+
+/// Each path of a loop between corners of the open border by its share of the loop.
+TEST(SquareBorder, CornersOfALoopLieOnSamples) {
+    const TriMesh box = test::tube(1, 1, 1, 4, 3);  // a square tube: four corners a loop
+    CutGraph cut(box);
+    cut.cut_to_disk();
+    Disk disk = cut.open();
+    const SquareBorder border = lay_square_border(disk, 17, 9, 0, BorderShares::kLoopsOnM);
+    for (std::size_t k = 0; k < border.vertices.size(); ++k)
+        if (border.uv[k].y == 0 || border.uv[k].y == 1) {
+            EXPECT_NEAR(std::remainder(border.uv[k].x, 0.25), 0, 1e-12) << border.uv[k].x;
+        }
+}
+
+TEST(SquareBorder, OnlyACutFromLoopToLoopLetsThemFaceEachOther) {
+    const auto code = [](Disk disk) {
+        try {
+            (void)lay_square_border(disk, 17, 17, 0, BorderShares::kLoopsOnM);
+        } catch (const model::Error& e) { return e.code().number; }
+        return 0;
+    };
+    const std::array<std::array<std::uint32_t, 2>, 2> holes{{{1, 1}, {5, 3}}};
+    TriMesh mesh = test::tube(1, 1, 2, 12, 6);
+    CutGraph branched(mesh);
+    branched.cut_to_disk();
+    EXPECT_EQ(code(branched.open()), 0);
+    branched.join(3 * 12 + 6);
+    const int unsuited = model::codes::kMethodUnsuited.number;
+    EXPECT_EQ(code(branched.open()), unsuited) << "a branch";
+    for (const TriMesh& other : {test::icosphere(2), test::torus(1, 0.4, 16, 9), test::grid_sheet(4, 4),
+                                 test::sheet_with_holes(7, holes), test::finger(0.1, 2, 8, 12, 3)}) {
+        CutGraph cut(other);
+        cut.cut_to_disk();
+        EXPECT_EQ(code(cut.open()), unsuited);
+    }
+    const TriMesh strip = repair(test::moebius(30, 4)).components[0];
+    CutGraph one_sided(strip);
+    one_sided.cut_to_disk();
+    EXPECT_EQ(code(one_sided.open()), unsuited);
+    Disk ring = [&] {
+        CutGraph cut(mesh);
+        cut.cut_to_disk();
+        return cut.open();
+    }();
+    try {
+        (void)lay_square_border(ring, 3, 17, 0, BorderShares::kLoopsOnM);
+        FAIL() << "a loop in two intervals";
+    } catch (const model::Error& e) { EXPECT_EQ(e.code().number, model::codes::kGridTooSmall.number); }
+}
+
 TEST(SquareBorder, CandidateRotationsKeepLeavesOffTheCorners) {
     for (const TriMesh& mesh : {test::icosphere(2), test::comb(3, 2), test::annulus(1, 2, 12, 3)}) {
         CutGraph cut(mesh);
