@@ -4,11 +4,11 @@
 
 const kSurfaceVertex = `
   in float x; in float y; in float z; in float nx; in float ny; in float nz; in vec2 uv; in float x0; in float y0; in float z0; in float value;
-  uniform mat4 camera; uniform vec3 origin; uniform float push; uniform vec4 sheet;
+  uniform mat4 camera; uniform vec3 origin; uniform float push; uniform float puff; uniform vec4 sheet;
   out vec3 n; out vec2 at; out float moved; out float number;
   void main() {
     n = vec3(nx, ny, nz); at = uv; number = value; moved = length(vec3(x, y, z) - vec3(x0, y0, z0));
-    gl_Position = sheet.z > 0. ? vec4(sheet.xy + uv * vec2(sheet.z, -sheet.w), 0, 1) : camera * vec4(vec3(x, y, z) + origin, 1);
+    gl_Position = sheet.z > 0. ? vec4(sheet.xy + uv * vec2(sheet.z, -sheet.w), 0, 1) : camera * vec4(vec3(x, y, z) + origin + puff * n, 1);
     gl_Position.z -= push * gl_Position.w;
   }`;
 const kSurfaceFragment = `
@@ -49,6 +49,7 @@ class Painter {
     if (!this.gl) return;
     this.canvas = canvas;
     this.uploaded = 0; // bytes
+    this.parts = new Map(); // what fewer pixels are drawn into, by size
     const gl = this.gl;
     this.program = gl.createProgram();
     for (const [type, source] of [[gl.VERTEX_SHADER, kSurfaceVertex], [gl.FRAGMENT_SHADER, kSurfaceFragment]]) {
@@ -62,7 +63,7 @@ class Painter {
     if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(this.program));
     gl.useProgram(this.program);
     this.uniforms = {};
-    for (const name of ["camera", "origin", "push", "texels", "look", "plain", "right", "up", "back", "most", "range", "sheet"])
+    for (const name of ["camera", "origin", "push", "puff", "texels", "look", "plain", "right", "up", "back", "most", "range", "sheet"])
       this.uniforms[name] = gl.getUniformLocation(this.program, name);
     this.blank = this.picture({ width: 1, height: 1, pixels: new Uint8Array([210, 190, 175, 255]) });
     this.solids = { ball: this.solid(ballMesh(32, 24, 0)), capsule: this.solid(ballMesh(32, 24, 1)), plane: this.solid(planeMesh()) };
@@ -102,23 +103,52 @@ class Painter {
     const index = this.indices(mesh.index);
     return { array, buffers, index, mesh };
   }
+  // Draws into a share of the pixels, each way, until show() stretches them over the canvas: a canvas that changes its size
+  // has to wait for all that was drawn before.
+  begin(share) {
+    const { gl, canvas } = this, [w, h] = [canvas.width, canvas.height].map((n) => Math.max(2, Math.round(n * share))), key = w + "x" + h;
+    this.size = [w, h], this.part = null;
+    if (share < 1 && !this.parts.has(key)) {
+      for (const old of this.parts.size > 2 ? this.parts.values() : []) gl.deleteFramebuffer(old.frame), old.buffers.forEach((buffer) => gl.deleteRenderbuffer(buffer));
+      if (this.parts.size > 2) this.parts.clear();
+      const made = { frame: gl.createFramebuffer(), buffers: [] };
+      gl.bindFramebuffer(gl.FRAMEBUFFER, made.frame);
+      for (const [at, format] of [[gl.COLOR_ATTACHMENT0, gl.RGBA8], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]]) {
+        const buffer = gl.createRenderbuffer();
+        gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+        gl.renderbufferStorage(gl.RENDERBUFFER, format, w, h);
+        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, at, gl.RENDERBUFFER, buffer);
+        made.buffers.push(buffer);
+      }
+      this.parts.set(key, made);
+    }
+    if (share < 1) this.part = this.parts.get(key).frame;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.part);
+  }
+  show() {
+    const { gl, canvas, size } = this;
+    if (!this.part) return;
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.part), gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, ...size, 0, 0, canvas.width, canvas.height, gl.COLOR_BUFFER_BIT, gl.LINEAR);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
   start(camera, aspect, background) {
     const gl = this.gl, u = this.uniforms, [right, up, back] = camera.frame();
-    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    gl.viewport(0, 0, ...this.size);
     gl.clearColor(...background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     gl.uniformMatrix4fv(u.camera, false, camera.matrix(aspect));
     gl.uniform3fv(u.right, right), gl.uniform3fv(u.up, up), gl.uniform3fv(u.back, back);
   }
-  draw(array, part, kind, { look, plain, origin = [0, 0, 0], push = 0, picture = this.blank, most = 1, range = [0, 1] }) {
+  draw(array, part, kind, { look, plain, origin = [0, 0, 0], push = 0, puff = 0, picture = this.blank, most = 1, range = [0, 1] }) {
     const gl = this.gl, u = this.uniforms;
     gl.bindVertexArray(array);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, part.buffer);
     gl.bindTexture(gl.TEXTURE_2D, picture.texture);
     gl.uniform2f(u.texels, picture.width, picture.height);
     gl.uniform1i(u.look, look), gl.uniform3fv(u.plain, plain), gl.uniform3fv(u.origin, origin);
-    gl.uniform1f(u.push, push), gl.uniform1f(u.most, most), gl.uniform2fv(u.range, range);
+    gl.uniform1f(u.push, push), gl.uniform1f(u.puff, puff), gl.uniform1f(u.most, most), gl.uniform2fv(u.range, range);
     gl.drawElements(kind, part.count, gl.UNSIGNED_INT, 0);
   }
   // A ball or bar between `p` and `q`, or a plane through `p` across `q` of half width `radius`.
