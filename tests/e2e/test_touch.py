@@ -139,6 +139,7 @@ class Touch(unittest.TestCase):
         pressed = page.shot(clip=STAGE)
         self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
         self.assertGreater(page.run("dgmPage.hand.felt.force"), 0)
+        self.assertRegex(page.run("document.getElementById('force').textContent"), r"^[\d.]+ % of the limit, jumps up to [\d.e-]+ % a tick\n\d+ ticks of ")
         where = numpy.argwhere(numpy.abs(rest.astype(int) - pressed).max(axis=2) > 24)
         far = numpy.hypot(where[:, 1] - MIDDLE[0], where[:, 0] - MIDDLE[1])
         self.assertGreater(len(far), 200)
@@ -477,7 +478,7 @@ class Touch(unittest.TestCase):
         # A table lifts the body; touches take over where it is left.
         page.run("""document.getElementById('obstacle').value = 'plane'; document.getElementById('height').value = 400;
             document.getElementById('height').dispatchEvent(new Event('input'))""")
-        page.wait("!dgmPage.running")
+        page.wait("dgmPage.physics.most > 0 && !dgmPage.running")
         self.assertGreater(float(numpy.abs(self.places(page) - bits).max()), .1)
         page.run("document.getElementById('obstacle').value = 'none'; dgmPage.setObstacle(); " + solve % "touch")
         page.rest()
@@ -490,6 +491,14 @@ class Touch(unittest.TestCase):
         page.run(solve % "physics")
         page.wait("document.getElementById('message').dataset.code === 'UNSUPPORTED'")
         self.assertEqual(page.run("[dgmPage.physics.on, document.getElementById('solver').value]"), [False, "touch"])
+        # So is one that is chosen while physics is on.
+        run(support.EXPORT, self.folder / MAP, self.folder / "plain.dgm", "-o", self.folder / "mixed.html")
+        page.open(self.folder / "mixed.html")
+        page.run(solve % "physics")
+        page.wait("dgmPage.physics.on")
+        page.run("dgmPage.choose(1)")
+        page.wait("document.getElementById('message').dataset.code === 'UNSUPPORTED'")
+        self.assertEqual(page.run("[dgmPage.physics.on, dgmPage.number, document.getElementById('map').value]"), [False, 1, "1"])
 
     def test_damaged_files_are_refused_by_their_code(self):
         page = self.page()

@@ -49,7 +49,6 @@ class Painter {
     if (!this.gl) return;
     this.canvas = canvas;
     this.uploaded = 0; // bytes
-    this.parts = new Map(); // what fewer pixels are drawn into, by size
     const gl = this.gl;
     this.program = gl.createProgram();
     for (const [type, source] of [[gl.VERTEX_SHADER, kSurfaceVertex], [gl.FRAGMENT_SHADER, kSurfaceFragment]]) {
@@ -103,38 +102,9 @@ class Painter {
     const index = this.indices(mesh.index);
     return { array, buffers, index, mesh };
   }
-  // Draws into a share of the pixels, each way, until show() stretches them over the canvas: a canvas that changes its size
-  // has to wait for all that was drawn before.
-  begin(share) {
-    const { gl, canvas } = this, [w, h] = [canvas.width, canvas.height].map((n) => Math.max(2, Math.round(n * share))), key = w + "x" + h;
-    this.size = [w, h], this.part = null;
-    if (share < 1 && !this.parts.has(key)) {
-      for (const old of this.parts.size > 2 ? this.parts.values() : []) gl.deleteFramebuffer(old.frame), old.buffers.forEach((buffer) => gl.deleteRenderbuffer(buffer));
-      if (this.parts.size > 2) this.parts.clear();
-      const made = { frame: gl.createFramebuffer(), buffers: [] };
-      gl.bindFramebuffer(gl.FRAMEBUFFER, made.frame);
-      for (const [at, format] of [[gl.COLOR_ATTACHMENT0, gl.RGBA8], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]]) {
-        const buffer = gl.createRenderbuffer();
-        gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
-        gl.renderbufferStorage(gl.RENDERBUFFER, format, w, h);
-        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, at, gl.RENDERBUFFER, buffer);
-        made.buffers.push(buffer);
-      }
-      this.parts.set(key, made);
-    }
-    if (share < 1) this.part = this.parts.get(key).frame;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.part);
-  }
-  show() {
-    const { gl, canvas, size } = this;
-    if (!this.part) return;
-    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.part), gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
-    gl.blitFramebuffer(0, 0, ...size, 0, 0, canvas.width, canvas.height, gl.COLOR_BUFFER_BIT, gl.LINEAR);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  }
   start(camera, aspect, background) {
     const gl = this.gl, u = this.uniforms, [right, up, back] = camera.frame();
-    gl.viewport(0, 0, ...this.size);
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.clearColor(...background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);

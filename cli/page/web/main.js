@@ -100,26 +100,25 @@ class Scene {
     this.beside.put(map.source && this.painter.gl ? new Source(this.painter, map.source, middle, map.scales) : null);
     $("facts").textContent = map.facts || "";
     $("drop").hidden = true;
-    this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.marked = null;
+    this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.hand.jumps = [], this.marked = null;
     this.diagonal = length(minus(high, low)) || 1;
     this.panel.clear();
     this.panel.listLayers();
     if ($("look").value === "texture" && !bodies.some((body) => body.picture)) $("look").value = "clay";
     this.home();
     this.setObstacle();
-    this.solve(solid);
+    await this.guard(() => this.solve(solid)); // a map that cannot have physics is shown, and touched
     this.changed();
   }
   // Touches, or physics where the bodies can have it.
   solve(solid) {
     $("solver").disabled = this.cover >= 0;
-    $("solver").value = "touch";
+    $("solver").value = "touch", $("lasting").disabled = false;
     for (const stroke of [...this.hand.strokes]) this.hand.end(stroke);
     this.recorder.stop();
     if (solid) this.physics.begin();
     else this.physics.end();
-    if (solid) $("solver").value = "physics";
-    $("lasting").disabled = solid;
+    if (solid) $("solver").value = "physics", $("lasting").disabled = true;
     this.changed();
   }
   // Thickness of a cover's cloth: it is drawn as far out, and what is under it is drawn twice as far in.
@@ -260,12 +259,12 @@ class Scene {
     const began = performance.now();
     for (const body of this.bodies) body.upload();
     this.draw(moving ? 2 ** this.coarse : 1, moving && this.coarse > 0);
-    // Where a processor draws, what moves is drawn with fewer triangles and pixels, and all of them once it rests. Frames in a row
-    // tell how long one takes: nothing that asks the card may be waited for.
+    // Where a processor draws, vertices cost most: what moves is drawn with fewer triangles, and all of them once it rests. Frames
+    // in a row tell how long one takes: nothing that asks the card may be waited for, as a canvas that changes its size does.
     if (this.soft && moving && now - this.before < 1000) {
       this.pace += .2 * (now - this.before - this.pace);
-      const way = this.pace > 40 ? 1 : this.pace < 18 ? -1 : 0;
-      if (way) this.coarse = clamp(this.coarse + way, 0, 2), this.pace = 28;
+      const way = this.pace > 90 ? 2 : this.pace > 40 ? 1 : this.pace < 18 ? -1 : 0;
+      if (way) this.coarse = clamp(this.coarse + way, 0, 3), this.pace = 28;
     }
     this.before = moving ? now : -1e9;
     this.spent = performance.now() - began;
@@ -280,16 +279,16 @@ class Scene {
   }
   draw(stride, moving) {
     const { painter } = this, gl = painter.gl, background = getComputedStyle(this.canvas).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255);
-    stride = Math.max(stride, Number($("detail").value));
+    // Not below 33 rows or columns, unless that is asked for.
+    const strideOf = ({ chart }) => Math.max(Math.min(stride, 2 ** Math.floor(Math.log2(Math.max(1, (Math.max(chart.rows, chart.cols) - 1) / 32)))), Number($("detail").value));
     const looks = { texture: 1, clay: 0, moved: 2, normal: 3 }, layer = $("look").value, wanted = layer in looks ? looks[layer] : 4;
     const range = wanted === 4 ? this.rangeOf(layer) : [0, 1], coloured = this.diverging(layer) ? 5 : 4;
     const shade = (look) => (look === 4 ? coloured : look), known = this.beside.shown && this.beside.source.layer === layer;
     this.beside.draw(background, { look: known ? shade(4) : 0, plain: kSwatch.clay, range });
-    painter.begin(moving ? [1, .7, .5][this.coarse] : 1);
     painter.start(this.camera, this.aspect(), background);
     const one = (body) => {
       const look = (wanted === 1 && !body.picture) || (wanted === 4 && !body.show(layer)) ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay, puff: (body.cover ? 1 : -2) * this.cloth };
-      painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look: shade(look), picture: body.picture || painter.blank, most: this.diagonal / 10, range });
+      painter.draw(body.array, body.level(strideOf(body)), gl.TRIANGLES, { ...common, look: shade(look), picture: body.picture || painter.blank, most: this.diagonal / 10, range });
       const line = (name, plain, push) => {
         const part = body.lines(name);
         if (part.count) painter.draw(body.array, part, gl.LINES, { ...common, look: 9, plain, push });
@@ -300,8 +299,7 @@ class Scene {
     };
     this.bodies.forEach(one);
     if (this.obstacle) painter.drawSolid(this.obstacle.kind, this.obstacle.p, this.obstacle.q, this.obstacle.kind === "plane" ? this.diagonal : this.obstacle.radius, kSwatch.solid);
-    if (this.sheet.shown) this.sheet.draw(painter.size[0] / Math.max(1, this.canvas.clientWidth), background, one);
-    painter.show();
+    if (this.sheet.shown) this.sheet.draw(this.canvas.width / Math.max(1, this.canvas.clientWidth), background, one);
   }
   // The ends of a layer's colours, where the page states them: { low, high, diverging }.
   scale(layer) { return ((this.maps[this.number] || {}).scales || {})[layer]; }

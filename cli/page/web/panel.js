@@ -87,17 +87,20 @@ class Panel {
     return value <= Math.fround(scale.low) && scale.low < 0 ? "at most " : value >= Math.fround(scale.high) ? "at least " : "";
   }
   felt(now) {
-    const { felt, strokes, history } = this.scene.hand, pressing = strokes.length > 0;
-    if (this.scene.physics.on) $("force").textContent = pressing ? digits(Math.max(...strokes.map((stroke) => stroke.newtons || 0))) + " N, if the body measures " + 100 * kMetres + " cm" : "";
-    else $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
+    const { felt, strokes } = this.scene.hand, [recent, jumps] = [this.scene.hand.history, this.scene.hand.jumps].map((list) => list.slice(-2000)), leap = jumps.reduce((most, jump) => Math.max(most, jump), 0), pressing = strokes.length > 0;
+    if (this.scene.physics.on) $("force").textContent = pressing ? digits(Math.max(...strokes.map((stroke) => stroke.newtons || 0))) + " N, if the body measures " + 100 * kMetres + " cm\njumps up to " + digits(leap, 2) + " N a step" : "";
+    else $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit, jumps up to " + digits(100 * leap, 2) + " % a tick\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
     if (pressing) this.rumble(now, Math.max(felt.force, ...strokes.map((stroke) => (stroke.newtons || 0) / 5)));
-    const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height, recent = history.slice(-2000);
+    const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height;
     c.clearRect(0, 0, w, h);
     const most = Math.max(.01, ...recent);
     c.strokeStyle = getComputedStyle(document.body).getPropertyValue("--mark");
     c.beginPath();
     recent.forEach((v, k) => c.lineTo((k + 2000 - recent.length) / 2000 * w, h - 3 - v / most * (h - 8)));
     c.stroke();
+    // The jumps from tick to tick, at the foot.
+    c.fillStyle = "#d9480f";
+    jumps.forEach((jump, k) => { if (jump / most > .02) c.fillRect((k + 2000 - jumps.length) / 2000 * w, h - 3, 1, -jump / most * (h - 8)); });
     if (pressing && now - this.spoken > 1000) {
       this.spoken = now;
       this.say((strokes[0].kind === "pull" ? "Pulls, " : "Presses, ") + (this.scene.physics.on ? digits(strokes[0].newtons || 0, 2) + " newtons" : (100 * felt.force).toFixed(0) + " % of the force"));

@@ -82,8 +82,7 @@ class Physics {
       }
     });
     // The strip has a place a millisecond.
-    if (strokes.length) scene.hand.history.push(...Array(Math.round(1000 * kStep)).fill(Math.max(...strokes.map((stroke) => stroke.newtons))));
-    scene.hand.history.splice(0, Math.max(0, scene.hand.history.length - 2000));
+    if (strokes.length) scene.hand.note(Math.max(...strokes.map((stroke) => stroke.newtons)), Math.round(1000 * kStep));
     scene.panel.volume(words.join("\n"));
     return energy;
   }

@@ -100,7 +100,7 @@ class Recorder {
     this.scene.wake();
   }
   stop() {
-    if (this.playing) this.scene.hand.lift(this.playing.body);
+    if (this.playing) this.scene.hand.lift(this.playing.body), this.scene.hand.last = null;
     this.playing = null;
     $("caption").hidden = true;
   }
@@ -122,12 +122,11 @@ class Recorder {
     const more = () => p.steps === 0 || end > start + (p.steps - 1) * kTick + kTick / 2; // as replay()
     for (; p.steps * kTick <= p.at && more() && p.pause <= 0 && performance.now() - began < 30; ++p.steps) {
       p.tools = p.tracks.map((track) => toolAt(track, start + p.steps * kTick));
-      this.scene.hand.history.push(this.tick(p.body, p.tools, p.settings));
+      this.scene.hand.note(this.tick(p.body, p.tools, p.settings));
       for (; p.next < p.knots.length && p.knots[p.next].seconds <= start + p.steps * kTick + kTick / 2; ++p.next)
         if (p.knots[p.next].caption) this.say(p, p.knots[p.next].caption);
     }
     p.at = Math.min(p.at, p.steps * kTick); // a machine that cannot keep up plays slower
-    this.scene.hand.history.splice(0, Math.max(0, this.scene.hand.history.length - 2000));
     if (!more() && p.pause <= 0) this.stop();
     return true;
   }

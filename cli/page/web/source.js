@@ -64,7 +64,6 @@ class Beside {
     if (key === this.drawn && size === this.size) return;
     Object.assign(this, { drawn: key, size });
     canvas.width = from.width, canvas.height = from.height;
-    scene.painter.begin(1);
     scene.painter.start(scene.camera, scene.aspect(), background);
     scene.painter.draw(this.source.array, this.source.part, scene.painter.gl.TRIANGLES, how);
     canvas.getContext("2d").drawImage(from, 0, 0);

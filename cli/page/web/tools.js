@@ -7,7 +7,7 @@ const kTick = .001, kBack = 14, kBudget = 10; // seconds; 1/s of springing back;
 
 class Hand {
   constructor(scene) {
-    Object.assign(this, { scene, strokes: [], done: [], due: 0, cost: 0, table: dgm.touch_table(kSteps, kSteps * kSteps / 5, 1), history: [] });
+    Object.assign(this, { scene, strokes: [], done: [], due: 0, cost: 0, table: dgm.touch_table(kSteps, kSteps * kSteps / 5, 1), history: [], jumps: [], last: null });
     this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
   }
   settings(size, lasting) {
@@ -71,6 +71,7 @@ class Hand {
   }
   finish() {
     const { log } = this;
+    this.last = null;
     this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
     if (!log) return;
     this.lift(log.body);
@@ -130,9 +131,8 @@ class Hand {
         const f = forces.subarray(3 * (t * kinds.length + k));
         most = Math.max(most, Math.hypot(f[0], f[1], f[2]));
       }
-      this.history.push(most);
+      this.note(most);
     }
-    if (this.history.length > 2000) this.history.splice(0, this.history.length - 2000);
     for (const stroke of this.strokes) {
       const out = a.slice(3 + 10 * stroke.slot, 13 + 10 * stroke.slot);
       stroke.holding = out[2] === 1, stroke.contact = out[3], stroke.moved = out.slice(4, 7), stroke.force = out.slice(7, 10);
@@ -140,6 +140,13 @@ class Hand {
     log.started += seconds;
     log.knots.push(...this.strokes.map((stroke) => this.knot(stroke)));
     this.felt = { force: this.history.at(-1), ticks: count, micros: 1000 * this.cost, samples: a[1] };
+  }
+  // A tick's force, and its jump from the tick before of the same stroke; `times` milliseconds of it.
+  note(force, times = 1) {
+    const jump = this.last === null ? 0 : Math.abs(force - this.last);
+    this.last = force;
+    for (let t = 0; t < times; ++t) this.history.push(force), this.jumps.push(t === 0 ? jump : 0);
+    if (this.history.length > 3000) for (const list of [this.history, this.jumps]) list.splice(0, list.length - 2000);
   }
   knot(stroke) { return { seconds: this.log.started, place: plus(stroke.tool, stroke.body.chart.offset), kind: stroke.runtime, tool: stroke.slot }; }
   // The last stroke that stayed is taken back: the others run again from the shape at rest, to the same bits.
