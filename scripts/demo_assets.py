@@ -84,7 +84,8 @@ def write_pages(export, out):
     for name, *maps in PAGES:
         # Recorded strokes of these maps: the page plays them.
         strokes = [("--path", path) for m in maps for path in sorted(PATHS.glob(f"{m}_*.txt"))]
-        code = run(export, *(map_of(m, out) for m in maps), *(word for pair in strokes for word in pair), "--up", "z",
+        cover = ["--cover"] if name == "cushion_and_cover" else []
+        code = run(export, *(map_of(m, out) for m in maps), *cover, *(word for pair in strokes for word in pair), "--up", "z",
                    "-o", out / "touch" / f"{name}.html")
         worst = worst or code
     return worst

@@ -5,11 +5,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "bench/interrupt.h"
 #include "bench/machine_facts.h"
 #include "bench/runtime_error.h"
-#include "bench/tool_path.h"
 #include "files/temporary_folder.h"
 
 namespace dgm::bench {
@@ -90,11 +90,12 @@ void each_subject(const std::vector<fs::path>& assets, const std::vector<std::ui
     }
 }
 
-std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options, std::size_t ticks) {
+ToolWay path_for(const Subject& subject, Path kind, const RunSweepOptions& options, std::size_t ticks) {
     const State state = subject.state();
-    if (kind == Path::kStroke) return stroke_path(state, ticks);
-    if (kind == Path::kRandom) return random_path(state, ticks);
-    if (options.path.empty()) return replayed_path(state, ticks);
+    const auto alone = [](std::vector<Vec3> places) { return ToolWay{1, std::move(places), {}}; };
+    if (kind == Path::kStroke) return alone(stroke_path(state, ticks));
+    if (kind == Path::kRandom) return alone(random_path(state, ticks));
+    if (options.path.empty()) return alone(replayed_path(state, ticks));
     const auto offset = subject.chart.offset();
     return recorded_path(options.path, {offset[0], offset[1], offset[2]}, ticks);
 }

@@ -16,6 +16,7 @@
 #include "bench/repeat.h"
 #include "bench/table.h"
 #include "bench/tick_times.h"
+#include "bench/tool_path.h"
 
 namespace dgm::bench {
 
@@ -50,9 +51,8 @@ enum class Path { kStroke, kRandom, kRecorded };
 inline constexpr Path kPaths[] = {Path::kStroke, Path::kRandom, Path::kRecorded};
 /// "stroke", "random", "recorded".
 [[nodiscard]] const char* name_of(Path path);
-/// So many positions, local coordinates, a millisecond apart. The recorded one is the user's, else the program's own.
-[[nodiscard]] std::vector<Vec3> path_for(const Subject& subject, Path kind, const RunSweepOptions& options,
-                                         std::size_t ticks);
+/// So many ticks, local coordinates, a millisecond apart. The recorded one is the user's, else the program's own.
+[[nodiscard]] ToolWay path_for(const Subject& subject, Path kind, const RunSweepOptions& options, std::size_t ticks);
 
 /// The columns that name the touched asset, then the rest.
 [[nodiscard]] std::vector<Column> subject_columns(const std::vector<Column>& rest);

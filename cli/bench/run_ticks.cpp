@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <span>
 
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
@@ -199,40 +200,48 @@ double jump(const ToolOutput& before, const ToolOutput& now, Vec3 tool_step) {
     return moved > explained ? norm(now.force - before.force) * (1 - explained / moved) : 0;
 }
 
-TickOutcome run_ticks(const Subject& subject, const Setting& setting, const std::vector<Vec3>& path) {
+/// What a tick's tools answered, added to the outcome.
+void note_answers(TickOutcome& outcome, const ToolWay& way, std::size_t tick, std::span<const ToolOutput> before,
+                  std::span<const ToolOutput> now) {
+    for (std::uint32_t k = 0; k < way.tools; ++k) {
+        const Vec3 step = way.place(tick, k) - way.place(tick - 1, k);
+        outcome.force_jump = std::max(outcome.force_jump, jump(before[k], now[k], step));
+        outcome.hits += now[k].hit ? 1 : 0;
+        outcome.lost += now[k].lost ? 1 : 0;
+    }
+}
+
+TickOutcome run_ticks(const Subject& subject, const Setting& setting, const ToolWay& way) {
     State state = subject.state();
     const DeformTable table = take(DeformTable::create(setting.kernel()));
     TickOptions options;
     options.d_max = 4 * state.mean_step();
     options.rule = setting.rule;
     options.footprint = setting.footprint;
-    ToolInput in;
-    ToolOutput out;
+    std::vector<ToolInput> in(way.tools);
+    for (std::uint32_t k = 0; k < way.tools; ++k) in[k].tool = k;
+    std::vector<ToolOutput> out(way.tools), before(way.tools);
     TickReport report;
     TickOutcome result;
-    ToolOutput before;
     double checked = 0;
     result.times = time_ticks(
-        kWarmUp, path.size() - kWarmUp,
+        kWarmUp, way.ticks() - kWarmUp,
         [&](std::size_t k) {  // looks at the turn before
             if (k > kWarmUp) {
-                result.force_jump = std::max(result.force_jump, jump(before, out, path[k - 1] - path[k - 2]));
-                result.hits += out.hit ? 1 : 0;
-                result.lost += out.lost ? 1 : 0;
+                note_answers(result, way, k - 1, before, out);
                 result.samples = std::max(result.samples, double(report.samples));
                 if (k % kCheckEvery == 0) {
                     checked += 1;
-                    const std::uint32_t exact = nearest_of_all(state.rest_positions(), state, in.position);
-                    result.wrong += representative(state, exact) == representative(state, out.sample) ? 0 : 1;
+                    const std::uint32_t exact = nearest_of_all(state.rest_positions(), state, in[0].position);
+                    result.wrong += representative(state, exact) == representative(state, out[0].sample) ? 0 : 1;
                 }
             }
             before = out;
-            in.position = path[k];
+            for (std::uint32_t t = 0; t < way.tools; ++t)
+                in[t].position = way.place(k, t), in[t].engaged = way.is_engaged(k, t);
         },
-        [&](std::size_t) {
-            report = take(tick(state, table, options, {&in, 1}, {&out, 1}));
-        });
-    const auto ticks = static_cast<double>(path.size() - kWarmUp);
+        [&](std::size_t) { report = take(tick(state, table, options, in, out)); });
+    const auto ticks = static_cast<double>((way.ticks() - kWarmUp) * way.tools);
     result.hits /= ticks;
     result.lost /= ticks;
     result.wrong /= std::max(checked, 1.0);

@@ -91,7 +91,9 @@ void add_tracking_rows(Table& table, const Subject& subject, const RunSweepOptio
     for (const Path kind : kPaths)
         for (const Search& search : kSearches) {
             const std::size_t count = search.way == Way::kAll ? kChecked : options.ticks;
-            const std::vector<Vec3> path = path_for(subject, kind, options, std::max(count, kChecked) + kWarmUp);
+            const ToolWay way = path_for(subject, kind, options, std::max(count, kChecked) + kWarmUp);
+            std::vector<Vec3> path;  // the first tool's
+            for (std::size_t k = 0; k < way.ticks(); ++k) path.push_back(way.place(k, 0));
             Tracker timed(state, search);
             volatile float sink = 0;  // or the search may be left out
             const TickTimes times =

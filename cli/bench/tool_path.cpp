@@ -7,6 +7,7 @@
 #include <fstream>
 #include <locale>
 #include <random>
+#include <span>
 #include <sstream>
 #include <string>
 
@@ -74,17 +75,23 @@ bool names_kinds(std::ifstream& in) {
     for (int k = 0; k < 5; ++k) words >> word;
     in.clear();
     in.seekg(0);
+    word = word.substr(0, word.find(':'));
     return word == "touch" || word == "poke" || word == "grasp" || word == "away";
 }
 
-/// Positions of a path of pages and samples, as many as `ticks` at most.
-std::vector<Vec3> replayed_positions(const formats::ToolPath& path, const double (&offset)[3], std::size_t ticks) {
+/// A path of pages and samples, `ticks` of it at most.
+ToolWay replayed_tools(const formats::ToolPath& path, const double (&offset)[3], std::size_t ticks) {
     const Vec3 origin{static_cast<float>(offset[0]), static_cast<float>(offset[1]), static_cast<float>(offset[2])};
-    std::vector<Vec3> out;
+    ToolWay out;
+    out.tools = path.tool_count();
     path.replay(
         kTickSeconds,
-        [&](const formats::Knot& knot, float) {
-            if (out.size() < ticks) out.push_back(knot.position - origin);
+        [&](std::span<const formats::Knot> knots, float) {
+            if (out.ticks() == ticks) return;
+            for (const formats::Knot& knot : knots) {
+                out.places.push_back(knot.position - origin);
+                out.engaged.push_back(knot.engaged ? 1 : 0);
+            }
         },
         [](const std::string&) {});
     return out;
@@ -185,15 +192,22 @@ std::vector<Vec3> replayed_path(const State& state, std::size_t ticks) {
     return out;
 }
 
-std::vector<Vec3> recorded_path(const std::filesystem::path& file, const double (&offset)[3], std::size_t ticks) {
+ToolWay recorded_path(const std::filesystem::path& file, const double (&offset)[3], std::size_t ticks) {
     std::ifstream in(file);
     if (!in) throw model::unopened_file(file);
-    const std::vector<Vec3> recorded = names_kinds(in) ? replayed_positions(formats::ToolPath(in, file), offset, ticks)
-                                                       : bare_positions(in, file, offset);
-    if (recorded.empty()) throw model::Error(model::codes::kReadFailed, "it holds no positions", file.string());
-    std::vector<Vec3> out;
-    for (std::size_t k = 0; k < ticks; ++k) out.push_back(recorded[k % recorded.size()]);
-    return out;
+    ToolWay way;
+    if (names_kinds(in))
+        way = replayed_tools(formats::ToolPath(in, file), offset, ticks);
+    else
+        way.places = bare_positions(in, file, offset);
+    if (way.places.empty()) throw model::Error(model::codes::kReadFailed, "it holds no positions", file.string());
+    const std::size_t once = way.places.size();
+    way.places.resize(ticks * way.tools);
+    for (std::size_t k = once; k < way.places.size(); ++k) way.places[k] = way.places[k - once];
+    if (way.engaged.empty()) return way;
+    way.engaged.resize(way.places.size());
+    for (std::size_t k = once; k < way.engaged.size(); ++k) way.engaged[k] = way.engaged[k - once];
+    return way;
 }
 
 }  // namespace dgm::bench

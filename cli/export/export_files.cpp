@@ -41,6 +41,7 @@ using std::filesystem::path;
 using Warn = std::function<void(const std::string&)>;
 
 constexpr std::uint32_t kPictureGap = 8;  // between pictures of several charts
+constexpr const char* kNeedsTwo = "--cover goes with an .html output of two maps or more";
 
 [[noreturn]] void usage(const std::string& message) {
     throw model::Error(model::codes::kUsage, message);
@@ -217,6 +218,7 @@ MapSet read_maps(const path& file) {
 
 void export_maps(const MapSet& maps, const path& output, const ExportOptions& options, const Warn& warn) {
     check_options(maps, output, options);
+    if (options.cover) usage(kNeedsTwo);
     const MapSet chosen = only_chart(maps, options.chart);
     if (chosen.charts.empty()) throw model::Error(model::codes::kMissingLayer, "the file has no charts");
     const std::string extension = lower_extension(output);
@@ -242,6 +244,7 @@ void export_page(const std::vector<NamedMaps>& maps, const path& output, const E
     std::vector<MapSet> chosen;
     std::vector<page::PagedMap> paged;
     if (!options.source.empty() && maps.size() > 1) usage("--source goes with one map");
+    if (options.cover && maps.size() < 2) usage(kNeedsTwo);
     for (const NamedMaps& named : maps) {
         check_options(named.maps, output, options);
         chosen.push_back(only_chart(named.maps, options.chart));

@@ -32,6 +32,7 @@ struct ExportOptions {
     bool power_of_two = false;                 ///< OBJ, PLY, GLB: sides of pictures
     bool multipart = false;                    ///< EXR: one part a layer
     std::vector<std::filesystem::path> paths;  ///< HTML: recorded tool paths that the page plays
+    bool cover = false;                        ///< HTML: the second map lies over the first one
 };
 
 /// Reads a .dgm or an .exr, by content. @throws model::Error as formats::read_dgm and read_exr

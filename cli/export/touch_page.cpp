@@ -44,6 +44,7 @@ void write_touch_page(const std::vector<page::PagedMap>& maps, const std::filesy
     page::PageSettings settings;
     settings.title = output.stem().string();
     settings.z_is_up = options.up == render::UpAxis::kZ;
+    settings.cover = options.cover;
     settings.paths = paths_of(options);
     if (!maps.empty()) settings.still = still_of(*maps.front().maps, options.up);
     const std::string text = page::page_file(settings, maps, staging.where("map.dgm"));

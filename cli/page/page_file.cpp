@@ -63,6 +63,7 @@ std::string body_attributes(const PageSettings& settings) {
     std::string out = fmt::format("data-up=\"{}\"", settings.z_is_up ? "z" : "y");
     if (settings.view) out += fmt::format(" data-view=\"{},{}\"", (*settings.view)[0], (*settings.view)[1]);
     if (!settings.look.empty()) out += fmt::format(" data-look=\"{}\"", attribute_text(settings.look));
+    if (settings.cover) out += " data-cover=\"1\"";
     return settings.framed ? out + " class=\"framed\"" : out;
 }
 }  // namespace

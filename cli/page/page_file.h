@@ -54,6 +54,7 @@ struct PageSettings {
     std::optional<std::array<double, 2>> view = {};  ///< yaw and pitch in degrees, as render::View
     std::string look = {};                           ///< what the surface is coloured by at first
     bool framed = false;                             ///< inside of another page: one map, no list of maps
+    bool cover = false;                              ///< the second map lies over the first one, which gives way to it
     std::vector<PagedPath> paths = {};
     std::vector<std::byte> still = {};  ///< JPEG, for browsers that cannot draw the surface; may be empty
 };

@@ -11,18 +11,13 @@
 
 #include <dgm/dgm.h>
 
-#define TOUCH_API extern "C" /* CMakeLists.txt exports the functions that start with it */
+#include "touch_shared.h"
+
+using namespace touch;
 
 namespace {
-constexpr std::uint32_t kMostRanges = 21, kMostTools = 4, kMostTicks = 1000;
-
-/// A struct of the C interface with its size set.
-template <class T>
-T sized() {
-    T out{};
-    out.struct_size = sizeof(T);
-    return out;
-}
+constexpr std::uint32_t kMostRanges = 21, kMostTicks = 1000;
+}  // namespace
 
 struct Body {
     dgm_state* state = nullptr;
@@ -32,13 +27,34 @@ struct Body {
     dgm_changed_range ranges[kMostRanges];
 };
 
+namespace touch {
 double answers[64];
-const char* text = "";
 dgm_error error = {sizeof(dgm_error), DGM_OK, DGM_NO_OFFSET, ""};
-dgm_tick_options ticking = sized<dgm_tick_options>();
 dgm_tool_input tools[kMostTools];
-// Positions of a batch of ticks, tool by tool within a tick, and the forces that answer them.
-float places[kMostTicks * kMostTools * 3], forces[kMostTicks * kMostTools * 3];
+// Positions of a batch of ticks, tool by tool within a tick.
+float places[kMostTicks * kMostTools * 3];
+
+dgm_obstacle obstacle_of(std::uint32_t kind, const float (&p)[3], const float (&q)[3], float radius) {
+    auto out = sized<dgm_obstacle>();
+    out.kind = kind;
+    for (int k = 0; k < 3; ++k) {
+        out.point[k] = p[k];
+        if (kind == DGM_OBSTACLE_KIND_PLANE) out.normal[k] = q[k];
+        if (kind == DGM_OBSTACLE_KIND_CAPSULE) out.end[k] = q[k];
+    }
+    if (kind != DGM_OBSTACLE_KIND_PLANE) out.radius = radius;
+    return out;
+}
+}  // namespace touch
+
+dgm_state* state_of(const Body* body) {
+    return body->state;
+}
+
+namespace {
+const char* text = "";
+dgm_tick_options ticking = sized<dgm_tick_options>();
+float forces[kMostTicks * kMostTools * 3];  // that answer the places
 
 void* taken(std::size_t bytes) {
     void* out = std::malloc(bytes > 0 ? bytes : 1);
@@ -311,9 +327,10 @@ bool can_meet(Body* body) {
     return body->solver != nullptr || dgm_contact_solver_create(body->state, nullptr, &body->solver, &error) == DGM_OK;
 }
 
-std::uint32_t resolved(Body* body, const dgm_obstacle& obstacle, std::uint32_t mode) {
+std::uint32_t resolved(Body* body, const dgm_obstacle& obstacle, std::uint32_t mode, std::uint32_t smoothing) {
     auto options = sized<dgm_contact_options>();
     options.mode = mode;
+    options.smoothing = smoothing;
     auto report = sized<dgm_contact_report>();
     if (dgm_resolve_contact(body->state, body->solver, &obstacle, &options, &report, &error) != DGM_OK)
         return error.code;
@@ -329,20 +346,13 @@ TOUCH_API double touch_volume(Body* body) {
 }
 
 /// Presses the body against a plane (a point of it, and its normal), a ball (middle, radius) or a capsule (both ends,
-/// radius). Answers: dgm_contact_status, samples, volume removed, volume error, 1 if the volume is kept, deepest.
+/// radius). `smoothing` as dgm_contact_options. Answers: dgm_contact_status, samples, volume removed, volume error, 1
+/// if the volume is kept, deepest.
 TOUCH_API std::uint32_t touch_obstacle(Body* body, std::uint32_t kind, std::uint32_t mode, float px, float py, float pz,
-                                       float qx, float qy, float qz, float radius) {
+                                       float qx, float qy, float qz, float radius, std::uint32_t smoothing) {
     if (!can_meet(body)) return error.code;
-    auto obstacle = sized<dgm_obstacle>();
-    obstacle.kind = kind;
-    const float p[3] = {px, py, pz}, q[3] = {qx, qy, qz};
-    for (int k = 0; k < 3; ++k) {
-        obstacle.point[k] = p[k];
-        if (kind == DGM_OBSTACLE_KIND_PLANE) obstacle.normal[k] = q[k];
-        if (kind == DGM_OBSTACLE_KIND_CAPSULE) obstacle.end[k] = q[k];
-    }
-    if (kind != DGM_OBSTACLE_KIND_PLANE) obstacle.radius = radius;
-    return resolved(body, obstacle, mode);
+    const dgm_obstacle obstacle = obstacle_of(kind, {px, py, pz}, {qx, qy, qz}, radius);
+    return resolved(body, obstacle, mode, smoothing);
 }
 
 /// Presses the body against another one, whose origin lies at (x, y, z). Answers: as touch_obstacle().
@@ -354,5 +364,5 @@ TOUCH_API std::uint32_t touch_other(Body* body, Body* other, std::uint32_t mode,
     obstacle.surface = other->state;
     obstacle.reach = reach;
     obstacle.point[0] = x, obstacle.point[1] = y, obstacle.point[2] = z;
-    return resolved(body, obstacle, mode);
+    return resolved(body, obstacle, mode, 0);
 }

@@ -4,6 +4,7 @@
 // elliptic one.
 #include <cstdio>
 #include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -38,9 +39,8 @@ void replay(const std::string& map, const std::string& path_file, const std::str
         const auto table = take(dgm::DeformTable::create(kernel), "kernel");
         path.replay(
             1e-3,
-            [&](const Knot& knot, float) {
-                const dgm::ToolInput input = sheet.input(knot);
-                static_cast<void>(take(dgm::tick(sheet.state(), table, options, {&input, 1}, {}), "tick"));
+            [&](std::span<const Knot> knots, float) {
+                static_cast<void>(take(dgm::tick(sheet.state(), table, options, sheet.inputs(knots), {}), "tick"));
             },
             [&](const std::string& caption) {
                 Scene scene;

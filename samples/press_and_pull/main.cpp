@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // samples/press_and_pull/main.cpp
-// Paper, Fig. 11: a tool presses into an organ and pulls at it, 1,000 times a second along a recorded path.
+// Paper, Fig. 11: tools press into an organ and pull at it, 1,000 times a second along a recorded path.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <dgm/deform.h>
 #include <dgm/tick.h>
@@ -37,23 +40,24 @@ void replay(const std::string& map, const std::string& path_file, const std::str
                                    .step = static_cast<float>(touch.size / kSteps)};
 
     Strip strip({20, 14, dgm::render::UpAxis::kZ}, 4, 400);
-    dgm::ToolOutput felt;
-    dgm::Vec3 tool;
+    dgm::ToolOutput felt[dgm::formats::kMostTools];
+    std::vector<Knot> tools;
     float strongest = 0;
     std::size_t ticks = 0, moved = 0;
     path.replay(
         1e-3,
-        [&](const Knot& knot, float) {
-            tool = knot.position;
-            const dgm::ToolInput input = organ.input(knot);
-            moved += take(dgm::tick(organ.state(), table, options, {&input, 1}, {&felt, 1}), "tick").samples;
-            strongest = std::max(strongest, std::sqrt(dot(felt.force, felt.force)));
+        [&](std::span<const Knot> knots, float) {
+            tools.assign(knots.begin(), knots.end());
+            moved += take(dgm::tick(organ.state(), table, options, organ.inputs(knots), felt), "tick").samples;
+            for (std::size_t k = 0; k < knots.size(); ++k)
+                strongest = std::max(strongest, std::sqrt(dot(felt[k].force, felt[k].force)));
             ++ticks;
         },
         [&](const std::string& caption) {
             Scene scene;
             scene.add(organ.vertices(), organ.triangles(), skin);
-            scene.add_ball(tool, 0.35F, {206, 210, 216, 255});
+            for (const Knot& tool : tools)  // the first one is drawn wherever it is, others while they touch
+                if (tool.tool == 0 || tool.engaged) scene.add_ball(tool.position, 0.35F, {206, 210, 216, 255});
             strip.add(std::move(scene), caption);
         });
     strip.write(picture);

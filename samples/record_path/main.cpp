@@ -6,6 +6,7 @@
 //   record_path stomach.dgm paths/stomach_press_and_pull.txt > paths/recorded_touch.csv
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <string>
 
 #include <dgm/collide.h>
@@ -27,10 +28,10 @@ void record(const std::string& map, const std::string& path_file) {
     std::printf(
         "# seconds, u, v: place in the map; height over the surface there, %% of the diagonal. By record_path.\n");
     double seconds = 0;
-    ToolPath(path_file).replay(
+    path_of_one_tool(path_file).replay(
         kStep,
-        [&](const Knot& knot, float dt) {
-            const dgm::Vec3 tool = body.local(knot.position);
+        [&](std::span<const Knot> knots, float dt) {
+            const dgm::Vec3 tool = body.local(knots[0].position);
             const std::uint32_t s = take(dgm::nearest_sample(body.state(), tool), "nearest sample").sample;
             const double height = dot(tool - body.state().rest_positions()[s], body.state().normal(s));
             if (s < grid)  // border samples of a free chart have no row and column

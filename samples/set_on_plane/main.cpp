@@ -4,6 +4,7 @@
 // volume below the table bulges out around the contact: the volume of the stomach stays.
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +33,7 @@ std::vector<Vertex> lying(std::vector<Vertex> vertices, float table) {
 void replay(const std::string& map, const std::string& path_file, const std::string& picture) {
     SoftBody organ(map);
     const auto solver = take(dgm::ContactSolver::create(organ.state()), "contact");
-    const ToolPath path(path_file);
+    const ToolPath path = path_of_one_tool(path_file);
     const Look skin{texture_of(map), 1, 0.3F};
     const double volume = solver.volume(organ.state());
 
@@ -41,15 +42,15 @@ void replay(const std::string& map, const std::string& path_file, const std::str
     dgm::Vec3 table;
     path.replay(
         1e-2,
-        [&](const Knot& knot, float) {
-            table = knot.position;
+        [&](std::span<const Knot> knots, float) {
+            table = knots[0].position;
             organ.state().release();  // the contact is made anew at every tick, from the shape at rest
             report = take(dgm::resolve_contact(
                               organ.state(), solver,
                               {.kind = dgm::ObstacleKind::Plane, .point = organ.local(table), .normal = {0, -1, 0}}),
                           "contact");
             if (report.status == dgm::ContactStatus::Contact && !report.volume_kept)
-                std::fprintf(stderr, "volume error %g at %g s\n", report.volume_error, knot.seconds);
+                std::fprintf(stderr, "volume error %g at %g s\n", report.volume_error, knots[0].seconds);
         },
         [&](const std::string& caption) {
             Scene scene;

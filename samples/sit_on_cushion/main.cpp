@@ -4,6 +4,7 @@
 // lies over the cushion and gives way to both.
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,7 +43,7 @@ void replay(const std::string& map, const std::string& path_file, const std::str
     Pressed cushion(map);
     std::unique_ptr<Pressed> cover;
     if (cover_map != nullptr) cover = std::make_unique<Pressed>(cover_map);
-    const ToolPath path(path_file);
+    const ToolPath path = path_of_one_tool(path_file);
 
     Strip strip({25, 26, dgm::render::UpAxis::kZ}, 3, 500);
     dgm::Vec3 ball;
@@ -56,8 +57,8 @@ void replay(const std::string& map, const std::string& path_file, const std::str
     };
     path.replay(
         0.1,
-        [&](const Knot& knot, float) {
-            ball = knot.position;
+        [&](std::span<const Knot> knots, float) {
+            ball = knots[0].position;
             const auto press = [&](Pressed& pressed, float radius, std::uint32_t smoothing) {
                 return pressed.resolve(
                     {.kind = dgm::ObstacleKind::Sphere, .point = pressed.body.local(ball), .radius = radius},

@@ -15,6 +15,14 @@ SoftBody::SoftBody(const std::string& file, const StateOptions& options)
     static_cast<void>(take(reconstruct(state_, {}, triangles_), file));
 }
 
+std::span<const ToolInput> SoftBody::inputs(std::span<const Knot> tools) {
+    inputs_.clear();
+    for (const Knot& knot : tools)
+        inputs_.push_back(
+            {.tool = knot.tool, .kind = knot.kind, .position = local(knot.position), .engaged = knot.engaged});
+    return inputs_;
+}
+
 std::vector<Vertex> SoftBody::vertices() const {
     std::vector<Vertex> out(state_.sample_count());
     static_cast<void>(take(reconstruct(state_,
@@ -31,6 +39,14 @@ std::vector<Vertex> SoftBody::vertices() const {
         v.position[2] += origin_.z;
     }
     return out;
+}
+
+ToolPath path_of_one_tool(const std::string& file) {
+    ToolPath path(file);
+    if (path.tool_count() > 1)
+        throw model::Error(model::codes::kUsage,
+                           "the path has " + std::to_string(path.tool_count()) + " tools; here one thing moves", file);
+    return path;
 }
 
 formats::Image texture_of(const std::string& file) {

@@ -45,10 +45,8 @@ class SoftBody {
     [[nodiscard]] Chart chart() const { return asset_.chart(0).value(); }
     /// From the mesh's frame to the state's, which may have its origin elsewhere.
     [[nodiscard]] Vec3 local(Vec3 source) const { return source - origin_; }
-    /// Input of a recorded tool for tick().
-    [[nodiscard]] ToolInput input(const Knot& knot) const {
-        return {.kind = knot.kind, .position = local(knot.position), .engaged = knot.engaged};
-    }
+    /// Inputs of recorded tools for tick(). Valid until the next call.
+    [[nodiscard]] std::span<const ToolInput> inputs(std::span<const Knot> tools);
     /// The present shape in the mesh's frame; `triangles` never change.
     [[nodiscard]] std::vector<Vertex> vertices() const;
     [[nodiscard]] std::span<const std::uint32_t> triangles() const { return triangles_; }
@@ -58,7 +56,12 @@ class SoftBody {
     State state_;
     Vec3 origin_;
     std::vector<std::uint32_t> triangles_;
+    std::vector<ToolInput> inputs_;
 };
+
+/// A path that moves one thing: a ball, a table. @throws model::Error kUsage for a path of several tools, and as
+/// ToolPath
+[[nodiscard]] ToolPath path_of_one_tool(const std::string& file);
 
 /// The layer `texture` of the first chart of a map, of which nothing else is read: a picture for any state of that
 /// chart, to be put on and taken off while it moves.

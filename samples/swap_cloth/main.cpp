@@ -36,18 +36,18 @@ void replay(const std::string& map, const std::string& path_file, const std::str
     for (const Knot& knot : path.knots()) pictures += !knot.caption.empty();
     Strip strip({15, 14, dgm::render::UpAxis::kZ}, static_cast<std::uint32_t>(pictures), 480);
     for (const Look& cloth : wardrobe) {
-        dgm::Vec3 tool;
+        std::vector<Knot> tools;
         path.replay(
             1e-3,
-            [&](const Knot& knot, float) {
-                tool = knot.position;
-                const dgm::ToolInput input = body.input(knot);
-                static_cast<void>(take(dgm::tick(body.state(), table, options, {&input, 1}, {}), "tick"));
+            [&](std::span<const Knot> knots, float) {
+                tools.assign(knots.begin(), knots.end());
+                static_cast<void>(take(dgm::tick(body.state(), table, options, body.inputs(knots), {}), "tick"));
             },
             [&](const std::string& caption) {
                 Scene scene;
                 scene.add(body.vertices(), body.triangles(), cloth);
-                scene.add_ball(tool, 0.35F, {206, 210, 216, 255});
+                for (const Knot& tool : tools)
+                    if (tool.tool == 0 || tool.engaged) scene.add_ball(tool.position, 0.35F, {206, 210, 216, 255});
                 strip.add(std::move(scene), caption);
             });
         body.state().reset();

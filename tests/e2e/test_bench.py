@@ -88,6 +88,26 @@ class Bench(Folder):
         (self.folder / "bad.path").write_text("1 2 3\n4 5\n", encoding="utf-8")
         said = self.bench("run", SHEET, "--path", "bad.path", "--ticks", "1000", code=2).stderr
         self.assertIn("bad.path:2", said)
+        (self.folder / "tools.txt").write_text("0 1 2 3 touch\n0 1 2 3 touch:2\n0.1 1 2 3 touch:9\n", encoding="utf-8")
+        said = self.bench("run", SHEET, "--path", "tools.txt", "--ticks", "1000", code=1).stderr
+        self.assertIn("tools.txt:3", said)
+        self.assertIn("touch:9", said)
+
+    def test_run_moves_all_tools_of_a_path(self):
+        # Two places of the sheet: the first tool is below it all the time, the second one in one tick of three.
+        first, second = "{0} 10 10 -1 touch\n", "{0} 30 10 {1} grasp:2\n"
+        found = {}
+        for name, lines in (("one.txt", first.format(0) + first.format(.002)),
+                            ("two.txt", first.format(0) + second.format(0, -1) + first.format(.002) + second.format(.002, 1))):
+            (self.folder / name).write_text(lines, encoding="utf-8")
+            self.bench("run", SHEET, "--sizes", "81", "--ticks", "1500", "--path", name, "-o", name[:3])
+            table = next(t for t in self.read(f"{name[:3]}/run.json")["tables"] if t["key"] == "ticks")
+            rows = [dict(zip([c["key"] for c in table["columns"]], row)) for row in table["rows"]]
+            found[name] = next(row for row in rows if row["setting"] == "recorded path")
+        self.assertAlmostEqual(found["one.txt"]["hit_share"], 1, delta=.01)
+        self.assertAlmostEqual(found["two.txt"]["hit_share"], 2 / 3, delta=.01)
+        # Places off the grid differ by a few samples.
+        self.assertAlmostEqual(found["two.txt"]["samples"] / found["one.txt"]["samples"], 2, delta=.02)
 
     def test_run_compares_with_exact_answers(self):
         (self.folder / "strokes").write_text("# x y z\n10 10 0.5\n11 10 -0.5\n12 10 -1\n", encoding="utf-8")

@@ -139,6 +139,7 @@ class Touch(unittest.TestCase):
         pressed = page.shot(clip=STAGE)
         self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
         self.assertGreater(page.run("dgmPage.hand.felt.force"), 0)
+        self.assertRegex(page.run("document.getElementById('force').textContent"), r"^[\d.]+ % of the limit, jumps up to [\d.e-]+ % a tick\n\d+ ticks of ")
         where = numpy.argwhere(numpy.abs(rest.astype(int) - pressed).max(axis=2) > 24)
         far = numpy.hypot(where[:, 1] - MIDDLE[0], where[:, 0] - MIDDLE[1])
         self.assertGreater(len(far), 200)
@@ -178,17 +179,30 @@ class Touch(unittest.TestCase):
             self.assertEqual(wanted[:3], hit[:3])
             self.assertEqual([numpy.float32(w) for w in wanted[3:]], [numpy.float32(h) for h in hit[3:]])
 
-    def test_replays_a_recorded_path_to_the_bit(self):
-        for name in ("stomach_press_and_pull.txt", "body_in_cloth.txt"):
-            with self.subTest(name):
-                total = float(run(REFERENCE, self.folder / MAP, "replay", PATHS / name, self.folder / "shape.bin"))
-                native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
-                page = self.page()
-                places = self.places(page, f"""dgmPage.recorder.load({json.dumps((PATHS / name).read_text(encoding="utf-8"))});
-                    dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots,
-                      {{ mode: 0, d_max: 5, f_max: 3, step: Math.fround(Math.fround(4.5) / 45), grasp: 0, relax: 0 }})""")
-                numpy.testing.assert_array_equal(places.view(numpy.uint32), native.view(numpy.uint32))
-                self.assertNotEqual(total, 0)
+    def replayed_alike(self, page, path, settings="dgmPage.recorder.settings"):
+        """Runs a path here and natively: positions, of which every bit is the same."""
+        run(REFERENCE, self.folder / MAP, "replay", path, self.folder / "shape.bin")
+        native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
+        page.run("dgmPage.hand.reset()")
+        places = self.places(page, f"""dgmPage.recorder.load({json.dumps(path.read_text(encoding="utf-8"))});
+            dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots, {settings})""")
+        numpy.testing.assert_array_equal(places.view(numpy.uint32), native.view(numpy.uint32), path.name)
+        return places
+
+    def test_replays_every_sample_path_to_the_bit(self):
+        page = self.page()
+        rest = self.places(page)
+        moved = {}
+        for path in sorted(PATHS.glob("*.txt")):
+            ends = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+            for lines in range(2, len(ends) + 1):  # up to each of its lines, since the last one lets go
+                part = self.folder / path.name
+                part.write_text("\n".join(ends[:lines]) + "\n", encoding="utf-8")
+                places = self.replayed_alike(page, part, "{ mode: 0, d_max: 5, f_max: 3, step: Math.fround(Math.fround(4.5) / 45), grasp: 0, relax: 0 }")
+                moved[path.stem] = max(moved.get(path.stem, 0), float(numpy.abs(places - rest).max()))
+        self.assertIn("stomach_two_fingers", moved)
+        for name in ("stomach_press_and_pull", "stomach_two_fingers", "body_in_cloth"):
+            self.assertGreater(moved[name], 1, name)
 
     def test_strokes_that_stay_are_taken_back_one_by_one(self):
         page = self.page()
@@ -316,7 +330,8 @@ class Touch(unittest.TestCase):
         page = self.page()
         page.run("""window.felt = []; navigator.getGamepads = () => [null, { vibrationActuator: { playEffect: (kind, how) => {
             felt.push(how.weakMagnitude); return Promise.resolve(); } } }]; 1""")
-        self.hold(page, MIDDLE, .4)
+        self.hold(page, MIDDLE, .2)
+        page.wait("felt.length > 2")
         self.let_go(page, MIDDLE)
         felt = page.run("felt")
         self.assertGreater(len(felt), 1)
@@ -362,6 +377,129 @@ class Touch(unittest.TestCase):
                 self.let_go(page, spot)
                 self.assertEqual(page.run(rest), bits, name)
 
+    # How far each sample moved from rest; of a body by its number.
+    MOVED = """((k) => { const body = dgmPage.bodies[k], now = body.copy(); let most = 0;
+        for (let s = 0; s < body.count; ++s) most = Math.max(most, Math.hypot(...now.map((a, c) => a[s] - body.rest[c][s])));
+        return most; })(%d)"""
+    # How deep samples of the cover are inside of the cushion: a ray along the normal comes out of it.
+    SUNK = """(() => { const [cushion, cover] = dgmPage.bodies; let most = 0;
+        for (let s = 0; s < cover.chart.rows * cover.chart.cols; s += 7) {
+          const n = cover.normalAt(s), hit = cushion.pickLocal(minus3(plus3(cover.place(s), cover.origin), cushion.origin), n);
+          if (hit && !hit.front) most = Math.max(most, hit.distance);
+        }
+        return most; })()"""
+
+    def test_a_cushion_is_pressed_through_its_cover(self):
+        for name in ("cushion", "cover"):
+            run(support.BAKE, Path(support.SAMPLES) / "cushion" / f"{name}.obj", "--size", "65", "--fit", "sample", "-q", "--progress", "none",
+                "-o", self.folder / f"{name}.dgm")
+        pair = [self.folder / "cushion.dgm", self.folder / "cover.dgm"]
+        run(support.EXPORT, *pair, "--cover", "--up", "z", "-o", self.folder / "pair.html")
+        for wrong in ((pair[0], "--cover", "-o", "x.html"), (pair[0], "--cover", "-o", "x.glb"), ("--blank", "--cover", "-o", "x.html")):
+            done = subprocess.run([support.EXPORT, *map(str, wrong)], capture_output=True, text=True, check=False, cwd=self.folder)
+            self.assertEqual((done.returncode, "--cover" in done.stderr), (1, True), done.stderr)
+        page = self.page("#size=70&depth=80&view=.5,.7,1,0,0", name="pair.html")
+        page.run("window.minus3 = (a, b) => a.map((x, k) => x - b[k]), window.plus3 = (a, b) => a.map((x, k) => x + b[k]), 1")
+        page.rest()
+        self.assertEqual(page.run("[dgmPage.number, dgmPage.cover, document.getElementById('map').value, document.getElementById('cover').value]"), [0, 1, "0", "1"])
+        rest = page.shot(clip=STAGE)
+        bits = page.run("dgmPage.bodies.map((b) => b.copy().map((a) => a.reduce((h, v, k) => h + v * (k % 97 + 1), 0)))")
+        # The cover is what one sees, and takes up the pointer; what it lies on gives way as far.
+        self.hold(page, (366, 330), 1)
+        self.assertEqual(page.run("dgmPage.hand.strokes[0].body.map.name"), "cover")
+        page.shot(SCREENSHOTS / "touch_cover.png")
+        depth = page.run("dgmPage.panel.depth()")
+        self.assertGreater(page.run(self.MOVED % 0), .5 * depth)
+        self.assertLess(page.run(self.SUNK), .02 * page.run("dgmPage.diagonal"))
+        self.assertEqual(page.run("dgmPage.bodies.map((b) => b.torn())"), [0, 0])
+        self.let_go(page, (366, 330))
+        self.assertEqual(page.run(self.MOVED % 0), 0)
+        self.assertEqual(page.run("dgmPage.bodies.map((b) => b.copy().map((a) => a.reduce((h, v, k) => h + v * (k % 97 + 1), 0)))"), bits)
+        numpy.testing.assert_array_equal(page.shot(clip=STAGE), rest)
+        # A pull takes the cover alone.
+        page.run("dgmPage.panel.choose('pull')")
+        self.hold(page, (366, 330), .1)
+        for k in range(6):
+            page.mouse("mouseMoved", 366, 330 - 12 * k)
+        page.wait(f"{self.MOVED % 1} > 3")
+        self.assertLess(page.run(self.MOVED % 0), 1e-6)
+        self.let_go(page, (366, 270))
+        # A ball presses both, and the cushion keeps its volume.
+        page.run("""document.getElementById('obstacle').value = 'ball'; document.getElementById('height').value = 300;
+            document.getElementById('height').dispatchEvent(new Event('input'))""")
+        page.rest()
+        kept = re.search(r"kept to (\S+) of (\S+) pressed in", page.wait("document.getElementById('volume').textContent"))
+        self.assertLess(float(kept[1]), 1e-6)
+        self.assertGreater(min(page.run(self.MOVED % 0), page.run(self.MOVED % 1)), 1)
+        page.shot(SCREENSHOTS / "touch_cover_ball.png")
+        self.assertEqual(page.run("dgmPage.bodies.map((b) => b.torn())"), [0, 0])
+        # Lasting strokes are taken back on both, to the bit; without the cover there is one body.
+        page.run("document.getElementById('obstacle').value = 'none'; dgmPage.setObstacle(); dgmPage.panel.choose('push'); document.getElementById('lasting').checked = true")
+        page.rest()
+        self.hold(page, (366, 330), .4)
+        self.let_go(page, (366, 330))
+        self.assertGreater(min(page.run(self.MOVED % 0), page.run(self.MOVED % 1)), .1)
+        page.run("document.getElementById('undo').click()")
+        page.rest()
+        self.assertEqual(page.run("dgmPage.bodies.map((b) => b.copy().map((a) => a.reduce((h, v, k) => h + v * (k % 97 + 1), 0)))"), bits)
+        page.run("(() => { const cover = document.getElementById('cover'); cover.value = '-1'; cover.dispatchEvent(new Event('change')); })()")
+        page.wait("dgmPage.bodies.length === 1")
+
+    def test_lists_show_what_a_script_chooses(self):
+        (self.folder / "second.dgm").write_bytes((self.folder / MAP).read_bytes())
+        run(support.EXPORT, self.folder / MAP, self.folder / "second.dgm", "-o", self.folder / "lists.html")
+        page = self.page(name="lists.html")
+        page.run("dgmPage.choose(1)")
+        self.assertEqual(page.run("document.getElementById('map').value"), "1")
+        page.run("dgmPage.choose(0, 1)")
+        self.assertEqual(page.run("[document.getElementById('map').value, document.getElementById('cover').value]"), ["0", "1"])
+
+    def test_physics_is_a_choice(self):
+        page = self.page("#size=55&depth=80")
+        page.rest()
+        bits, rest = self.places(page), page.shot(clip=STAGE)
+        solve = "(() => { const s = document.getElementById('solver'); s.value = '%s'; s.dispatchEvent(new Event('change')); })()"
+        page.run(solve % "physics")
+        page.wait("dgmPage.physics.on")
+        page.mouse("mouseMoved", *MIDDLE, buttons=0)
+        page.mouse("mousePressed", *MIDDLE)
+        page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.strokes[0].newtons > .1")
+        time.sleep(.5)
+        words = page.run("[document.getElementById('force').textContent, document.getElementById('volume').textContent]")
+        self.assertRegex(words[0], r"^[\d.]+ N, ")
+        self.assertLess(float(re.match(r"volume kept to (\S+),", words[1])[1]), 1e-5)
+        self.assertGreater(float(numpy.abs(self.places(page) - bits).max()), .1)
+        self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
+        page.shot(SCREENSHOTS / "touch_physics.png")
+        self.let_go(page, MIDDLE)
+        # It swings back to rest, and is there to the bit.
+        numpy.testing.assert_array_equal(self.places(page), bits)
+        numpy.testing.assert_array_equal(page.shot(clip=STAGE), rest)
+        # A table lifts the body; touches take over where it is left.
+        page.run("""document.getElementById('obstacle').value = 'plane'; document.getElementById('height').value = 400;
+            document.getElementById('height').dispatchEvent(new Event('input'))""")
+        page.wait("dgmPage.physics.most > 0 && !dgmPage.running")
+        self.assertGreater(float(numpy.abs(self.places(page) - bits).max()), .1)
+        page.run("document.getElementById('obstacle').value = 'none'; dgmPage.setObstacle(); " + solve % "touch")
+        page.rest()
+        numpy.testing.assert_array_equal(self.places(page), bits)
+        # A free domain is refused, and stays with touches.
+        meshes.write_obj(self.folder / "plain.obj", meshes.sheet(24))
+        run(support.BAKE, self.folder / "plain.obj", "--method", "lscm", "--size", "33", "--fit", "sample", "-q", "--progress", "none", "-o", self.folder / "plain.dgm")
+        run(support.EXPORT, self.folder / "plain.dgm", "-o", self.folder / "plain.html")
+        page.open(self.folder / "plain.html")
+        page.run(solve % "physics")
+        page.wait("document.getElementById('message').dataset.code === 'UNSUPPORTED'")
+        self.assertEqual(page.run("[dgmPage.physics.on, document.getElementById('solver').value]"), [False, "touch"])
+        # So is one that is chosen while physics is on.
+        run(support.EXPORT, self.folder / MAP, self.folder / "plain.dgm", "-o", self.folder / "mixed.html")
+        page.open(self.folder / "mixed.html")
+        page.run(solve % "physics")
+        page.wait("dgmPage.physics.on")
+        page.run("dgmPage.choose(1)")
+        page.wait("document.getElementById('message').dataset.code === 'UNSUPPORTED'")
+        self.assertEqual(page.run("[dgmPage.physics.on, dgmPage.number, document.getElementById('map').value]"), [False, 1, "1"])
+
     def test_damaged_files_are_refused_by_their_code(self):
         page = self.page()
         good = (self.folder / MAP).read_bytes()
@@ -382,12 +520,7 @@ class Touch(unittest.TestCase):
     def test_phone_with_two_fingers(self):
         page = self.page(size=(390, 800), phone=True, dark=True)
         self.assertLessEqual(page.run("document.documentElement.scrollWidth"), 390)
-        box = page.run("(() => { const b = document.getElementById('view').getBoundingClientRect(); return [b.width, b.height]; })()")
-        spots = page.run("""(() => { const out = []; const n = 24;
-            for (let y = 1; y < n; ++y) for (let x = 1; x < n; ++x) { const at = [2 * x / n - 1, 2 * y / n - 1]; if (dgmPage.pick(at)) out.push(at); }
-            return out; })()""")
-        pixels = [((x + 1) / 2 * box[0], (1 - y) / 2 * box[1]) for x, y in spots]
-        first, second = max(pixels, key=lambda p: p[0] - p[1]), min(pixels, key=lambda p: p[0] - p[1])
+        first, second = self.two_places(page)
         page.touch("touchStart", [first])
         page.touch("touchStart", [first, second])
         page.wait("dgmPage.hand.strokes.length === 2 && dgmPage.hand.strokes.every((s) => s.holding)")
@@ -475,15 +608,79 @@ class Touch(unittest.TestCase):
         grasps = [k for k, line in enumerate(lines) if " grasp" in line]
         for name, part in (("pull.txt", lines[:grasps[-1] + 1]), ("whole.txt", lines)):
             (self.folder / name).write_text("\n".join(part) + "\n")
-            run(REFERENCE, self.folder / MAP, "replay", self.folder / name, self.folder / "shape.bin")
-            native = numpy.fromfile(self.folder / "shape.bin", numpy.float32).reshape(3, -1)
             page.open(self.folder / PAGE)
             rest = self.places(page)
-            places = self.places(page, f"""dgmPage.recorder.load({json.dumps((self.folder / name).read_text())});
-                dgmPage.recorder.replay(dgmPage.bodies[0], dgmPage.recorder.knots, dgmPage.recorder.settings)""")
-            numpy.testing.assert_array_equal(places.view(numpy.uint32), native.view(numpy.uint32))
+            places = self.replayed_alike(page, self.folder / name)
             if name == "pull.txt":
-                self.assertGreater(float(numpy.abs(native - rest).max()), .1)
+                self.assertGreater(float(numpy.abs(places - rest).max()), .1)
+
+    def two_places(self, page):
+        """Two places of the surface that are far apart on the screen, in pixels."""
+        box = page.run("(() => { const b = document.getElementById('view').getBoundingClientRect(); return [b.width, b.height]; })()")
+        spots = page.run("""(() => { const out = []; const n = 24;
+            for (let y = 1; y < n; ++y) for (let x = 1; x < n; ++x) { const at = [2 * x / n - 1, 2 * y / n - 1]; if (dgmPage.pick(at)) out.push(at); }
+            return out; })()""")
+        pixels = [((x + 1) / 2 * box[0], (1 - y) / 2 * box[1]) for x, y in spots]
+        return max(pixels, key=lambda p: p[0] - p[1]), min(pixels, key=lambda p: p[0] - p[1])
+
+    def test_two_fingers_are_recorded_and_replay_natively_to_the_bit(self):
+        page = self.page("#tool=pull&size=40", size=(390, 800), phone=True)
+        first, second = self.two_places(page)
+        held = "dgmPage.hand.strokes.length === {0} && dgmPage.hand.strokes.every((s) => s.holding)"
+        page.touch("touchStart", [first])
+        page.wait(held.format(1))
+        page.touch("touchStart", [first, second])
+        page.wait(held.format(2))
+        for k in range(6):
+            page.touch("touchMove", [(first[0] + 6 * k, first[1] - 4 * k), (second[0] - 6 * k, second[1] + 4 * k)])
+            time.sleep(.05)
+        # The first finger goes, and comes back while the second one stays.
+        page.run("dgmPage.keys.up({ pointerId: [...dgmPage.keys.pointers.keys()][0] })")
+        page.wait(held.format(1))
+        time.sleep(.1)
+        page.run(f"dgmPage.keys.down(new PointerEvent('pointerdown', {{ pointerId: 77, clientX: {first[0]}, clientY: {first[1]}, button: 0 }}))")
+        page.wait(held.format(2))
+        time.sleep(.1)
+        page.run("dgmPage.keys.up({ pointerId: 77 })")
+        page.touch("touchEnd", [])
+        page.wait("dgmPage.hand.strokes.length === 0")
+        text = page.run("dgmPage.recorder.text()")
+        lines = [line.split() for line in text.splitlines() if not line.startswith("#")]
+        kinds = [line[4] for line in lines]
+        self.assertEqual((kinds.count("away"), kinds.count("away:2")), (2, 1))
+        self.assertGreater(min(kinds.count("grasp"), kinds.count("grasp:2")), 5)
+        times = [float(line[0]) for line in lines]
+        self.assertEqual(times, sorted(times))
+        # While both pull, and all of it.
+        for name, part in (("both.txt", range(kinds.index("away") + 2)), ("all.txt", range(len(lines) + 2))):
+            (self.folder / name).write_text("\n".join(text.splitlines()[k] for k in part) + "\n")
+            page.open(self.folder / PAGE)
+            rest = self.places(page)
+            places = self.replayed_alike(page, self.folder / name)
+            if name == "both.txt":
+                moved = numpy.linalg.norm(places - rest, axis=0)
+                ends = [numpy.array([float(c) for c in next(l for l in lines if l[4] == kind)[1:4]]) for kind in ("grasp", "grasp:2")]
+                offset = numpy.array(page.run("dgmPage.bodies[0].chart.offset")).reshape(3, 1)
+                for end in ends:  # both were pulled
+                    near = numpy.linalg.norm(rest + offset - end.reshape(3, 1), axis=0).argmin()
+                    self.assertGreater(float(moved[near]), .05)
+        # The text of a path that was opened is that path.
+        self.assertEqual(page.run(f"(() => {{ dgmPage.recorder.load({json.dumps(text)}); return dgmPage.recorder.text(); }})()"), text)
+
+    def test_broken_paths_are_refused_by_name(self):
+        page = self.page()
+        good = "0 1 2 3 touch\n0.5 1 2 3 grasp:2\n"
+        for line, why in (("0.6 1 2 3 grasp:5", "touch:2 and so on"), ("0.6 1 2 3 grasp:", "touch:2 and so on"), ("0.5 1 2 4 grasp:2", "increase"),
+                          ("0.4 1 2 4 touch", "go back"), ("0.6 1 2 grasp:2", "SECONDS X Y Z")):
+            bad = self.folder / "bad_strokes.txt"
+            bad.write_text(good + line + "\n")
+            page.run(f"dgmPage.drop.take([new File([{json.dumps(bad.read_text())}], 'bad_strokes.txt')])")
+            said = page.wait("!document.getElementById('message').hidden && document.getElementById('message').textContent")
+            self.assertIn("Line 3: ", said)
+            self.assertIn(why, said)
+            page.run("document.getElementById('message').hidden = true")
+            done = subprocess.run([support.EXPORT, self.folder / MAP, "--path", bad, "-o", self.folder / "x.html"], capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, "bad_strokes.txt:3" in done.stderr), (1, True), done.stderr)
 
     def test_plays_paths_that_were_put_into_it(self):
         liver = self.folder / "liver_press_and_pull.txt"

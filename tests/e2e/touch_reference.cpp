@@ -3,10 +3,10 @@
 // What a page must find, natively, with plain loops.
 //
 //   dgm_touch_reference MAP.dgm picks            rays "OX OY OZ DX DY DZ" from stdin; a line each: corners and weights
-//   dgm_touch_reference MAP.dgm replay PATH OUT  runs a path as samples/press_and_pull does, one grasp, poke or touch
-//                                                at a time; writes x, y, z of all samples to OUT, prints the forces'
-//                                                sum
-//   dgm_touch_reference MAP.dgm ticks PATH       "KIND X Y Z" of each tick of a replay, in the path's frame
+//   dgm_touch_reference MAP.dgm replay PATH OUT  runs a path as samples/press_and_pull does; writes x, y, z of all
+//                                                samples to OUT, prints the forces' sum
+//   dgm_touch_reference MAP.dgm ticks PATH       "KIND X Y Z" of each tool of each tick of a replay, in the path's
+//                                                frame
 //   dgm_touch_reference MAP.dgm time PATH        microseconds a tick of a replay, the best of five
 #include <dgm/asset.h>
 #include <dgm/deform.h>
@@ -19,6 +19,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -52,9 +53,11 @@ void ticks(const char* path) {
     constexpr const char* kNames[] = {"touch", "poke", "grasp"};
     dgm::formats::ToolPath(path).replay(
         1e-3,
-        [&](const dgm::formats::Knot& knot, float) {
-            std::printf("%s %.9g %.9g %.9g\n", knot.engaged ? kNames[static_cast<int>(knot.kind)] : "away",
-                        double{knot.position.x}, double{knot.position.y}, double{knot.position.z});
+        [&](std::span<const dgm::formats::Knot> knots, float) {
+            for (const dgm::formats::Knot& knot : knots)
+                std::printf("%s %.9g %.9g %.9g%s", knot.engaged ? kNames[static_cast<int>(knot.kind)] : "away",
+                            double{knot.position.x}, double{knot.position.y}, double{knot.position.z},
+                            knot.tool + 1 < knots.size() ? " " : "\n");
         },
         [](const std::string&) {});
 }
@@ -78,11 +81,15 @@ Replayed run_path(dgm::State& state, const dgm::Chart& chart, const dgm::formats
     Replayed out;
     path.replay(
         1e-3,
-        [&](const dgm::formats::Knot& knot, float) {
-            const dgm::ToolInput input{.kind = knot.kind, .position = knot.position - origin, .engaged = knot.engaged};
-            dgm::ToolOutput felt;
-            static_cast<void>(take(dgm::tick(state, table, options, {&input, 1}, {&felt, 1})));
-            out.forces += double{felt.force.x} + double{felt.force.y} + double{felt.force.z};
+        [&](std::span<const dgm::formats::Knot> knots, float) {
+            dgm::ToolInput inputs[dgm::formats::kMostTools];
+            dgm::ToolOutput felt[dgm::formats::kMostTools];
+            for (const dgm::formats::Knot& k : knots)
+                inputs[k.tool] = {
+                    .tool = k.tool, .kind = k.kind, .position = k.position - origin, .engaged = k.engaged};
+            static_cast<void>(take(dgm::tick(state, table, options, {inputs, knots.size()}, felt)));
+            for (const dgm::ToolOutput& f : std::span(felt, knots.size()))
+                out.forces += double{f.force.x} + double{f.force.y} + double{f.force.z};
             ++out.ticks;
         },
         [](const std::string&) {});

@@ -85,6 +85,8 @@ constexpr std::array kExamples{
     dgm::tool::Example{"dgm-export robe.dgm -o robe.glb --lod 1,4,16", "three levels of detail in one file"},
     dgm::tool::Example{"dgm-export stomach.dgm liver.dgm -o organs.html",
                        "one page to touch both, from disk, in a browser"},
+    dgm::tool::Example{"dgm-export cushion.dgm cover.dgm --cover -o cushion.html",
+                       "a cushion, pressed through its cover"},
     dgm::tool::Example{"dgm-export stomach.dgm -o stomach.exr", "lossless, and back again: -o stomach.dgm"},
     dgm::tool::Example{"dgm-export stomach.dgm --maps maps", "pictures for engines: an EXR or PNG a layer, and a JSON"},
     dgm::tool::Example{"dgm-export stomach.dgm -o layers.png --sheet", "all layers as pictures on one sheet"},
@@ -145,6 +147,7 @@ void describe(CLI::App& app, CommandLine& line) {
         ->check(CLI::IsMember({"y", "z"}));
     mesh.value("--path", "FILE", line.paths,
                "HTML: a recorded tool path (docs/touch.md) that the page plays; repeatable");
+    mesh.flag("--cover", line.options.cover, "HTML: the second map lies over the first one, and both are pressed");
     picture.text("--layer", "NAME", line.options.layer, "PNG: the picture of this layer");
     picture.flag("--sheet", line.options.sheet, "PNG: all layers of each chart on one sheet");
     picture.text("--source", "MESH", line.source,

@@ -4,11 +4,11 @@
 
 const kSurfaceVertex = `
   in float x; in float y; in float z; in float nx; in float ny; in float nz; in vec2 uv; in float x0; in float y0; in float z0; in float value;
-  uniform mat4 camera; uniform vec3 origin; uniform float push; uniform vec4 sheet;
+  uniform mat4 camera; uniform vec3 origin; uniform float push; uniform float puff; uniform vec4 sheet;
   out vec3 n; out vec2 at; out float moved; out float number;
   void main() {
     n = vec3(nx, ny, nz); at = uv; number = value; moved = length(vec3(x, y, z) - vec3(x0, y0, z0));
-    gl_Position = sheet.z > 0. ? vec4(sheet.xy + uv * vec2(sheet.z, -sheet.w), 0, 1) : camera * vec4(vec3(x, y, z) + origin, 1);
+    gl_Position = sheet.z > 0. ? vec4(sheet.xy + uv * vec2(sheet.z, -sheet.w), 0, 1) : camera * vec4(vec3(x, y, z) + origin + puff * n, 1);
     gl_Position.z -= push * gl_Position.w;
   }`;
 const kSurfaceFragment = `
@@ -62,7 +62,7 @@ class Painter {
     if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(this.program));
     gl.useProgram(this.program);
     this.uniforms = {};
-    for (const name of ["camera", "origin", "push", "texels", "look", "plain", "right", "up", "back", "most", "range", "sheet"])
+    for (const name of ["camera", "origin", "push", "puff", "texels", "look", "plain", "right", "up", "back", "most", "range", "sheet"])
       this.uniforms[name] = gl.getUniformLocation(this.program, name);
     this.blank = this.picture({ width: 1, height: 1, pixels: new Uint8Array([210, 190, 175, 255]) });
     this.solids = { ball: this.solid(ballMesh(32, 24, 0)), capsule: this.solid(ballMesh(32, 24, 1)), plane: this.solid(planeMesh()) };
@@ -111,14 +111,14 @@ class Painter {
     gl.uniformMatrix4fv(u.camera, false, camera.matrix(aspect));
     gl.uniform3fv(u.right, right), gl.uniform3fv(u.up, up), gl.uniform3fv(u.back, back);
   }
-  draw(array, part, kind, { look, plain, origin = [0, 0, 0], push = 0, picture = this.blank, most = 1, range = [0, 1] }) {
+  draw(array, part, kind, { look, plain, origin = [0, 0, 0], push = 0, puff = 0, picture = this.blank, most = 1, range = [0, 1] }) {
     const gl = this.gl, u = this.uniforms;
     gl.bindVertexArray(array);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, part.buffer);
     gl.bindTexture(gl.TEXTURE_2D, picture.texture);
     gl.uniform2f(u.texels, picture.width, picture.height);
     gl.uniform1i(u.look, look), gl.uniform3fv(u.plain, plain), gl.uniform3fv(u.origin, origin);
-    gl.uniform1f(u.push, push), gl.uniform1f(u.most, most), gl.uniform2fv(u.range, range);
+    gl.uniform1f(u.push, push), gl.uniform1f(u.puff, puff), gl.uniform1f(u.most, most), gl.uniform2fv(u.range, range);
     gl.drawElements(kind, part.count, gl.UNSIGNED_INT, 0);
   }
   // A ball or bar between `p` and `q`, or a plane through `p` across `q` of half width `radius`.

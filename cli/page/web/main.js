@@ -3,6 +3,9 @@
 
 const kSwatch = { clay: [.84, .75, .68], seam: [.84, .118, .141], border: [.094, .345, .769], grid: [.2, .21, .25], solid: [.55, .6, .68] };
 
+const kCloth = 24; // rounds of smoothing of a cover that is pressed, as samples/sit_on_cushion has them
+const kCalming = 1.2; // seconds in which a pressed pair springs back to a ten millionth
+
 // Where the address is: a page in a frame has none of its own.
 const kOuter = document.body.classList.contains("framed") ? parent : window;
 
@@ -11,8 +14,9 @@ class Scene {
     this.canvas = $("view"), this.over = $("over");
     this.soft = softDrawing();
     this.painter = new Painter(this.canvas, this.soft);
-    Object.assign(this, { maps: [], paths: [], bodies: [], camera: new Camera(), number: 0, diagonal: 1, coarse: 0, waiting: false, obstacle: null, last: 0, before: -1e9, frames: 0, marked: null });
+    Object.assign(this, { maps: [], paths: [], assets: [], bodies: [], camera: new Camera(), number: 0, cover: -1, diagonal: 1, coarse: 0, pace: 28, waiting: false, obstacle: null, calming: 0, last: 0, before: -1e9, frames: 0, marked: null });
     this.hand = new Hand(this);
+    this.physics = new Physics(this);
     this.recorder = new Recorder(this);
     this.sheet = new Sheet(this);
     this.beside = new Beside(this);
@@ -34,45 +38,91 @@ class Scene {
   }
   async add(map) {
     this.maps.push(map);
+    this.listMaps();
     try {
       await this.choose(this.maps.length - 1);
     } catch (error) {
       this.maps.pop();
+      this.listMaps();
       throw error;
     }
-    const option = new Option(map.name, String(this.maps.length - 1), false, true);
-    $("map").append(option);
   }
-  async choose(number) {
-    const map = this.maps[number], asset = new Asset(await map.bytes()), bodies = [];
-    if (map.unpack) await map.unpack(), map.unpack = null;
-    const boxes = asset.charts.map((chart) => chart.box), edge = (pick, from) => [0, 1, 2].map((c) => pick(...boxes.map((box) => box[from + c])));
-    const low = edge(Math.min, 0), high = edge(Math.max, 3), middle = scaled(plus(low, high), .5);
+  listMaps() {
+    const options = () => this.maps.map((map, k) => new Option(map.name, String(k)));
+    $("map").replaceChildren(...options()), $("cover").replaceChildren(new Option("none", "-1"), ...options());
+    $("map").value = String(this.number), $("cover").value = String(this.cover);
+    $("cover-row").hidden = this.maps.length < 2;
+  }
+  // The bodies of a map, each chart one.
+  async open(map, asset, middle, cover) {
+    const bodies = [];
     try {
       asset.charts.forEach((_, k) => bodies.push(new Body(this.painter, asset, k, middle, embeddedValues(map, k))));
-      if (this.painter.gl) for (const body of bodies) body.picture = await this.pictureOf(map, body);
+      for (const body of bodies) {
+        Object.assign(body, { map, cover });
+        if (this.painter.gl) body.picture = await this.pictureOf(map, body);
+      }
+      return bodies;
     } catch (error) {
       bodies.forEach((body) => body.close());
-      asset.close();
+      throw error;
+    }
+  }
+  // Shows map `number`, with map `cover` over it if that is another one.
+  async choose(number, cover = -1) {
+    if (cover === number || !this.maps[cover]) cover = -1;
+    const maps = [number, cover].filter((k) => k >= 0).map((k) => this.maps[k]), assets = [], bodies = [];
+    let low, high, middle;
+    try {
+      for (const map of maps) {
+        assets.push(new Asset(await map.bytes()));
+        if (map.unpack) await map.unpack(), map.unpack = null;
+      }
+      const boxes = assets.flatMap((asset) => asset.charts.map((chart) => chart.box)), edge = (pick, from) => [0, 1, 2].map((c) => pick(...boxes.map((box) => box[from + c])));
+      low = edge(Math.min, 0), high = edge(Math.max, 3), middle = scaled(plus(low, high), .5);
+      for (const [k, map] of maps.entries()) bodies.push(...await this.open(map, assets[k], middle, k > 0));
+    } catch (error) {
+      bodies.forEach((body) => body.close());
+      assets.forEach((asset) => asset.close());
       throw error;
     }
     this.recorder.playing = null, $("caption").hidden = true;
+    const solid = this.physics.on && cover < 0;
+    this.physics.end();
     this.recorder.list(this.paths, this.maps, number);
     this.bodies.forEach((body) => body.close());
-    if (this.asset) this.asset.close();
-    Object.assign(this, { asset, bodies, number, low, high, middle });
+    this.assets.forEach((asset) => asset.close());
+    Object.assign(this, { assets, bodies, number, cover, low, high, middle });
+    const under = bodies.filter((body) => !body.cover);
+    bodies.forEach((body, index) => Object.assign(body, { index, under: body.cover ? under : [] }));
+    this.listMaps();
+    const map = maps[0];
     this.beside.put(map.source && this.painter.gl ? new Source(this.painter, map.source, middle, map.scales) : null);
     $("facts").textContent = map.facts || "";
     $("drop").hidden = true;
-    this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.marked = null;
+    this.hand.strokes = [], this.hand.done = [], this.hand.history = [], this.hand.jumps = [], this.marked = null;
     this.diagonal = length(minus(high, low)) || 1;
     this.panel.clear();
     this.panel.listLayers();
     if ($("look").value === "texture" && !bodies.some((body) => body.picture)) $("look").value = "clay";
     this.home();
     this.setObstacle();
+    await this.guard(() => this.solve(solid)); // a map that cannot have physics is shown, and touched
     this.changed();
   }
+  // Touches, or physics where the bodies can have it.
+  solve(solid) {
+    $("solver").disabled = this.cover >= 0;
+    $("solver").value = "touch", $("lasting").disabled = false;
+    for (const stroke of [...this.hand.strokes]) this.hand.end(stroke);
+    this.recorder.stop();
+    if (solid) this.physics.begin();
+    else this.physics.end();
+    if (solid) $("solver").value = "physics", $("lasting").disabled = true;
+    this.changed();
+  }
+  // Thickness of a cover's cloth: it is drawn as far out, and what is under it is drawn twice as far in.
+  get cloth() { return this.cover < 0 ? 0 : .0045 * this.diagonal; }
   async pictureOf(map, body) {
     const made = map.pictures.find((picture) => picture.chart === body.number), layer = body.chart.layers.texture;
     if (made) return this.painter.picture(await createImageBitmap(made.blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
@@ -91,7 +141,8 @@ class Scene {
     const flat = this.sheet.pick(at);
     if (flat !== undefined) return flat;
     const ray = this.camera.ray(...at, this.aspect());
-    return this.bodies.map((body) => body.pick(ray)).filter(Boolean).sort((a, b) => a.distance - b.distance)[0] || null;
+    const seen = (hit) => hit.distance - (hit.body.cover ? 3 * this.cloth : 0);
+    return this.bodies.map((body) => body.pick(ray)).filter(Boolean).sort((a, b) => seen(a) - seen(b))[0] || null;
   }
   // Axes that the obstacle's sliders mean: up, and two across.
   axes() { return this.camera.up === "z" ? [2, 0, 1] : [1, 0, 2]; }
@@ -112,7 +163,8 @@ class Scene {
       }
       this.obstacle = { kind, p, q, radius };
     }
-    this.meetAgain = true;
+    if (this.physics.on) this.physics.moving = true;
+    else this.meetAgain = true;
     this.panel.show();
   }
   // How far away a ball or bar is under the pointer, or null.
@@ -138,19 +190,22 @@ class Scene {
     add("across", way[side] / this.diagonal), add("along", way[other] / this.diagonal);
     this.setObstacle();
   }
-  // Presses every body against the obstacle, from its shape without elastic touches or with those of this frame.
-  meet() {
-    const o = this.obstacle, words = [];
+  // Presses every body against the obstacle, and a cover against what it lies over: from their shapes without elastic
+  // touches, or with those of this frame.
+  meet(pressed = this.hand.strokes.length > 0) {
+    const o = this.obstacle, words = [], { cloth } = this;
     for (const body of this.bodies) {
-      if (!this.hand.strokes.length) dgm.touch_release(body.handle);
+      if (!pressed) dgm.touch_release(body.handle);
       if (o) {
-        const q = o.kind === "plane" ? o.q : minus(o.q, body.origin);
-        check(dgm.touch_obstacle(body.handle, { plane: 0, ball: 1, capsule: 2 }[o.kind], 0, ...minus(o.p, body.origin), ...q, o.radius));
+        // An obstacle lies on the cloth.
+        const thick = body.cover ? cloth : 2 * cloth, q = o.kind === "plane" ? o.q : minus(o.q, body.origin), p = minus(o.p, body.origin);
+        check(dgm.touch_obstacle(body.handle, { plane: 0, ball: 1, capsule: 2 }[o.kind], 0, ...(o.kind === "plane" ? plus(p, unit(o.q), thick) : p), ...q, o.radius + thick, body.cover ? kCloth : 0));
         const [status, samples, removed, gained] = answers(4);
         if (status === 1) words.push(samples + " samples moved, volume " + digits(dgm.touch_volume(body.handle), 5) + "\nkept to " + digits(Math.abs(gained), 2) + " of " + digits(Math.abs(removed)) + " pressed in");
         if (status === 3) words.push(samples + " samples moved; open, so it has no volume");
         if (status === 2) words.push("too deep");
       }
+      for (const other of body.under) check(dgm.touch_other(body.handle, other.handle, 0, ...minus(other.origin, body.origin), 0));
       dgm.touch_normals(body.handle);
     }
     this.panel.volume(words.join("\n"));
@@ -165,17 +220,27 @@ class Scene {
     this.waiting = false;
     const seconds = clamp((now - (this.running ? this.last : now - 16)) / 1000, 0, .05);
     this.last = now;
-    const worked = this.hand.advance(seconds), played = this.recorder.advance(seconds);
-    let fading = false;
-    if (this.obstacle || this.meetAgain) {
-      if (worked || played || this.meetAgain) this.meet();
-    } else if (!this.hand.strokes.length && !played) fading = this.relax(seconds);
-    this.running = this.hand.strokes.length > 0 || played || fading;
+    if (this.physics.on) {
+      this.running = this.physics.advance(seconds);
+      this.paint(now, this.running || this.keys.pointers.size > 0);
+      return void (this.running && this.wake());
+    }
+    const worked = this.hand.advance(seconds), played = this.recorder.advance(seconds), busy = worked || played;
+    if (busy && this.cover >= 0) this.calming = kCalming;
+    this.fading = !this.obstacle && !this.hand.strokes.length && !played && this.relax(seconds);
+    if (this.meetAgain || ((this.obstacle || this.cover >= 0) && (busy || this.fading))) this.meet(busy || this.fading || this.hand.strokes.length > 0);
+    this.running = this.hand.strokes.length > 0 || played || this.fading;
     this.paint(now, this.running || this.keys.pointers.size > 0);
     if (this.running) this.wake();
   }
+  // True while shapes spring back. A cover never quite does, where it lies on what is under it: it gets its time.
   relax(seconds) {
     let fading = false;
+    if (this.cover >= 0) {
+      if (this.calming <= 0) return false;
+      this.calming = this.calm.matches ? 0 : this.calming - seconds;
+      if (this.calming <= 0) return this.meetAgain = true, false;
+    }
     for (const body of this.bodies) {
       if (!dgm.touch_active(body.handle)) continue;
       if (this.calm.matches) dgm.touch_release(body.handle);
@@ -188,18 +253,18 @@ class Scene {
   paint(now, moving) {
     if (!this.painter.gl) return;
     for (const canvas of [this.canvas, this.over]) {
-      const dots = Math.min(2, window.devicePixelRatio || 1), scale = canvas === this.canvas && moving ? dots * [1, .7, .5][this.coarse] : dots, w = Math.max(2, Math.round(canvas.clientWidth * scale)), h = Math.max(2, Math.round(canvas.clientHeight * scale));
+      const dots = Math.min(2, window.devicePixelRatio || 1), w = Math.max(2, Math.round(canvas.clientWidth * dots)), h = Math.max(2, Math.round(canvas.clientHeight * dots));
       if (canvas.width !== w || canvas.height !== h) canvas.width = w, canvas.height = h;
     }
     const began = performance.now();
     for (const body of this.bodies) body.upload();
     this.draw(moving ? 2 ** this.coarse : 1, moving && this.coarse > 0);
-    // Where a processor draws, what moves is drawn with fewer triangles and pixels, and all of them once it rests. Frames in a row
-    // tell how long one takes: nothing that asks the card may be waited for.
-    if (this.soft && moving) {
-      const took = now - this.before;
-      if (took > 60 && took < 1000) this.coarse = Math.min(2, this.coarse + 1);
-      else if (took < 20) this.coarse = Math.max(0, this.coarse - 1);
+    // Where a processor draws, vertices cost most: what moves is drawn with fewer triangles, and all of them once it rests. Frames
+    // in a row tell how long one takes: nothing that asks the card may be waited for, as a canvas that changes its size does.
+    if (this.soft && moving && now - this.before < 1000) {
+      this.pace += .2 * (now - this.before - this.pace);
+      const way = this.pace > 90 ? 2 : this.pace > 40 ? 1 : this.pace < 18 ? -1 : 0;
+      if (way) this.coarse = clamp(this.coarse + way, 0, 3), this.pace = 28;
     }
     this.before = moving ? now : -1e9;
     this.spent = performance.now() - began;
@@ -214,16 +279,16 @@ class Scene {
   }
   draw(stride, moving) {
     const { painter } = this, gl = painter.gl, background = getComputedStyle(this.canvas).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255);
-    const scale = this.canvas.width / Math.max(1, this.canvas.clientWidth);
-    stride = Math.max(stride, Number($("detail").value));
+    // Not below 33 rows or columns, unless that is asked for.
+    const strideOf = ({ chart }) => Math.max(Math.min(stride, 2 ** Math.floor(Math.log2(Math.max(1, (Math.max(chart.rows, chart.cols) - 1) / 32)))), Number($("detail").value));
     const looks = { texture: 1, clay: 0, moved: 2, normal: 3 }, layer = $("look").value, wanted = layer in looks ? looks[layer] : 4;
     const range = wanted === 4 ? this.rangeOf(layer) : [0, 1], coloured = this.diverging(layer) ? 5 : 4;
     const shade = (look) => (look === 4 ? coloured : look), known = this.beside.shown && this.beside.source.layer === layer;
     this.beside.draw(background, { look: known ? shade(4) : 0, plain: kSwatch.clay, range });
     painter.start(this.camera, this.aspect(), background);
     const one = (body) => {
-      const look = (wanted === 1 && !body.picture) || (wanted === 4 && !body.show(layer)) ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay };
-      painter.draw(body.array, body.level(stride), gl.TRIANGLES, { ...common, look: shade(look), picture: body.picture || painter.blank, most: this.diagonal / 10, range });
+      const look = (wanted === 1 && !body.picture) || (wanted === 4 && !body.show(layer)) ? 0 : wanted, common = { origin: body.origin, plain: kSwatch.clay, puff: (body.cover ? 1 : -2) * this.cloth };
+      painter.draw(body.array, body.level(strideOf(body)), gl.TRIANGLES, { ...common, look: shade(look), picture: body.picture || painter.blank, most: this.diagonal / 10, range });
       const line = (name, plain, push) => {
         const part = body.lines(name);
         if (part.count) painter.draw(body.array, part, gl.LINES, { ...common, look: 9, plain, push });
@@ -234,7 +299,7 @@ class Scene {
     };
     this.bodies.forEach(one);
     if (this.obstacle) painter.drawSolid(this.obstacle.kind, this.obstacle.p, this.obstacle.q, this.obstacle.kind === "plane" ? this.diagonal : this.obstacle.radius, kSwatch.solid);
-    if (this.sheet.shown) this.sheet.draw(scale, background, one);
+    if (this.sheet.shown) this.sheet.draw(this.canvas.width / Math.max(1, this.canvas.clientWidth), background, one);
   }
   // The ends of a layer's colours, where the page states them: { low, high, diverging }.
   scale(layer) { return ((this.maps[this.number] || {}).scales || {})[layer]; }
@@ -268,11 +333,14 @@ class Scene {
       const size = length(s.force);
       if (size > 1e-4) line(a, place(plus(grip, unit(s.force), Math.min(1, Math.sqrt(size)) * .25 * this.diagonal)), "#d9480f", 4);
     }
-    if (this.recorder.playing && this.recorder.playing.knot) ring(place(plus(minus(this.recorder.playing.knot.place, this.recorder.playing.body.chart.offset), this.recorder.playing.body.origin)), 7 * scale, ink);
+    const { playing } = this.recorder;
+    // The first tool wherever it is, others while they touch.
+    for (const [k, tool] of playing ? playing.tools.entries() : []) if (k === 0 || tool.kind !== "away") ring(place(plus(minus(tool.place, playing.body.chart.offset), playing.body.origin)), 7 * scale, ink);
     const around = (p, hit) => {
       const [, , away] = this.camera.project(plus(hit.point, hit.body.origin), aspect), pixels = h / 2 / this.camera.unitsAt(away);
-      ring(p, .5 * this.size() * pixels, ink);
-      if (this.keys.modal) ring(p, .5 * this.panel.depth() * pixels, "#d9480f");
+      // The one that is being set, in its own colour.
+      if (this.keys.modal && this.keys.modal.id === "depth") ring(p, .5 * this.panel.depth() * pixels, "#d9480f");
+      else ring(p, .5 * this.size() * pixels, ink);
     };
     const spot = (hit) => { if (this.sheet.shown) ring(this.sheet.place(hit).map((x) => x * scale), 4 * scale, "#d9480f"); };
     for (const s of this.hand.strokes) if (s.hit) spot(s.hit);
@@ -328,9 +396,8 @@ const scriptPaths = () => [...document.querySelectorAll("script.path")].map((ele
     const maps = scriptMaps();
     scene.maps = maps;
     scene.paths = scriptPaths();
-    maps.forEach((map, k) => $("map").append(new Option(map.name, String(k))));
-    const first = new URLSearchParams(kOuter.location.hash.slice(1)).get("map"), number = Number(first) < maps.length ? Number(first) : 0;
-    if (maps.length) await scene.choose(number), $("map").value = String(number);
+    const asked = new URLSearchParams(kOuter.location.hash.slice(1)), named = (name, otherwise) => (asked.has(name) && maps[asked.get(name)] ? Number(asked.get(name)) : otherwise);
+    if (maps.length) await scene.choose(named("map", 0), named("cover", asked.has("map") ? -1 : Number(document.body.dataset.cover ?? -1)));
     else scene.panel.say("Drop a .dgm here, or open one."), $("drop").hidden = false;
     if (document.body.dataset.look) $("look").value = document.body.dataset.look;
     scene.panel.follow(kOuter.location.hash);

@@ -13,15 +13,18 @@ class Panel {
     for (const id of ["look", "wire", "seams", "triangles", "sheet", "detail"]) $(id).addEventListener("change", () => { this.legend(); scene.wake(); });
     $("both").addEventListener("change", () => scene.beside.show());
     for (const id of ["obstacle", "height", "across", "along", "lean"]) $(id).addEventListener("input", () => scene.setObstacle());
+    $("solver").addEventListener("change", () => scene.guard(() => scene.solve($("solver").value === "physics")));
     $("undo").addEventListener("click", () => { scene.hand.undo(); this.show(); });
-    $("reset").addEventListener("click", () => { $("obstacle").value = "none"; scene.setObstacle(); scene.hand.reset(); scene.recorder.clear(); this.show(); });
+    $("reset").addEventListener("click", () => { $("obstacle").value = "none"; scene.setObstacle(); scene.hand.reset(); if (scene.physics.on) scene.physics.settle(); scene.recorder.clear(); this.show(); });
     $("home").addEventListener("click", () => scene.home());
     $("link").addEventListener("click", () => this.link());
     $("play").addEventListener("click", () => scene.recorder.play());
     $("save").addEventListener("click", () => this.save());
     $("paths").addEventListener("change", () => { const path = scene.paths[$("paths").value]; if (path) scene.openPath(path.text); else scene.recorder.clear(); });
     $("path").addEventListener("change", async (e) => { const file = e.target.files[0]; e.target.value = ""; if (file) scene.openPath(await file.text()); });
-    $("map").addEventListener("change", () => scene.guard(() => scene.choose(Number($("map").value))));
+    const chosen = (cover) => scene.guard(() => scene.choose(Number($("map").value), cover)).finally(() => scene.listMaps());
+    $("map").addEventListener("change", () => chosen(-1));
+    $("cover").addEventListener("change", () => chosen(Number($("cover").value)));
     $("up").addEventListener("change", () => { scene.home(); });
   }
   // Layers that have a number a sample; a file has others than a page that was exported.
@@ -75,7 +78,7 @@ class Panel {
     const place = plus(hit.point, hit.body.chart.offset).map((x) => digits(x, 5)), where = hit.row < 2 ** 32 - 1 ? "row " + hit.row + ", column " + hit.column : "border strip";
     const layer = $("look").value, values = hit.body.values(layer), copies = dgm.touch_copies(hit.body.handle, hit.sample);
     const more = (copies ? "\nseam sample with " + copies + " copies" : "") + (values && hit.sample < values.length ? "\n" + layer + " " + this.beyond(layer, values[hit.sample]) + digits(values[hit.sample], 4) : "");
-    $("readout").textContent = "chart " + hit.body.number + ", " + where + "\nplace " + place.join(", ") + "\nnormal " + hit.normal.map((x) => x.toFixed(3)).join(", ") + more;
+    $("readout").textContent = (this.scene.cover < 0 ? "" : hit.body.map.name + ", ") + "chart " + hit.body.number + ", " + where + "\nplace " + place.join(", ") + "\nnormal " + hit.normal.map((x) => x.toFixed(3)).join(", ") + more;
   }
   // Numbers at the end of a stated scale may be beyond it.
   beyond(layer, value) {
@@ -84,19 +87,23 @@ class Panel {
     return value <= Math.fround(scale.low) && scale.low < 0 ? "at most " : value >= Math.fround(scale.high) ? "at least " : "";
   }
   felt(now) {
-    const { felt, strokes, history } = this.scene.hand, pressing = strokes.length > 0;
-    $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
-    if (pressing) this.rumble(now, felt.force);
-    const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height, recent = history.slice(-2000);
+    const { felt, strokes } = this.scene.hand, [recent, jumps] = [this.scene.hand.history, this.scene.hand.jumps].map((list) => list.slice(-2000)), leap = jumps.reduce((most, jump) => Math.max(most, jump), 0), pressing = strokes.length > 0;
+    if (this.scene.physics.on) $("force").textContent = pressing ? digits(Math.max(...strokes.map((stroke) => stroke.newtons || 0))) + " N, if the body measures " + 100 * kMetres + " cm\njumps up to " + digits(leap, 2) + " N a step" : "";
+    else $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit, jumps up to " + digits(100 * leap, 2) + " % a tick\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
+    if (pressing) this.rumble(now, Math.max(felt.force, ...strokes.map((stroke) => (stroke.newtons || 0) / 5)));
+    const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height;
     c.clearRect(0, 0, w, h);
     const most = Math.max(.01, ...recent);
     c.strokeStyle = getComputedStyle(document.body).getPropertyValue("--mark");
     c.beginPath();
     recent.forEach((v, k) => c.lineTo((k + 2000 - recent.length) / 2000 * w, h - 3 - v / most * (h - 8)));
     c.stroke();
+    // The jumps from tick to tick, at the foot.
+    c.fillStyle = "#d9480f";
+    jumps.forEach((jump, k) => { if (jump / most > .02) c.fillRect((k + 2000 - jumps.length) / 2000 * w, h - 3, 1, -jump / most * (h - 8)); });
     if (pressing && now - this.spoken > 1000) {
       this.spoken = now;
-      this.say((strokes[0].kind === "pull" ? "Pulls, " : "Presses, ") + (100 * felt.force).toFixed(0) + " % of the force");
+      this.say((strokes[0].kind === "pull" ? "Pulls, " : "Presses, ") + (this.scene.physics.on ? digits(strokes[0].newtons || 0, 2) + " newtons" : (100 * felt.force).toFixed(0) + " % of the force"));
     }
   }
   // A gamepad that can shake does so with the force.
@@ -108,7 +115,7 @@ class Panel {
   }
   volume(words) { $("volume").textContent = words; }
   link() {
-    const { scene } = this, hash = "#view=" + scene.camera.text() + "&tool=" + this.tool() + "&size=" + $("size").value + "&depth=" + $("depth").value + "&look=" + $("look").value + "&map=" + scene.number;
+    const { scene } = this, hash = "#view=" + scene.camera.text() + "&tool=" + this.tool() + "&size=" + $("size").value + "&depth=" + $("depth").value + "&look=" + $("look").value + "&map=" + scene.number + (scene.cover < 0 ? "" : "&cover=" + scene.cover);
     kOuter.history.replaceState(null, "", hash);
     const done = (words) => this.say(words);
     if (navigator.clipboard) navigator.clipboard.writeText(kOuter.location.href).then(() => done("The link is in the clipboard."), () => done("The link stands in the address bar."));

@@ -32,7 +32,7 @@ class Sheet {
   }
   // Pixels of the stage, y down, of a place that a ray or the sheet found.
   place(hit) {
-    const [left, bottom, side] = this.box(), [x, y, size] = this.tile(hit.body.number), { uv } = hit.body;
+    const [left, bottom, side] = this.box(), [x, y, size] = this.tile(hit.body.index), { uv } = hit.body;
     const [u, v] = [0, 1].map((d) => hit.corners.reduce((sum, corner, k) => sum + hit.weights[k] * uv[2 * corner + d], 0));
     return [left + side * (x + size * u), this.scene.canvas.clientHeight - bottom - side * (y + size * (1 - v))];
   }

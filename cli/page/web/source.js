@@ -61,8 +61,7 @@ class Beside {
   draw(background, how) {
     if (!this.shown) return;
     const { scene, canvas } = this, from = scene.canvas, key = [scene.camera.text(), scene.camera.up, how.look, how.range, background].join(), size = [from.width, from.height].join();
-    // While the surface is pressed it may be drawn with fewer pixels; the source stands still.
-    if (key === this.drawn && (size === this.size || scene.hand.strokes.length)) return;
+    if (key === this.drawn && size === this.size) return;
     Object.assign(this, { drawn: key, size });
     canvas.width = from.width, canvas.height = from.height;
     scene.painter.start(scene.camera, scene.aspect(), background);

@@ -7,7 +7,7 @@ const kTick = .001, kBack = 14, kBudget = 10; // seconds; 1/s of springing back;
 
 class Hand {
   constructor(scene) {
-    Object.assign(this, { scene, strokes: [], done: [], due: 0, cost: 0, table: dgm.touch_table(kSteps, kSteps * kSteps / 5, 1), history: [] });
+    Object.assign(this, { scene, strokes: [], done: [], due: 0, cost: 0, table: dgm.touch_table(kSteps, kSteps * kSteps / 5, 1), history: [], jumps: [], last: null });
     this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
   }
   settings(size, lasting) {
@@ -21,10 +21,14 @@ class Hand {
     if (this.strokes.length === 4 || (this.strokes.length && this.strokes[0].body !== hit.body)) return null;
     const { body } = hit;
     this.scene.recorder.stop();
-    if (!this.strokes.length) {
+    const solid = this.scene.physics.on;
+    if (!this.strokes.length && solid) body.base = body.copy(), this.log = null;
+    else if (!this.strokes.length) {
       // Places are read in the shape without elastic touches: what a press does to the surface never moves the tool.
-      dgm.touch_release(body.handle);
-      dgm.touch_normals(body.handle);
+      for (const each of [...body.under, body]) {
+        dgm.touch_release(each.handle);
+        dgm.touch_normals(each.handle);
+      }
       body.base = body.copy();
       this.log = { body, settings: this.settings(options.size, options.lasting), ticks: [], knots: [], started: 0 };
     }
@@ -34,7 +38,7 @@ class Hand {
       runtime: kind === "pull" || outward ? "grasp" : kind === "push" ? "touch" : "poke", start: point, anchor: point, normal, pull: [0, 0, 0], tool: point };
     stroke.most = this.room(stroke);
     this.strokes.push(stroke);
-    if (this.strokes.length === 1) this.log.knots.push(this.knot(stroke));
+    if (!solid) this.log.knots.push(this.knot(stroke));
     this.scene.wake();
     return stroke;
   }
@@ -61,26 +65,24 @@ class Hand {
   end(stroke) {
     if (!this.strokes.includes(stroke)) return;
     this.strokes.splice(this.strokes.indexOf(stroke), 1);
+    if (this.log) this.log.knots.push({ ...this.knot(stroke), seconds: this.log.started + kTick, kind: "away" });
     if (!this.strokes.length) this.finish();
     this.scene.wake();
   }
   finish() {
     const { log } = this;
+    this.last = null;
+    this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
+    if (!log) return;
     this.lift(log.body);
     if (log.settings.mode === 1 && log.ticks.length) this.done.push(log);
     this.scene.recorder.add(log);
     this.log = null;
-    this.felt = { force: 0, ticks: 0, micros: 0, samples: 0 };
   }
-  lift(body) {
-    for (let k = 0; k < 4; ++k) dgm.touch_tool(k, 0, 1);
-    this.apply(this.settings(1, false), kTick, -1);
-    new Float32Array(memory(), dgm.touch_places(), 12).fill(0);
-    check(dgm.touch_ticks(body.handle, this.table, 1, 4));
-  }
+  lift(body) { this.run(body, this.settings(1, false), { kinds: Array(4).fill([0, 1]), places: new Float32Array(12), count: 1, dt: kTick }, -1); }
   // Runs the ticks of `seconds`. True if anything moved.
   advance(seconds) {
-    if (!this.strokes.length) return false;
+    if (!this.strokes.length || !this.log) return false;
     this.due += seconds;
     const most = this.cost > 0 ? Math.max(1, Math.floor(kBudget / this.cost)) : 50;
     const wanted = Math.floor(this.due / kTick + 1e-6), count = Math.min(wanted, most, 250);
@@ -100,14 +102,22 @@ class Hand {
     const batch = { kinds, places, count, dt };
     log.ticks.push(batch);
     const before = performance.now();
-    this.run(log.body, log.settings, batch, this.scene.obstacle ? 0 : kBack);
+    this.run(log.body, log.settings, batch, this.scene.obstacle || log.body.under.length ? 0 : kBack);
     const spent = (performance.now() - before) / count;
     this.cost = this.cost > 0 ? .7 * this.cost + .3 * spent : spent;
     this.read(log, batch, count * dt);
     return true;
   }
-  // One batch, as it was recorded.
-  run(body, settings, { kinds, places, count, dt }, relax) {
+  // One batch, as it was recorded. What lies under a cover is pressed through it by the same tools, and not taken hold of.
+  run(body, settings, batch, relax) {
+    const { kinds, places } = batch;
+    for (const other of body.under) {
+      const way = minus(body.origin, other.origin);
+      this.tick(other, settings, { ...batch, kinds: kinds.map(([kind, lifted]) => (kind === kKinds.grasp ? [0, 1] : [kind, lifted])), places: places.map((p, k) => p + way[k % 3]) }, relax);
+    }
+    this.tick(body, settings, batch, relax);
+  }
+  tick(body, settings, { kinds, places, count, dt }, relax) {
     kinds.forEach(([kind, lifted], k) => dgm.touch_tool(k, kind, lifted));
     this.apply(settings, dt, relax);
     new Float32Array(memory(), dgm.touch_places(), places.length).set(places);
@@ -121,32 +131,42 @@ class Hand {
         const f = forces.subarray(3 * (t * kinds.length + k));
         most = Math.max(most, Math.hypot(f[0], f[1], f[2]));
       }
-      this.history.push(most);
+      this.note(most);
     }
-    if (this.history.length > 2000) this.history.splice(0, this.history.length - 2000);
     for (const stroke of this.strokes) {
       const out = a.slice(3 + 10 * stroke.slot, 13 + 10 * stroke.slot);
       stroke.holding = out[2] === 1, stroke.contact = out[3], stroke.moved = out.slice(4, 7), stroke.force = out.slice(7, 10);
     }
-    const first = this.strokes[0];
     log.started += seconds;
-    log.knots.push(this.knot(first));
+    log.knots.push(...this.strokes.map((stroke) => this.knot(stroke)));
     this.felt = { force: this.history.at(-1), ticks: count, micros: 1000 * this.cost, samples: a[1] };
   }
-  knot(stroke) { return { seconds: this.log.started, place: plus(stroke.tool, stroke.body.chart.offset), kind: stroke.runtime }; }
+  // A tick's force, and its jump from the tick before of the same stroke; `times` milliseconds of it.
+  note(force, times = 1) {
+    const jump = this.last === null ? 0 : Math.abs(force - this.last);
+    this.last = force;
+    for (let t = 0; t < times; ++t) this.history.push(force), this.jumps.push(t === 0 ? jump : 0);
+    if (this.history.length > 3000) for (const list of [this.history, this.jumps]) list.splice(0, list.length - 2000);
+  }
+  knot(stroke) { return { seconds: this.log.started, place: plus(stroke.tool, stroke.body.chart.offset), kind: stroke.runtime, tool: stroke.slot }; }
   // The last stroke that stayed is taken back: the others run again from the shape at rest, to the same bits.
   undo() {
     const last = this.strokes.length ? null : this.done.pop();
     if (!last) return;
-    const { body } = last;
-    dgm.touch_reset(body.handle);
+    const moved = [last.body, ...last.body.under];
+    // A cover and what is under it are done again together.
+    const again = this.scene.bodies.filter((body) => moved.includes(body) || moved.some((other) => body.under.includes(other) || other.under.includes(body)));
+    for (const body of again) dgm.touch_reset(body.handle);
     for (const log of this.done)
-      if (log.body === body) {
-        for (const batch of log.ticks) this.run(body, log.settings, batch, 0);
-        this.lift(body);
+      if (again.includes(log.body)) {
+        for (const batch of log.ticks) this.run(log.body, log.settings, batch, 0);
+        this.lift(log.body);
       }
-    dgm.touch_release(body.handle);
-    dgm.touch_normals(body.handle);
+    for (const body of again) {
+      dgm.touch_release(body.handle);
+      dgm.touch_normals(body.handle);
+    }
+    this.scene.meetAgain = true;
     this.scene.wake();
   }
   reset() {
@@ -156,6 +176,7 @@ class Hand {
       dgm.touch_reset(body.handle);
       dgm.touch_normals(body.handle);
     }
+    this.scene.meetAgain = true;
     this.scene.wake();
   }
 }
