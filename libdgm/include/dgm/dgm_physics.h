@@ -46,7 +46,7 @@ typedef struct dgm_pin {
 /* Settings of a step. */
 typedef struct dgm_step_options {
     uint32_t struct_size;
-    uint32_t cycles;               /* quasi-Newton iterations, 1 .. 1000. 0: 3 */
+    uint32_t cycles;               /* conjugate gradients, 1 .. 1000. 0: 3 */
     float gravity[3];              /* m/s^2 */
     float tool_radius;             /* tools are spheres, local units; > 0 if there are tools */
     const dgm_obstacle* obstacles; /* obstacle_count of them, at most 64 together with the tools */
@@ -59,7 +59,7 @@ typedef struct dgm_step_options {
 typedef struct dgm_step_report {
     uint32_t struct_size;
     uint32_t contacts;   /* unknowns that press against obstacles or tools */
-    uint32_t cycles;     /* V-cycles that were run */
+    uint32_t cycles;     /* that were run */
     uint32_t clamped;    /* 1: the step led to numbers that are not finite; nothing moved */
     double volume_error; /* volume / rest volume - 1, of closed surfaces that keep it */
     double pressure;     /* Pa, inside over outside */

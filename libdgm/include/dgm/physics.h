@@ -5,8 +5,8 @@
 // Link dgm::physics beside dgm::dgm. docs/physics.md has the model, its equations, sources and limits.
 //
 // A step minimises  m |d - dt v - dt^2 g|^2 / (2 dt^2) + membrane + bending + foundation  over displacements d,
-// without penetration of obstacles and, on closed surfaces, without change of volume. It works in quasi-Newton
-// iterations; each evaluates the exact gradient of that potential and applies one V-cycle over the strides.
+// without penetration of obstacles and, on closed surfaces, without change of volume. It works by conjugate gradients
+// on that potential; each cycle evaluates its gradient and applies V-cycles over the strides as preconditioner.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -62,12 +62,12 @@ struct Pin {
 
 /// Settings of a step.
 struct StepOptions {
-    std::uint32_t cycles = 3;             ///< quasi-Newton iterations, 1 .. 1000
+    std::uint32_t cycles = 3;             ///< conjugate gradients, 1 .. 1000
     Vec3 gravity;                         ///< m/s^2
     std::span<const Obstacle> obstacles;  ///< at most 64 together with the tools
     std::span<const Pin> pins;            ///< their class moves with them; any number
     /// Tools are spheres of this radius, local units. A grasp holds the samples within it of the sample nearest at its
-    /// start.
+    /// start, but those that another tool holds.
     float tool_radius = 0;
 };
 
@@ -79,7 +79,7 @@ struct StepReport {
     double kinetic = 0;          ///< J
     double elastic = 0;          ///< J: membrane, bending, foundation
     std::uint32_t contacts = 0;  ///< unknowns that press against obstacles or tools
-    std::uint32_t cycles = 0;    ///< V-cycles that were run
+    std::uint32_t cycles = 0;    ///< that were run
     bool clamped = false;        ///< the step led to numbers that are not finite, and nothing has moved
 };
 
@@ -90,7 +90,8 @@ struct StepTool {
 };
 
 /// Stencils of all strides, velocities and displacement of one state. One thread at a time, together with its state.
-/// Closed and open charts of the square domain. Memory: about 1.4 KB a sample.
+/// Closed and open charts of the square domain. Memory: 1.5 KB a sample
+/// from 129 x 129 on, 1.7 KB at 33 x 33, and a tenth more while it is made.
 class Physics {
  public:
     /// Takes the rest shape of the state as stress-free.
@@ -121,8 +122,8 @@ class Physics {
 /// @param answers  one for each tool, or empty
 /// @return BadArgument: a number is not finite or out of range, a sample that does not exist or is pinned twice, too
 ///         few answers, a Physics made for a state of another size, an obstacle that resolve_contact() refuses.
-///         Unsupported: kinds that are not known. LimitExceeded: more than 64 obstacles and tools. Nothing has been
-///         changed then.
+///         Unsupported: kinds that are not known. LimitExceeded: more than 64 obstacles and tools, or more pairs of
+///         a sample and an obstacle near it than twice the samples. Nothing has been changed then.
 /// No allocation, no locks. The same bits for the same calls, with plain loops and others. O(samples).
 [[nodiscard]] DGM_PHYSICS_API Result<StepReport> step(State& state, Physics& physics, const StepOptions& options = {},
                                                       std::span<const ToolInput> tools = {},

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/energy.cpp
 // Evaluates the potential of a step and its gradient.
-#include <cmath>
+#include <algorithm>
 
 #include "physics/physics_impl.h"
 
 namespace dgm::detail::physics {
 namespace {
+
+Double3 point(const Field& f, std::uint32_t s) noexcept {
+    return {f.p[0][s], f.p[1][s], f.p[2][s]};
+}
 
 /// Inertia and foundation: diagonal, so they are added after copies have been summed.
 void add_diagonal(PhysicsImpl& p, Potential& to) noexcept {
@@ -14,44 +18,75 @@ void add_diagonal(PhysicsImpl& p, Potential& to) noexcept {
     const auto by_dt2 = static_cast<float>(1 / (double{p.options.dt} * double{p.options.dt}));
     double energies[2];
     p.solver.kernels->diagonal(
-        {l.count(), p.mass, p.anchor, p.free, l.own, by_dt2, p.delta, p.inertial, p.moved, p.target, p.gradient},
+        {l.count(), p.mass, p.anchor, p.free, l.own, by_dt2, p.delta, p.inertial, p.moved, p.target, p.smooth},
         energies);
     to.inertial += 0.5 * energies[0];
     to.elastic += 0.5 * energies[1];
 }
 
 /// The augmented Lagrangian of  gap >= 0: (max(0, multiplier - stiffness gap)^2 - multiplier^2) / (2 stiffness).
-void add_contacts(PhysicsImpl& p, Potential& to) noexcept {
+double add_contacts(PhysicsImpl& p) noexcept {
     Array<Touching>& list = p.touching[p.touching_now];
+    double energy = 0;
     for (std::uint32_t k = 0; k < p.touching_count; ++k) {
         Touching& t = list[k];
-        const Double3 d{p.delta.p[0][t.sample], p.delta.p[1][t.sample], p.delta.p[2][t.sample]};
-        const double gap = t.gap + dot(t.normal, d);
+        const double gap = t.gap + dot(t.normal, point(p.delta, t.sample));
         t.force = t.multiplier - t.stiffness * gap;
         if (t.force > 0)
             t.met = true;
         else
             t.force = 0;
-        to.contact += (t.force * t.force - t.multiplier * t.multiplier) / (2 * t.stiffness);
+        energy += (t.force * t.force - t.multiplier * t.multiplier) / (2 * t.stiffness);
         const Vec3 f = narrow(t.force * t.normal);
         const float away[3] = {f.x, f.y, f.z};
         for (int c = 0; c < 3; ++c) p.gradient.p[c][t.sample] -= p.free[t.sample] * away[c];
     }
+    return energy;
 }
 
 /// The same of  position = aim  for grasped samples.
-void add_grasps(PhysicsImpl& p, Potential& to) noexcept {
+double add_grasps(PhysicsImpl& p) noexcept {
+    double energy = 0;
     for (std::uint32_t k = 0; k < p.grasped_count; ++k) {
         Grasped& g = p.grasped[k];
-        const Double3 d{p.delta.p[0][g.sample], p.delta.p[1][g.sample], p.delta.p[2][g.sample]};
-        g.force = g.multiplier + g.stiffness * (g.aim - d);
-        to.contact += (dot(g.force, g.force) - dot(g.multiplier, g.multiplier)) / (2 * g.stiffness);
+        g.force = g.multiplier + g.stiffness * (g.aim - point(p.delta, g.sample));
+        energy += (dot(g.force, g.force) - dot(g.multiplier, g.multiplier)) / (2 * g.stiffness);
         const Vec3 f = narrow(g.force);
         const float pull[3] = {f.x, f.y, f.z};
         for (int c = 0; c < 3; ++c) p.gradient.p[c][g.sample] -= p.free[g.sample] * pull[c];
     }
+    return energy;
 }
 }  // namespace
+
+double press(PhysicsImpl& p) noexcept {
+    for (int c = 0; c < 3; ++c) std::copy(p.smooth.p[c], p.smooth.p[c] + p.fine().count(), p.gradient.p[c]);
+    const double energy = add_contacts(p) + add_grasps(p);
+    if (p.touching_count + p.grasped_count != 0) share_copies(p.fine(), p.gradient);
+    return energy;
+}
+
+Slope pressed_slope(const PhysicsImpl& p, const Field& way, double step) noexcept {
+    Slope slope;
+    const Array<Touching>& list = p.touching[p.touching_now];
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) {
+        const Touching& t = list[k];
+        const double speed = double{p.free[t.sample]} * dot(t.normal, point(way, t.sample));
+        const double gap = t.gap + dot(t.normal, point(p.delta, t.sample)) + step * speed;
+        const double force = t.multiplier - t.stiffness * gap;
+        if (!(force > 0)) continue;
+        slope.first -= force * speed;
+        slope.second += t.stiffness * speed * speed;
+    }
+    for (std::uint32_t k = 0; k < p.grasped_count; ++k) {
+        const Grasped& g = p.grasped[k];
+        const Double3 speed = double{p.free[g.sample]} * point(way, g.sample);
+        const Double3 force = g.multiplier + g.stiffness * (g.aim - point(p.delta, g.sample) - step * speed);
+        slope.first -= dot(force, speed);
+        slope.second += g.stiffness * dot(speed, speed);
+    }
+    return slope;
+}
 
 void sum_classes(const PhysicsImpl& p, const Field& f) noexcept {
     const Level& l = p.fine();
@@ -82,19 +117,17 @@ Potential evaluate(PhysicsImpl& p) noexcept {
     loops.near({count, cols, p.near.data(), p.moved, p.curvature, true});
     sum_classes(p, p.area);
     sum_classes(p, p.curvature);
-    loops.bend({count, p.modulus, p.height, p.rest_normal, p.area, p.curvature, p.moment, p.twist, p.bent, l.own});
+    loops.bend(
+        {count, p.modulus, p.height, p.rest_normal, p.area, p.curvature, p.moment, p.twist, p.bent, l.own, kFlat});
     TwistJob twist{job.on, p.twist, {p.corner[0], p.corner[1], p.corner[2], p.corner[3]}};
     loops.twist(twist);
-    loops.gather(count, cols, p.corner, p.gradient);
+    loops.gather(count, cols, p.corner, p.smooth);
     loops.near({count, cols, p.near_turned.data(), p.moment, p.curvature, false});
-    loops.add(count, p.gradient, 1, p.curvature);
-    sum_classes(p, p.gradient);
+    loops.add(count, p.smooth, 1, p.curvature);
+    sum_classes(p, p.smooth);
     Potential potential;
     potential.elastic = loops.total(count, p.energy) + loops.total(count, p.bent);
     add_diagonal(p, potential);
-    add_contacts(p, potential);
-    add_grasps(p, potential);
-    if (p.touching_count + p.grasped_count != 0) share_copies(l, p.gradient);
     return potential;
 }
 

@@ -27,15 +27,15 @@ struct Field {
 
 inline constexpr std::size_t kNear = 9;  ///< entries (di, dj) of 3 x 3 stencils, row-major
 
-/// residual -= (A + extra) way; next = keep way + step inverse residual; sum += next. `next` may be empty: the residual
-/// alone.
+/// residual -= (A + extra) way; next = keep way + step inverse residual; sum += next + carry way. `next` may be empty:
+/// the residual alone.
 struct SweepJob {
     std::size_t count;  ///< samples, whole blocks
     std::ptrdiff_t cols;
     const float* stencil;  ///< kNear entries
     const float *extra, *inverse;
     Field way, residual, next, sum;
-    float keep, step;
+    float keep, step, carry;
 };
 
 /// to = stencil(kNear) from; of its differences from the sample in the middle if the rows of the stencil sum up to 0:
@@ -92,6 +92,7 @@ struct BendJob {
     Field moment, field;  ///< out; moment may be the same as curvature
     float* energy;        ///< 0 on copies
     const float* own;     ///< 1 at representatives, 0 at their copies
+    float flat;           ///< weight of the part along the surface
 };
 
 /// Where samples are now, in double precision, and their inertia and foundation.
@@ -129,9 +130,12 @@ struct Kernels {
     void (*gather_areas)(const Quads& on, const Field* area, const Field& to) noexcept;
     // The following work on `count` samples, whole blocks. Sums have eight parts by sample number.
     void (*add)(std::size_t count, const Field& to, float factor, const Field& from) noexcept;  ///< to += factor from
-    /// to = factor weight from, and sum += to unless empty.
-    void (*weigh)(std::size_t count, const Field& to, float factor, const float* weight, const Field& from,
-                  const Field& sum) noexcept;
+    /// to = factor weight from
+    void (*weigh)(std::size_t count, const Field& to, float factor, const float* weight, const Field& from) noexcept;
+    /// to = factor to - from
+    void (*turn)(std::size_t count, const Field& to, float factor, const Field& from) noexcept;
+    /// to = from + factor (to - from)
+    void (*blend)(std::size_t count, const Field& to, float factor, const Field& from) noexcept;
     double (*inner)(std::size_t count, const float* own, const Field& a, const Field& b) noexcept;
     double (*total)(std::size_t count, const float* plane) noexcept;
     void (*place)(const PlaceJob& job) noexcept;

@@ -29,8 +29,8 @@ static DGM_INLINE Floats root(const Floats& v) {
 }  // namespace
 
 extern const Kernels kAvx2Kernels;
-const Kernels kAvx2Kernels{"avx2",       sweep, near,  quads, stretches, twist, bend,     gather,
-                           gather_areas, add,   weigh, inner, total,     place, diagonal, volume};
+const Kernels kAvx2Kernels{"avx2", sweep, near, quads, stretches, twist, bend,  gather,   gather_areas,
+                           add,    weigh, turn, blend, inner,     total, place, diagonal, volume};
 
 }  // namespace dgm::detail::physics
 

@@ -34,8 +34,8 @@ static DGM_INLINE __m512d eight_doubles(const float* from) {
 }  // namespace
 
 extern const Kernels kAvx512Kernels;
-const Kernels kAvx512Kernels{"avx512",     sweep, near,  quads, stretches, twist, bend,     gather,
-                             gather_areas, add,   weigh, inner, total,     place, diagonal, volume};
+const Kernels kAvx512Kernels{"avx512", sweep, near, quads, stretches, twist, bend,  gather,   gather_areas,
+                             add,      weigh, turn, blend, inner,     total, place, diagonal, volume};
 
 }  // namespace dgm::detail::physics
 

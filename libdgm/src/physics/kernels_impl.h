@@ -55,7 +55,7 @@ static DGM_INLINE const float* block_of(const float* stencil, std::size_t s, std
 
 static void sweep(const SweepJob& job) noexcept {
     const std::ptrdiff_t n = job.cols;
-    const Floats keep = all(job.keep), step = all(job.step);
+    const Floats keep = all(job.keep), step = all(job.step), carry = all(job.carry);
     for (std::size_t at = 0; at < job.count; at += kLanes) {
         const auto s = static_cast<std::ptrdiff_t>(at);
         const float* c = block_of(job.stencil, at, kNear);
@@ -70,7 +70,7 @@ static void sweep(const SweepJob& job) noexcept {
         if (job.next.p[0] == nullptr) continue;
         const V3 next = keep * way + (step * load(job.inverse + s)) * r;
         store(job.next, s, next);
-        store(job.sum, s, load(job.sum, s) + next);
+        store(job.sum, s, load(job.sum, s) + (next + carry * way));
     }
 }
 
@@ -239,10 +239,11 @@ static void bend(const BendJob& job) noexcept {
         const V3 normal = over * area;
         const Floats modulus = load(job.modulus + s), height = load(job.height + s);
         const V3 off = load(job.curvature, s) - height * (normal - load(job.rest_normal, s));
-        const V3 moment = modulus * off;
-        store(job.energy + s, (0.5f * load(job.own + s)) * dot(moment, off));
-        store(job.moment, s, moment);
-        store(job.field, s, (-1.0f * height * over) * (moment - dot(moment, normal) * normal));
+        const Floats across = dot(off, normal), moment = modulus * across, flat = job.flat * modulus;
+        const V3 along = off - across * normal;
+        store(job.energy + s, (0.5f * load(job.own + s)) * (moment * across + flat * dot(along, along)));
+        store(job.moment, s, moment * normal + flat * along);
+        store(job.field, s, (over * (moment - flat * (height + across))) * along);
     }
 }
 
@@ -279,13 +280,25 @@ static void add(std::size_t count, const Field& to, float factor, const Field& f
     }
 }
 
-static void weigh(std::size_t count, const Field& to, float factor, const float* weight, const Field& from,
-                  const Field& sum) noexcept {
+static void weigh(std::size_t count, const Field& to, float factor, const float* weight, const Field& from) noexcept {
     for (std::size_t at = 0; at < count; at += kLanes) {
         const auto s = static_cast<std::ptrdiff_t>(at);
-        const V3 v = (factor * load(weight + s)) * load(from, s);
-        store(to, s, v);
-        if (sum.p[0] != nullptr) store(sum, s, load(sum, s) + v);
+        store(to, s, (factor * load(weight + s)) * load(from, s));
+    }
+}
+
+static void turn(std::size_t count, const Field& to, float factor, const Field& from) noexcept {
+    for (std::size_t at = 0; at < count; at += kLanes) {
+        const auto s = static_cast<std::ptrdiff_t>(at);
+        store(to, s, factor * load(to, s) - load(from, s));
+    }
+}
+
+static void blend(std::size_t count, const Field& to, float factor, const Field& from) noexcept {
+    for (std::size_t at = 0; at < count; at += kLanes) {
+        const auto s = static_cast<std::ptrdiff_t>(at);
+        const V3 start = load(from, s);
+        store(to, s, start + factor * (load(to, s) - start));
     }
 }
 

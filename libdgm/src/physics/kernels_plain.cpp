@@ -23,8 +23,8 @@ static DGM_INLINE Floats root(Floats v) {
 #include "physics/kernels_impl.h"
 }  // namespace
 
-const Kernels kPlainKernels{"plain",      sweep, near,  quads, stretches, twist, bend,     gather,
-                            gather_areas, add,   weigh, inner, total,     place, diagonal, volume};
+const Kernels kPlainKernels{"plain", sweep, near, quads, stretches, twist, bend,  gather,   gather_areas,
+                            add,     weigh, turn, blend, inner,     total, place, diagonal, volume};
 
 #if DGM_HAS_AVX
 extern const Kernels kAvx2Kernels, kAvx512Kernels;

@@ -91,6 +91,7 @@ struct Multigrid {
     std::uint32_t levels = 0;
     const Kernels* kernels = nullptr;
     Factors factors = Factors::One;
+    int steps = 4;  ///< of the smoother, before and after
     double apart = 0, scale = 1;
     const float* mass = nullptr;               ///< plane of level[0]
     double factor[2][kDirect * kDirect] = {};  ///< Cholesky factors of the coarsest matrices

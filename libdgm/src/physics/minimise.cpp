@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/minimise.cpp
-// Lowers the potential of a step: limited-memory BFGS whose first guess of the inverse is one V-cycle.
+// Lowers the potential of a step: conjugate gradients with V-cycles as preconditioner.
 //
-// [Liu, Bouaziz, Kavan 2017] Quasi-Newton methods for real-time simulation of hyperelastic materials, with multigrid in
-// place of their Cholesky factor; the recursion is that of [Nocedal 1980]. The volume is kept by one more vector, the
-// V-cycle of its gradient: directions are made to meet the linearised constraint, and the last move solves the exact
-// one along that vector.
+// A step's potential is nearly quadratic over the few hundredths of a millimetre that samples go in it beyond where
+// inertia leads. So a cycle evaluates the gradient once, a whole step ahead; its difference stands for the product of
+// second derivatives and direction [Hestenes, Stiefel 1952], and the step goes where the slope of the line is 0, with
+// the contacts that are met on the way. Where the energy there says that the potential is not quadratic, the step is
+// halved until it is lower, by gradients in place. Directions are those of [Polak, Ribiere 1969].
+//
+// The volume is kept by one more vector, the preconditioner's answer to its gradient: gradients and directions are
+// freed of it, and the last move solves the exact constraint along it.
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +17,10 @@
 
 namespace dgm::detail::physics {
 namespace {
+
+constexpr std::uint32_t kAnew = 4;           ///< cycles after which the gradient is evaluated in place
+constexpr double kClose = 0.02, kFar = 0.5;  ///< of the energy from a quadratic one, in curvatures of the line
+constexpr double kFarthest = 3;              ///< of a step, in multiples of the preconditioner's
 
 void copy(const PhysicsImpl& p, const Field& to, const Field& from) noexcept {
     for (int c = 0; c < 3; ++c) std::copy(from.p[c], from.p[c] + p.fine().count(), to.p[c]);
@@ -25,24 +33,22 @@ double inner(const PhysicsImpl& p, const Field& a, const Field& b) noexcept {
     return p.solver.kernels->inner(p.fine().count(), p.fine().own, a, b);
 }
 void hold(const PhysicsImpl& p, const Field& f) noexcept {
-    for (int c = 0; c < 3; ++c) {
-        float* __restrict t = f.p[c];
-        const float* __restrict free = p.free;
-        for (std::size_t s = 0; s < p.fine().count(); ++s) t[s] *= free[s];
-    }
+    p.solver.kernels->weigh(p.fine().count(), f, 1, p.free, f);
 }
 /// to = A^-1 from, about.
 void precondition(PhysicsImpl& p, const Field& to, const Field& from) noexcept {
     copy(p, p.fine().r, from);
     run_cycle(p.solver);
-    copy(p, to, p.fine().x);
-    hold(p, to);
+    p.solver.kernels->weigh(p.fine().count(), to, 1, p.free, p.fine().x);
+}
+/// Square root of the sum of squared forces over the diagonal: the length of a Jacobi step in the energy's norm.
+double unbalanced(const PhysicsImpl& p) noexcept {
+    return std::sqrt(p.solver.kernels->inner(p.fine().count(), p.give, p.gradient, p.gradient));
 }
 
-/// Work that waits: a volume to restore, and the response to a pressure.
+/// The pressure and the response to it.
 struct Swelling {
     bool on = false;
-    double volume = 0;    ///< now
     double response = 0;  ///< volume gained by `swell`
 };
 
@@ -50,156 +56,191 @@ struct Swelling {
 void take_pressure(PhysicsImpl& p, const Swelling& v) noexcept {
     if (!v.on) return;
     p.pressure = inner(p, p.gradient, p.swell) / v.response;
-    add(p, p.gradient, -p.pressure / 6, p.area);
-    hold(p, p.gradient);
+    add(p, p.gradient, -p.pressure / 6, p.push);
 }
-
-void find_way(PhysicsImpl& p, const Swelling& v) noexcept {
-    const Level& l = p.fine();
-    double share[kHistory] = {};
-    copy(p, p.way, p.gradient);
-    for (int k = 0; k < p.pairs; ++k) {
-        const int at = (p.next_pair - 1 - k + 2 * kHistory) % kHistory;
-        share[at] = inner(p, p.moves[at], p.way) / p.products[at];
-        add(p, p.way, -share[at], p.turns[at]);
-    }
-    precondition(p, p.way, p.way);
-    for (int k = p.pairs - 1; k >= 0; --k) {
-        const int at = (p.next_pair - 1 - k + 2 * kHistory) % kHistory;
-        add(p, p.way, share[at] - inner(p, p.turns[at], p.way) / p.products[at], p.moves[at]);
-    }
-    for (float* f : p.way.p)
-        for (std::size_t s = 0; s < l.count(); ++s) f[s] = -f[s];
-    if (!v.on) return;
-    const double gained = inner(p, p.area, p.way) / 6;
-    add(p, p.way, (p.rest_volume - v.volume - gained) / v.response, p.swell);
-}
-
-/// Remembers the last move and how the gradient turned.
-void learn(PhysicsImpl& p, double step) noexcept {
-    const Field &move = p.moves[p.next_pair], &turn = p.turns[p.next_pair];
-    const Level& l = p.fine();
-    for (int c = 0; c < 3; ++c)
-        for (std::size_t s = 0; s < l.count(); ++s) {
-            move.p[c][s] = p.delta.p[c][s] - p.before.p[c][s];
-            turn.p[c][s] = p.gradient.p[c][s] - p.last.p[c][s];
-        }
-    const double product = inner(p, move, turn), expected = -step * inner(p, p.last, move);
-    if (!(product > 1e-3 * std::fabs(expected)) || !std::isfinite(product)) return;
-    p.products[p.next_pair] = product;
-    p.next_pair = (p.next_pair + 1) % kHistory;
-    p.pairs = std::min(p.pairs + 1, kHistory);
-}
-
-/// Square root of the sum of squared forces over the diagonal: the length of a Jacobi step in the energy's norm.
-double unbalanced(const PhysicsImpl& p) noexcept {
-    const Level& l = p.fine();
-    double sum = 0;
-    for (int c = 0; c < 3; ++c)
-        for (std::uint32_t s = 0; s < l.grid; ++s) {
-            const double g = p.gradient.p[c][s];
-            if (l.own[s] != 0) sum += g * g / double{p.firm[s] + p.pressed[s]};
-        }
-    return std::sqrt(sum);
-}
-
 Swelling prepare_swelling(PhysicsImpl& p) noexcept {
     Swelling v;
+    copy(p, p.push, p.area);
+    hold(p, p.push);
     if (!p.closed || !p.options.keep_volume) return v;
-    copy(p, p.way, p.area);
-    hold(p, p.way);
-    for (float* f : p.way.p)
-        for (std::size_t s = 0; s < p.fine().count(); ++s) f[s] *= 1.0f / 6;
-    precondition(p, p.swell, p.way);
-    v.response = inner(p, p.area, p.swell) / 6;
-    v.volume = volume_of(p, p.delta, 0, nullptr);
+    precondition(p, p.swell, p.push);
+    v.response = inner(p, p.push, p.swell) / 6;
     v.on = v.response > 0;
     return v;
 }
 
-/// Finds the multiple of `swell` that gives the rest volume, by secants: the volume is a cubic that is nearly a line.
-void restore_volume(PhysicsImpl& p, const Swelling& v) noexcept {
+/// Applies the constraint anew after the shape has changed.
+void renew_swelling(PhysicsImpl& p, Swelling& v) noexcept {
+    copy(p, p.push, p.area);
+    hold(p, p.push);
     if (!v.on) return;
-    double now = v.volume, slope = v.response, at = 0;
+    v.response = inner(p, p.push, p.swell) / 6;
+    v.on = v.response > 0;
+}
+
+/// Finds the multiple of `swell` that gives the rest volume, by secants: the volume is a cubic that is nearly a line.
+/// @return volume / rest volume - 1
+double restore_volume(PhysicsImpl& p, const Swelling& v) noexcept {
+    if (!v.on) return 0;
+    double slope = v.response, now = volume_of(p, p.delta, 0, nullptr);
     for (int k = 0; k < 6; ++k) {
         const double wanted = p.rest_volume - now;
-        if (std::fabs(wanted) <= 1e-12 * std::fabs(p.rest_volume) || !(slope > 0)) break;
-        const double next = at + wanted / slope, volume = volume_of(p, p.delta, next, &p.swell);
-        if (!(std::fabs(p.rest_volume - volume) < std::fabs(wanted))) break;
-        slope = (volume - now) / (next - at);
-        at = next;
+        if (std::fabs(wanted) <= 1e-10 * std::fabs(p.rest_volume) || !(slope > 0)) break;
+        const auto by = static_cast<float>(wanted / slope);
+        add(p, p.delta, double{by}, p.swell);
+        const double volume = volume_of(p, p.delta, 0, nullptr);
+        const bool nearer = std::fabs(p.rest_volume - volume) < std::fabs(wanted);
+        if (nearer) slope = (volume - now) / double{by};
         now = volume;
+        if (!nearer) break;
     }
-    add(p, p.delta, at, p.swell);
+    return now / p.rest_volume - 1;
 }
 
 /// The step starts where the velocity leads, or where the body is if that has the lower potential.
 Potential start(PhysicsImpl& p) noexcept {
-    Potential now = evaluate(p);
+    const auto here = [&] {
+        Potential now = evaluate(p);
+        now.contact = press(p);
+        return now;
+    };
+    const Potential now = here();
     if (now.sum() <= p.elastic + p.at_rest) return now;
     copy(p, p.before, p.delta);
     for (float* f : p.delta.p)
         for (std::size_t s = 0; s < p.fine().count(); ++s) f[s] *= 1 - p.free[s];
-    const Potential still = evaluate(p);
+    const Potential still = here();
     if (still.sum() <= now.sum() || !std::isfinite(now.sum())) return still;
     copy(p, p.delta, p.before);
-    return evaluate(p);
+    return here();
+}
+
+/// Where the search is: potential without contacts, that of contacts, and the line along `way`.
+struct Search {
+    double smooth = 0, contact = 0;
+    double product = 0;  ///< gradient . preconditioned gradient of the cycle before; 0: begin anew
+    double slope = 0;
+};
+
+/// way = the next conjugate direction. @return false: there is none
+bool find_way(PhysicsImpl& p, const Swelling& v, Search& s) noexcept {
+    precondition(p, p.fresh, p.gradient);
+    if (v.on) add(p, p.fresh, -inner(p, p.push, p.fresh) / 6 / v.response, p.swell);
+    const double product = inner(p, p.fresh, p.gradient);
+    const double turn = s.product > 0 ? std::max(0.0, (product - inner(p, p.fresh, p.last)) / s.product) : 0;
+    s.product = product;
+    copy(p, p.last, p.gradient);
+    p.solver.kernels->turn(p.fine().count(), p.way, static_cast<float>(turn), p.fresh);
+    s.slope = inner(p, p.gradient, p.way);
+    if (s.slope < 0) return true;
+    p.solver.kernels->turn(p.fine().count(), p.way, 0, p.fresh);
+    s.slope = -product;
+    return s.slope < 0;
+}
+
+/// Where the line's slope is 0: `bend` is its growth without contacts.
+double lowest_on_line(const PhysicsImpl& p, const Search& s, double bend) noexcept {
+    const double smooth = s.slope - pressed_slope(p, p.way, 0).first;
+    double low = 0, high = kFarthest, at = 0;
+    for (int k = 0; k < 12; ++k) {
+        const Slope pressed = pressed_slope(p, p.way, at);
+        const double slope = smooth + bend * at + pressed.first;
+        if (std::fabs(slope) <= 1e-3 * std::fabs(s.slope)) break;
+        (slope < 0 ? low : high) = at;
+        at -= slope / (bend + pressed.second);
+        if (!(at > low && at < high)) at = (low + high) / 2;
+    }
+    return at;
+}
+
+enum class Move : std::uint8_t { Modelled, InPlace, None };
+/// Goes along `way`. @return how the gradient was found
+Move advance(PhysicsImpl& p, Search& s) noexcept {
+    const Kernels& loops = *p.solver.kernels;
+    const std::size_t count = p.fine().count();
+    copy(p, p.before, p.delta);
+    copy(p, p.smooth_before, p.smooth);
+    const double before = inner(p, p.smooth_before, p.way);
+    add(p, p.delta, 1, p.way);
+    Potential ahead = evaluate(p);
+    const double energy = ahead.elastic + ahead.inertial, after = inner(p, p.smooth, p.way), bend = after - before;
+    const double off = std::fabs(energy - s.smooth - 0.5 * (before + after)), merit = s.smooth + s.contact;
+    const double most = 1e-6 * (std::fabs(s.smooth) + std::fabs(s.contact));
+    double step = 1;
+    if (bend > 0 && off <= std::max(kFar * bend, most)) {
+        copy(p, p.delta, p.before);
+        step = lowest_on_line(p, s, bend);
+        add(p, p.delta, step, p.way);
+        if (off <= std::max(kClose * bend, most)) {
+            loops.blend(count, p.smooth, static_cast<float>(step), p.smooth_before);
+            s.smooth += step * before + 0.5 * step * step * bend;
+            s.contact = press(p);
+            return Move::Modelled;
+        }
+        ahead = evaluate(p);
+    }
+    for (int tries = 0; tries < 10; ++tries) {
+        if (tries > 0) {
+            step *= 0.5;
+            copy(p, p.delta, p.before);
+            add(p, p.delta, step, p.way);
+            ahead = evaluate(p);
+        }
+        ahead.contact = press(p);
+        if (!(ahead.sum() <= merit + 1e-4 * step * s.slope + most)) continue;
+        s.smooth = ahead.elastic + ahead.inertial;
+        s.contact = ahead.contact;
+        return Move::InPlace;
+    }
+    copy(p, p.delta, p.before);
+    copy(p, p.smooth, p.smooth_before);
+    s.contact = press(p);
+    return Move::None;
+}
+
+double inertia_of(const PhysicsImpl& p) noexcept {
+    const Level& l = p.fine();
+    double sum = 0;
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t s = 0; s < l.grid; ++s) {
+            const double d = double{p.delta.p[c][s]} - double{p.inertial.p[c][s]};
+            sum += double{l.own[s]} * double{p.mass[s]} * d * d;
+        }
+    return sum / (2 * double{p.options.dt} * double{p.options.dt});
 }
 }  // namespace
 
 bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept {
-    Potential now = start(p);
+    const Potential begin = start(p);
+    Search s{begin.elastic + begin.inertial, begin.contact};
+    take_holds(p);
+    if (!p.solver.sound) return false;
     Swelling v = prepare_swelling(p);
-    report.cycles = v.on ? 1 : 0;
     const double first = unbalanced(p);
     take_pressure(p, v);
     for (std::uint32_t k = 0; k < cycles; ++k) {
-        if (!(unbalanced(p) > 1e-7 * first)) break;
-        find_way(p, v);
+        if (!(unbalanced(p) > 1e-7 * first) || !find_way(p, v, s)) break;
         ++report.cycles;
-        copy(p, p.before, p.delta);
-        copy(p, p.last, p.gradient);
-        const double merit = now.sum() - p.pressure * v.volume, slope = inner(p, p.last, p.way);
-        const double noise = 1e-6 * (std::fabs(now.elastic) + now.inertial + std::fabs(now.contact));
-        const double old_pressure = p.pressure;
-        double step = 1;
-        bool lower = false;
-        for (int tries = 0; tries < 8 && !lower; ++tries) {
-            if (tries > 0) step *= 0.5;
-            copy(p, p.delta, p.before);
-            add(p, p.delta, step, p.way);
-            now = evaluate(p);
-            v.volume = v.on ? volume_of(p, p.delta, 0, nullptr) : 0;
-            lower = now.sum() - old_pressure * v.volume <= merit + 1e-4 * step * std::min(slope, 0.0) + noise;
-        }
-        if (!lower) {
-            copy(p, p.delta, p.before);
-            now = evaluate(p);
-            v.volume = v.on ? volume_of(p, p.delta, 0, nullptr) : 0;
-            take_pressure(p, v);
-            p.pairs = 0;
-            // Obstacles that the way ran into were not in the matrix: a shorter way would not help, another one does.
-            if (!hold_met(p)) break;
-            continue;
-        }
-        if (v.on) {
-            add(p, p.gradient, -old_pressure / 6, p.area);
-            hold(p, p.gradient);
-            learn(p, step);
-            add(p, p.gradient, old_pressure / 6, p.area);
-            hold(p, p.gradient);
-        } else {
-            learn(p, step);
+        const Move move = advance(p, s);
+        const bool met = hold_met(p);
+        if (move == Move::None && !met && s.product == 0) break;
+        if (met || move == Move::None) s.product = 0;
+        if (move == Move::Modelled && k % kAnew == kAnew - 1 && k + 1 < cycles) {
+            const Potential now = evaluate(p);
+            s.smooth = now.elastic + now.inertial;
+            s.contact = press(p);
+            renew_swelling(p, v);
         }
         take_pressure(p, v);
     }
-    restore_volume(p, v);
+    report.volume_error = restore_volume(p, v);
     const double left = unbalanced(p);
     report.residual = first > 0 ? left / first : 0;
-    p.elastic = now.elastic;
     report.pressure = v.on ? p.pressure : 0;
-    if (v.on) report.volume_error = volume_of(p, p.delta, 0, nullptr) / p.rest_volume - 1;
-    return std::isfinite(now.sum()) && std::isfinite(left) && std::isfinite(report.volume_error);
+    const double elastic = s.smooth - inertia_of(p);
+    const bool sound = std::isfinite(elastic) && std::isfinite(left) && std::isfinite(report.volume_error);
+    if (sound) p.elastic = elastic;
+    return sound;
 }
 
 }  // namespace dgm::detail::physics

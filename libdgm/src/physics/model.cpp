@@ -9,7 +9,9 @@
 //
 // Bending: 1/2 sum B / A |L u - h (n - n0)|^2 over samples. L x is the cotangent Laplacian: twice mean curvature times
 // area times normal. Its part along the surface at rest is removed by a stencil C over the same triangles, the smallest
-// that reproduces it; so L - C of the rest shape is h n0, and turning a shape turns both terms alike.
+// that reproduces it; so L - C of the rest shape is h n0, and turning a shape turns both terms alike. What it has along
+// the surface is no curvature and counts by kFlat: without it, a sheet that is folded flat would stay folded, and with
+// all of it, motion along the surface is stiffer than the membrane (docs/physics.md).
 #include <algorithm>
 #include <cmath>
 
@@ -84,25 +86,30 @@ bool make_unknowns(PhysicsImpl& p, const StateImpl& s) noexcept {
         const std::uint32_t first = s.representative(k);
         l.dof_of[k] = first == k ? l.dofs++ : l.dof_of[first];
     }
-    return list_unknowns(l, p.allocator);
+    if (!list_unknowns(l, p.allocator) || !p.next_copy.allocate(p.allocator, l.grid, kNone)) return false;
+    for (std::size_t k = l.copies.size(); k > 0; k -= 2) {
+        const std::uint32_t copy = l.copies[k - 2], first = l.copies[k - 1];
+        p.next_copy[copy] = p.next_copy[first];
+        p.next_copy[first] = copy;
+    }
+    return true;
 }
 
 bool make_planes(PhysicsImpl& p) noexcept {
     const Allocator& a = p.allocator;
-    constexpr std::uint64_t kFields = 16 + 6 + 2 * kHistory, kPlanes = 12;
+    constexpr std::uint64_t kFields = 20 + 6, kPlanes = 14;
     const bool viscous = p.options.material.viscosity > 0;
     const std::uint64_t count = 3 * kFields + kPlanes + (viscous ? 6 : 0);
     if (!p.planes.allocate(a, count * plane_size(p.rows, p.cols))) return false;
     PlaneCutter cut(p.planes, p.rows, p.cols);
-    for (Field* f : {&p.rest, &p.moved, &p.delta, &p.before, &p.inertial, &p.velocity, &p.target, &p.gradient, &p.area,
-                     &p.curvature, &p.moment, &p.twist, &p.swell, &p.way, &p.last, &p.rest_normal})
+    for (Field* f : {&p.rest,     &p.moved,       &p.delta,     &p.before,        &p.inertial, &p.velocity, &p.target,
+                     &p.gradient, &p.area,        &p.curvature, &p.moment,        &p.twist,    &p.swell,    &p.way,
+                     &p.last,     &p.rest_normal, &p.smooth,    &p.smooth_before, &p.push,     &p.fresh})
         *f = cut.field();
     for (Field& f : p.corner) f = cut.field();
     for (Field& f : p.face) f = cut.field();
-    for (Field& f : p.moves) f = cut.field();
-    for (Field& f : p.turns) f = cut.field();
     for (float** f : {&p.energy, &p.bent, &p.other, &p.modulus, &p.height, &p.mass, &p.anchor, &p.free, &p.weight,
-                      &p.is_quad, &p.firm, &p.pressed})
+                      &p.is_quad, &p.firm, &p.pressed, &p.grip, &p.give})
         *f = cut.plane();
     if (viscous)
         for (float*& f : p.stretch) f = cut.plane();
@@ -365,15 +372,20 @@ void take_step_length(PhysicsImpl& p) noexcept {
     Multigrid& m = p.solver;
     const Material& material = p.options.material;
     const double dt = p.options.dt, viscous = 1 + double{material.viscosity} / dt;
-    for (std::uint32_t s = 0; s < l.grid; ++s) {
-        const std::uint32_t d = l.dof_of[s];
-        p.firm[s] = static_cast<float>(viscous * p.membrane_firm[d] + p.other_firm[d] + double{p.mass[s]} / (dt * dt));
-        if (!(p.firm[s] > 0)) p.firm[s] = 1;  // without a triangle: held
-    }
     // c0 M + c1 L + c2 L M^-1 L, M the masses.
     const double c0 = 1 / (dt * dt) + double{material.foundation} / double{material.density},
                  c1 = viscous * (2 * double{p.shear} + double{p.dilate}),
                  c2 = double{material.bending} * double{material.density};
+    // A plate on a foundation k resists a force on one point by 8 (B k)^(1/2), whatever the size of the quads there
+    // [Timoshenko, Woinowsky-Krieger 1959]. A membrane does so by its modulus, but for a logarithm. The diagonal of the
+    // matrix is that at the smallest quads many thousand times.
+    const auto grip = static_cast<float>(8 * std::sqrt(c0 * c2) + c1);
+    for (std::uint32_t s = 0; s < l.grid; ++s) {
+        const std::uint32_t d = l.dof_of[s];
+        p.firm[s] = static_cast<float>(viscous * p.membrane_firm[d] + p.other_firm[d] + double{p.mass[s]} / (dt * dt));
+        if (!(p.firm[s] > 0)) p.firm[s] = 1;  // without a triangle: held
+        p.grip[s] = std::min(p.firm[s], grip);
+    }
     // A border does not bend. The product cannot say so, but twice the mass there, in between, is near.
     m.mass = p.weight;
     for (std::uint32_t s = 0; s < l.grid; ++s) p.weight[s] = p.modulus[s] > 0 ? p.mass[s] : 2 * p.mass[s];
@@ -403,7 +415,6 @@ void take_step_length(PhysicsImpl& p) noexcept {
         entry(l.matrix, l.value, p.followers[k], p.followers[k]) += mean;
     p.hold = static_cast<float>(mean);
     take_values(m);
-    p.pairs = 0;
 }
 
 }  // namespace dgm::detail::physics

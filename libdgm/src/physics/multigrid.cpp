@@ -23,15 +23,16 @@
 namespace dgm::detail::physics {
 namespace {
 
-constexpr int kSmooth = 4;       ///< steps before and after
-constexpr double kSpread = 10;   ///< the smoother works on eigenvalues from largest / kSpread
-constexpr double kMargin = 1.1;  ///< power iterations end below the largest eigenvalue
+constexpr int kSteps[] = {4, 6, 8, 12, 16};  ///< of the smoother, before and after: see choose_steps()
+constexpr double kEnough = 0.5;              ///< share of an error that a cycle may leave
+constexpr double kMargin = 1.1;              ///< power iterations end below the largest eigenvalue
 
 /// Steps of the Chebyshev recurrence: the first one's factor, then (keep, step) of the others.
 struct Chebyshev {
     double theta, delta, sigma, rho;
-    explicit Chebyshev(double largest) noexcept {
-        const double high = kMargin * largest, low = high / kSpread;
+    Chebyshev(double largest, int count) noexcept {
+        // Errors between `low` and `high` shrink to a seventh, whatever the count.
+        const double high = kMargin * largest, low = 1.6 * high / (count * count);
         theta = (high + low) / 2;
         delta = (high - low) / 2;
         sigma = theta / delta;
@@ -44,43 +45,45 @@ struct Chebyshev {
     }
 };
 
-/// residual -= (A + extra) way on a level; next = keep way + step D^-1 residual and x += next unless empty.
+struct Step {
+    float keep = 0, step = 0, carry = 0;
+};
+/// r -= (A + extra) way on a level; next = keep way + step D^-1 r and x += next + carry way unless `next` is empty.
 ///
 /// The residual of a class stands at its first sample, as does its `extra`; its other copies hold 0. Each copy has a
 /// part of the class's row.
-void sweep_level(const Multigrid& m, const Level& l, int which, const Field& way, const Field& residual,
-                 const Field& next, float keep, float step) noexcept {
+void sweep_level(const Multigrid& m, const Level& l, int which, const Field& way, const Field& next, Step by) noexcept {
     const float *extra = l.extra[which], *inverse = l.inverse[which];
     const bool both = next.p[0] != nullptr;
     // What the loop over all samples will overwrite.
     float *now = const_cast<float*>(l.rim_now.data()), *x_now = const_cast<float*>(l.late_now.data());
-    for (std::size_t k = 0; k < l.rim.size(); ++k) {
-        const std::uint32_t s = l.sample_of[l.rim[k]];
-        float sum[3] = {};
-        for (std::uint32_t e = l.rim_rows.start[k]; e < l.rim_rows.start[k + 1]; ++e)
-            for (int a = 0; a < 3; ++a) sum[a] += l.rim_value[e] * way.p[a][l.rim_rows.col[e]];
-        for (int a = 0; a < 3; ++a)
-            now[3 * k + static_cast<std::size_t>(a)] = residual.p[a][s] - (sum[a] + extra[s] * way.p[a][s]);
+    const std::size_t late = l.late.size(), rim = l.rim.size();
+    for (std::size_t p = 0; p < 3; ++p) {
+        for (std::size_t k = 0; k < rim; ++k) {
+            const std::uint32_t s = l.sample_of[l.rim[k]];
+            float sum = 0;
+            for (std::uint32_t e = l.rim_rows.start[k]; e < l.rim_rows.start[k + 1]; ++e)
+                sum += l.rim_value[e] * way.p[p][l.rim_rows.col[e]];
+            now[p * rim + k] = l.r.p[p][s] - (sum + extra[s] * way.p[p][s]);
+        }
+        if (!both) continue;
+        for (std::size_t k = 0; k < late; ++k) x_now[p * late + k] = l.x.p[p][l.late[k]];
     }
-    const std::size_t late = l.late.size();
-    if (both)
-        for (std::size_t a = 0; a < 3; ++a)
-            for (std::size_t k = 0; k < late; ++k) x_now[a * late + k] = l.x.p[a][l.late[k]];
-    m.kernels->sweep({l.count(), static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), extra, inverse, way, residual,
-                      next, l.x, keep, step});
-    for (std::size_t a = 0; a < 3; ++a) {
-        float* r = residual.p[a];
+    m.kernels->sweep({l.count(), static_cast<std::ptrdiff_t>(l.cols), l.stencil.data(), extra, inverse, way, l.r, next,
+                      l.x, by.keep, by.step, by.carry});
+    for (std::size_t p = 0; p < 3; ++p) {
+        float* r = l.r.p[p];
         for (std::size_t k = 0; k < l.copies.size(); k += 2) {
             r[l.copies[k + 1]] += r[l.copies[k]];
             r[l.copies[k]] = 0;
         }
-        for (std::size_t k = 0; k < l.rim.size(); ++k) r[l.sample_of[l.rim[k]]] = now[3 * k + a];
+        for (std::size_t k = 0; k < rim; ++k) r[l.sample_of[l.rim[k]]] = now[p * rim + k];
         if (!both) continue;
-        float *to = next.p[a], *x = l.x.p[a];
+        float *to = next.p[p], *x = l.x.p[p];
         for (std::size_t k = 0; k < late; ++k) {
             const std::uint32_t s = l.late[k];
-            to[s] = keep * way.p[a][s] + (step * inverse[s]) * r[s];
-            x[s] = x_now[a * late + k] + to[s];
+            to[s] = by.keep * way.p[p][s] + (by.step * inverse[s]) * r[s];
+            x[s] = x_now[p * late + k] + (to[s] + by.carry * way.p[p][s]);
         }
         for (std::size_t k = 0; k < l.copies.size(); k += 2) {
             to[l.copies[k]] = to[l.copies[k + 1]];
@@ -88,23 +91,29 @@ void sweep_level(const Multigrid& m, const Level& l, int which, const Field& way
         }
     }
 }
-
-/// x += smoothing of the residual, or x = that of a first guess 0, with the residual brought up to date.
-void smooth(const Multigrid& m, Level& l, int which, bool first) noexcept {
-    Chebyshev steps(l.largest);
-    Field way = l.d0, next = l.d1;
-    const auto by = static_cast<float>(1 / steps.theta);
-    if (first)
-        for (float* x : l.x.p) std::fill(x, x + l.count(), 0.0f);
-    m.kernels->weigh(l.count(), way, by, l.inverse[which], l.r, l.x);
-    share_copies(l, way);
-    share_copies(l, l.x);
-    for (int k = 1; k < kSmooth; ++k) {
+/// The other steps of a smoother whose first one is in `way`. @return where the last one is
+const Field& smooth_on(const Multigrid& m, const Level& l, int which, Chebyshev& steps, const Field* way,
+                       const Field* next) noexcept {
+    for (int k = 1; k < m.steps; ++k) {
         const auto [keep, step] = steps.next();
-        sweep_level(m, l, which, way, l.r, next, keep, step);
+        sweep_level(m, l, which, *way, *next, {keep, step, 0});
         std::swap(way, next);
     }
-    if (first) sweep_level(m, l, which, way, l.r, {}, 0, 0);
+    return *way;
+}
+/// x = smoothing from 0, with the residual brought up to date.
+void smooth_before(const Multigrid& m, const Level& l, int which) noexcept {
+    Chebyshev steps(l.largest, m.steps);
+    m.kernels->weigh(l.count(), l.d0, static_cast<float>(1 / steps.theta), l.inverse[which], l.r);
+    share_copies(l, l.d0);
+    for (int c = 0; c < 3; ++c) std::copy(l.d0.p[c], l.d0.p[c] + l.count(), l.x.p[c]);
+    sweep_level(m, l, which, smooth_on(m, l, which, steps, &l.d0, &l.d1), {}, {});
+}
+/// x += the correction in l.d0, and smoothing after it.
+void smooth_after(const Multigrid& m, const Level& l, int which) noexcept {
+    Chebyshev steps(l.largest, m.steps);
+    sweep_level(m, l, which, l.d0, l.d1, {0, static_cast<float>(1 / steps.theta), 1});
+    smooth_on(m, l, which, steps, &l.d1, &l.d0);
 }
 
 /// Residual of the coarser level: weights 1/4, 1/2, 1 of the 3 x 3 around each sample; lists where those are others.
@@ -132,7 +141,9 @@ void restrict_residual(const Level& f, const Level& c) noexcept {
     }
 }
 
-void interpolate(const Level& f, const Level& c, const Field& to) noexcept {
+/// f.d0 = the coarser level's x.
+void interpolate(const Level& f, const Level& c) noexcept {
+    const Field& to = f.d0;
     if (f.odd_up.size() != f.dofs)
         for (int a = 0; a < 3; ++a)
             for (std::uint32_t i = 1; i + 1 < f.rows; ++i) {
@@ -202,19 +213,17 @@ void solve_directly(const Multigrid& m, Level& l, int which) noexcept {
     share_copies(l, l.x);
 }
 
-/// x of a level from its residual, by one V-cycle for factor `which`.
+/// x of a level from its residual, by one V-cycle.
 void run_level(Multigrid& m, std::uint32_t k, int which) noexcept {
     Level& l = m.level[k];
     if (k + 1 == m.levels) return solve_directly(m, l, which);
     for (float* r : l.r.p)
         for (std::size_t c = 0; c < l.copies.size(); c += 2) r[l.copies[c]] = 0;
-    smooth(m, l, which, true);
+    smooth_before(m, l, which);
     restrict_residual(l, m.level[k + 1]);
     run_level(m, k + 1, which);
-    interpolate(l, m.level[k + 1], l.d0);
-    m.kernels->add(l.count(), l.x, 1, l.d0);
-    sweep_level(m, l, which, l.d0, l.r, {}, 0, 0);
-    smooth(m, l, which, false);
+    interpolate(l, m.level[k + 1]);
+    smooth_after(m, l, which);
 }
 
 /// Rayleigh quotient of three vectors after some powers of D^-1 A.
@@ -229,7 +238,7 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
     double found = 0;
     for (int k = 0; k < 20; ++k) {
         for (float* p : l.r.p) std::fill(p, p + l.count(), 0.0f);
-        sweep_level(m, l, 0, l.d0, l.r, {}, 0, 0);
+        sweep_level(m, l, 0, l.d0, {}, {});
         double above[3] = {}, below[3] = {};
         for (int a = 0; a < 3; ++a)
             for (std::uint32_t d = 0; d < l.dofs; ++d) {
@@ -248,6 +257,39 @@ double largest_of(const Multigrid& m, Level& l) noexcept {
         share_copies(l, l.d0);
     }
     return found > 0 ? found : 1;
+}
+
+/// Share of an error that a cycle leaves, at the worst of what a few cycles from a random one have not removed.
+double left_by_cycle(Multigrid& m) noexcept {
+    constexpr int kCycles = 12;
+    Level& l = m.level[0];
+    std::uint32_t random = 12345;
+    for (float* e : l.kept.p)
+        for (std::uint32_t d = 0; d < l.dofs; ++d) {
+            random = random * 1664525u + 1013904223u;
+            e[l.sample_of[d]] = static_cast<float>(random >> 8) * 0x1p-23f - 1.0f;
+        }
+    double before = 0, left = 0;
+    for (int k = 0; k < kCycles; ++k) {
+        share_copies(l, l.kept);
+        for (float* r : l.r.p) std::fill(r, r + l.count(), 0.0f);
+        sweep_level(m, l, 0, l.kept, {}, {});
+        run_level(m, 0, 0);
+        m.kernels->add(l.count(), l.kept, 1, l.x);
+        const double now = m.kernels->inner(l.count(), l.diagonal, l.kept, l.kept);
+        left = before > 0 ? std::sqrt(now / before) : 0;
+        before = now;
+    }
+    return left;
+}
+
+/// Where quads are long or sheared, errors that single samples do not see are smooth along the strong couplings alone:
+/// a polynomial of higher degree reaches them.
+void choose_steps(Multigrid& m) noexcept {
+    for (const int steps : kSteps) {
+        m.steps = steps;
+        if (left_by_cycle(m) <= kEnough) return;
+    }
 }
 }  // namespace
 
@@ -290,6 +332,7 @@ void take_extra(Multigrid& m) noexcept {
 void bound_eigenvalues(Multigrid& m) noexcept {
     // With `extra` the eigenvalues of (D + extra)^-1 (A + extra) lie between those of D^-1 A and 1.
     for (std::uint32_t k = 0; k + 1 < m.levels; ++k) m.level[k].largest = std::max(1.0, largest_of(m, m.level[k]));
+    if (m.sound) choose_steps(m);
 }
 
 void run_cycle(Multigrid& m) noexcept {
@@ -298,7 +341,7 @@ void run_cycle(Multigrid& m) noexcept {
     if (m.factors == Factors::One) return solve(0);
     const int outer = m.factors == Factors::Two ? 1 : 0;
     const auto weigh = [&](const Field& to, double factor) {
-        m.kernels->weigh(l.count(), to, static_cast<float>(factor), m.mass, l.x, {});
+        m.kernels->weigh(l.count(), to, static_cast<float>(factor), m.mass, l.x);
     };
     const double by = 1 / m.scale;
     solve(outer);

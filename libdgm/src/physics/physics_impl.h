@@ -14,7 +14,7 @@ namespace dgm::detail {
 namespace physics {
 
 inline constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the physics"};
-inline constexpr int kHistory = 5;  ///< pairs of the quasi-Newton method
+inline constexpr float kFlat = 0.5f;  ///< see model.cpp
 
 /// A sample and the obstacle it may touch; sorted by obstacle, then sample.
 struct Touching {
@@ -64,31 +64,33 @@ struct PhysicsImpl {
     physics::Field inertial;        ///< where mass would go without forces
     physics::Field velocity;        ///< m/s
     physics::Field target;          ///< displacement that the foundation pulls to
-    physics::Field gradient, area;  ///< of the potential; twice the area vectors around a sample
+    physics::Field smooth;          ///< gradient of the potential without contacts and grasps
+    physics::Field gradient, area;  ///< of all of it; twice the area vectors around a sample
+    physics::Field push;            ///< `area` of which the constraint of volume is made, 0 where held
     physics::Field curvature, moment, twist, corner[4], face[2];
     physics::Field swell;  ///< A^-1 of the gradient of the volume
-    physics::Field way, last;
-    physics::Field moves[physics::kHistory], turns[physics::kHistory];
+    physics::Field way, fresh, last, smooth_before;
     physics::Field rest_normal;
     float *energy = nullptr, *bent = nullptr, *other = nullptr, *modulus = nullptr, *height = nullptr;
     float *mass = nullptr, *anchor = nullptr, *free = nullptr;  ///< kg, N/m of the foundation, 1 or 0: held
     float* is_quad = nullptr;                   ///< 1 at samples with a quad (i, j), 0 at the last row and column
     float* weight = nullptr;                    ///< kg: M of the solver's product of factors
     float *firm = nullptr, *pressed = nullptr;  ///< N/m: diagonal of the matrix; stiffness of grasps and contacts
+    float* grip = nullptr;                      ///< N/m: stiffness of a grasp or contact
+    float* give = nullptr;                      ///< m/N: 1 / (firm + pressed), 0 at copies
     float* stretch[6] = {};                     ///< at the end of the step before; null without viscosity
     Array<float> quads, near, near_turned;      ///< see kernels.h
     Array<double> at[3];                        ///< displacement from rest
     Array<double> laplace, membrane;            ///< Laplacian, and times stiffness, by solver.level[0].matrix
     Array<double> membrane_firm, other_firm;    ///< diagonals of membrane (times 1 + viscosity / dt) and the rest
+    Array<std::uint32_t> next_copy;             ///< of the class of a sample, or kNone
     Array<std::uint32_t> followers;             ///< pairs (unknown without a triangle, sample that it follows)
     Array<physics::Touching> touching[2];
     std::uint32_t touching_count = 0, touching_now = 0;
     Array<physics::Grasped> grasped;
     std::uint32_t grasped_count = 0;
     std::uint64_t holding = 0;  ///< bit by tool number
-    int pairs = 0, next_pair = 0;
-    double products[physics::kHistory] = {};  ///< moves . turns
-    double elastic = 0;                       ///< at the end of the step before, J
+    double elastic = 0;         ///< at the end of the step before, J
     double pressure = 0;
     float hold = 0;              ///< entry of `extra` that stands for a held sample on coarser levels
     Array<std::uint8_t> pinned;  ///< by unknown, while a step runs: 1 by a pin, 2 by a pin where it was held anyway
@@ -115,8 +117,15 @@ struct Potential {
     double contact = 0;
     [[nodiscard]] double sum() const noexcept { return elastic + inertial + contact; }
 };
-/// Potential and gradient at `delta`; also `area`.
+/// Potential without contacts and grasps at `delta`, and its gradient `smooth`; also `area`.
 [[nodiscard]] Potential evaluate(PhysicsImpl& p) noexcept;
+/// gradient = smooth + that of contacts and grasps at `delta`. @return their potential
+double press(PhysicsImpl& p) noexcept;
+/// First and second derivative of the potential of contacts and grasps at delta + step way.
+struct Slope {
+    double first = 0, second = 0;
+};
+[[nodiscard]] Slope pressed_slope(const PhysicsImpl& p, const Field& way, double step) noexcept;
 /// Obstacles and tools of a step, checked.
 struct Scene {
     static constexpr std::uint32_t kMost = 64;
@@ -124,9 +133,10 @@ struct Scene {
     std::uint32_t ids[kMost];  ///< a tool's number, or kMost + the obstacle's
     std::uint32_t count = 0;
 };
-/// Lists the samples that may touch, with the multipliers that they had.
-void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept;
-/// Begins and ends grasps, and aims those that hold.
+/// Lists the samples that may touch, with the multipliers that they had. @return false, and nothing is changed: there
+/// are too many.
+[[nodiscard]] bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept;
+/// Begins and ends grasps, and aims those that hold. A sample that a tool holds is not taken by another.
 void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept;
 /// Stiffness of pins, grasps and contacts on the diagonal.
 void take_holds(PhysicsImpl& p) noexcept;

@@ -65,18 +65,18 @@ double reach_of(const PhysicsImpl& p, const StateImpl& s) noexcept {
 }
 }  // namespace
 
-void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept {
+bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept {
     const Remembered memory(p.touching[p.touching_now], p.touching_count);
-    p.touching_now = 1 - p.touching_now;
-    Array<Touching>& to = p.touching[p.touching_now];
+    Array<Touching>& to = p.touching[1 - p.touching_now];
     const Level& l = p.fine();
     std::uint32_t count = 0;
+    bool fits = true;
     const double reach = scene.count == 0 ? 0 : reach_of(p, s);
     for (std::uint32_t o = 0; o < scene.count; ++o) {
         const Shape& shape = scene.shapes[o];
         const std::uint32_t first = count;
         const auto look = [&](std::uint32_t k) {
-            if (l.own[k] == 0 || p.free[k] == 0 || count == to.size()) return;
+            if (l.own[k] == 0 || p.free[k] == 0) return;
             const Double3 x = place(p, s, k);
             const Probe there = probe(shape, x);
             if (!(there.distance < reach)) return;
@@ -85,7 +85,11 @@ void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
             const bool flat = shape.kind == ObstacleKind::Plane;
             if (!(length > 0) && !flat) return;
             const Double3 normal = flat ? shape.normal : (1 / length) * way;
-            const double firm = double{p.firm[k]};
+            if (count == to.size()) {
+                fits = false;
+                return;
+            }
+            const double firm = double{p.grip[k]};
             to[count++] = {k, scene.ids[o], normal, there.distance * p.scale, firm, memory.of(scene.ids[o], k),
                            0, false,        false};
         };
@@ -95,11 +99,14 @@ void find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
                 if (probe(shape, t.centre).distance > t.radius + reach) continue;
                 for (std::uint32_t r = i; r < std::min(i + kTile, p.rows); ++r)
                     for (std::uint32_t c = j; c < std::min(j + kTile, p.cols); ++c) look(r * p.cols + c);
+                if (!fits) return false;
             }
         std::sort(to.begin() + first, to.begin() + count,
                   [](const Touching& a, const Touching& b) { return a.sample < b.sample; });
     }
+    p.touching_now = 1 - p.touching_now;
     p.touching_count = count;
+    return true;
 }
 
 void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept {
@@ -111,6 +118,9 @@ void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> 
         if ((wanted >> p.grasped[k].tool & 1) != 0) p.grasped[kept++] = p.grasped[k];
     p.grasped_count = kept;
     const Level& l = p.fine();
+    float* taken = l.d0.p[0];
+    std::fill(taken, taken + l.grid, 0.0f);
+    for (std::uint32_t k = 0; k < kept; ++k) taken[p.grasped[k].sample] = 1;
     for (const ToolInput& t : tools) {
         const std::uint64_t bit = std::uint64_t{1} << t.tool;
         if ((wanted & bit) == 0 || (p.holding & bit) != 0) continue;
@@ -128,11 +138,12 @@ void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> 
             wanted &= ~bit;  // too far away: it may begin later
             continue;
         }
-        for (std::uint32_t d = 0; d < l.dofs && p.grasped_count < p.grasped.size(); ++d) {
+        for (std::uint32_t d = 0; d < l.dofs; ++d) {
             const std::uint32_t k = l.sample_of[d];
             const Double3 x = place(p, s, k), way = x - middle;
-            if (p.free[k] == 0 || dot(way, way) > double{radius} * double{radius}) continue;
-            p.grasped[p.grasped_count++] = {k, t.tool, p.scale * (x - tool), {}, double{p.firm[k]}, {}, {}};
+            if (p.free[k] == 0 || taken[k] != 0 || dot(way, way) > double{radius} * double{radius}) continue;
+            taken[k] = 1;
+            p.grasped[p.grasped_count++] = {k, t.tool, p.scale * (x - tool), {}, double{p.grip[k]}, {}, {}};
         }
     }
     p.holding = wanted;
@@ -163,6 +174,7 @@ void take_holds(PhysicsImpl& p) noexcept {
         const float held = p.pressed[s];
         extra[s] = l.own[s] * ((p.free[s] == 0 ? p.hold : 0) + (product ? std::sqrt(held * by * p.mass[s]) : held));
     }
+    for (std::uint32_t s = 0; s < l.grid; ++s) p.give[s] = l.own[s] / (p.firm[s] + p.pressed[s]);
     if (std::equal(extra, extra + l.grid, l.extra[0])) return;  // as in most steps
     std::copy(extra, extra + l.grid, l.extra[0]);
     take_extra(p.solver);

@@ -92,8 +92,9 @@ struct Reference {
         for (std::uint32_t d = 0; d < n; ++d) {
             const std::uint32_t s = p.fine().sample_of[d];
             const V n0{p.rest_normal.p[0][s], p.rest_normal.p[1][s], p.rest_normal.p[2][s]};
-            const V off = laplace[d] - double{p.height[s]} * ((1 / length(area[d])) * area[d] - n0);
-            sum += 0.5 * double{p.modulus[s]} * dot(off, off);
+            const V normal = (1 / length(area[d])) * area[d], off = laplace[d] - double{p.height[s]} * (normal - n0);
+            const double across = dot(off, normal), along = dot(off, off) - across * across;
+            sum += 0.5 * double{p.modulus[s]} * (across * across + double{detail::physics::kFlat} * along);
         }
         return sum;
     }
@@ -116,7 +117,9 @@ double elastic_at(PhysicsImpl& p, const Reference& r, const Points& x) {
     for (std::uint32_t s = 0; s < p.total; ++s)
         for (std::size_t c = 0; c < 3; ++c)
             p.delta.p[c][s] = p.inertial.p[c][s] = static_cast<float>(x[s][c] - r.rest[s][c]);
-    return detail::physics::evaluate(p).elastic;
+    const double elastic = detail::physics::evaluate(p).elastic;
+    detail::physics::press(p);
+    return elastic;
 }
 V gradient(const PhysicsImpl& p, std::uint32_t s) {
     return {p.gradient.p[0][s], p.gradient.p[1][s], p.gradient.p[2][s]};

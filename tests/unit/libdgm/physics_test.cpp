@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <new>
 
 #include "physics_shapes.h"
 
@@ -337,8 +338,23 @@ TEST(Physics, RefusesByNameAndChangesNothing) {
     strange_obstacle.kind = static_cast<ObstacleKind>(9);
     o.obstacles = {&strange_obstacle, 1};
     refuses(ErrorCode::Unsupported, o);
+    // Three planes that all samples are behind.
+    Obstacle plane;
+    plane.point = {0, 0, 500};
+    plane.normal = {0, 0, 1};
+    const Obstacle planes[3] = {plane, plane, plane};
+    const Pin held{100, body.state.rest_positions()[100]};
+    o = ball_options();
+    o.pins = {&held, 1};
+    o.obstacles = planes;
+    refuses(ErrorCode::LimitExceeded, o, {&in, 1});
     Body other(organ_chart(33));
     EXPECT_EQ(step(other.state, body.physics).error().code, ErrorCode::BadArgument);
+    // A step that was refused leaves nothing behind: the next one is that of a body which never met it.
+    Body same_body(organ_chart(25));
+    ASSERT_TRUE(step(same_body.state, same_body.physics, ball_options(), {&in, 1}).ok());
+    for (Body* b : {&body, &same_body}) ASSERT_TRUE(step(b->state, b->physics, ball_options(), {&in, 1}).ok());
+    EXPECT_EQ(bits_of(body.state), bits_of(same_body.state));
     for (const float dt : {0.0f, -1.0f, nan, inf, 11.0f})
         EXPECT_EQ(body.physics.set_dt(dt).error().code, ErrorCode::BadArgument);
 }
@@ -378,6 +394,54 @@ TEST(Physics, CreateRefusesByName) {
     EXPECT_EQ(Physics::create(tiny, good).error().code, ErrorCode::Unsupported);
     const State three = make_state(grid_chart(3, 3, sheet));
     EXPECT_TRUE(Physics::create(three, good).ok());
+}
+
+TEST(Physics, TheLimitOfMemoryIsThatOfItsUse) {
+    struct Use {
+        std::size_t now = 0, most = 0;
+    };
+    for (const ChartSpec& chart : {organ_chart(9), organ_chart(33), organ_chart(65), torus_chart(33), tree_chart(33),
+                                   grid_chart(65, 17, sheet)}) {
+        const State state = make_state(chart);
+        Use use;
+        PhysicsOptions o;
+        o.metres_per_unit = 1e-3;
+        o.material.viscosity = 1e-3f;
+        o.allocator.user = &use;
+        o.allocator.allocate = [](void* user, std::size_t bytes, std::size_t alignment) {
+            Use& u = *static_cast<Use*>(user);
+            u.most = std::max(u.most, u.now += bytes);
+            return ::operator new (bytes, std::align_val_t{alignment}, std::nothrow);
+        };
+        o.allocator.release = [](void* user, void* memory, std::size_t bytes) {
+            static_cast<Use*>(user)->now -= bytes;
+            ::operator delete (memory, std::align_val_t{64});
+        };
+        ASSERT_TRUE(Physics::create(state, o).ok());
+        EXPECT_EQ(use.now, 0u);
+        std::uint64_t low = 0, high = std::uint64_t{1} << 40;  // the least limit that is enough
+        while (high - low > 1000) {
+            o.max_bytes = (low + high) / 2;
+            (Physics::create(state, o).ok() ? high : low) = o.max_bytes;
+        }
+        EXPECT_LE(use.most, high);
+        EXPECT_LE(double(high), 1.3 * double(use.most) + 65536);
+    }
+}
+
+TEST(Physics, PinnedSamplesAndAllTheirCopiesStayWhereTheyAreAndComeFree) {
+    Body body(organ_chart(25));
+    const Vec3 corner = body.state.rest_positions()[0];  // four copies
+    const Pin pin{24 * 25 + 24, corner + Vec3{0, 0, 3}};
+    StepOptions o = ball_options();
+    o.pins = {&pin, 1};
+    for (int k = 0; k < 5; ++k) ASSERT_TRUE(step(body.state, body.physics, o).ok());
+    for (const std::uint32_t s : {0u, 24u, 24u * 25u, 24u * 25u + 24u})
+        EXPECT_LT(length(body.state.positions()[s] - pin.position), 1e-4) << s;
+    ASSERT_TRUE(body.physics.set_dt(0.1f).ok());
+    for (int k = 0; k < 60; ++k) ASSERT_TRUE(step(body.state, body.physics, ball_options(10)).ok());
+    EXPECT_LT(farthest_from_rest(body.state), 0.05);
+    expect_closed_seams(body.state);
 }
 
 TEST(Physics, GraspedSamplesFollowTheToolAndLetGo) {
