@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "files/nesting.h"
 #include "geometry/metrics/reconstruction.h"
 #include "geometry/spatial/closest_point.h"
 #include "model/element.h"
@@ -91,6 +92,7 @@ void add_bump(page::PagedMap& map) {
 }
 
 std::string measured_errors(const std::string& report_json) {
+    if (formats::too_deep_json(report_json, formats::kMostNesting)) return {};
     const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, false);
     const nlohmann::json::json_pointer at("/error");
     if (!report.is_object() || !report.contains(at) || !report.at(at).is_object()) return {};
