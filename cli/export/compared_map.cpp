@@ -50,9 +50,9 @@ void add_comparison(const Compared& compared, page::PagedMap& map) {
     for (const auto& [vertex, origin] : drawn.origins)
         if (const double value = compared.distances[origin]; std::abs(value) > std::abs(worst[vertex]))
             worst[vertex] = value;
-    page::PagedSource& source = map.source.emplace(page::PagedSource{drawn.positions, drawn.faces, kDistanceName, {}});
+    map.source = page::PagedSource{drawn.positions, drawn.faces, kDistanceName, {}};
     for (const double value : worst)
-        source.codes.push_back(code_of(render::table_place(Quantity::kDistance, value, compared.scales)));
+        map.source->codes.push_back(code_of(render::table_place(Quantity::kDistance, value, compared.scales)));
 }
 
 void compare_with(const model::TriMesh& source, page::PagedMap& map) {
