@@ -93,7 +93,7 @@ PARTS = (
     Part("cli/export", 3.5, GEOMETRY + CONTAINERS + ("cli/page", "cli/render", "cli/tool"), (FMT, JSON, MESHOPT, SYSTEM),
          "maps as meshes and pictures; a bake may ask for them, too; the only folder to see meshoptimizer"),
     Part("cli/process", 4, ("formats/model", "formats/files", "formats/mesh", "formats/dgm", "formats/exr", "formats/image"),
-         (FMT, SYSTEM, SECCOMP),
+         (FMT, JSON, SYSTEM, SECCOMP),
          "disposable copies of the program, whatever their work; files of strangers are read in them"),
     Part("cli/baking", 4, GEOMETRY + CONTAINERS + ("cli/geometry/cgal", "cli/export"), (FMT, JSON, TBB),
          "the stages in order, in this process; introduces the parameterizers to the geometry"),

@@ -31,12 +31,12 @@
 #include "batch/report_text.h"
 #include "files/atomic_file.h"
 #include "files/output_file.h"
-#include "files/regular_file.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 #include "model/shortage.h"
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
+#include "process/json_apart.h"
 #include "process/sandbox.h"
 #include "report/page_job.h"
 #include "report/report_files.h"
@@ -128,13 +128,13 @@ bool write_html(const CommandLine& line, const report::ReportToShow& shown) {
 
 int merge(const CommandLine& line) {
     // The report may take the place of one that it was merged of: all of them are in memory before it is written.
+    const JsonApart json([](std::string_view text, const fs::path& file) {
+        const std::string inside = report::report_in_index(text);
+        return parse_json(inside.empty() ? text : inside, file);
+    });
     std::vector<NamedReport> reports;
-    for (const fs::path& path : line.to_merge) {
-        std::string text = formats::read_small_file(path, kMostReportBytes);
-        if (std::string inside = report::report_in_index(text); !inside.empty()) text = std::move(inside);
-        reports.push_back({path.string(), std::move(text)});
-    }
-    const MergedReport merged = merge_reports(reports);
+    for (const fs::path& path : line.to_merge) reports.push_back({path.string(), read_json(path, kMostReportBytes)});
+    const MergedReport merged = merge_reports(std::move(reports));
     formats::make_folder_of(line.report);
     if (line.report.empty()) {
         say(stdout, merged.text);

@@ -62,16 +62,18 @@ inline constexpr std::array kMethods{
 }
 
 /// The words alone, for lists of choices.
-inline constexpr auto kMethodNames = [] {
-    std::array<std::string_view, kMethods.size()> out;
+[[nodiscard]] constexpr std::array<std::string_view, kMethods.size()> method_names() {
+    std::array<std::string_view, kMethods.size()> out{};
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = kMethods[k].name;
     return out;
-}();
+}
+inline constexpr auto kMethodNames = method_names();
 
-static_assert([] {
+[[nodiscard]] constexpr bool methods_are_in_order() {
     for (std::size_t k = 0; k < kMethods.size(); ++k)
         if (static_cast<std::size_t>(kMethods[k].value) != k) return false;
     return true;
-}());
+}
+static_assert(methods_are_in_order());
 
 }  // namespace dgm::bake

@@ -30,6 +30,7 @@ class TimeBox {
         if (spent()) return std::nullopt;
         const model::Progress inner{[this](std::string_view stage, double share) {
                                         outer_.update(stage, share);
+                                        // cppcheck-suppress identicalConditionAfterEarlyExit ; time has passed
                                         if (spent()) stop_ = true;
                                     },
                                     &stop_};

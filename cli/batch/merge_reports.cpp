@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "batch/batch_report_json.h"
-#include "files/nesting.h"
 #include "model/codes.h"
+#include "process/json_apart.h"
 
 namespace dgm::bake {
 namespace {
@@ -58,11 +58,8 @@ int rank_of(const json& asset) {
     return rank + (exit_of(asset) == static_cast<int>(model::ExitCode::kTransient) ? 1 : 0);
 }
 
-json parsed(const NamedReport& report) {
-    if (const auto deep = formats::too_deep_json(report.text, formats::kMostNesting))
-        not_a_report(report, "it is nested too deeply at line " + std::to_string(deep->line) + ", column " +
-                                 std::to_string(deep->column));
-    json object = json::parse(report.text, nullptr, false);
+void check(const NamedReport& report) {
+    const json& object = report.report;
     if (!object.is_object()) not_a_report(report, "it is not a JSON object; was its batch interrupted?");
     const auto version = object.find("report_version");
     if (version == object.end() || !version->is_number_integer())
@@ -77,7 +74,6 @@ json parsed(const NamedReport& report) {
             std::none_of(kOutcomes.begin(), kOutcomes.end(), [&](Outcome o) { return name_of(o) == outcome; }))
             not_a_report(report, "an asset has no source or no known outcome");
     }
-    return object;
 }
 
 /// Files that several parts of a batch have met, once each. What one of them has removed is removed.
@@ -105,15 +101,16 @@ class OtherFiles {
 
 }  // namespace
 
-MergedReport merge_reports(const std::vector<NamedReport>& reports) {
+MergedReport merge_reports(std::vector<NamedReport> reports) {
     if (reports.empty()) throw model::Error(codes::kUsage, "name the reports to merge");
     using Key = std::tuple<std::string, std::string>;  // source, outputs asked for
     std::map<Key, std::tuple<int, std::string, json>> assets;
     std::set<std::string> generators;
     std::set<json> runs;
     OtherFiles others;
-    for (const NamedReport& report : reports) {
-        json object = parsed(report);
+    for (NamedReport& report : reports) {
+        check(report);
+        json& object = report.report;
         if (text_in(object, "generator").empty()) not_a_report(report, "it does not say what wrote it");
         generators.insert(text_in(object, "generator"));
         others.add(object);

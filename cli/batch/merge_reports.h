@@ -2,8 +2,8 @@
 // cli/batch/merge_reports.h
 // One report from those of several runs: the shards of a batch, and its second tries.
 #pragma once
+#include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "model/error.h"
@@ -11,8 +11,8 @@
 namespace dgm::bake {
 
 struct NamedReport {
-    std::string name;  ///< for messages
-    std::string text;
+    std::string name;       ///< for messages
+    nlohmann::json report;  ///< any JSON (process/json_apart.h)
 };
 
 struct MergedReport {
@@ -25,6 +25,6 @@ struct MergedReport {
 /// equals the one whose JSON comes first in byte order. So the order of the reports makes no difference, and a second
 /// try replaces the first. Sums and exit code are those of the assets that stand; `run` is kept where all agree.
 /// @throws model::Error kUsage without reports, kReportUnreadable naming what is not a report, or of another version
-[[nodiscard]] MergedReport merge_reports(const std::vector<NamedReport>& reports);
+[[nodiscard]] MergedReport merge_reports(std::vector<NamedReport> reports);
 
 }  // namespace dgm::bake

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -20,8 +19,8 @@
 #include "files/temporary_folder.h"
 #include "image/image.h"
 #include "model/codes.h"
-#include "model/file_errors.h"
 #include "model/layer_names.h"
+#include "process/json_apart.h"
 
 namespace dgm::edit {
 namespace {
@@ -96,11 +95,12 @@ void check_gray(const Picture& picture, const fs::path& path) {
 }
 
 Json read_index(const fs::path& path) {
-    std::error_code error;
-    if (!fs::exists(path, error)) throw model::missing_file(path);
-    if (fs::file_size(path, error) > kMostIndexBytes || error) throw model::unreadable_file(path);
-    std::ifstream file(path, std::ios::binary);
-    Json json = Json::parse(file, nullptr, false);
+    Json json;
+    try {
+        json = bake::read_json(path, kMostIndexBytes);
+    } catch (const model::Error& error) {
+        if (error.code().number != codes::kReportUnreadable.number) throw;
+    }
     if (!json.is_object() || json.value("format", Json()) != "dgm-maps" || !json.value("charts", Json()).is_array())
         unrelated("it is no description of plain maps", path, "name the folder that dgm-export --maps wrote");
     return json;

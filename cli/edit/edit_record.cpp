@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dgm/hash.h"
+#include "files/nesting.h"
 #include "model/codes.h"
 #include "model/layer_names.h"
 #include "validate/validation.h"
@@ -58,6 +59,8 @@ std::string shading_note(const PaintedMap& map, const PartEdit& edit) {
 }  // namespace
 
 void record_edits(PaintedMap& map) {
+    if (formats::too_deep_json(map.maps().report_json, formats::kMostNesting))  // it could not be written again
+        throw model::Error(model::codes::kBadReport, "the report is nested too deeply", "/report");
     Json report = Json::parse(map.maps().report_json, nullptr, false);
     if (!report.is_object()) return;
     std::vector<Json> rows;

@@ -10,6 +10,7 @@
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/image_apart.h"
+#include "process/json_apart.h"
 #include "tool/guarded_main.h"
 #include "tool/tool.h"
 
@@ -99,6 +100,7 @@ static int run_main(int argc, char** argv) {
         const dgm::bake::Hdf5Apart hdf5;
         const dgm::bake::ExrApart exr;
         const dgm::bake::ImageApart images;
+        const dgm::bake::JsonApart json;
         return run(line, subject);
     });
 }

@@ -2,6 +2,8 @@
 // cli/edit/map_parts.cpp
 #include "edit/map_parts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "model/codes.h"
@@ -93,8 +95,9 @@ PartChoice::PartChoice(const model::MapSet& maps, std::span<const std::string> n
                     if (!part.is_editable) why = part.why;
                 }
         if (!is_there)
-            throw model::Error(codes::kUsage, "--layer: " + tool::unknown_word("layer", name, part_names(maps)));
-        if (!is_editable) throw model::Error(codes::kEditForbidden, "--layer " + name + ": " + why, name);
+            throw model::Error(codes::kUsage,
+                               fmt::format("--layer: {}", tool::unknown_word("layer", name, part_names(maps))));
+        if (!is_editable) throw model::Error(codes::kEditForbidden, fmt::format("--layer {}: {}", name, why), name);
     }
 }
 

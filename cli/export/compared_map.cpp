@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "files/nesting.h"
 #include "geometry/metrics/reconstruction.h"
 #include "geometry/spatial/closest_point.h"
 #include "model/element.h"
@@ -49,9 +50,9 @@ void add_comparison(const Compared& compared, page::PagedMap& map) {
     for (const auto& [vertex, origin] : drawn.origins)
         if (const double value = compared.distances[origin]; std::abs(value) > std::abs(worst[vertex]))
             worst[vertex] = value;
-    page::PagedSource& source = map.source.emplace(page::PagedSource{drawn.positions, drawn.faces, kDistanceName, {}});
+    map.source = page::PagedSource{drawn.positions, drawn.faces, kDistanceName, {}};
     for (const double value : worst)
-        source.codes.push_back(code_of(render::table_place(Quantity::kDistance, value, compared.scales)));
+        map.source->codes.push_back(code_of(render::table_place(Quantity::kDistance, value, compared.scales)));
 }
 
 void compare_with(const model::TriMesh& source, page::PagedMap& map) {
@@ -91,6 +92,7 @@ void add_bump(page::PagedMap& map) {
 }
 
 std::string measured_errors(const std::string& report_json) {
+    if (formats::too_deep_json(report_json, formats::kMostNesting)) return {};
     const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, false);
     const nlohmann::json::json_pointer at("/error");
     if (!report.is_object() || !report.contains(at) || !report.at(at).is_object()) return {};

@@ -3,7 +3,6 @@
 #include "process/error_stream.h"
 
 #include <cstdint>
-#include <utility>
 
 #include "model/codes.h"
 #include "process/byte_stream.h"
@@ -30,9 +29,8 @@ void throw_sent_error(std::string_view message) {
     ByteReader in(message);
     if (in.get<char>() != kError) return;
     const model::Code* code = code_of(in.get<std::int32_t>());
-    std::string text = in.text(), place = in.text(), hint = in.text();
-    throw model::Error(code != nullptr ? *code : model::codes::kInternal, std::move(text), std::move(place))
-        .with_hint(std::move(hint));
+    const std::string text = in.text(), place = in.text(), hint = in.text();
+    throw model::Error(code != nullptr ? *code : model::codes::kInternal, text, place).with_hint(hint);
 }
 
 }  // namespace dgm::bake

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,7 +19,10 @@ namespace {
 std::string brief(const std::string& description) {
     std::string out = description.substr(0, description.find_first_of(";\n"));
     constexpr std::size_t kMost = 100;
-    if (out.size() > kMost) out = out.substr(0, out.rfind(' ', kMost)) + " ...";
+    if (out.size() > kMost) {
+        out.resize(std::min(out.size(), out.rfind(' ', kMost)));
+        out += " ...";
+    }
     return out;
 }
 

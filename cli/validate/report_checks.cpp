@@ -10,6 +10,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "files/nesting.h"
 #include "math/portable.h"
 #include "model/codes.h"
 
@@ -194,6 +195,10 @@ ClaimedError check_report(const model::MapSet& maps, std::span<const std::option
                           FindingList& findings) {
     if (maps.report_json.empty()) {
         findings.warning(codes::kBadReport, "/report", "the file holds no report: nothing to compare the surface with");
+        return {};
+    }
+    if (formats::too_deep_json(maps.report_json, formats::kMostNesting)) {
+        findings.error(codes::kBadReport, "/report", "the report is nested too deeply");
         return {};
     }
     const json report = json::parse(maps.report_json, nullptr, false);

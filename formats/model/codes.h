@@ -434,7 +434,7 @@ inline constexpr Code kBadBaseline{6003,
                                    "without its baseline a run would fail for known findings, or pass new ones"};
 inline constexpr Code kSceneInvalid{6004,
                                     "SCENE_INVALID",
-                                    ExitCode::kUsage,
+                                    ExitCode::kInvalid,
                                     "the scene file is wrong",
                                     "docs/scenes.md has every key; the message gives line and column",
                                     "a misread value would bake another scene than the one you meant"};

@@ -56,5 +56,6 @@ CLOSE = {
        for name, make in (("stack", thin.stack), ("folded_stack", lambda c, g: thin.stack(c, g, joined=True)),
                           ("shells", thin.shells))
        for copies in (2, 20) for gap in (0, 1e-9, 1e-6, 1e-3)},
+    "tree_128_ends": lambda: hard.tree(7),
     "tree_256_ends": lambda: hard.tree(8),
 }

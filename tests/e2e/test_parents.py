@@ -112,7 +112,7 @@ class Bounds(Parents):
             (self.folder / "scene.toml").write_text(text)
             for program in (support.BAKE, support.INFO):
                 result = self.run_program(program, "scene.toml")
-                self.code(result, 1, 6004)
+                self.code(result, 3, 6004)
                 self.assertIn("scene.toml" + place, result.stderr)
 
     def test_few_descriptors_are_trouble_that_may_pass(self):

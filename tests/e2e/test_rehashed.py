@@ -9,6 +9,7 @@ As a test: a few, always the same. By scripts/faults: many.
 import argparse
 import collections
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -20,6 +21,11 @@ from pathlib import Path
 
 import meshes
 import support
+
+try:  # scripts/faults runs many mutants with any interpreter
+    import h5py
+except ImportError:
+    h5py = None
 
 FILES = os.environ.get("DGM_REHASHED_FILES", "")
 CODES = (0, 2, 3, 5)
@@ -110,6 +116,74 @@ class Rehashed(support.Folder):
 
     def test_exr(self):
         self.hold("exr")
+
+
+def with_values(file, layer, index, values):
+    """Overwrites values of the first chart's layer, and makes the hashes fit again."""
+    with h5py.File(file) as f:
+        data = f["charts/0"][layer]
+        changed, offset = data[...], data.id.get_offset()
+    changed[index] = values
+    with open(file, "r+b") as f:
+        f.seek(offset)
+        f.write(changed.tobytes())
+    subprocess.run([FILES, "mend", file], check=True, timeout=SECONDS)
+
+
+@unittest.skipIf(not FILES or h5py is None, "tests/fuzz is not built, or h5py is missing")
+class Refused(support.Folder):
+    """What dgm-validate refuses, dgm-export does not pass on, though all hashes fit."""
+
+    def setUp(self):
+        super().setUp()
+        meshes.write_obj(self.folder / "ball.obj", meshes.icosphere(2))
+        self.bake_well("ball.obj", "-o", "ball.dgm", "--size", "9x9", "--method", "tutte", "--fit", "sample")
+
+    def codes_of(self, name):
+        result = self.run_program(support.VALIDATE, name, "--format", "json")
+        report = json.loads(result.stdout)["files"][0]
+        return result.returncode, {f["code"] for f in report["findings"] if f["severity"] == "error"}
+
+    def test_a_map_whose_hashes_were_mended_for_nothing_is_exported(self):
+        before = (self.folder / "ball.dgm").read_bytes()
+        subprocess.run([FILES, "mend", self.folder / "ball.dgm"], check=True, timeout=SECONDS)
+        self.assertEqual((self.folder / "ball.dgm").read_bytes(), before)
+        self.assertEqual(self.codes_of("ball.dgm"), (0, set()))
+        result = self.run_program(support.EXPORT, "ball.dgm", "-o", "ball.glb")
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_dgm_export_refuses_what_dgm_validate_refuses(self):
+        with h5py.File(self.folder / "ball.dgm") as f:
+            representative, copy = (int(x) for x in f["charts/0/seams"][0])
+        columns = 9
+        harms = {
+            "huge": ("geometry", (4, 4, 1), 3e38, "DGM2007"),
+            "not_a_number": ("geometry", (4, 4, 1), math.nan, "DGM2003"),
+            "torn": ("geometry", (copy // columns, copy % columns, 0), 7.0, "DGM2004"),
+            "inner_seam": ("seams", (0, 1), 4 * columns + 4, "DGM2005"),
+            "no_diagonal": ("diagonals", (0, 0), 7, "DGM2007"),
+            "far_corner": ("geometry", (representative // columns, representative % columns, 2), -5.0, "DGM2004"),
+        }
+        for name, (layer, index, value, code) in harms.items():
+            with self.subTest(name):
+                shutil.copy(self.folder / "ball.dgm", self.folder / f"{name}.dgm")
+                with_values(self.folder / f"{name}.dgm", layer, index, value)
+                exit_code, codes = self.codes_of(f"{name}.dgm")
+                self.assertEqual(exit_code, 3)
+                self.assertIn(code, codes)
+                self.assertNotIn("DGM1003", codes)  # the hashes fit
+                for ending in ("glb", "obj", "ply", "exr", "html", "png"):
+                    result = self.run_program(support.EXPORT, f"{name}.dgm", "-o", f"{name}.out.{ending}")
+                    self.assertEqual(result.returncode, 3, f"{ending}: {result.stderr}")
+                    self.assertTrue(any(c in result.stderr for c in codes), f"{ending}: {codes}: {result.stderr}")
+                self.assertEqual([n for n in self.names() if n.startswith(f"{name}.")], [f"{name}.dgm"])
+
+    def test_one_of_them_does_not_keep_the_others_from_being_exported(self):
+        shutil.copy(self.folder / "ball.dgm", self.folder / "huge.dgm")
+        with_values(self.folder / "huge.dgm", "geometry", (4, 4, 1), 3e38)
+        result = self.run_program(support.EXPORT, "huge.dgm", "ball.dgm", "--format", "glb", "-o", "out")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertEqual(self.names(self.folder / "out"), ["ball.glb"])
 
 
 def run_many(first, count, keep):

@@ -113,7 +113,7 @@ class SceneFiles(support.Folder):
     def test_mistakes_are_told_with_their_place(self):
         self.write(SCENE.replace("touched = true", "tuched = true"))
         for result in (self.bake(), self.run_program(INFO, "scene.toml")):
-            self.assertEqual(result.returncode, 1)
+            self.assertEqual(result.returncode, 3)
             self.assertIn("DGM6004", result.stderr)
             self.assertIn("scene.toml:13:1", result.stderr)
             self.assertIn("did you mean touched?", result.stderr)

@@ -2,14 +2,19 @@
 // tests/fuzz/rehashed_files.cpp
 // rehashed_files dgm|exr FIRST COUNT FOLDER: writes mutants by number (rehashed_maps.h) as FOLDER/NUMBER.dgm or .exr,
 // for the programs themselves.
+// rehashed_files mend FILE...: makes the hashes of changed .dgm files fit again.
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
 
 #include "rehashed_maps.h"
+#include "support/rehash.h"
 
 namespace {
 void write_files(bool is_exr, std::uint64_t first, std::uint64_t count, const std::filesystem::path& folder) {
@@ -22,13 +27,25 @@ void write_files(bool is_exr, std::uint64_t first, std::uint64_t count, const st
         std::ofstream(path, std::ios::binary).write(file.data(), static_cast<std::streamsize>(file.size()));
     }
 }
+
+void mend_file(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string file{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    dgm::test::mend_hashes(file);
+    std::ofstream out(path, std::ios::binary);
+    out.write(file.data(), static_cast<std::streamsize>(file.size()));
+    if (!in || !out.flush()) throw std::runtime_error("cannot change " + path.string());
+}
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 5) return 1;
+    const bool mends = argc > 2 && std::strcmp(argv[1], "mend") == 0;
+    if (!mends && argc != 5) return 1;
     try {
-        write_files(std::strcmp(argv[1], "exr") == 0, std::strtoull(argv[2], nullptr, 10),
-                    std::strtoull(argv[3], nullptr, 10), argv[4]);
+        for (int k = 2; mends && k < argc; ++k) mend_file(argv[k]);
+        if (!mends)
+            write_files(std::strcmp(argv[1], "exr") == 0, std::strtoull(argv[2], nullptr, 10),
+                        std::strtoull(argv[3], nullptr, 10), argv[4]);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "rehashed_files: %s\n", error.what());
         return 1;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -126,41 +127,60 @@ class Joiner {
     /// Once the seam is welded, a chord of the strip may have become an edge that stands elsewhere already (its mate
     /// side has the same chord), or a triangle may name one surface point twice (at the end of a cut). Such a chord is
     /// flipped within the strip: where its two triangles make a convex quad as long as there are such chords, since the
-    /// others turn over in (u, v).
+    /// others turn over in (u, v). A limb too thin for samples of the lattice is a tube of border samples alone: there
+    /// one flip calls for the next, along the limb, so the passes go on while fewer and fewer such chords are left.
     void flip_repeated_edges() {
-        using Edge = std::pair<std::uint32_t, std::uint32_t>;
-        const auto welded = [&](std::uint32_t a, std::uint32_t b) {
-            a = chart_.representative[a];
-            b = chart_.representative[b];
-            return Edge{std::min(a, b), std::max(a, b)};
-        };
+        constexpr int kIdlePasses = 12;
+        std::size_t fewest = std::numeric_limits<std::size_t>::max();
         bool convex = true;
-        for (int pass = 0; pass < 12; ++pass) {
-            std::map<Edge, int> uses;  // of the whole welded surface
-            for (const Face& f : chart_.faces())
-                for (int k = 0; k < 3; ++k) ++uses[welded(f[k], f[(k + 1) % 3])];
-            std::map<Edge, std::array<std::uint32_t, 2>> sides;  // unwelded chord -> its two strip faces
-            for (std::uint32_t f = 0; f < chart_.strip.size(); ++f)
-                for (int k = 0; k < 3; ++k) {
-                    const std::uint32_t a = chart_.strip[f][k], b = chart_.strip[f][(k + 1) % 3];
-                    auto [it, fresh] = sides.try_emplace({std::min(a, b), std::max(a, b)}, std::array{f, kNone});
-                    if (!fresh) it->second[1] = f;
-                }
-            std::set<std::uint32_t> touched;
-            bool flipped = false;
-            for (const auto& [edge, faces] : sides) {
-                const Edge w = welded(edge.first, edge.second);
-                if (faces[1] == kNone || (uses[w] <= 2 && w.first != w.second)) continue;
-                if (touched.count(faces[0]) || touched.count(faces[1])) continue;
-                if (!flip(faces[0], faces[1], edge.first, edge.second, uses, welded, convex)) continue;
-                flipped = true;
-                touched.insert(faces[0]);
-                touched.insert(faces[1]);
-                uses[w] -= 2;
+        for (int idle = 0; idle < kIdlePasses; ++idle) {
+            const Flipped pass = flip_pass(convex);
+            if (pass.repeated == 0 || (pass.flipped == 0 && !convex)) return;
+            if (pass.repeated < fewest) {
+                fewest = pass.repeated;
+                idle = 0;
             }
-            if (!flipped && !convex) return;
-            convex = flipped;
+            convex = pass.flipped > 0;
         }
+    }
+
+    struct Flipped {
+        std::size_t repeated = 0, flipped = 0;  // chords that should be flipped, and those that were
+    };
+
+    /// Flips each chord at most once, and none beside another.
+    Flipped flip_pass(bool convex) {
+        std::map<Edge, int> uses;  // of the whole welded surface
+        for (const Face& f : chart_.faces())
+            for (int k = 0; k < 3; ++k) ++uses[welded(f[k], f[(k + 1) % 3])];
+        std::map<Edge, std::array<std::uint32_t, 2>> sides;  // unwelded chord -> its two strip faces
+        for (std::uint32_t f = 0; f < chart_.strip.size(); ++f)
+            for (int k = 0; k < 3; ++k) {
+                const std::uint32_t a = chart_.strip[f][k], b = chart_.strip[f][(k + 1) % 3];
+                auto [it, fresh] = sides.try_emplace({std::min(a, b), std::max(a, b)}, std::array{f, kNone});
+                if (!fresh) it->second[1] = f;
+            }
+        std::set<std::uint32_t> touched;
+        Flipped out;
+        for (const auto& [edge, faces] : sides) {
+            const Edge w = welded(edge.first, edge.second);
+            if (faces[1] == kNone || (uses[w] <= 2 && w.first != w.second)) continue;
+            ++out.repeated;
+            if (touched.count(faces[0]) || touched.count(faces[1])) continue;
+            if (!flip(faces[0], faces[1], edge.first, edge.second, uses, convex)) continue;
+            ++out.flipped;
+            touched.insert(faces[0]);
+            touched.insert(faces[1]);
+            uses[w] -= 2;
+        }
+        return out;
+    }
+
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    [[nodiscard]] Edge welded(std::uint32_t a, std::uint32_t b) const {
+        a = chart_.representative[a];
+        b = chart_.representative[b];
+        return {std::min(a, b), std::max(a, b)};
     }
 
     /// Twice the signed area in grid coordinates.
@@ -172,8 +192,7 @@ class Joiner {
         return cross(place(f[1]) - place(f[0]), place(f[2]) - place(f[0]));
     }
 
-    template <class Uses, class Welded>
-    bool flip(std::uint32_t f, std::uint32_t g, std::uint32_t a, std::uint32_t b, const Uses& uses, Welded welded,
+    bool flip(std::uint32_t f, std::uint32_t g, std::uint32_t a, std::uint32_t b, const std::map<Edge, int>& uses,
               bool convex) {
         Face &first = chart_.strip[f], &second = chart_.strip[g];
         const auto apex = [&](const Face& face) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/codes.h"
+#include "process/json_apart.h"
 
 namespace dgm::bake {
 namespace {
@@ -22,8 +23,7 @@ NamedReport report(const std::string& name, std::vector<json> assets, int jobs =
     return {name, json{{"generator", "dgm-bake 1"},
                        {"report_version", 2},
                        {"run", {{"jobs", jobs}}},
-                       {"assets", std::move(assets)}}
-                      .dump()};
+                       {"assets", std::move(assets)}}};
 }
 
 std::string outcomes(const MergedReport& merged) {
@@ -51,12 +51,12 @@ TEST(MergeReports, BestOutcomeStandsAndTheWorstAssetCounts) {
                                     {"not_started", 0}}));
     EXPECT_EQ(all["run"], (json{{"jobs", 1}}));
     EXPECT_EQ(merge_reports({two, one}).text, merged.text);
-    EXPECT_EQ(merge_reports({two, one, two, {"again", merged.text}}).text, merged.text);
+    EXPECT_EQ(merge_reports({two, one, two, {"again", json::parse(merged.text)}}).text, merged.text);
 }
 
 int code_of(const std::string& text) {
     try {
-        (void)merge_reports({{"bad.json", text}});
+        (void)merge_reports({{"bad.json", parse_json(text, "bad.json")}});
         return 0;
     } catch (const model::Error& error) {
         EXPECT_EQ(error.place(), "bad.json");
@@ -65,7 +65,7 @@ int code_of(const std::string& text) {
 }
 
 TEST(MergeReports, DamagedReportsAreRefusedByName) {
-    const json good = json::parse(report("1", {asset("a", "baked")}).text);
+    const json good = report("1", {asset("a", "baked")}).report;
     const json bad[] = {nullptr, -1, 7, "x", json::array(), json::object(), json::array({1}), true, 1e300};
     for (const char* key : {"generator", "report_version", "assets"})
         for (const json& value : bad) {
@@ -80,7 +80,7 @@ TEST(MergeReports, DamagedReportsAreRefusedByName) {
     EXPECT_EQ(code_of(removed.dump()), 0);
     json strange = good;
     strange["assets"][0]["error"] = {{"exit_code", 99}};
-    EXPECT_EQ(merge_reports({{"strange.json", strange.dump()}}).exit, model::ExitCode::kInternal);
+    EXPECT_EQ(merge_reports({{"strange.json", strange}}).exit, model::ExitCode::kInternal);
     std::string bytes = good.dump();
     bytes.replace(bytes.find("a.dgm"), 1, "\xff");
     EXPECT_EQ(code_of(bytes), model::codes::kReportUnreadable.number) << "JSON is UTF-8";
@@ -111,7 +111,7 @@ TEST(MergeReports, RefusesWhatIsNoReport) {
                              R"({"report_version":2,"assets":[{}]})",
                              R"({"report_version":2,"assets":[{"source":"a","outcome":"fine"}]})"}) {
         try {
-            (void)merge_reports({{"r.json", text}});
+            (void)merge_reports({{"r.json", parse_json(text, "r.json")}});
             ADD_FAILURE() << text;
         } catch (const model::Error& error) {
             EXPECT_EQ(error.code().number, model::codes::kReportUnreadable.number) << text;
@@ -119,7 +119,7 @@ TEST(MergeReports, RefusesWhatIsNoReport) {
         }
     }
     NamedReport other = report("2", {});
-    other.text.replace(other.text.find("dgm-bake 1"), 10, "dgm-bake 2");
+    other.report["generator"] = "dgm-bake 2";
     EXPECT_THROW((void)merge_reports({report("1", {}), other}), model::Error);
 }
 

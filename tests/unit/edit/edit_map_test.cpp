@@ -97,6 +97,17 @@ TEST_F(EditMap, AnExrBringsItsPaintAndTheReportSaysSo) {
     EXPECT_EQ(report["charts"], nlohmann::json::parse(maps_.report_json)["charts"]);
 }
 
+TEST_F(EditMap, AMapWhoseReportIsNestedTooDeeplyIsRefused) {
+    maps_.report_json.insert(1, "\"x\":" + std::string(200'000, '[') + std::string(200'000, ']') + ",");
+    formats::write_dgm(maps_, map_);
+    model::MapSet painted = maps_;
+    test::poke(layer(painted, "deformation"), 4 * (5 * n + 4) + 3, 0.25f);
+    formats::write_exr(painted, folder_ / "painted.exr");
+    const std::string before = read_bytes(map_);
+    EXPECT_EQ(code_of([&] { (void)edit_map(from(folder_ / "painted.exr")); }), codes::kBadReport.number);
+    EXPECT_TRUE(read_bytes(map_) == before);
+}
+
 TEST_F(EditMap, TheSameEditGivesTheSameBytes) {
     model::MapSet painted = maps_;
     test::poke(layer(painted, "contact"), 2 * 40 + 1, 0.5f);
