@@ -13,6 +13,7 @@
 #include <dgm/collide.h>
 #include <dgm/contact.h>
 #include <dgm/deform.h>
+#include <dgm/physics.h>
 #include <dgm/reconstruct.h>
 #include <dgm/state.h>
 #include <dgm/tick.h>
@@ -311,6 +312,46 @@ void collide_all(const Map& map) {
     print(map.name + " collide", state, found);
 }
 
+/// A ball goes in, one sample is pinned, another is pulled, all under gravity: contacts, grasps, pressure, viscosity.
+void physics_all(const Map& map) {
+    State state = map.state();
+    PhysicsOptions options;
+    options.metres_per_unit = 5e-3;
+    options.material.viscosity = 1e-3f;
+    options.plain_loops = plain;
+    auto made = Physics::create(state, options);
+    if (!made) {
+        Digest refused;
+        refused.add(made.error().code);
+        return print(map.name + " physics refused", state, refused);
+    }
+    Physics physics = std::move(made).value();
+    const Vec3 top = state.rest_positions()[map.contacts(state)[0]];
+    const Pin pin{map.rows * map.cols / 3, state.rest_positions()[map.rows * map.cols / 3]};
+    StepOptions how;
+    how.tool_radius = 2;
+    how.gravity = {0, 0, -9.75f};
+    how.pins = {&pin, 1};
+    for (int k = 0; k < 24; ++k) {
+        if (k == 12 && !physics.set_dt(1.0f / 64)) sound = false;
+        ToolInput tools[2];
+        tools[0].position = top + Vec3{0, 0, 2 - 0.0625f * static_cast<float>(k)};
+        tools[1].tool = 1;
+        tools[1].kind = ToolKind::Grasp;
+        tools[1].position = pin.position + Vec3{1, 0.125f * static_cast<float>(k), 0};
+        StepTool answers[2];
+        const StepReport r = good(step(state, physics, how, tools, answers), "step");
+        Digest report;
+        report.add(r.volume_error, r.pressure, r.residual, r.kinetic, r.elastic, r.contacts, r.cycles, r.clamped,
+                   answers[0].contacts, answers[1].contacts);
+        report.add(answers[0].force);
+        report.add(answers[1].force);
+        if (k % 4 != 3) continue;
+        state.update_normals();
+        print(map.name + " physics step " + std::to_string(k + 1), state, report);
+    }
+}
+
 void print_math() {
     Digest values;
     for (int k = -40000; k <= 40000; ++k) {
@@ -342,6 +383,7 @@ int run() {
         contact_all(map, maps[4]);
         reconstruct_all(map);
         collide_all(map);
+        physics_all(map);
     }
     return sound ? 0 : 1;
 }
