@@ -103,7 +103,8 @@ class ShapeTrials {
     [[nodiscard]] AspectTrial judged(GridSize size, const BakeOptions& options, RingUse rings) {
         const Attempt<ComponentResult> result = baked(size, options, rings, CutUse::kReuse);
         if (!result) return {size, kInfinity, 0};
-        return {size, options.fit == Fit::kSample ? trials_.back().rms : trial_fit_rms(result->chart, silent()), 0};
+        if (options.fit == Fit::kSample) return {size, trials_.back().rms, 0};
+        return {size, result->begun ? result->begun->rms : trial_fit(result->chart, silent()).rms, 0};
     }
 
     Attempt<ComponentResult> baked(GridSize size, const BakeOptions& options, RingUse rings, CutUse use) {
