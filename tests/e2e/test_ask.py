@@ -105,7 +105,7 @@ class Ask(support.Folder):
         story = self.refused(3009, "ball.obj", "--max-error", "0.01%", "--size", "33")
         self.assertIn("0.01 % of the diagonal) was asked for; 33x33 reaches", story)
         self.refused(3010, "ball.obj", "--budget", "1000")
-        self.refused(3010, "ball.obj", "--max-error", "0.1%", "--budget", "30kB")
+        self.refused(3010, "ball.obj", "--max-error", "0.05%", "--budget", "30kB")
 
     def test_the_budget_is_held_by_the_file(self):
         for budget, size in (("100KiB", 102400), ("250kB", 250000)):

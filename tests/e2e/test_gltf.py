@@ -331,7 +331,8 @@ class Gltf(support.Folder):
             for j in range(n):
                 a = i * (n + 1) + j
                 faces += [(a, a + n + 1, a + n + 2), (a, a + n + 2, a + 1)]
-        sheet = self.baked("bumpy", (vertices, faces), "--size", "17x17", "--bump-size", "97x97")
+        # Samples stay in rows: a fit lays their cells along the waves, and what is asked here is the file's tangent space.
+        sheet = self.baked("bumpy", (vertices, faces), "--size", "17x17", "--bump-size", "97x97", "--fit", "sample")
         ((material, _, indices, attributes),) = self.glb(sheet).primitives()
         glb = self.glb(sheet)
         picture = glb.picture(material["normalTexture"]["index"])[..., :3]
