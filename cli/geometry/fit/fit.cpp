@@ -79,9 +79,8 @@ void settle(FitState& fit, const Plan& plan, FitReport& report) {
     fit.matches.update(false);
 }
 
-/// The rounds for the mean error; the best state is kept.
-/// @return  true if the last round gave it
-bool lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
+/// The rounds for the mean error. The grid lies in the best state afterwards.
+void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     const FitOptions& options = plan.options;
     if (options.split_quads) fit.split_quads();
     if (fit.sliding.occupy_corners()) fit.matches.update(false);
@@ -101,16 +100,14 @@ bool lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
         fit.keep();
         ++report.rounds;
     }
-    return kept;
+    if (kept && options.worst_rounds <= 0) return;
+    fit.restore();
+    fit.matches.update(false);
 }
 
 /// The rounds for the mean error, then those for the largest.
 void run_rounds(FitState& fit, LocalRepair& repair, const Plan& plan, FitReport& report) {
-    const bool kept = lower_mean(fit, plan, report);
-    if (!kept || plan.options.worst_rounds > 0) {
-        fit.restore();
-        fit.matches.update(false);
-    }
+    lower_mean(fit, plan, report);
     if (plan.options.worst_rounds <= 0 || fit.is_spent()) return;
     repair.repair();
     settle(fit, plan, report);
@@ -233,11 +230,7 @@ TrialFit trial_fit(SampledChart chart, const model::Progress& progress) {
     fit.matches.update(false);
     const double start_rms = fit.matches.rms;
     FitReport report;
-    const bool kept = lower_mean(fit, {options, progress}, report);
-    if (!kept) {
-        fit.restore();
-        fit.matches.update(false);
-    }
+    lower_mean(fit, {options, progress}, report);
     write_chart(fit);
     return {std::move(chart), start_rms, fit.kept.rms};
 }

@@ -93,38 +93,30 @@ void NormalEquations::add(std::uint32_t face, const std::array<double, 3>& b, co
                           double weight) {
     const Vec3d wn = n * weight;
     const Block m{wn.x * n.x, wn.x * n.y, wn.x * n.z, wn.y * n.y, wn.y * n.z, wn.z * n.z};
-    const Vec3d pull = wn * dot(n, gap);
+    const FaceSums row{{b[0] * b[0], b[1] * b[1], b[2] * b[2]}, {b[0] * b[1], b[1] * b[2], b[2] * b[0]}, b};
+    take(face, row, m, wn * dot(n, gap));
+}
+
+void NormalEquations::take(std::size_t face, const FaceSums& sums, const Block& m, const Vec3d& pull) {
     const Face& f = grid_.surface.faces[face];
     const auto& edges = grid_.edge_of[face];
     for (std::size_t k = 0; k < 3; ++k) {
-        right_[f[k]] += pull * b[k];
-        const double own = b[k] * b[k], pair = b[k] * b[(k + 1) % 3];
+        right_[f[k]] += pull * sums.pull[k];
         Block& d = diagonal_[f[k]];
         Block& o = off_[edges[k]];
         for (std::size_t e = 0; e < 6; ++e) {
-            d[e] += own * m[e];
-            o[e] += pair * m[e];
+            d[e] += sums.own[k] * m[e];
+            o[e] += sums.pair[k] * m[e];
         }
     }
 }
 
 void NormalEquations::close() {
-    const LinkedSurface& surface = grid_.surface;
     for (std::size_t f = 0; f < along_normal_.size(); ++f) {
         const FaceSums& sums = along_normal_[f];
         if (sums.own == std::array<double, 3>{}) continue;
-        const Vec3d& n = surface.normals[f];
-        const Block m{n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t c = surface.faces[f][k];
-            right_[c] += n * sums.pull[k];
-            Block& d = diagonal_[c];
-            Block& o = off_[grid_.edge_of[f][k]];
-            for (std::size_t e = 0; e < 6; ++e) {
-                d[e] += sums.own[k] * m[e];
-                o[e] += sums.pair[k] * m[e];
-            }
-        }
+        const Vec3d& n = grid_.surface.normals[f];
+        take(f, sums, {n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z}, n);
     }
 }
 

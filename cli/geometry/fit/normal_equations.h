@@ -61,6 +61,9 @@ class NormalEquations {
         std::array<double, 3> own{}, pair{}, pull{};
     };
 
+    /// Adds m times the sums to the blocks of a face, and `pull` times its distances to the right side.
+    void take(std::size_t face, const FaceSums& sums, const Block& m, const Vec3d& pull);
+
     const WeldedGrid& grid_;
     std::vector<FaceSums> along_normal_;
     std::vector<Block> diagonal_, off_;

@@ -90,8 +90,8 @@ struct StepTool {
 };
 
 /// Stencils of all strides, velocities and displacement of one state. One thread at a time, together with its state.
-/// Closed and open charts of the square domain. Memory: 1.5 KB a sample
-/// from 129 x 129 on, 1.7 KB at 33 x 33, and a tenth more while it is made.
+/// Closed and open charts of the square domain. Memory: 1.5 KB a sample from 129 x 129 on, 1.7 KB at 33 x 33, and a
+/// tenth more while it is made.
 class Physics {
  public:
     /// Takes the rest shape of the state as stress-free.
