@@ -5,8 +5,11 @@
 #include <dgm/grid.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_set>
+
+#include "geometry/mesh/triangle.h"
 
 namespace dgm::bake {
 
@@ -57,12 +60,17 @@ class WeldedEdges {
 
 }  // namespace
 
-bool folds(const SampledChart& chart, std::uint32_t i, std::uint32_t j, unsigned diagonal) {
-    const auto area = [&](const Face& f) {
-        return cross(chart.positions[f[1]] - chart.positions[f[0]], chart.positions[f[2]] - chart.positions[f[0]]);
-    };
-    const auto t = quad_triangles(i, j, chart.n, diagonal);
-    return dot(area(t[0]), area(t[1])) < 0;
+bool splits_badly(const SampledChart& chart, std::uint32_t i, std::uint32_t j, unsigned diagonal) {
+    constexpr double kFlat = 1e-3;  // height over the longest edge
+    std::array<Vec3d, 2> areas;
+    const auto triangles = quad_triangles(i, j, chart.n, diagonal);
+    for (std::size_t k = 0; k < 2; ++k) {
+        const Face& f = triangles[k];
+        const std::array q{chart.positions[f[0]], chart.positions[f[1]], chart.positions[f[2]]};
+        areas[k] = cross(q[1] - q[0], q[2] - q[0]);
+        if (length(areas[k]) < kFlat * longest_edge_squared(q)) return true;
+    }
+    return dot(areas[0], areas[1]) < 0;
 }
 
 void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
@@ -97,7 +105,8 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
                 diagonal = squared((chart.positions[b] + chart.positions[d]) * 0.5 - truth) <
                            squared((chart.positions[a] + chart.positions[c]) * 0.5 - truth);
             }
-            if (const bool first = folds(chart, i, j, 0); first != folds(chart, i, j, 1)) diagonal = first;
+            if (const bool first = splits_badly(chart, i, j, 0); first != splits_badly(chart, i, j, 1))
+                diagonal = first;
             if (!square || !on_border(i, j)) continue;
             const auto taken = [&](std::uint8_t which) {
                 const std::size_t from = which == 0 ? a : b, to = which == 0 ? c : d;

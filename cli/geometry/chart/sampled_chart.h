@@ -58,15 +58,15 @@ struct SampledChart {
     [[nodiscard]] TriMesh surface() const;
 };
 
-/// Chooses each quad's diagonal: the one that does not fold, or the one with the smaller distance of its middle to the
-/// surface point that the map has there;
-/// `centres` is the rasterization at (2m-1) x (2n-1). A diagonal that the welded surface has already, or between two
-/// copies of one class, is not taken where the other one is free.
+/// Chooses each quad's diagonal: the one that splits it soundly, or the one whose middle is closer to the surface point
+/// that the map has there; `centres` is the rasterization at (2m-1) x (2n-1). A diagonal that the welded surface has
+/// already, or between two copies of one class, is not taken where the other one is free.
 void choose_diagonals(SampledChart& chart, const SampleGrid& centres);
 
 /// True if the two triangles that `diagonal` makes of quad (i, j) look away from each other: the quad is an arrowhead
-/// (or bends by more than a right angle), and this diagonal lies outside of it.
-[[nodiscard]] bool folds(const SampledChart& chart, std::uint32_t i, std::uint32_t j, unsigned diagonal);
+/// (or bends by more than a right angle), and this diagonal lies outside of it. Or if one of them has hardly a height,
+/// as at a corner of the map where the border is straight: rounding would choose the side that it faces.
+[[nodiscard]] bool splits_badly(const SampledChart& chart, std::uint32_t i, std::uint32_t j, unsigned diagonal);
 
 /// The smallest lattice around all samples on the surface.
 [[nodiscard]] Lattice lattice_around(const SampledChart& chart);

@@ -61,9 +61,10 @@ bool turns_less(const SampledChart& chart, const ClosestPointIndex& source, std:
             for (const std::uint32_t s : t) both.positions.push_back(chart.positions[s]);
             both.faces.push_back({first, first + 1, first + 2});
         }
-    int more = 0;
-    for (const std::uint32_t f : find_turned_faces(source, both, kSafeTie, kSafeCosine)) more += f < 2 ? -1 : 1;
-    return more > 0;
+    std::array<char, 4> bad{};
+    for (const std::uint32_t f : find_turned_faces(source, both, kSafeTie, kSafeCosine)) bad[f] = 1;
+    for (std::uint32_t f = 0; f < bad.size(); ++f) bad[f] |= is_flat(both.corners(f));
+    return bad[0] + bad[1] < bad[2] + bad[3];
 }
 
 }  // namespace
@@ -100,8 +101,8 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
             sums[quad][0] += off(a, a + n + 1);
             sums[quad][1] += off(a + n, a + 1);
             const std::uint8_t old = chart.diagonals[quad];
-            const bool old_folds = folds(chart, i, j, old), other_folds = folds(chart, i, j, !old);
-            wanted[quad] = old_folds != other_folds ? old_folds : !other_folds && sums[quad][!old] < sums[quad][old];
+            const bool old_bad = splits_badly(chart, i, j, old), other_bad = splits_badly(chart, i, j, !old);
+            wanted[quad] = old_bad != other_bad ? old_bad : !other_bad && sums[quad][!old] < sums[quad][old];
         }
     });
     std::vector<char> changed(grid.surface.faces.size(), 0);
@@ -125,7 +126,7 @@ bool flip_diagonals(SampledChart& chart, const WeldedGrid& grid, std::span<const
         const std::uint32_t quad = quad_of_face[f], i = quad / (chart.n - 1), j = quad % (chart.n - 1);
         const std::uint8_t old = chart.diagonals[quad];
         const bool better = source != nullptr ? turns_less(chart, *source, i, j, !old)
-                                              : folds(chart, i, j, old) && !folds(chart, i, j, !old);
+                                              : splits_badly(chart, i, j, old) && !splits_badly(chart, i, j, !old);
         if (better && edges.split_otherwise(quad)) any = true;
     }
     return any;

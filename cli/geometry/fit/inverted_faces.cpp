@@ -37,6 +37,8 @@ std::vector<std::uint32_t> InvertedFaces::faces(std::span<const char> among, boo
     surface.faces = std::move(close);
     for (const std::uint32_t k : find_turned_faces(source_index(), surface, kTurnedTie, 0, close_either_side))
         judged_[number[found[k]]].inverted = true;
+    for (const std::uint32_t f : number)
+        if (is_flat(judged_[f].corners)) judged_[f].nearly = true;
     for (std::uint32_t f = 0; f < grid_.faces.size(); ++f)
         if ((among.empty() || among[f]) && (nearly ? judged_[f].nearly : judged_[f].inverted)) out.push_back(f);
     return out;

@@ -2,13 +2,16 @@
 // cli/geometry/fit/inverted_faces.h
 // Finds the faces of a grid that are inverted against the source, again and again while the grid moves.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "geometry/fit/matches.h"
+#include "geometry/mesh/triangle.h"
 #include "geometry/metrics/turned_faces.h"
 
 namespace dgm::bake {
@@ -16,6 +19,14 @@ namespace dgm::bake {
 /// Stricter limits of the measure while the grid moves: its positions are still to be rounded, and a face that passes
 /// narrowly before may fail after.
 inline constexpr double kSafeTie = 0.5 * kTurnedTie, kSafeCosine = 0.01;
+
+/// True of a thin face (height over longest edge) with so small a height, in normalised units, that rounding to 32 bits
+/// may choose the side it looks to.
+[[nodiscard]] inline bool is_flat(const std::array<Vec3d, 3>& q) {
+    constexpr double kFlatHeight = 2e-7, kThin = 0.01;
+    const double squared = longest_edge_squared(q), longest = std::sqrt(squared), doubled = 2 * face_area(q);
+    return doubled < std::min(kFlatHeight * longest, kThin * squared);
+}
 
 /// Remembers its measurements: only faces that have moved since are measured again.
 class InvertedFaces {

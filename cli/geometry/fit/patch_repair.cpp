@@ -84,7 +84,11 @@ std::size_t inverted_among(const LinkedSurface& grid, const ClosestPointIndex& i
         for (const Vec3d& p : grid.corners(f)) own.positions.push_back(p);
         own.faces.push_back({first, first + 1, first + 2});
     }
-    return find_turned_faces(index, own, kSafeTie, kSafeCosine, either_side).size();
+    std::vector<std::uint32_t> found = find_turned_faces(index, own, kSafeTie, kSafeCosine, either_side);
+    for (std::uint32_t f = 0; f < own.faces.size(); ++f)
+        if (is_flat(own.corners(f))) found.push_back(f);
+    std::sort(found.begin(), found.end());
+    return static_cast<std::size_t>(std::unique(found.begin(), found.end()) - found.begin());
 }
 
 class PatchRepair {

@@ -96,8 +96,8 @@ class SearchRepair {
             const ClosestPoint facing = index_.query_facing(centre, normal, kSafeCosine, any.face, limit);
             inverted = facing.face == kNone || facing.distance > limit;
         }
-        double longest = 0;
-        for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, length(q[(k + 1) % 3] - q[k]));
+        const double longest = std::sqrt(longest_edge_squared(q));
+        inverted = inverted || is_flat(q);
         const double thin = length(area) / (longest * longest);
         return {(inverted ? kInverted - cosine : std::max(0.0, kWanted - std::max(cosine, 0.0))) +
                     kThin * std::max(0.0, 1 - thin / kThinnest) +

@@ -145,6 +145,24 @@ TEST(FitState, FlipsTheQuadOfAnArrowheadAndSplitsQuadsByTheError) {
     EXPECT_FALSE(flat.fit.flip_quads(faces, false)) << "nothing is wrong with it";
 }
 
+/// At a corner of the map where the border is straight, three samples lie in a line: a diagonal between the outer two
+/// would leave a face without height, which rounding may turn.
+TEST(FitState, NoDiagonalCutsOffACornerOfAStraightBorder) {
+    SampledChart chart = fit_test::flat_chart(9, 12);
+    const std::size_t beside = 1, below = 9;
+    chart.positions[0] = (chart.positions[beside] + chart.positions[below]) / 2;
+    EXPECT_TRUE(splits_badly(chart, 0, 0, 1));
+    EXPECT_FALSE(splits_badly(chart, 0, 0, 0));
+    EXPECT_FALSE(splits_badly(chart, 4, 4, 0));
+    EXPECT_FALSE(splits_badly(chart, 4, 4, 1));
+    chart.diagonals[0] = 1;
+    fit_test::FitCase c(std::move(chart));
+    EXPECT_EQ(c.fit.inverted.faces({}, true), (std::vector<std::uint32_t>{0})) << "rounding may turn it";
+    c.fit.split_quads();
+    EXPECT_EQ(c.chart.diagonals[0], 0);
+    EXPECT_TRUE(c.fit.inverted.faces({}, true).empty());
+}
+
 TEST(Without, LeavesOutWhatIsKnown) {
     EXPECT_EQ(without({1, 2, 5, 9}, {2, 3, 9}), (std::vector<std::uint32_t>{1, 5}));
     EXPECT_TRUE(without({4}, {4}).empty());
