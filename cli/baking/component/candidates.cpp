@@ -2,6 +2,8 @@
 // cli/baking/component/candidates.cpp
 #include "baking/component/candidates.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -135,8 +137,11 @@ bool Contest::wins_challenge(Entry& entry, Candidate& candidate, const model::Pr
 
 bool Contest::wins_fitted(Entry& entry, Candidate& candidate, const model::Progress& progress) {
     candidate.fitted = true;
-    for (Entry* of : {&entry, &*best_})
-        if (!of->begun) of->begun = trial_fit(of->chart, progress);
+    const auto begin = [](Entry& of, const model::Progress& heard) {
+        if (!of.begun) of.begun = trial_fit(of.chart, heard);
+    };
+    const model::Progress silent{{}, progress.cancelled};  // one of two threads reports
+    tbb::parallel_invoke([&] { begin(entry, progress); }, [&] { begin(*best_, silent); });
     return entry.begun->rms < kGain * best_->begun->rms;
 }
 

@@ -2,6 +2,8 @@
 // cli/geometry/fit/fit_rows.cpp
 #include "geometry/fit/fit_rows.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,60 +26,89 @@ Vec3d metric_normal(const Vec3d& gap, const Vec3d& face, const std::array<double
 
 }  // namespace
 
-void FitRows::assemble(NormalEquations& equations, bool worst_only, std::span<const char> near) {
-    const double farthest = worst_only ? std::max(matches_.largest, rails_.largest_gap()) : 0;
-    const auto excess = [&](double squared) {
+/// One call of assemble(). Points and faces are summed up side by side: they touch different sums and pulls.
+struct FitRows::Round {
+    FitRows& rows;
+    NormalEquations& equations;
+    std::span<const char> near;
+    double farthest;  // 0: all rows pull alike
+
+    [[nodiscard]] bool is_near(std::uint32_t face) const { return near.empty() || near[face] != 0; }
+    [[nodiscard]] double excess(double squared) const {
         return farthest > 0 ? kUrgency * std::max(0.0, std::sqrt(squared) / farthest - kWorstShare) : 0;
-    };
-    const auto urgency = [&](std::vector<double>& pulls, const std::vector<Match>& list, std::size_t k) {
-        if (!worst_only) return 1.0;
+    }
+    [[nodiscard]] double urgency(int kind, const std::vector<Match>& list, std::size_t k) const {
+        if (!(farthest > 0)) return 1;
+        std::vector<double>& pulls = rows.pulls_[static_cast<std::size_t>(kind)];
         pulls.resize(list.size(), 0);
         pulls[k] = std::max(excess(list[k].hit.squared), kFading * pulls[k]);
         return 1 + pulls[k];
-    };
-    const LinkedSurface& grid = grid_.surface;
-    for (std::size_t k = 0; k < matches_.points.size(); ++k) {
-        const Match& m = matches_.points[k];
-        if (!near.empty() && !near[m.hit.face]) continue;
-        const Vec3d gap = m.position - point_at(grid, m.hit), &normal = grid.normals[m.hit.face];
-        const double weight = m.weight * urgency(pulls_[0], matches_.points, k);
-        if (is_inside(m.hit.b))
-            equations.add_along_normal(m.hit.face, m.hit.b, dot(normal, gap), weight);
-        else
-            equations.add(m.hit.face, m.hit.b, gap, normalized(gap, normal), weight);
     }
-    equations.close();
-    const auto add_back = [&](const Match& m, double weight, std::uint32_t face, const std::array<double, 3>& b) {
-        const Vec3d gap = point_at(source_, m.hit) - m.position;
-        equations.add(face, b, gap, metric_normal(gap, source_.normals[m.hit.face], m.hit.b), weight);
-    };
-    for (std::size_t e = 0; e < matches_.edges.size(); ++e) {
-        const double pull = urgency(pulls_[1], matches_.edges, e);
-        if (!(pull > 1)) continue;
-        const auto [face, k] = matches_.edge_place[e];
-        if (!near.empty() && !near[face]) continue;
-        std::array<double, 3> b{0, 0, 0};
-        b[k] = b[(k + 1) % 3] = 0.5;
-        add_back(matches_.edges[e], matches_.middles[face].weight / 2 * pull, face, b);
-    }
-    std::vector<char> done(matches_.classes.size(), 0);
-    for (std::uint32_t f = 0; f < grid.faces.size(); ++f) {
-        if (!near.empty() && !near[f]) continue;
-        const Match& middle = matches_.middles[f];
-        add_back(middle, middle.weight * urgency(pulls_[2], matches_.middles, f), f, {1.0 / 3, 1.0 / 3, 1.0 / 3});
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t c = grid.faces[f][k];
-            if (done[c]) continue;
-            done[c] = 1;
-            std::array<double, 3> b{0, 0, 0};
-            b[k] = 1;
-            const Match& corner = matches_.classes[c];
-            add_back(corner, corner.weight * urgency(pulls_[3], matches_.classes, c), f, b);
+
+    void add_points() const {
+        const LinkedSurface& grid = rows.grid_.surface;
+        const std::vector<Match>& points = rows.matches_.points;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            const Match& m = points[k];
+            if (!is_near(m.hit.face)) continue;
+            const Vec3d gap = m.position - point_at(grid, m.hit), &normal = grid.normals[m.hit.face];
+            const double weight = m.weight * urgency(0, points, k);
+            if (is_inside(m.hit.b))
+                equations.add_along_normal(m.hit.face, m.hit.b, dot(normal, gap), weight);
+            else
+                equations.add_later(m.hit.face, m.hit.b, gap, normalized(gap, normal), weight);
         }
     }
+
+    void add_back(const Match& m, double weight, std::uint32_t face, const std::array<double, 3>& b) const {
+        const Vec3d gap = point_at(rows.source_, m.hit) - m.position;
+        equations.add(face, b, gap, metric_normal(gap, rows.source_.normals[m.hit.face], m.hit.b), weight);
+    }
+
+    void add_edges() const {
+        const Matches& matches = rows.matches_;
+        for (std::size_t e = 0; e < matches.edges.size(); ++e) {
+            const double pull = urgency(1, matches.edges, e);
+            if (!(pull > 1)) continue;
+            const auto [face, k] = matches.edge_place[e];
+            if (!is_near(face)) continue;
+            std::array<double, 3> b{0, 0, 0};
+            b[k] = b[(k + 1) % 3] = 0.5;
+            add_back(matches.edges[e], matches.middles[face].weight / 2 * pull, face, b);
+        }
+    }
+
+    void add_faces() const {
+        const Matches& matches = rows.matches_;
+        std::vector<char> done(matches.classes.size(), 0);
+        for (std::uint32_t f = 0; f < matches.middles.size(); ++f) {
+            if (!is_near(f)) continue;
+            const Match& middle = matches.middles[f];
+            add_back(middle, middle.weight * urgency(2, matches.middles, f), f, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t c = rows.grid_.surface.faces[f][k];
+                if (done[c]) continue;
+                done[c] = 1;
+                std::array<double, 3> b{0, 0, 0};
+                b[k] = 1;
+                const Match& corner = matches.classes[c];
+                add_back(corner, corner.weight * urgency(3, matches.classes, c), f, b);
+            }
+        }
+    }
+};
+
+void FitRows::assemble(NormalEquations& equations, bool worst_only, std::span<const char> near) {
+    const Round round{*this, equations, near, worst_only ? std::max(matches_.largest, rails_.largest_gap()) : 0};
+    tbb::parallel_invoke([&] { round.add_points(); },
+                         [&] {
+                             round.add_edges();
+                             round.add_faces();
+                         });
+    equations.close();
     if (!rails_.empty() && near.empty())
         rails_.add_rows(equations, kBorderShare * points_per_sample_,
-                        [&](double squared) { return 1 + excess(squared); });
+                        [&](double squared) { return 1 + round.excess(squared); });
 }
 
 }  // namespace dgm::bake

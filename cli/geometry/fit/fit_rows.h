@@ -30,6 +30,8 @@ class FitRows {
     void forget_edges() { pulls_[1].clear(); }
 
  private:
+    struct Round;
+
     const LinkedSurface& source_;
     const WeldedGrid& grid_;
     const Matches& matches_;

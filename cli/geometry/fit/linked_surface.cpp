@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/fit/pieces.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -28,7 +30,7 @@ void LinkedSurface::update_normal(std::size_t face) {
 
 void LinkedSurface::update_normals() {
     normals.resize(faces.size());
-    for (std::size_t f = 0; f < faces.size(); ++f) update_normal(f);
+    each_in_pieces(faces.size(), [&](std::size_t f) { update_normal(f); });
 }
 
 SurfaceHit walk_to_closest(const LinkedSurface& surface, const Vec3d& p, std::uint32_t start, std::uint64_t* looked) {

@@ -2,36 +2,33 @@
 // cli/geometry/fit/matches.cpp
 #include "geometry/fit/matches.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
+
+#include "geometry/fit/pieces.h"
 
 namespace dgm::bake {
 namespace {
 
 constexpr double kVertexWeight = 0.25;
 
-constexpr std::size_t kChunk = 1024;
-
-/// Calls body(k, looked) for each match of `list`, then notes the farthest of every chunk while it is in the cache: the
-/// lists are long, and all passes need these chunks.
+/// Calls body(k, looked) for each match of `list`, then notes the farthest of every piece while it is in the cache: the
+/// lists are long, and all passes need these pieces.
 /// @return  sum of what the bodies have added to `looked`
 template <class Body>
-std::uint64_t in_chunks(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
-    farthest.assign((list.size() + kChunk - 1) / kChunk, 0.0);
+std::uint64_t look_up(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
+    farthest.assign(pieces_of(list.size()), 0.0);
     std::atomic<std::uint64_t> all_looked{0};
-    tbb::parallel_for(std::size_t{0}, farthest.size(), [&](std::size_t chunk) {
-        const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
+    in_pieces(list.size(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
         double squared = 0;
         std::uint64_t looked = 0;
         for (std::size_t k = begin; k < end; ++k) {
             body(k, &looked);
             squared = std::max(squared, list[k].hit.squared);
         }
-        farthest[chunk] = squared;
+        farthest[piece] = squared;
         all_looked += looked;
     });
     return all_looked;
@@ -111,17 +108,17 @@ void Matches::update(bool with_edges, std::span<const char> near) {
     for (std::size_t f = 0; f < near.size(); ++f)
         if (near[f])
             for (const std::uint32_t c : grid.faces[f]) near_class[c] = 1;
-    looked_ += in_chunks(points, farthest_[0], [&](std::size_t k, std::uint64_t* looked) {
+    looked_ += look_up(points, farthest_[0], [&](std::size_t k, std::uint64_t* looked) {
         if (near.empty() || near[points[k].hit.face])
             points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face, looked);
     });
-    looked_ += in_chunks(classes, farthest_[1], [&](std::size_t c, std::uint64_t* looked) {
+    looked_ += look_up(classes, farthest_[1], [&](std::size_t c, std::uint64_t* looked) {
         if (!near.empty() && !near_class[c]) return;
         classes[c].position = grid.positions[c];
         classes[c].hit =
             on_source(classes[c].position, normal.empty() ? Vec3d{} : normal[c], classes[c].hit.face, looked);
     });
-    looked_ += in_chunks(middles, farthest_[2], [&](std::size_t f, std::uint64_t* looked) {
+    looked_ += look_up(middles, farthest_[2], [&](std::size_t f, std::uint64_t* looked) {
         if (near.empty() || near[f]) update_middle(f, looked);
     });
     if (!with_edges || edges.size() != grid_.edges.size()) {
@@ -150,7 +147,7 @@ void Matches::update_edges(std::span<const char> near) {
     edge_place.resize(edges.size());
     for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
         for (int k = 0; k < 3; ++k) edge_place[grid_.edge_of[f][k]] = {f, k};
-    looked_ += in_chunks(edges, farthest_[3], [&](std::size_t e, std::uint64_t* looked) {
+    looked_ += look_up(edges, farthest_[3], [&](std::size_t e, std::uint64_t* looked) {
         if (!near.empty() && !near[edge_place[e].first]) return;
         edges[e].position = (grid.positions[grid_.edges[e].first] + grid.positions[grid_.edges[e].second]) / 2;
         const std::uint32_t face = edge_place[e].first;
@@ -172,9 +169,9 @@ void Matches::look_again_far_off(std::span<const char> near) {
     NearbySearch on_grid_surface(grid_.surface), on_source_surface(source_);
     for (std::size_t which = 0; which < lists.size(); ++which) {
         std::vector<Match>& list = *lists[which];
-        for (std::size_t chunk = 0; chunk < farthest_[which].size(); ++chunk) {
-            if (!(farthest_[which][chunk] > kFar * kFar * squared)) continue;
-            const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
+        for (std::size_t piece = 0; piece < farthest_[which].size(); ++piece) {
+            if (!(farthest_[which][piece] > kFar * kFar * squared)) continue;
+            const std::size_t begin = piece * kPiece, end = std::min(list.size(), begin + kPiece);
             double left = 0;
             for (std::size_t k = begin; k < end; ++k) {
                 Match& m = list[k];
@@ -184,7 +181,7 @@ void Matches::look_again_far_off(std::span<const char> near) {
                     m.hit = (on_grid ? on_grid_surface : on_source_surface).from(m.position, m.hit.face);
                 left = std::max(left, m.hit.squared);
             }
-            farthest_[which][chunk] = left;
+            farthest_[which][piece] = left;
         }
     }
 }
@@ -199,9 +196,8 @@ void Matches::settle_farthest(const ClosestPointIndex& source_index) {
         std::vector<Match>& list = *lists[which];
         const bool on_grid = which == 0;
         const ClosestPointIndex& index = on_grid ? grid_index : source_index;
-        tbb::parallel_for(std::size_t{0}, farthest_[which].size(), [&](std::size_t chunk) {
-            if (!(farthest_[which][chunk] > limit)) return;
-            const std::size_t begin = chunk * kChunk, end = std::min(list.size(), begin + kChunk);
+        in_pieces(list.size(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
+            if (!(farthest_[which][piece] > limit)) return;
             double left = 0;
             for (std::size_t k = begin; k < end; ++k) {
                 Match& m = list[k];
@@ -216,7 +212,7 @@ void Matches::settle_farthest(const ClosestPointIndex& source_index) {
                 }
                 left = std::max(left, m.hit.squared);
             }
-            farthest_[which][chunk] = left;
+            farthest_[which][piece] = left;
         });
     }
     weigh_and_measure();
@@ -251,24 +247,23 @@ std::vector<std::uint32_t> Matches::faces_beyond(double distance) const {
 /// part of the grid, where no source point falls, is still held to the surface.
 void Matches::weigh_and_measure() {
     const LinkedSurface& grid = grid_.surface;
+    const double total =
+        sum_in_pieces(middles.size(), [&](std::size_t f) { return middles[f].weight = face_area(grid.corners(f)); });
     for (Match& m : classes) m.weight = 0;
-    double total = 0;
-    for (std::size_t f = 0; f < grid.faces.size(); ++f) {
-        const double area = face_area(grid.corners(f));
-        middles[f].weight = (1 - hold_.corner_share) * area;
-        total += area;
-        for (const std::uint32_t c : grid.faces[f]) classes[c].weight += hold_.corner_share * area / 3;
-    }
+    for (std::size_t f = 0; f < grid.faces.size(); ++f)
+        for (const std::uint32_t c : grid.faces[f]) classes[c].weight += hold_.corner_share / 3 * middles[f].weight;
     const double mean = total / static_cast<double>(classes.size() + middles.size());
     const double scale = total > 0 ? hold_.grid_share * static_cast<double>(area_points) / total : 0;
-    double forward = 0, backward = 0, weight = 0;
-    for (auto* list : {&classes, &middles})
-        for (Match& m : *list) {
-            m.weight = std::max(m.weight, 0.05 * mean) * scale;
-            backward += m.weight * m.hit.squared;
-            weight += m.weight;
-        }
-    for (std::size_t k = 0; k < area_points; ++k) forward += points[k].hit.squared;
+    const auto weigh = [&](Match& m, double share) {
+        return m.weight = std::max(share * m.weight, 0.05 * mean) * scale;
+    };
+    const double weight =
+        sum_in_pieces(classes.size(), [&](std::size_t c) { return weigh(classes[c], 1); }) +
+        sum_in_pieces(middles.size(), [&](std::size_t f) { return weigh(middles[f], 1 - hold_.corner_share); });
+    const auto weighed = [](const Match& m) { return m.weight * m.hit.squared; };
+    const double backward = sum_in_pieces(classes.size(), [&](std::size_t c) { return weighed(classes[c]); }) +
+                            sum_in_pieces(middles.size(), [&](std::size_t f) { return weighed(middles[f]); });
+    const double forward = sum_in_pieces(area_points, [&](std::size_t k) { return points[k].hit.squared; });
     const double mean_forward = area_points > 0 ? forward / static_cast<double>(area_points) : 0;
     rms = std::sqrt(std::max(mean_forward, weight > 0 ? backward / weight : 0));
     largest = std::sqrt(farthest_squared());

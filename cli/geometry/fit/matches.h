@@ -81,7 +81,7 @@ class Matches {
     Hold hold_;
     double slack_ = 0;
     std::uint64_t looked_ = 0;
-    std::array<std::vector<double>, 4> farthest_;  // squared, per chunk of points, classes, middles and edges
+    std::array<std::vector<double>, 4> farthest_;  // squared, per piece of points, classes, middles and edges
 };
 
 }  // namespace dgm::bake

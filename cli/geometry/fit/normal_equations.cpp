@@ -4,33 +4,12 @@
 
 #include <cmath>
 
+#include "geometry/fit/pieces.h"
+
 namespace dgm::bake {
 namespace {
 
 using Block = std::array<double, 6>;
-
-/// The edges at each class: entries first[c] .. first[c + 1] of `list`.
-struct EdgesByClass {
-    std::vector<std::uint32_t> first;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> list;  ///< edge, class across
-};
-
-EdgesByClass edges_by_class(std::span<const std::pair<std::uint32_t, std::uint32_t>> edges, std::uint32_t count) {
-    EdgesByClass out{std::vector<std::uint32_t>(count + 1, 0), {}};
-    for (const auto& [a, b] : edges) {
-        ++out.first[a + 1];
-        ++out.first[b + 1];
-    }
-    for (std::uint32_t c = 0; c < count; ++c) out.first[c + 1] += out.first[c];
-    out.list.resize(out.first.back());
-    std::vector<std::uint32_t> next(out.first.begin(), out.first.end() - 1);
-    for (std::uint32_t e = 0; e < edges.size(); ++e) {
-        const auto [a, b] = edges[e];
-        out.list[next[a]++] = {e, b};
-        out.list[next[b]++] = {e, a};
-    }
-    return out;
-}
 
 Vec3d multiply(const Block& a, const Vec3d& v) {
     return {a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z,
@@ -64,21 +43,42 @@ Block inverse_along(const Block& d, const Vec3d& rail) {
     return {s, 0, 0, s, 0, s};
 }
 
+/// The classes that may move, and for each the blocks that join it with others of them. Where few are free (around
+/// repaired faces), the rest costs next to nothing.
 struct Unknowns {
-    std::vector<std::uint32_t> classes, edges;
-};
+    struct Joint {
+        std::uint32_t edge, other;  // number of the other unknown
+    };
+    std::vector<std::uint32_t> classes, first;
+    std::vector<Joint> joints;  // of unknown u: first[u] .. first[u + 1]
 
-/// The classes that may move and the edges between them. Where few are free (around repaired faces), the rest costs
-/// next to nothing.
-Unknowns unknowns_of(const WeldedGrid& grid, std::span<const Freedom> freedom) {
-    Unknowns out;
-    for (std::uint32_t k = 0; k < freedom.size(); ++k)
-        if (freedom[k] != Freedom::kHeld) out.classes.push_back(k);
-    for (std::uint32_t e = 0; e < grid.edges.size(); ++e)
-        if (freedom[grid.edges[e].first] != Freedom::kHeld && freedom[grid.edges[e].second] != Freedom::kHeld)
-            out.edges.push_back(e);
-    return out;
-}
+    Unknowns(const WeldedGrid& grid, std::span<const Freedom> freedom) {
+        std::vector<std::uint32_t> number(freedom.size(), kNone);
+        for (std::uint32_t c = 0; c < freedom.size(); ++c)
+            if (freedom[c] != Freedom::kHeld) {
+                number[c] = static_cast<std::uint32_t>(classes.size());
+                classes.push_back(c);
+            }
+        first.assign(classes.size() + 1, 0);
+        const auto for_each_live_edge = [&](const auto& body) {
+            for (std::uint32_t e = 0; e < grid.edges.size(); ++e) {
+                const std::uint32_t a = number[grid.edges[e].first], b = number[grid.edges[e].second];
+                if (a != kNone && b != kNone) body(e, a, b);
+            }
+        };
+        for_each_live_edge([&](std::uint32_t, std::uint32_t a, std::uint32_t b) {
+            ++first[a + 1];
+            ++first[b + 1];
+        });
+        for (std::size_t u = 0; u < classes.size(); ++u) first[u + 1] += first[u];
+        joints.resize(first.back());
+        std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+        for_each_live_edge([&](std::uint32_t e, std::uint32_t a, std::uint32_t b) {
+            joints[next[a]++] = {e, b};
+            joints[next[b]++] = {e, a};
+        });
+    }
+};
 
 }  // namespace
 
@@ -112,6 +112,8 @@ void NormalEquations::take(std::size_t face, const FaceSums& sums, const Block& 
 }
 
 void NormalEquations::close() {
+    for (const Row& r : later_) add(r.face, r.b, r.gap, r.normal, r.weight);
+    later_.clear();
     for (std::size_t f = 0; f < along_normal_.size(); ++f) {
         const FaceSums& sums = along_normal_[f];
         if (sums.own == std::array<double, 3>{}) continue;
@@ -122,61 +124,55 @@ void NormalEquations::close() {
 
 std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std::span<const Vec3d> rails,
                                           double damping, int iterations) const {
-    const std::size_t count = diagonal_.size();
-    std::vector<Vec3d> residual(count), step(count, Vec3d{}), direction(count), z(count), product(count);
+    const Unknowns unknowns(grid_, freedom);
+    const std::vector<std::uint32_t>& live = unknowns.classes;
+    const std::size_t count = live.size();
     double trace = 0;
     for (const Block& d : diagonal_) trace += d[0] + d[3] + d[5];
     // By each class's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
     // whose rows weigh little, while their neighbours move.
-    const double floor = 1e-6 * damping * trace / static_cast<double>(count);
-    const auto confined = [&](std::size_t k, const Vec3d& v) {
-        return freedom[k] == Freedom::kFree ? v : rails[k] * dot(rails[k], v);
+    const double floor = 1e-6 * damping * trace / static_cast<double>(diagonal_.size());
+    const auto confined = [&](std::size_t u, const Vec3d& v) {
+        const std::uint32_t c = live[u];
+        return freedom[c] == Freedom::kFree ? v : rails[c] * dot(rails[c], v);
     };
-    const Unknowns unknowns = unknowns_of(grid_, freedom);
-    const std::vector<std::uint32_t>&live = unknowns.classes, &live_edges = unknowns.edges;
-    std::vector<Block> damped = diagonal_, preconditioner(count);
-    for (const std::uint32_t k : live) {
-        damp(damped[k], floor, damping);
-        preconditioner[k] = inverse(damped[k]);
-        if (freedom[k] == Freedom::kSlides) preconditioner[k] = inverse_along(damped[k], rails[k]);
-    }
+    std::vector<Vec3d> residual(count), step(count, Vec3d{}), direction(count, Vec3d{}), z(count), product(count);
+    std::vector<Block> damped(count), preconditioner(count);
     // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
-    double rz = 0;
-    for (const std::uint32_t k : live) {
-        residual[k] = confined(k, right_[k]);
-        z[k] = multiply(preconditioner[k], residual[k]);
-        rz += dot(residual[k], z[k]);
-    }
+    double rz = sum_in_pieces(count, [&](std::size_t u) {
+        const std::uint32_t c = live[u];
+        damped[u] = diagonal_[c];
+        damp(damped[u], floor, damping);
+        preconditioner[u] = freedom[c] == Freedom::kSlides ? inverse_along(damped[u], rails[c]) : inverse(damped[u]);
+        residual[u] = confined(u, right_[c]);
+        z[u] = multiply(preconditioner[u], residual[u]);
+        return dot(residual[u], z[u]);
+    });
     const double enough = 1e-4 * rz;  // against 1e-6: nothing lost in the mean of a whole fit
     double beta = 0;
     for (int it = 0; it < iterations && rz > enough; ++it) {
-        for (const std::uint32_t k : live) {
-            direction[k] = it == 0 ? z[k] : z[k] + direction[k] * beta;
-            product[k] = multiply(damped[k], direction[k]);
-        }
-        for (const std::uint32_t e : live_edges) {
-            const auto [a, b] = grid_.edges[e];
-            product[a] += multiply(off_[e], direction[b]);
-            product[b] += multiply(off_[e], direction[a]);
-        }
-        double curvature = 0;
-        for (const std::uint32_t k : live) {
-            product[k] = confined(k, product[k]);
-            curvature += dot(direction[k], product[k]);
-        }
+        each_in_pieces(count, [&](std::size_t u) { direction[u] = z[u] + direction[u] * beta; });
+        const double curvature = sum_in_pieces(count, [&](std::size_t u) {
+            Vec3d sum = multiply(damped[u], direction[u]);
+            for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
+                sum += multiply(off_[unknowns.joints[k].edge], direction[unknowns.joints[k].other]);
+            product[u] = confined(u, sum);
+            return dot(direction[u], product[u]);
+        });
         if (!(curvature > 0)) break;
         const double t = rz / curvature;
-        double next = 0;
-        for (const std::uint32_t k : live) {
-            step[k] += direction[k] * t;
-            residual[k] -= product[k] * t;
-            z[k] = multiply(preconditioner[k], residual[k]);
-            next += dot(residual[k], z[k]);
-        }
+        const double next = sum_in_pieces(count, [&](std::size_t u) {
+            step[u] += direction[u] * t;
+            residual[u] -= product[u] * t;
+            z[u] = multiply(preconditioner[u], residual[u]);
+            return dot(residual[u], z[u]);
+        });
         beta = next / rz;
         rz = next;
     }
-    return step;
+    std::vector<Vec3d> out(diagonal_.size(), Vec3d{});
+    for (std::size_t u = 0; u < count; ++u) out[live[u]] = step[u];
+    return out;
 }
 
 void NormalEquations::snap(std::vector<Vec3d>& positions, const Lattice& lattice, std::span<const Freedom> freedom,
@@ -184,13 +180,13 @@ void NormalEquations::snap(std::vector<Vec3d>& positions, const Lattice& lattice
                            const std::function<int(std::uint32_t)>& spoilt) const {
     constexpr int kPasses = 6;
     const auto count = static_cast<std::uint32_t>(diagonal_.size());
-    const EdgesByClass edges = edges_by_class(grid_.edges, count);
+    const Unknowns all(grid_, std::vector<Freedom>(count, Freedom::kFree));  // their numbers are those of the classes
     std::vector<Vec3d> residual = right_;
     const auto go = [&](std::uint32_t c, const Vec3d& to) {
         const Vec3d by = to - positions[c];
         residual[c] -= multiply(diagonal_[c], by);
-        for (std::uint32_t k = edges.first[c]; k < edges.first[c + 1]; ++k)
-            residual[edges.list[k].second] -= multiply(off_[edges.list[k].first], by);
+        for (std::uint32_t k = all.first[c]; k < all.first[c + 1]; ++k)
+            residual[all.joints[k].other] -= multiply(off_[all.joints[k].edge], by);
         positions[c] = to;
     };
     std::vector<Vec3d> nearest(count);

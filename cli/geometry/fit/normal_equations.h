@@ -34,7 +34,13 @@ class NormalEquations {
             sums.pull[k] += share * distance;
         }
     }
-    /// Takes the sums per face into the blocks, after the last row of that kind.
+    /// The same as add(), but kept until close().
+    void add_later(std::uint32_t face, const std::array<double, 3>& b, const Vec3d& gap, const Vec3d& normal,
+                   double weight) {
+        later_.push_back({face, b, gap, normal, weight});
+    }
+    /// Takes the sums per face and the rows that were kept into the blocks, after the last of them. One thread may add
+    /// those while another one calls add().
     void close();
 
     /// Minimises the rows + damping * (own diagonal) * |step|^2 by conjugate gradients with 3x3 block Jacobi
@@ -61,11 +67,19 @@ class NormalEquations {
         std::array<double, 3> own{}, pair{}, pull{};
     };
 
+    struct Row {
+        std::uint32_t face;
+        std::array<double, 3> b;
+        Vec3d gap, normal;
+        double weight;
+    };
+
     /// Adds m times the sums to the blocks of a face, and `pull` times its distances to the right side.
     void take(std::size_t face, const FaceSums& sums, const Block& m, const Vec3d& pull);
 
     const WeldedGrid& grid_;
     std::vector<FaceSums> along_normal_;
+    std::vector<Row> later_;
     std::vector<Block> diagonal_, off_;
     std::vector<Vec3d> right_;
 };

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "geometry/fit/pieces.h"
 #include "geometry/mesh/infinity.h"
 
 namespace dgm::bake {
@@ -79,17 +80,21 @@ void Sliding::take(std::span<const Vec3d> whole_step, std::vector<double> whole_
             grid.positions[c] = start[c] + (step.across[c] + step.along[c] * slide[c]) * whole[c];
     };
     for (std::uint32_t c = 0; c < count; ++c) put(c);
-    std::vector<char> bad(count, 1), changed(count);
+    std::vector<char> bad(count, 1), changed(count), refused(step.faces.size());
     for (int pass = 0; pass < kPasses; ++pass) {
         changed.swap(bad);
         std::fill(bad.begin(), bad.end(), 0);
-        bool any = false;
-        for (const std::uint32_t f : step.faces) {
+        each_in_pieces(step.faces.size(), [&](std::size_t k) {
+            const std::uint32_t f = step.faces[k];
             const Face& v = grid.faces[f];
-            if (!changed[v[0]] && !changed[v[1]] && !changed[v[2]]) continue;
-            if (allows(f, {start[v[0]], start[v[1]], start[v[2]]}, grid.corners(f))) continue;
+            refused[k] = (changed[v[0]] || changed[v[1]] || changed[v[2]]) &&
+                         !allows(f, {start[v[0]], start[v[1]], start[v[2]]}, grid.corners(f));
+        });
+        bool any = false;
+        for (std::size_t k = 0; k < refused.size(); ++k) {
+            if (!refused[k]) continue;
             any = true;
-            for (const std::uint32_t c : v) bad[c] = 1;
+            for (const std::uint32_t c : grid.faces[step.faces[k]]) bad[c] = 1;
         }
         if (!any) break;
         for (std::uint32_t c = 0; c < count; ++c) {
@@ -104,7 +109,7 @@ void Sliding::take(std::span<const Vec3d> whole_step, std::vector<double> whole_
     for (std::uint32_t c = 0; c < step.ways.size(); ++c)
         if (way(c) != 0) gone.emplace_back(c, way(c));
     if (!gone.empty()) rails_.slide(gone);
-    for (const std::uint32_t f : step.faces) grid.update_normal(f);
+    each_in_pieces(step.faces.size(), [&](std::size_t k) { grid.update_normal(step.faces[k]); });
 }
 
 bool Sliding::allows(std::uint32_t f, const std::array<Vec3d, 3>& was, const std::array<Vec3d, 3>& now) const {
