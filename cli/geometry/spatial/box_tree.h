@@ -4,8 +4,8 @@
 //
 // Embree's boxes are floats: of triangles within 1e-6 diagonals of each other a distant query would look at each, and a
 // map that crowds its samples at one place has thousands of them. Doubles tell them apart, and triangles that are one
-// and the same point need one look in all. Where needles lie side by side in no direction of an axis, as in the fan of a
-// polygon with 100 000 corners in line, all boxes overlap: there each node has a strip, too, at right angles to them.
+// and the same point need one look in all. Where needles lie side by side in no direction of an axis, as in the fan of
+// a polygon with 100 000 corners in line, all boxes overlap: there each node has a strip, too, at right angles to them.
 #pragma once
 #include <algorithm>
 #include <array>
