@@ -56,44 +56,47 @@ GridSize doubled(GridSize size, GridSize most) {
 }
 
 // Limbs fold into each other where they have too few samples to be cut open; parts with many cost the search for a cut
-// its time again for each size tried. A tree with 256 ends: 20 s a size.
+// its time again for each size tried. A tree with 256 ends: 20 s a size. So the longest has seconds of its own.
 constexpr std::uint32_t kLongestTried = 257;
-constexpr double kSecondsOfTrials = 40;
+constexpr double kSecondsOfShorter = 15, kSecondsOfLongest = 25;
 constexpr std::string_view kSplit =
     "split the mesh in your modeller into parts with fewer limbs or handles: each part "
     "gets a chart of its own";
 
 /// What to do about component `c`, which has no map at request.largest: names the smallest of some larger sizes at
-/// which it has one. The longest is tried first, since the time may not do for all.
+/// which it has one, as far as the time goes.
 std::string hint_of_size(const Repaired& source, MapRequest request, std::size_t c, BakeOptions options,
                          Failure failure, const model::Progress& progress) {
     const GridSize asked = request.largest;
     const GridSize longest{std::max(asked.rows, kLongestTried), std::max(asked.cols, kLongestTried)};
-    std::vector<GridSize> sizes;
-    if (asked != longest) sizes.push_back(longest);
-    for (GridSize next = doubled(asked, longest); next != longest; next = doubled(next, longest)) sizes.push_back(next);
+    if (asked == longest) return std::string(kSplit);
     // A free map is the same for each grid: where it has folds, only squares are left to be tried.
     if (failure == Failure::kMapInvalid && options.domain == DomainChoice::kAuto)
         options.domain = DomainChoice::kSquare;
-    TimeBox box(progress, kSecondsOfTrials);
-    std::optional<GridSize> works;
-    for (const GridSize& size : sizes) {
+    const auto works_at = [&](const GridSize& size, TimeBox& box) {  // nullopt if the time was used up
         request.largest = size;
         const std::vector<GridSize> full = full_sizes(source, request);
         const GridSize own = component_sizes(full, source.areas, source.largest)[c];
         CutMemory cuts;
-        const auto tried = box.run([&](const model::Progress& part) {
+        return box.run([&](const model::Progress& part) {
             return static_cast<bool>(
                 bake_component({source.components[c], own, full[c], CutUse::kSearch}, options, cuts, part));
         });
-        if (!tried) break;
-        if (*tried) works = size;
-        if (*tried && size != longest) break;
+    };
+    const auto named = [](const GridSize& size, const char* more) {
+        return fmt::format("ask for --size {}x{}, at which a map was found{}", size.rows, size.cols, more);
+    };
+    TimeBox shorter(progress, kSecondsOfShorter);
+    for (GridSize next = doubled(asked, longest); next != longest; next = doubled(next, longest)) {
+        const std::optional<bool> works = works_at(next, shorter);
+        if (!works) break;
+        if (*works) return named(next, "");
     }
-    if (works) return fmt::format("ask for --size {}x{}, at which a map was found", works->rows, works->cols);
-    if (sizes.empty()) return std::string(kSplit);
+    TimeBox last(progress, kSecondsOfLongest);
+    if (works_at(longest, last).value_or(false))
+        return named(longest, shorter.spent() ? "; a smaller one may do, and was not tried to the end" : "");
     return fmt::format("{}; no map was found at larger sizes up to {}x{} either{}", kSplit, longest.rows, longest.cols,
-                       box.spent() ? " before time ran out" : "");
+                       shorter.spent() || last.spent() ? " before time ran out" : "");
 }
 
 /// True where another size may help, and the user named the one that does not do.

@@ -13,6 +13,7 @@
 #include "files/nesting.h"
 #include "model/codes.h"
 #include "model/layer_names.h"
+#include "process/json_apart.h"
 #include "validate/validation.h"
 
 namespace dgm::edit {
@@ -61,7 +62,7 @@ std::string shading_note(const PaintedMap& map, const PartEdit& edit) {
 void record_edits(PaintedMap& map) {
     if (formats::too_deep_json(map.maps().report_json, formats::kMostNesting))  // it could not be written again
         throw model::Error(model::codes::kBadReport, "the report is nested too deeply", "/report");
-    Json report = Json::parse(map.maps().report_json, nullptr, false);
+    Json report = bake::read_map_report(map.maps().report_json);
     if (!report.is_object()) return;
     std::vector<Json> rows;
     for (const PartEdit* edit : map.edits()) {

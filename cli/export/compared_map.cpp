@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "files/nesting.h"
 #include "geometry/metrics/reconstruction.h"
 #include "geometry/spatial/closest_point.h"
 #include "model/element.h"
@@ -91,9 +90,7 @@ void add_bump(page::PagedMap& map) {
     }
 }
 
-std::string measured_errors(const std::string& report_json) {
-    if (formats::too_deep_json(report_json, formats::kMostNesting)) return {};
-    const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, false);
+std::string measured_errors(const nlohmann::json& report) {
     const nlohmann::json::json_pointer at("/error");
     if (!report.is_object() || !report.contains(at) || !report.at(at).is_object()) return {};
     const nlohmann::json& error = report.at(at);

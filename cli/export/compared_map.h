@@ -2,6 +2,7 @@
 // cli/export/compared_map.h
 // What a page shows of a map beside its source: the source itself, and the error and the distortion as colours.
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 
@@ -38,6 +39,6 @@ void add_bump(page::PagedMap& map);
 
 /// What a bake measured, from its report: "rms error 0.0123 (0.004 % of the diagonal), largest ..."; empty if the
 /// report does not say.
-[[nodiscard]] std::string measured_errors(const std::string& report_json);
+[[nodiscard]] std::string measured_errors(const nlohmann::json& report);
 
 }  // namespace dgm::exporter

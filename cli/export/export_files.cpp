@@ -8,6 +8,7 @@
 #include <array>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "dgm/dgm_reader.h"
@@ -21,6 +22,7 @@
 #include "exr/exr_reader.h"
 #include "exr/exr_writer.h"
 #include "files/atomic_file.h"
+#include "files/nesting.h"
 #include "image/image.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
@@ -186,11 +188,18 @@ Image picture(const MapSet& maps, const ExportOptions& options, const Warn& warn
     return render::surface_picture(render::chart_surface(maps.charts), picture_options(options));
 }
 
+nlohmann::json report_of(const MapSet& maps, const ExportOptions& options) {
+    if (options.read_report) return options.read_report(maps.report_json);
+    if (formats::too_deep_json(maps.report_json, formats::kMostNesting)) return nullptr;
+    nlohmann::json out = nlohmann::json::parse(maps.report_json, nullptr, false);
+    return out.is_discarded() ? nlohmann::json(nullptr) : out;
+}
+
 page::PagedMap paged_map(std::string name, const MapSet& maps, const ExportOptions& options, const Warn& warn) {
     page::PagedMap out{std::move(name), &maps};
     if (!options.source.empty()) compare_with(read_source(options, warn).mesh, out);
     add_bump(out);
-    out.facts = measured_errors(maps.report_json);
+    out.facts = measured_errors(report_of(maps, options));
     return out;
 }
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,8 @@ struct ExportOptions {
     bool multipart = false;                    ///< EXR: one part a layer
     std::vector<std::filesystem::path> paths;  ///< HTML: recorded tool paths that the page plays
     bool cover = false;                        ///< HTML: the second map lies over the first one
+    /// HTML: parses the report inside a map, null if it is none; none: read here.
+    std::function<nlohmann::json(const std::string&)> read_report;
 };
 
 /// Reads a .dgm or an .exr, by content. @throws model::Error as formats::read_dgm and read_exr

@@ -15,12 +15,12 @@
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
-#include "files/nesting.h"
 #include "mesh/mesh_formats.h"
 #include "model/codes.h"
 #include "model/element.h"
 #include "model/layer_names.h"
 #include "model/printable.h"
+#include "process/json_apart.h"
 #include "validate/validation.h"
 
 namespace dgm::info {
@@ -46,14 +46,6 @@ std::vector<layout::LayerRecord> layer_records(const std::filesystem::path& path
         if (file) return records;
     }
     throw model::Error(model::codes::kReadFailed, "the file changed while it was read");
-}
-
-/// The report, or null if it is none that can be shown.
-template <class Value>
-Value parsed_report(const FileInfo& info) {
-    if (formats::too_deep_json(info.report_json, formats::kMostNesting)) return nullptr;
-    Value report = Value::parse(info.report_json, nullptr, false);
-    return report.is_discarded() ? Value(nullptr) : report;
 }
 
 /// The value at a path of keys, or null.
@@ -196,7 +188,7 @@ FileInfo read_file_info(const std::filesystem::path& path) {
 }
 
 std::string to_text(const FileInfo& info) {
-    const auto report = parsed_report<nlohmann::json>(info);
+    const nlohmann::json report = bake::read_map_report(info.report_json);
     std::string out = fmt::format("{}: {} bytes, format {}{}, {}\n", printable(info.file), info.bytes,
                                   info.format_version, info.is_exr ? " as EXR" : "", printable(info.generator));
     out += fmt::format("  source    {}  {}\n", printable(info.source_name), formats::to_hex(info.source_hash));
@@ -236,7 +228,7 @@ std::string to_json(std::span<const FileInfo> files) {
         out["settings_hash"] = formats::to_hex(info.settings_hash);
         out["charts"] = Json::array();
         for (const ChartInfo& chart : info.charts) out["charts"].push_back(chart_json(chart, info.is_exr));
-        out["report"] = parsed_report<Json>(info);
+        out["report"] = bake::read_map_report(info.report_json);
         list.push_back(std::move(out));
     }
     Json whole;

@@ -10,6 +10,7 @@
 #include "info/map_diff.h"
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
+#include "process/json_apart.h"
 #include "scene/scene_help.h"
 #include "scene/scene_plan.h"
 #include "tool/guarded_main.h"
@@ -67,6 +68,7 @@ static int run_main(int argc, char** argv) {
     return dgm::tool::run_tool("dgm-info", argc, argv, app, kManual, [&](std::string& subject) {
         const dgm::bake::Hdf5Apart hdf5;
         const dgm::bake::ExrApart exr;
+        const dgm::bake::JsonApart json_parser;
         if (diff) return print_difference(files, json, subject);
         std::vector<dgm::info::FileInfo> infos;
         dgm::model::ExitCode worst = dgm::model::ExitCode::kOk;

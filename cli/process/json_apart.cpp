@@ -25,13 +25,28 @@ constexpr std::uint64_t kMostMemory = std::uint64_t{16} << 30, kMostAnswerBytes 
 
 JsonApart* current = nullptr;
 
+enum class Request : std::uint8_t { kFile, kText };
+
 /// In the disposable process.
 void work(const JsonParser& parse, std::string_view request) {
     ByteReader in(request);
-    const fs::path file = in.text();
+    const auto kind = in.get<Request>();
+    const std::string text = in.text();  // or a name
     const auto most_bytes = in.get<std::uint64_t>();
-    answer_in_sandbox({.readable = {file}, .writable = {}, .cpu_seconds = kMostSeconds}, kMostMemory,
-                      [&] { return send_head(encode_json(parse(formats::read_small_file(file, most_bytes), file))); });
+    Sandbox sandbox{.readable = {}, .writable = {}, .cpu_seconds = kMostSeconds};
+    if (kind == Request::kFile) sandbox.readable = {text};
+    answer_in_sandbox(sandbox, kMostMemory, [&] {
+        return send_head(
+            encode_json(parse(kind == Request::kFile ? formats::read_small_file(text, most_bytes) : text, text)));
+    });
+}
+
+std::string request_of(Request kind, const std::string& text, std::uint64_t most_bytes) {
+    ByteWriter out;
+    out.put(kind);
+    out.put(text);
+    out.put(most_bytes);
+    return out.take();
 }
 
 void put(ByteWriter& out, const json& value) {
@@ -158,13 +173,26 @@ std::optional<json> decode_json(std::string_view bytes) {
 
 json read_json(const fs::path& file, std::uint64_t most_bytes) {
     if (current == nullptr) return parse_json(formats::read_small_file(file, most_bytes), file);
-    ByteWriter request;
-    request.put(file.native());
-    request.put(most_bytes);
-    ApartAnswer answer(current->server_, request.take());
+    ApartAnswer answer(current->server_, request_of(Request::kFile, file.native(), most_bytes));
     if (const std::optional<std::string> bytes = answer.head(kMostAnswerBytes))
         if (std::optional<json> value = decode_json(*bytes)) return std::move(*value);
     throw model::Error(codes::kReportUnreadable, answer.failure("the JSON parser", kMostSeconds), file.string());
+}
+
+json read_map_report(const std::string& text) {
+    if (formats::too_deep_json(text, formats::kMostNesting)) return nullptr;  // looked at without a parser
+    if (current == nullptr) {
+        json out = json::parse(text, nullptr, false);
+        return out.is_discarded() ? json(nullptr) : out;
+    }
+    try {
+        ApartAnswer answer(current->server_, request_of(Request::kText, text, 0));
+        if (const std::optional<std::string> bytes = answer.head(kMostAnswerBytes))
+            if (std::optional<json> value = decode_json(*bytes)) return std::move(*value);
+    } catch (const model::Error& e) {
+        if (e.code().number != codes::kReportUnreadable.number) throw;
+    }
+    return nullptr;
 }
 
 }  // namespace dgm::bake

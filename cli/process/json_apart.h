@@ -21,8 +21,8 @@ using JsonParser = std::function<nlohmann::json(std::string_view text, const std
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::filesystem::path& file);
 
 /// While it lives, read_json() reads every file in a process of its own, which can read that file and do nothing else
-/// (sandbox.h). If it dies, the file is unreadable (kReportUnreadable) and the program goes on. For programs. Create it
-/// as a ForkServer.
+/// (sandbox.h), and read_map_report() every report in one that can read no file at all. If it dies, the file or report
+/// is unreadable and the program goes on. For programs. Create it as a ForkServer.
 class JsonApart {
  public:
     /// @param parse  works in those processes; it may take the JSON out of another text
@@ -34,12 +34,17 @@ class JsonApart {
 
  private:
     friend nlohmann::json read_json(const std::filesystem::path& file, std::uint64_t most_bytes);
+    friend nlohmann::json read_map_report(const std::string& text);
     ForkServer server_;
 };
 
 /// The JSON in a file of at most `most_bytes`. Without a JsonApart it is parsed here, by parse_json().
 /// @throws model::Error kReportUnreadable; kFileMissing, kReadFailed; kTooLarge before any byte is read; kSystemBusy
 [[nodiscard]] nlohmann::json read_json(const std::filesystem::path& file, std::uint64_t most_bytes);
+
+/// The report inside a map (MapSet::report_json). null if it is no JSON, is nested more than 64 deep, or ends the
+/// process that parses it. Without a JsonApart it is parsed here. @throws model::Error as ApartAnswer does
+[[nodiscard]] nlohmann::json read_map_report(const std::string& text);
 
 /// The message of such a process.
 [[nodiscard]] std::string encode_json(const nlohmann::json& value);

@@ -13,6 +13,7 @@
 #include "files/nesting.h"
 #include "math/portable.h"
 #include "model/codes.h"
+#include "process/json_apart.h"
 
 namespace dgm::validate {
 namespace {
@@ -201,7 +202,7 @@ ClaimedError check_report(const model::MapSet& maps, std::span<const std::option
         findings.error(codes::kBadReport, "/report", "the report is nested too deeply");
         return {};
     }
-    const json report = json::parse(maps.report_json, nullptr, false);
+    const json report = bake::read_map_report(maps.report_json);
     if (!report.is_object()) {
         findings.error(codes::kBadReport, "/report", "the report is not a JSON object");
         return {};

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "process/exr_apart.h"
 #include "process/hdf5_apart.h"
 #include "process/image_apart.h"
+#include "process/json_apart.h"
 #include "process/mesh_import.h"
 #include "tool/guarded_main.h"
 #include "tool/tool.h"
@@ -191,6 +193,7 @@ void set_options(CommandLine& line) {
     options.paths.assign(line.paths.begin(), line.paths.end());
     dgm::bake::ImportLimits limits;
     limits.asset_roots.assign(line.asset_roots.begin(), line.asset_roots.end());
+    options.read_report = dgm::bake::read_map_report;
     options.read_mesh = [limits](const std::filesystem::path& path) { return dgm::bake::import_apart(path, limits); };
     options.multipart = line.exr_layout == "multipart";
 }
@@ -264,6 +267,7 @@ static int run_main(int argc, char** argv) {
         const dgm::bake::Hdf5Apart hdf5;
         const dgm::bake::ExrApart exr;
         const dgm::bake::ImageApart images;
+        const dgm::bake::JsonApart json;
         return run(line, subject);
     });
 }

@@ -4,10 +4,11 @@
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "geometry/solve/sparse_lu.h"
 
 namespace dgm::bake {
 namespace {
@@ -60,7 +61,7 @@ struct FactorOnce::State {
     double norm = 0;
     Kind kind = Kind::kNone;
     Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> symmetric;
-    Eigen::SparseLU<SparseMatrix, Eigen::COLAMDOrdering<int>> general;
+    SparseLu general;
     SolveStatistics statistics;
 
     void eliminate_pinned() {
@@ -107,8 +108,7 @@ struct FactorOnce::State {
         kind = Kind::kNone;
         ++statistics.factorizations;
         ++statistics.unsymmetric;
-        general.compute(free);
-        if (general.info() != Eigen::Success) return false;
+        if (!general.factorize(free)) return false;
         kind = Kind::kGeneral;
         return true;
     }

@@ -18,8 +18,9 @@ struct SolveStatistics {
 ///
 /// The matrix is compared with the last one entry by entry; only a different one is factorized. Rows that are those of
 /// the identity (pinned vertices) are eliminated first. The rest is solved by LDL^T if it is symmetric up to rounding,
-/// else, or if LDL^T breaks down, by LU; both with iterative refinement on the caller's own entries. Eigen's solvers
-/// and not SuiteSparse's, because those call the BLAS of the machine, whose rounding may depend on the thread count.
+/// else, or if LDL^T breaks down, by LU; both with iterative refinement on the caller's own entries. Eigen's LDL^T
+/// and our LU, and not SuiteSparse's, because those call the BLAS of the machine, whose rounding may depend on the
+/// thread count.
 /// Not thread-safe.
 class FactorOnce {
  public:

@@ -19,18 +19,26 @@ void extend(BoxTree::Box& box, const Vec3d& p) {
     }
 }
 
+/// From the longest edge to the third corner; zero for a triangle without area.
+Vec3d height_of(const Triangle& tri) {
+    const std::array<Vec3d, 3> corners = from_longest_edge(tri);
+    const Vec3d edge = corners[1] - corners[0], to_apex = corners[2] - corners[0];
+    const double squared = dot(edge, edge);
+    return squared > 0 ? normalized(to_apex - edge * (dot(to_apex, edge) / squared), {}) : Vec3d{};
+}
+
 }  // namespace
 
-BoxTree::BoxTree(std::span<const Triangle> triangles, std::vector<std::uint32_t> members)
+BoxTree::BoxTree(std::span<const Triangle> triangles, std::vector<std::uint32_t> members, Of of)
     : members_(std::move(members)) {
     nodes_.push_back({{}, 0, static_cast<std::uint32_t>(members_.size())});
     // Children are appended, so every node is filled when its turn comes.
     for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
         fill(triangles, n);
         const Node node = nodes_[n];
+        if (of == Of::kNeedles) strips_.push_back(strip_of(triangles, node));
         if (node.is_point || node.end - node.begin <= kLeaf) continue;
-        const Vec3d size = node.box.high - node.box.low;
-        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const int axis = longest_axis(triangles, node);
         const std::uint32_t middle = (node.begin + node.end) / 2;
         const auto key = [&](std::uint32_t t) {
             const Triangle& q = triangles[t];
@@ -56,6 +64,37 @@ void BoxTree::fill(std::span<const Triangle> triangles, std::uint32_t n) {
         }
     }
     node.is_point = node.box.low == node.box.high;
+}
+
+/// Of the triangles' middles: all needles of a node may be as long as it.
+int BoxTree::longest_axis(std::span<const Triangle> triangles, const Node& node) const {
+    Box middles{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const Triangle& q = triangles[members_[k]];
+        extend(middles, q.a + q.b + q.c);
+    }
+    const Vec3d size = middles.high - middles.low;
+    return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+BoxTree::Strip BoxTree::strip_of(std::span<const Triangle> triangles, const Node& node) const {
+    Vec3d sum;
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const Vec3d height = height_of(triangles[members_[k]]);
+        sum += dot(sum, height) < 0 ? -height : height;
+    }
+    Strip out{normalized(sum, {}), 0, 0};
+    if (out.across == Vec3d{}) return out;
+    out.low = kInfinity;
+    out.high = -kInfinity;
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+        const Triangle& q = triangles[members_[k]];
+        for (const Vec3d& corner : {q.a, q.b, q.c}) {
+            out.low = std::min(out.low, dot(corner, out.across));
+            out.high = std::max(out.high, dot(corner, out.across));
+        }
+    }
+    return out;
 }
 
 }  // namespace dgm::bake

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/spatial/box_tree.h
-// A hierarchy of double-precision boxes over triangles that lie close together.
+// A hierarchy of double-precision boxes over triangles that lie close together, or that are needles.
 //
 // Embree's boxes are floats: of triangles within 1e-6 diagonals of each other a distant query would look at each, and a
 // map that crowds its samples at one place has thousands of them. Doubles tell them apart, and triangles that are one
-// and the same point need one look in all.
+// and the same point need one look in all. Where needles lie side by side in no direction of an axis, as in the fan of
+// a polygon with 100 000 corners in line, all boxes overlap: there each node has a strip, too, at right angles to them.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -20,12 +21,14 @@ namespace dgm::bake {
 
 class BoxTree {
  public:
+    enum class Of { kCrowd, kNeedles };
     struct Box {
         model::Vec3d low, high;
     };
 
-    /// @param members  indices into `triangles`; read here only
-    BoxTree(std::span<const Triangle> triangles, std::vector<std::uint32_t> members);
+    /// @param triangles  read here only
+    /// @param members    indices into `triangles`, at least one
+    BoxTree(std::span<const Triangle> triangles, std::vector<std::uint32_t> members, Of of);
 
     [[nodiscard]] const Box& bounds() const { return nodes_.front().box; }
 
@@ -39,7 +42,8 @@ class BoxTree {
         std::size_t count = 0;
         stack[count++] = 0;
         while (count > 0) {
-            const Node& node = nodes_[stack[--count]];
+            const std::uint32_t n = stack[--count];
+            const Node& node = nodes_[n];
             const double squared = squared_distance(node.box, p);
             if (node.is_point) {
                 if (squared < nearest.squared || (squared == nearest.squared && node.least_face < nearest.face))
@@ -48,12 +52,12 @@ class BoxTree {
             }
             const double reached = std::sqrt(nearest.squared) + kRounding * reach;
             if (squared > reached * reached * (1 + kRounding)) continue;
+            if (!strips_.empty() && strips_[n].is_farther(p, reach, nearest.squared)) continue;
             if (node.children == 0) {
                 for (std::uint32_t k = node.begin; k < node.end; ++k) visit(members_[k]);
                 continue;
             }
-            const bool second_first =
-                squared_distance(nodes_[node.children + 1].box, p) < squared_distance(nodes_[node.children].box, p);
+            const bool second_first = estimate(node.children + 1, p) < estimate(node.children, p);
             stack[count++] = node.children + (second_first ? 0 : 1);
             stack[count++] = node.children + (second_first ? 1 : 0);
         }
@@ -69,15 +73,43 @@ class BoxTree {
         bool is_point = false;
     };
 
+    /// Where the corners of a node lie along a direction.
+    struct Strip {
+        model::Vec3d across;  ///< unit, at right angles to the mean needle; zero if there is none
+        double low = 0, high = 0;
+
+        /// How far p lies beside it; negative inside.
+        [[nodiscard]] double gap(const model::Vec3d& p) const {
+            const double at = dot(p, across);
+            return std::max(low - at, at - high);
+        }
+        /// True only if every triangle of the node is farther from p than sqrt(squared).
+        [[nodiscard]] bool is_farther(const model::Vec3d& p, double reach, double squared) const {
+            constexpr double kStripRounding = 1e-14;
+            const double least = gap(p) - kStripRounding * reach;
+            return least > 0 && least * least > squared;
+        }
+    };
+
     static double squared_distance(const Box& box, const model::Vec3d& p) {
         model::Vec3d d;
         for (int k = 0; k < 3; ++k) d[k] = p[k] - std::clamp(p[k], box.low[k], box.high[k]);
         return dot(d, d);
     }
+    /// Orders children alone; boxes of needles side by side are all equally near.
+    [[nodiscard]] double estimate(std::uint32_t node, const model::Vec3d& p) const {
+        const double squared = squared_distance(nodes_[node].box, p);
+        if (strips_.empty()) return squared;
+        const double gap = strips_[node].gap(p);
+        return gap > 0 ? std::max(squared, gap * gap) : squared;
+    }
     void fill(std::span<const Triangle> triangles, std::uint32_t node);
+    [[nodiscard]] Strip strip_of(std::span<const Triangle> triangles, const Node& node) const;
+    [[nodiscard]] int longest_axis(std::span<const Triangle> triangles, const Node& node) const;
 
     std::vector<std::uint32_t> members_;
     std::vector<Node> nodes_;
+    std::vector<Strip> strips_;  ///< one a node for needles, else none
 };
 
 }  // namespace dgm::bake

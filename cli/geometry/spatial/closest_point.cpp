@@ -54,34 +54,21 @@ float round_up(double x) {
 }
 
 /// The part of a triangle between two shares of its longest edge, seen at right angles to it: what the hierarchy holds.
-/// A box around a whole needle is nearly empty, and where 10 000 of them meet a query would have to look at each.
-/// Or a crowd of tiny triangles, with a hierarchy of its own.
+/// A box around a whole needle is nearly empty. Or a crowd of tiny triangles or all needles, in a hierarchy of its own.
 struct Piece {
     std::uint32_t triangle = 0;
     float from = 0, to = 1;
     std::uint32_t crowd = kNone;
-    std::uint32_t strip = kNone;
 };
 constexpr double kNeedle = 32;      ///< length over height of a triangle that is taken to pieces
 constexpr double kPieceLength = 8;  ///< of a piece, in heights
-constexpr int kMaxPieces = 16;      ///< that a needle gets in any case
-// A polygon with 10 000 corners in line on one side is a fan of needles that all want more pieces: they share so many,
-// a few a triangle, since an index is made often and serves some hundred thousand points at most.
-constexpr std::size_t kSharedPieces = 200'000, kPiecesPerTriangle = 4;
-
-/// Where a needle lies between its longest edge and its third corner, in its plane. Boxes of needles that lie side by
-/// side in no direction of an axis overlap, whatever the pieces; this tells them apart.
-struct Strip {
-    Vec3d across;  ///< unit
-    double low = 0, high = 0;
-
-    /// True if every point of the needle is farther from p than sqrt(squared), whatever the rounding.
-    [[nodiscard]] bool is_farther(const Vec3d& p, double reach, double squared) const {
-        constexpr double kRounding = 1e-14;
-        const double at = dot(p, across), gap = std::max(low - at, at - high) - kRounding * reach;
-        return gap > 0 && gap * gap > squared;
-    }
-};
+constexpr int kMaxPieces = 16;
+// The border strip of a comb's free chart has half a million needles. A hierarchy of all their pieces would take
+// gigabytes and most of the time: beyond so many triangles they get fewer.
+constexpr std::size_t kMostPieces = 1'000'000;
+// A polygon with 100 000 corners in line on one side is a fan of needles, and boxes of their pieces overlap in
+// thousands. Where a point lies in so many on average, needles have a hierarchy of their own, whole.
+constexpr double kManyOverlap = 400;
 constexpr double kTiny = 1e-4;       ///< longest edge, in diagonals, of a triangle that may belong to a crowd
 constexpr double kCrowdSide = 1e-3;  ///< of the cube that holds its middle, in diagonals
 constexpr std::size_t kCrowd = 64;   ///< least triangles of one
@@ -90,7 +77,6 @@ struct Search {
     const Triangle* triangles = nullptr;
     const Piece* pieces = nullptr;
     const BoxTree* crowds = nullptr;
-    const Strip* strips = nullptr;
     Vec3d point;       // normalised frame
     double reach = 0;  // largest coordinate of point, at least 1: what the float slack is relative to
     Nearest nearest;
@@ -116,7 +102,6 @@ struct Search {
 
     /// Returns true if a triangle of the piece became the nearest.
     bool visit(const Piece& piece) {
-        if (piece.strip != kNone && strips[piece.strip].is_farther(point, reach, nearest.squared)) return false;
         if (piece.crowd == kNone) return visit(piece.triangle);
         bool nearer = false;
         crowds[piece.crowd].search(point, reach, nearest, [&](std::uint32_t t) { nearer = visit(t) || nearer; });
@@ -129,15 +114,7 @@ struct Search {
     }
 };
 
-/// The triangle's corners from the longest edge's start on.
-std::array<Vec3d, 3> from_longest_edge(const Triangle& tri) {
-    const double ab = length(tri.b - tri.a), bc = length(tri.c - tri.b), ca = length(tri.a - tri.c);
-    if (ab >= bc && ab >= ca) return {tri.a, tri.b, tri.c};
-    if (bc >= ca) return {tri.b, tri.c, tri.a};
-    return {tri.c, tri.a, tri.b};
-}
-
-/// Number of pieces in which a triangle would be stored, if it may have so many; 1 unless it is a needle.
+/// Number of pieces in which a triangle would be stored, at most `most`; 1 unless it is a needle.
 int piece_count(const Triangle& tri, int most) {
     const auto [p, q, r] = from_longest_edge(tri);
     const double edge = length(q - p);
@@ -146,20 +123,17 @@ int piece_count(const Triangle& tri, int most) {
     return static_cast<int>(std::min<double>(most, std::ceil(edge / (kPieceLength * height))));
 }
 
-/// Most pieces of one needle for which all together have no more than they share.
-int most_pieces(std::span<const Triangle> triangles) {
-    constexpr int kEnough = 1 << 14;
-    std::vector<int> wanted;
-    for (const Triangle& t : triangles)
-        if (const int count = piece_count(t, kEnough); count > kMaxPieces) wanted.push_back(count);
-    std::sort(wanted.begin(), wanted.end());
-    std::size_t left = std::min(kSharedPieces, kPiecesPerTriangle * triangles.size());
-    for (std::size_t k = 0; k < wanted.size(); ++k) {
-        const std::size_t share = left / (wanted.size() - k);
-        if (share < static_cast<std::size_t>(wanted[k])) return std::max(kMaxPieces, static_cast<int>(share));
-        left -= static_cast<std::size_t>(wanted[k]);
-    }
-    return kEnough;
+void extend(Vec3d& low, Vec3d& high, std::span<const Vec3d> points) {
+    for (const Vec3d& p : points)
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], p[k]);
+            high[k] = std::max(high[k], p[k]);
+        }
+}
+
+/// The area of the largest side of a box.
+double face_of_box(const Vec3d& size) {
+    return std::max({size.x * size.y, size.y * size.z, size.z * size.x});
 }
 
 /// Data that the scene's functions see.
@@ -204,11 +178,7 @@ void on_bounds(const RTCBoundsFunctionArguments* args) {
         if (piece.from < apex && apex < piece.to) corners[4] = r;
     }
     Vec3d low = corners[0], high = corners[0];
-    for (const Vec3d& corner : corners)
-        for (int k = 0; k < 3; ++k) {
-            low[k] = std::min(low[k], corner[k]);
-            high[k] = std::max(high[k], corner[k]);
-        }
+    extend(low, high, corners);
     *args->bounds_o = outward(low, high);
 }
 
@@ -228,7 +198,6 @@ struct ClosestPointIndex::Impl {
     std::vector<Vec3d> unit_normals;
     std::vector<Piece> pieces;
     std::vector<BoxTree> crowds;
-    std::vector<Strip> strips;  // of needles in at least kMaxPieces pieces
     Held held{};
     std::vector<std::uint32_t> triangle_of_face;  // kNone for faces left out
     Vec3d centre;
@@ -324,37 +293,44 @@ struct ClosestPointIndex::Impl {
                 for (auto k = first; k != last; ++k) members.push_back(k->second);
                 for (const std::uint32_t t : members) crowded[t] = 1;
                 pieces.push_back({0, 0, 1, static_cast<std::uint32_t>(crowds.size())});
-                crowds.emplace_back(triangles, std::move(members));
+                crowds.emplace_back(triangles, std::move(members), BoxTree::Of::kCrowd);
             }
             first = last;
         }
         return crowded;
     }
 
-    std::uint32_t add_strip(const Triangle& tri) {
-        const std::array<Vec3d, 3> corners = from_longest_edge(tri);
-        const Vec3d edge = corners[1] - corners[0], to_apex = corners[2] - corners[0];
-        const Vec3d across = normalized(to_apex - edge * (dot(to_apex, edge) / dot(edge, edge)), {});
-        if (across == Vec3d{}) return kNone;
-        Strip strip{across, kInfinity, -kInfinity};
-        for (const Vec3d& corner : corners) {
-            strip.low = std::min(strip.low, dot(corner, across));
-            strip.high = std::max(strip.high, dot(corner, across));
+    /// All needles, if too many of their pieces would overlap, but for those of `apart`, where it marks them.
+    void gather_needles(int most, std::vector<char>& apart) {
+        std::vector<std::uint32_t> needles;
+        Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+        double covered = 0;
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            const Triangle& q = triangles[t];
+            const std::array<Vec3d, 3> corners{q.a, q.b, q.c};
+            Vec3d from = q.a, to = q.a;
+            extend(from, to, corners);
+            extend(low, high, corners);
+            if (apart[t] || piece_count(q, kMaxPieces) == 1) continue;
+            needles.push_back(t);
+            covered += face_of_box(to - from);
         }
-        strips.push_back(strip);
-        return static_cast<std::uint32_t>(strips.size() - 1);
+        if (!(covered > kManyOverlap * most * face_of_box(high - low))) return;
+        for (const std::uint32_t t : needles) apart[t] = 1;
+        pieces.push_back({0, 0, 1, static_cast<std::uint32_t>(crowds.size())});
+        crowds.emplace_back(triangles, std::move(needles), BoxTree::Of::kNeedles);
     }
 
     void build() {
-        const std::vector<char> crowded = gather_crowds();
-        const int most = most_pieces(triangles);
+        std::vector<char> apart = gather_crowds();
+        const int most = std::clamp(static_cast<int>(kMostPieces / triangles.size()), 1, kMaxPieces);
+        gather_needles(most, apart);
         for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-            if (crowded[t]) continue;
+            if (apart[t]) continue;
             const int count = piece_count(triangles[t], most);
-            const std::uint32_t strip = count >= kMaxPieces ? add_strip(triangles[t]) : kNone;
             for (int k = 0; k < count; ++k)
                 pieces.push_back({t, static_cast<float>(k) / static_cast<float>(count),
-                                  static_cast<float>(k + 1) / static_cast<float>(count), kNone, strip});
+                                  static_cast<float>(k + 1) / static_cast<float>(count), kNone});
         }
         held = {triangles.data(), pieces.data(), crowds.data()};
         RTCDevice embree = device();
@@ -383,7 +359,6 @@ struct ClosestPointIndex::Impl {
         search.triangles = triangles.data();
         search.pieces = pieces.data();
         search.crowds = crowds.data();
-        search.strips = strips.data();
         if (triangles.empty() || !is_finite(search.point)) return {};
         search.reach = std::max({std::abs(search.point.x), std::abs(search.point.y), std::abs(search.point.z), 1.0});
         if (hint < triangle_of_face.size() && triangle_of_face[hint] != kNone) search.visit(triangle_of_face[hint]);
@@ -426,6 +401,10 @@ ClosestPoint ClosestPointIndex::query_facing(const Vec3d& point, const Vec3d& no
     search.direction = normal;
     search.min_cosine = min_cosine;
     return impl_->run(search, point, hint);
+}
+
+std::size_t ClosestPointIndex::pieces() const {
+    return impl_->pieces.size();
 }
 
 double ClosestPointIndex::diagonal() const {

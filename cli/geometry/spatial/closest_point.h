@@ -2,6 +2,7 @@
 // cli/geometry/spatial/closest_point.h
 // Exact closest point on a triangle mesh, over Embree's bounding volume hierarchy.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -43,6 +44,8 @@ class ClosestPointIndex {
                                             std::uint32_t hint = kNoFace,
                                             double limit = std::numeric_limits<double>::infinity()) const;
 
+    /// What the hierarchy holds: triangles, parts of needles, hierarchies of many triangles. The work of building it.
+    [[nodiscard]] std::size_t pieces() const;
     /// Of the bounding box of the faces; 1 where that is no number to divide by.
     [[nodiscard]] double diagonal() const;
     /// Zero for a face without area, or left out.

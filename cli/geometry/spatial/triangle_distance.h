@@ -26,6 +26,14 @@ struct Triangle {
     bool swap_ab, swap_bc, swap_ca;  // the edge's second vertex has the lower index
 };
 
+/// The triangle's corners from the longest edge's start on.
+inline std::array<model::Vec3d, 3> from_longest_edge(const Triangle& tri) {
+    const double ab = length(tri.b - tri.a), bc = length(tri.c - tri.b), ca = length(tri.a - tri.c);
+    if (ab >= bc && ab >= ca) return {tri.a, tri.b, tri.c};
+    if (bc >= ca) return {tri.b, tri.c, tri.a};
+    return {tri.c, tri.a, tri.b};
+}
+
 /// The nearest point so far, of whichever triangles were visited.
 struct Nearest {
     double squared = kInfinity;

@@ -66,6 +66,29 @@ TEST(JsonApart, WhateverTheParserDoesIsAnErrorOfTheFile) {
     }
 }
 
+TEST(JsonApart, ReportsInsideMapsAreReadApartToo) {
+    const auto reads = [&] {
+        EXPECT_EQ(read_map_report(every_kind().dump()), every_kind());
+        EXPECT_EQ(read_map_report('"' + std::string(100'000, 'x') + '"'), json(std::string(100'000, 'x')));
+        for (const std::string& none : {std::string(), std::string("{\"a\": [1, 2"), std::string("{\"a\0\": 1", 9),
+                                        std::string(65, '[') + std::string(65, ']')})
+            EXPECT_EQ(read_map_report(none), json()) << none;
+    };
+    reads();
+    const JsonApart apart;
+    reads();
+}
+
+TEST(JsonApart, WhateverTheParserDoesToAReportIsNoReport) {
+    for (const auto& [name, fault] : test::faults()) {
+        const JsonApart apart([&](std::string_view, const std::filesystem::path&) {
+            fault();
+            return json("not null");
+        });
+        EXPECT_EQ(read_map_report("{}"), json()) << name;
+    }
+}
+
 TEST(JsonApart, TheMessageOfABrokenProcessIsRefusedOrAValue) {
     const std::string bytes = encode_json(every_kind());
     EXPECT_EQ(decode_json(bytes), every_kind());

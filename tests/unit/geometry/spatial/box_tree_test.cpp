@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/geometry/spatial/box_tree_test.cpp
-// Crowds of tiny triangles: the right answer, after a look at few of them.
+// Crowds of tiny triangles, fans of needles: the right answer, after a look at few of them.
 #include "geometry/spatial/box_tree.h"
 
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ TEST(BoxTree, FindsTheNearestOfACrowdAfterAFewLooks) {
         for (std::uint32_t f = 0; f + 1 < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
         std::vector<std::uint32_t> members(triangles.size());
         std::iota(members.begin(), members.end(), 0U);
-        const BoxTree tree(triangles, members);
+        const BoxTree tree(triangles, members, BoxTree::Of::kCrowd);
         std::size_t looks = 0;
         for (const Vec3d& p : far_points()) {
             Nearest nearest;
@@ -115,10 +115,98 @@ TEST(BoxTree, OfCoincidentTrianglesLooksAtTheLowestFaceAlone) {
     for (std::uint32_t f = 0; f < 1000; ++f) triangles.push_back(triangle_of(sheet, f));
     std::vector<std::uint32_t> members(triangles.size());
     std::iota(members.rbegin(), members.rend(), 0U);
-    const BoxTree tree(triangles, members);
+    const BoxTree tree(triangles, members, BoxTree::Of::kCrowd);
     std::vector<std::uint32_t> looked;
     tree.search({0, 0, 0}, 1, Nearest{}, [&](std::uint32_t t) { looked.push_back(t); });
     EXPECT_EQ(looked, std::vector<std::uint32_t>{0});
+}
+
+/// A triangle with `count` corners in line on one side, split into needles that meet at its far corner, and turned out
+/// of the planes of the axes.
+Sheet fan(std::uint32_t count) {
+    const Vec3d along{0.8, 0.36, 0.48}, up{-0.6, 0.48, 0.64};  // at right angles
+    Sheet out;
+    out.positions.push_back(along * 0.5 + up);
+    for (std::uint32_t k = 0; k <= count; ++k) out.positions.push_back(along * (static_cast<double>(k) / count));
+    for (std::uint32_t k = 0; k < count; ++k) out.faces.push_back({0, k + 1, k + 2});
+    return out;
+}
+
+/// On the fan, beside it and over it.
+std::vector<Vec3d> points_by(const Sheet& fan, double over) {
+    std::mt19937_64 random(9);
+    std::uniform_real_distribution<double> u(-0.2, 1.2);
+    const Vec3d normal =
+        normalized(cross(fan.positions[1] - fan.positions[0], fan.positions.back() - fan.positions[0]), {});
+    std::vector<Vec3d> out(100);
+    for (Vec3d& p : out) {
+        const Vec3d foot = fan.positions[1] + (fan.positions.back() - fan.positions[1]) * u(random);
+        p = fan.positions[0] + (foot - fan.positions[0]) * std::abs(u(random)) + normal * (over * u(random));
+    }
+    return out;
+}
+
+TEST(BoxTree, FindsTheNearestOfAFanOfNeedlesAfterAFewLooks) {
+    const Sheet sheet = fan(50'000);
+    std::vector<Triangle> triangles;
+    for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
+    std::vector<std::uint32_t> members(triangles.size());
+    std::iota(members.begin(), members.end(), 0U);
+    const BoxTree crowd(triangles, members, BoxTree::Of::kCrowd), needles(triangles, members, BoxTree::Of::kNeedles);
+    std::size_t looks[2] = {0, 0};
+    for (const Vec3d& p : points_by(sheet, 1e-4)) {
+        Nearest found[2];
+        for (const int k : {0, 1})
+            (k == 0 ? crowd : needles).search(p, 2, found[k], [&](std::uint32_t t) {
+                ++looks[k];
+                Vec3d q;
+                std::array<double, 3> b{};
+                const double squared = triangle_distance(triangles[t], p, q, b);
+                if (squared < found[k].squared || (squared == found[k].squared && triangles[t].face < found[k].face))
+                    found[k] = {squared, triangles[t].face, t, q, b};
+            });
+        ASSERT_EQ(found[1].face, found[0].face);
+        ASSERT_EQ(found[1].squared, found[0].squared);
+    }
+    EXPECT_LE(looks[1],
+              100 * 1000U);  // of 50,000 each; most are those of points by the far corner, where all needles are
+    EXPECT_GE(looks[0], 20 * looks[1]) << "boxes alone would do, and this tests nothing";
+}
+
+TEST(ClosestPointIndex, AnswersOverFansOfNeedlesAsASearchOfAllFacesDoes) {
+    const Sheet sheet = fan(40'000);
+    const ClosestPointIndex index(sheet.positions, sheet.faces);
+    EXPECT_EQ(index.pieces(), 1U) << "the needles have a hierarchy of their own";
+    for (const double over : {0.0, 1e-5, 0.3})
+        for (const Vec3d& p : points_by(sheet, over)) {
+            const ClosestPoint found = index.query(p);
+            double least = kInfinity;
+            for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) {
+                Vec3d q;
+                std::array<double, 3> b{};
+                least = std::min(least, triangle_distance(triangle_of(sheet, f), p, q, b));
+            }
+            ASSERT_NEAR(found.distance, std::sqrt(least), 1e-9) << over;
+        }
+}
+
+/// Half a million needles side by side, as in the border strip of a comb's chart: sixteen pieces of each took 2 GB.
+TEST(ClosestPointIndex, HoldsAsManyPiecesAsItCanAfford) {
+    for (const std::uint32_t count : {1'000U, 600'000U}) {
+        Sheet sheet;
+        const double step = 1.0 / 1000;  // 600 rows, 1000 needles each
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const double x = k % 1000 * step, y = k / 1000;
+            const auto first = static_cast<std::uint32_t>(sheet.positions.size());
+            sheet.positions.insert(sheet.positions.end(), {{x, y, 0}, {x + step, y, 0}, {x, y + 0.9, 0}});
+            sheet.faces.push_back({first, first + 1, first + 2});
+        }
+        const ClosestPointIndex index(sheet.positions, sheet.faces);
+        EXPECT_EQ(index.pieces(), count == 1'000 ? 16'000U : count);
+        const ClosestPoint found = index.query({500.25 * step, 0.3, 0.5});
+        EXPECT_EQ(found.face, 500U);
+        EXPECT_NEAR(found.distance, 0.5, 1e-9 * count);
+    }
 }
 
 /// The whole index, crowds and all, against every face in turn.
