@@ -98,7 +98,7 @@ bool make_unknowns(PhysicsImpl& p, const StateImpl& s) noexcept {
 bool make_planes(PhysicsImpl& p) noexcept {
     const Allocator& a = p.allocator;
     constexpr std::uint64_t kFields = 20 + 6, kPlanes = 14;
-    const bool viscous = p.options.material.viscosity > 0;
+    const bool viscous = p.material.viscosity > 0;
     const std::uint64_t count = 3 * kFields + kPlanes + (viscous ? 6 : 0);
     if (!p.planes.allocate(a, count * plane_size(p.rows, p.cols))) return false;
     PlaneCutter cut(p.planes, p.rows, p.cols);
@@ -302,7 +302,7 @@ void take_laplacian(PhysicsImpl& p, Around& to) noexcept {
 
 void take_samples(PhysicsImpl& p, const StateImpl& s, const Around& from) noexcept {
     const Level& l = p.fine();
-    const Material& material = p.options.material;
+    const Material& material = p.material;
     for (std::uint32_t k = 0; k < l.grid; ++k) {
         const std::uint32_t d = l.dof_of[k], first = l.sample_of[d];
         const bool rim = (s.ring[k] & kRingRim) != 0 || from.area[d] == 0;
@@ -370,7 +370,7 @@ Result<void> build_model(PhysicsImpl& p, const StateImpl& s) noexcept {
 void take_step_length(PhysicsImpl& p) noexcept {
     Level& l = p.fine();
     Multigrid& m = p.solver;
-    const Material& material = p.options.material;
+    const Material& material = p.material;
     const double dt = p.options.dt, viscous = 1 + double{material.viscosity} / dt;
     // c0 M + c1 L + c2 L M^-1 L, M the masses.
     const double c0 = 1 / (dt * dt) + double{material.foundation} / double{material.density},

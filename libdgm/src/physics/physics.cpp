@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/physics.cpp
 // Makes a Physics, checks the arguments of a step, and runs it.
+#include <dgm/limits.h>
 #include <dgm/physics.h>
 
 #include <algorithm>
@@ -27,17 +28,22 @@ bool is_dt(float dt) noexcept {
 }
 
 Result<void> check_options(const PhysicsOptions& o) noexcept {
-    const Material& m = o.material;
+    constexpr const char* kFaults[] = {"the length of a unit is not in 1e-9 .. 1e9 m",
+                                       "the membrane's modulus is not in 1e-6 .. 1e12 N/m",
+                                       "Poisson's ratio is not in 0 .. 0.49",
+                                       "the bending modulus is not in 0 .. 1e12 N m",
+                                       "the foundation is not in 0 .. 1e12 N/m^3",
+                                       "the density is not in 1e-6 .. 1e12 kg/m^2",
+                                       "the viscosity is not in 0 .. 1e6 s"};
+    const Material& m = *o.material;
+    const double values[] = {o.metres_per_unit,    double{m.membrane}, double{m.poisson},  double{m.bending},
+                             double{m.foundation}, double{m.density},  double{m.viscosity}};
     if (!is_valid(o.allocator)) return bad("the allocator is half empty");
     if (!is_dt(o.dt)) return bad("the time step is not in 1e-5 .. 10 s");
-    if (!within(double{m.membrane}, 1e-6, 1e12)) return bad("the membrane's modulus is not in 1e-6 .. 1e12 N/m");
-    if (!within(double{m.poisson}, 0, 0.4901)) return bad("Poisson's ratio is not in 0 .. 0.49");
-    if (!within(double{m.bending}, 0, 1e12)) return bad("the bending modulus is not in 0 .. 1e12 N m");
-    if (!within(double{m.foundation}, 0, 1e12)) return bad("the foundation is not in 0 .. 1e12 N/m^3");
-    if (!within(double{m.density}, 1e-6, 1e12)) return bad("the density is not in 1e-6 .. 1e12 kg/m^2");
-    if (!within(double{m.viscosity}, 0, 1e6)) return bad("the viscosity is not in 0 .. 1e6 s");
-    if (o.metres_per_unit == 0) return unsupported("the length of a unit is not known: set metres_per_unit");
-    if (!within(o.metres_per_unit, 1e-9, 1e9)) return bad("the length of a unit is not in 1e-9 .. 1e9 m");
+    if (o.metres_per_unit == 0)
+        return unsupported("the length of a unit is not known: set metres_per_unit, or bake with --unit");
+    for (std::size_t k = 0; k < kMaterialValues; ++k)
+        if (!within(values[k], double{kMaterialLow[k]}, double{kMaterialHigh[k]})) return bad(kFaults[k]);
     return {};
 }
 
@@ -57,7 +63,7 @@ Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
     const double diagonal = diagonal_of(s) * o.metres_per_unit;
     if (!within(diagonal, 1e-6, 1e6)) return unsupported("the body's diagonal is not in 1e-6 .. 1e6 m");
-    if (double{o.material.bending} > double{o.material.membrane} * diagonal * diagonal)
+    if (double{o.material->bending} > double{o.material->membrane} * diagonal * diagonal)
         return Error{ErrorCode::LimitExceeded, kNoOffset,
                      "the material bends over a length beyond the body: check the unit, bending and membrane"};
     return {};
@@ -250,7 +256,19 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
 }  // namespace
 }  // namespace detail
 
-Result<Physics> Physics::create(const State& state, const PhysicsOptions& options) noexcept {
+StoredMaterial stored_material(const State& state) noexcept {
+    const float(&m)[kMaterialValues] = state.impl()->material;
+    StoredMaterial out;
+    out.metres_per_unit = double{m[0]};
+    if (m[5] > 0) out.material = {m[1], m[2], m[3], m[4], m[5], m[6]};
+    return out;
+}
+
+Result<Physics> Physics::create(const State& state, const PhysicsOptions& asked) noexcept {
+    const StoredMaterial stored = stored_material(state);
+    PhysicsOptions options = asked;
+    if (!options.material) options.material = stored.material.value_or(Material{});
+    if (options.metres_per_unit == 0) options.metres_per_unit = stored.metres_per_unit;
     if (auto r = detail::check_options(options); !r) return r.error();
     const detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_map(s, options); !r) return r.error();
@@ -260,13 +278,14 @@ Result<Physics> Physics::create(const State& state, const PhysicsOptions& option
     if (p == nullptr) return detail::physics::kNoMemory;
     Physics made(p);
     p->options = options;
+    p->material = *options.material;
     p->rows = s.tables.rows;
     p->cols = s.tables.cols;
     p->total = s.total();
     p->scale = options.metres_per_unit;
     p->closed = !s.open_surface;
     p->solver.kernels = &detail::physics::choose_kernels(options.plain_loops);
-    const double e = options.material.membrane, nu = options.material.poisson;
+    const double e = p->material.membrane, nu = p->material.poisson;
     p->shear = static_cast<float>(e / (2 * (1 + nu)));
     p->dilate = static_cast<float>(e * nu / (1 - nu * nu));
     if (auto r = detail::physics::build_model(*p, s); !r) return r.error();

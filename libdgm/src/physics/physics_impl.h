@@ -51,6 +51,7 @@ struct PhysicsImpl {
     explicit PhysicsImpl(const Allocator& a) noexcept : allocator(a) {}
     Allocator allocator;
     PhysicsOptions options;
+    Material material;  ///< of the options, or the file
     std::uint32_t rows = 0, cols = 0, total = 0;
     double scale = 1;  ///< metres per local unit
     bool closed = false;
