@@ -102,9 +102,10 @@ bool make_planes(PhysicsImpl& p) noexcept {
     const std::uint64_t count = 3 * kFields + kPlanes + (viscous ? 6 : 0);
     if (!p.planes.allocate(a, count * plane_size(p.rows, p.cols))) return false;
     PlaneCutter cut(p.planes, p.rows, p.cols);
-    for (Field* f : {&p.rest,     &p.moved,       &p.delta,     &p.before,        &p.inertial, &p.velocity, &p.target,
-                     &p.gradient, &p.area,        &p.curvature, &p.moment,        &p.twist,    &p.swell,    &p.way,
-                     &p.last,     &p.rest_normal, &p.smooth,    &p.smooth_before, &p.push,     &p.fresh})
+    // From `moved` to `face`: what a step writes anew, so that forget() can clear it all.
+    for (Field* f : {&p.rest,     &p.rest_normal, &p.target, &p.moved,         &p.delta,  &p.before, &p.inertial,
+                     &p.velocity, &p.gradient,    &p.area,   &p.curvature,     &p.moment, &p.twist,  &p.swell,
+                     &p.way,      &p.last,        &p.smooth, &p.smooth_before, &p.push,   &p.fresh})
         *f = cut.field();
     for (Field& f : p.corner) f = cut.field();
     for (Field& f : p.face) f = cut.field();

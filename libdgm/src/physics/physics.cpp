@@ -171,20 +171,27 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     const double dt = p.options.dt, by = p.scale;
     const float gravity[3] = {o.gravity.x, o.gravity.y, o.gravity.z};
     for (const Pin& pin : o.pins) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 0; });
-    double sum = 0;
+    double sum = 0, moving = 0;
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) {
-            const double i = dt * (double{p.velocity.p[c][k]} + dt * double{gravity[c]});
+            const double v = double{p.velocity.p[c][k]}, i = dt * (v + dt * double{gravity[c]});
             p.inertial.p[c][k] = static_cast<float>(i);
             p.delta.p[c][k] = p.free[k] * p.inertial.p[c][k];
-            sum += double{l.own[k]} * double{p.mass[k]} * i * i;
+            const double mass = double{l.own[k]} * double{p.mass[k]};
+            sum += mass * i * i;
+            moving += mass * v * v;
         }
     p.at_rest = 0.5 * sum / (dt * dt);
+    p.energy_before = p.elastic + 0.5 * moving;
+    p.driven = false;
     for (const Pin& pin : o.pins) {
         const Double3 way = by * (widen(pin.position) - widen(StateImpl::at(s.rest, pin.sample)));
         const double to[3] = {way.x, way.y, way.z};
         each_copy(p, pin.sample, [&](std::uint32_t k) {
-            for (int c = 0; c < 3; ++c) p.delta.p[c][k] = static_cast<float>(to[c] - p.at[c][k]);
+            for (int c = 0; c < 3; ++c) {
+                p.delta.p[c][k] = static_cast<float>(to[c] - p.at[c][k]);
+                p.driven = p.driven || p.delta.p[c][k] != 0;
+            }
         });
     }
 }
@@ -197,6 +204,28 @@ void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     }
 }
 
+/// Clears what a step writes, which may not be finite: 0 times that would not be 0.
+void forget(PhysicsImpl& p) noexcept {
+    std::fill(p.moved.p[0], p.energy, 0.0f);
+    for (std::uint32_t k = 0; k < p.solver.levels; ++k)
+        std::fill(p.solver.level[k].x.p[0], p.solver.level[k].diagonal, 0.0f);
+}
+
+/// Lowers velocities so that they hold so much kinetic energy, but keeps their drift as long as that has less.
+/// @return their kinetic energy
+double slow_down(PhysicsImpl& p, double kinetic, double wanted) noexcept {
+    Drift drift = drift_of(p, p.velocity);
+    if (!(drift.energy < wanted)) drift = {};
+    if (!(kinetic > drift.energy)) return kinetic;
+    const double left = std::max(0.0, wanted - drift.energy), by = std::sqrt(left / (kinetic - drift.energy));
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t k = 0; k < p.total; ++k) {
+            const double v = double{p.velocity.p[c][k]};
+            p.velocity.p[c][k] = static_cast<float>(drift.mean[c] + by * (v - drift.mean[c]));
+        }
+    return drift.energy + left;
+}
+
 /// The step's displacement becomes part of the shape, or is thrown away.
 void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& report) noexcept {
     const Level& l = p.fine();
@@ -205,21 +234,32 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
         const std::uint32_t to = l.sample_of[p.followers[k]], from = p.followers[k + 1];
         for (float* f : p.delta.p) f[to] = f[from];
     }
-    double kinetic = 0;
+    double kinetic = 0, work = 0;
+    const float gravity[3] = {o.gravity.x, o.gravity.y, o.gravity.z};
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) {
             const float d = keep ? p.delta.p[c][k] : 0;
             p.at[c][k] += double{d};
-            const double v = double{d} / dt;
+            const double v = double{d} / dt, mass = double{l.own[k]} * double{p.mass[k]};
             p.velocity.p[c][k] = static_cast<float>(v);
-            kinetic += double{l.own[k]} * double{p.mass[k]} * v * v;
+            kinetic += mass * v * v;
+            work += mass * double{gravity[c]} * double{d};
         }
     report.kinetic = kinetic / 2;
+    // A search that has not converged may leave more energy than there was.
+    const double most = p.energy_before + work - report.kinetic;
+    for (float* f : p.delta.p) std::fill(f, f + l.count(), 0.0f);
+    if (keep && !pushed(p) && (p.elastic + p.unsure > most || p.elastic < 0)) {
+        p.elastic = evaluate(p).elastic;
+        if (p.elastic > most) report.kinetic = slow_down(p, report.kinetic, report.kinetic + most - p.elastic);
+    }
     report.elastic = p.elastic;
     release_pins(p, o.pins);
     if (keep) {
         keep_multipliers(p);
         if (p.stretch[0] != nullptr) {
+            // The last evaluation may have been ahead of where the step ended.
+            p.solver.kernels->place({l.count(), {p.at[0].data(), p.at[1].data(), p.at[2].data()}, p.delta, p.moved});
             StretchJob job{p.on(), {}};
             std::copy_n(p.stretch, 6, job.to);
             p.solver.kernels->stretches(job);
@@ -227,7 +267,7 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     } else {
         p.touching_count = p.grasped_count = 0;
         p.holding = 0;
-        for (float* f : p.way.p) std::fill(f, f + l.count(), 0.0f);  // it may not be finite
+        forget(p);
     }
 }
 

@@ -188,6 +188,12 @@ bool hold_met(PhysicsImpl& p) noexcept {
     return found;
 }
 
+bool pushed(const PhysicsImpl& p) noexcept {
+    const Touching* list = p.touching[p.touching_now].begin();
+    return p.driven || p.grasped_count != 0 ||
+           std::any_of(list, list + p.touching_count, [](const Touching& t) { return t.met; });
+}
+
 void keep_multipliers(PhysicsImpl& p) noexcept {
     Array<Touching>& list = p.touching[p.touching_now];
     for (std::uint32_t k = 0; k < p.touching_count; ++k) list[k].multiplier = list[k].force;
