@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Replays two of the paper's figures on small maps: what is drawn, what is told, what is refused.
 
-    test_figures.py PRESS_AND_PULL PINCH_SHEET DGM_BAKE SAMPLES PATHS
+    test_figures.py PRESS_AND_PULL PINCH_SHEET POKE_AND_LET_GO DGM_BAKE SAMPLES PATHS
 """
 import re
 import struct
@@ -11,7 +11,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-PRESS, PINCH, BAKE, SAMPLES, PATHS = sys.argv[1], sys.argv[2], sys.argv[3], Path(sys.argv[4]), Path(sys.argv[5])
+PRESS, PINCH, POKE, BAKE = sys.argv[1:5]
+SAMPLES, PATHS = Path(sys.argv[5]), Path(sys.argv[6])
 
 
 class Figures(unittest.TestCase):
@@ -46,6 +47,26 @@ class Figures(unittest.TestCase):
         still = self.folder / "b.png"
         self.assertEqual(self.sample(PINCH, sheet, flat, still).returncode, 0)
         self.assertNotEqual(picture.read_bytes(), still.read_bytes())
+
+    def test_poked_liver_swings_back(self):
+        picture = self.folder / "a.png"
+        liver = self.bake("liver/liver.obj", "--unit", "cm", "--material", "tissue")
+        result = self.sample(POKE, liver, PATHS / "liver_poke_and_let_go.txt", picture)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = re.fullmatch(r"1701 steps of 1 ms, strongest force ([\d.]+) N, volume kept to (\S+); "
+                            r"at the end (\S+) of (\S+) J left, (\S+) cm from rest\n", result.stdout)
+        self.assertIsNotNone(told, result.stdout)
+        self.assertGreater(float(told[1]), 0.1)
+        self.assertLess(float(told[1]), 100)
+        self.assertLess(float(told[2]), 1e-8)
+        # It is back but for a dent or two that have snapped through (docs/physics.md).
+        self.assertLess(float(told[3]), 0.05 * float(told[4]))
+        self.assertLess(float(told[5]), 0.5)
+        self.assertEqual(self.size_of(picture)[0], 4 * 400)
+        # A map without a unit is refused, with the remedy.
+        result = self.sample(POKE, self.bake("liver/liver.obj"), PATHS / "liver_poke_and_let_go.txt", picture)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("--unit", result.stderr)
 
     def test_pressed_stomach(self):
         stomach, picture = self.bake("stomach/stomach.obj", "--method", "mvc"), self.folder / "a.png"

@@ -61,8 +61,9 @@ fs::path spelled_out(const fs::path& path) {
 /// Finds out at the start what would otherwise be found out after hours.
 void check_files(const CommandLine& line, const BatchPlan& plan) {
     std::error_code ignored;
-    std::vector<fs::path> inputs{line.bake.texture, line.scene};
-    for (const PlannedAsset& asset : plan.assets) inputs.insert(inputs.end(), {asset.source, asset.options.texture});
+    std::vector<fs::path> inputs{line.bake.texture, line.bake.material_file, line.scene};
+    for (const PlannedAsset& asset : plan.assets)
+        inputs.insert(inputs.end(), {asset.source, asset.options.texture, asset.options.material_file});
     const std::array further{std::pair(line.report, "report"), std::pair(line.depfile, "depfile")};
     for (const auto& [file, what] : further) formats::refuse_input_as_output(file, inputs, what);
     if (!line.report.empty() && !line.depfile.empty() && formats::is_same_file(line.report, line.depfile) &&

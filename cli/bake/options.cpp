@@ -14,10 +14,12 @@
 #include <thread>
 
 #include "bake/raw_options.h"
+#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "baking/option_text.h"
 #include "model/codes.h"
 #include "model/layer_names.h"
+#include "scene/material_file.h"
 #include "tool/help.h"
 
 namespace dgm::bake {
@@ -199,6 +201,21 @@ void set_asset_roots(const Raw& raw, BakeOptions& bake) {
     }
 }
 
+/// A preset's name, or a file.
+void set_material(const Raw& raw, BakeOptions& bake) {
+    if (!raw.unit.empty()) bake.metres_per_unit = choice("--unit", kUnitNames, raw.unit);
+    if (raw.material.empty()) return;
+    if (!bake.metres_per_unit) wrong("--material needs the length of a unit of the mesh: add --unit mm, cm or m");
+    bake.material = value_of(kMaterialNames, raw.material);
+    if (bake.material) return;
+    std::array<std::string_view, kMaterialNames.size()> names;
+    std::transform(kMaterialNames.begin(), kMaterialNames.end(), names.begin(),
+                   [](const auto& row) { return row.name; });
+    if (!raw.material.ends_with(".toml")) unknown_word("--material", "material", raw.material, names);
+    bake.material_file = raw.material;
+    bake.material = scene::read_material(bake.material_file);
+}
+
 CommandLine to_merge(const Raw& raw) {
     CommandLine out;
     set_asset_roots(raw, out.bake);
@@ -267,6 +284,7 @@ CommandLine checked(const Raw& raw, const std::vector<std::string>& given) {
     if (!raw.texture_size.empty())
         out.bake.texture_size = parse_size("--texture-size", raw.texture_size, 1, kMaxTextureSide);
     if (!raw.bump_size.empty()) out.bake.bump_size = parse_size("--bump-size", raw.bump_size, 2, kMaxTextureSide);
+    set_material(raw, out.bake);
     if (!raw.ablate.empty()) out.bake.ablate = split_list("--ablate", raw.ablate);
     for (const std::string& part : out.bake.ablate)
         if (std::find(kAblateNames.begin(), kAblateNames.end(), part) == kAblateNames.end())

@@ -5,6 +5,7 @@
 #include <array>
 #include <string_view>
 
+#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "scene/scene_help.h"
 
@@ -93,6 +94,10 @@ void describe_layers(CLI::App& app, Raw& raw) {
     group.text("--texture-size", "MxN", raw.texture_size,
                "pixels of the texture layer, MxN or N [two a grid step; one if there is no picture]");
     group.text("--bump-size", "MxN", raw.bump_size, "heights of the bump layer, MxN or N [two a grid step]");
+    group.text("--unit", words(kUnitNames), raw.unit,
+               "length of a unit of the mesh, for physics [not said: programs have to ask]");
+    group.text("--material", words(kMaterialNames) + "|FILE.toml", raw.material,
+               "what the body is made of, for physics; needs --unit [not said]");
     group.text("--exr-layout", words(kExrLayoutNames), raw.exr_layout,
                "auto: one part where sizes agree; multipart: one part a layer [auto]");
 }

@@ -14,9 +14,9 @@ namespace dgm::bake {
 struct Raw {
     std::vector<std::string> inputs, asset_roots;
     std::string output, size, max_error, max_error_kind, budget,
-        method = "auto", domain = "auto", fit = "l2", precision = "f32", layers, texture, texture_size, bump_size,
-        ablate, format, exr_layout = "auto", report, report_format, memory_limit = "8GiB", progress = "auto", shard,
-        depfile;
+        method = "auto", domain = "auto", fit = "l2", precision = "f32", layers, texture, texture_size, bump_size, unit,
+        material, ablate, format, exr_layout = "auto", report, report_format, memory_limit = "8GiB", progress = "auto",
+        shard, depfile;
     int jobs = 0;
     double time_limit = 600;
     bool merge_reports = false, force = false, prune = false, keep_going = false, stop_on_error = false,

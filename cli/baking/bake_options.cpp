@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "dgm/hash.h"
 
@@ -37,6 +38,9 @@ std::string canonical_settings(const BakeOptions& options) {
     if (options.bump_size) text += fmt::format(";bump_size={}x{}", options.bump_size->rows, options.bump_size->cols);
     if (options.texture_bytes) text += fmt::format(";texture_bytes={}", *options.texture_bytes);
     if (options.texel_length) text += fmt::format(";texel_length={}", *options.texel_length);
+    if (options.metres_per_unit) text += fmt::format(";metres_per_unit={}", *options.metres_per_unit);
+    if (options.material)
+        for (const float v : numbers_of(*options.material)) text += fmt::format(";material={}", v);
     for (const std::string_view name : kAblateNames)
         if (options.ablates(name)) text.append(";without=").append(name);
     return text;

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include <dgm/physics.h>
+
 namespace dgm::bake {
 
 struct GridSize {
@@ -73,6 +75,8 @@ struct BakeOptions {
     std::optional<std::uint64_t> texture_bytes;  ///< most of all charts' textures together; they get smaller
     std::optional<double> texel_length;          ///< source units; textures are not made finer than this
     std::optional<GridSize> bump_size;           ///< default: (2m-1) x (2n-1)
+    std::optional<double> metres_per_unit;       ///< length of a source unit; nullopt: the map does not say
+    std::optional<Material> material;            ///< only with metres_per_unit; nullopt: the map does not say
     std::vector<std::string> ablate;             ///< of kAblateNames: steps left out, to measure their worth
     bool write_dgm = true, write_exr = false;
     ExrLayout exr_layout = ExrLayout::kAuto;
@@ -82,6 +86,7 @@ struct BakeOptions {
     std::vector<std::filesystem::path> asset_roots = {};
     /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
     std::filesystem::path scratch;
+    std::filesystem::path material_file;  ///< that `material` was read from; may be empty. Not a setting.
     /// Told each warning and note about the mesh once it is imported and repaired. May be empty. Not a setting.
     std::function<void(const Notice& notice)> on_notice;
 };

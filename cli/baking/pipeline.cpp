@@ -2,7 +2,10 @@
 // cli/baking/pipeline.cpp
 #include "baking/pipeline.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -16,6 +19,7 @@
 #include "baking/search/size_search.h"
 #include "baking/stage_log.h"
 #include "baking/stages.h"
+#include "model/codes.h"
 
 namespace dgm::bake {
 namespace {
@@ -64,10 +68,23 @@ void tell_notices(const Repaired& source, const BakeOptions& options) {
         for (const Notice& notice : notices(source)) options.on_notice(notice);
 }
 
+/// Physics refuses a chart that is smaller than the length over which its material bends.
+void check_material(const Repaired& source, const BakeOptions& options) {
+    if (!options.material || !options.metres_per_unit) return;
+    const double length = std::sqrt(double{options.material->bending} / double{options.material->membrane});
+    const double body = source.frame.diagonal * *options.metres_per_unit;
+    if (length > body)
+        throw model::Error(model::codes::kBodyTooSmall,
+                           fmt::format("the material bends over {:.3g} m, (bending / membrane)^(1/2), but the body's "
+                                       "bounding-box diagonal is {:.3g} m",
+                                       length, body));
+}
+
 /// The stages after the import. `images` replace the files that the materials name.
 BakeResult bake_imported(Imported imported, std::optional<MaterialImages> images, const BakeOptions& options,
                          StageLog& log) {
     Repaired source = log.run("repair", [&](const auto&) { return repair_source(std::move(imported)); });
+    check_material(source, options);
     source.images = log.run("textures", [&](const auto&) {
         return images ? std::move(*images) : load_images(source.materials, options.texture, source.facts.warnings);
     });

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "baking/materials.h"
 #include "baking/stage_log.h"
 #include "baking/stages.h"
 #include "geometry/fit/closest_samples.h"
@@ -59,6 +60,10 @@ Layered store_layers(const Repaired& source, const Fitted& fitted, std::span<con
         in.texture_size = limited_texture(texture_shape(in), source, c, options);
         ChartLayers made = make_layers(in, names, part);
         out.worst_quantisation = std::max(out.worst_quantisation, made.worst_quantisation);
+        if (options.metres_per_unit && options.material)
+            add_material(made.chart, *options.metres_per_unit, numbers_of(*options.material));
+        else if (options.metres_per_unit)
+            add_material(made.chart, *options.metres_per_unit, {});
         out.charts.push_back(std::move(made.chart));
     }
     return out;

@@ -128,7 +128,8 @@ std::vector<fs::path> input_files(const fs::path& mesh_file, const BakeOptions& 
         out.insert(out.end(), inputs->files.begin(), inputs->files.end());
     for (const std::string& name : report.inputs)
         if (auto file = folders.resolve(name)) out.push_back(std::move(*file));
-    if (!options.texture.empty()) out.push_back(options.texture);
+    for (const fs::path& file : {options.texture, options.material_file})
+        if (!file.empty()) out.push_back(file);
     return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "batch/repeat_command.h"
 #include "batch/report_text.h"
@@ -32,6 +33,9 @@ json settings_json(const BakeOptions& options) {
     if (options.bump_size) out["bump_size"] = size_json(*options.bump_size);
     if (options.texture_bytes) out["texture_bytes"] = *options.texture_bytes;
     if (options.texel_length) out["texel_length"] = *options.texel_length;
+    if (options.metres_per_unit) out["metres_per_unit"] = *options.metres_per_unit;
+    for (const MaterialKey& key : kMaterialKeys)
+        if (options.material) out["material"][key.name] = *options.material.*key.field;
     if (!options.ablate.empty()) out["ablate"] = options.ablate;
     if (options.max_error)
         out["max_error"] = {{options.max_error->percent ? "percent" : "source_units", options.max_error->value},

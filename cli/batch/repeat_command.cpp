@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "baking/materials.h"
 #include "baking/option_names.h"
 
 namespace dgm::bake {
@@ -71,6 +72,11 @@ std::string repeat_command(const PlannedAsset& asset) {
     for (const std::filesystem::path& root : options.asset_roots) out += " --asset-root " + file_word(root);
     if (options.texture_size) out += " --texture-size " + size_text(*options.texture_size);
     if (options.bump_size) out += " --bump-size " + size_text(*options.bump_size);
+    if (options.metres_per_unit) out += fmt::format(" --unit {}", name_of(kUnitNames, *options.metres_per_unit));
+    if (!options.material_file.empty())
+        out += " --material " + file_word(options.material_file);
+    else if (options.material)
+        out += fmt::format(" --material {}", name_of(kMaterialNames, *options.material));
     if (options.exr_layout != defaults.exr_layout)
         out += fmt::format(" --exr-layout {}", name_of(kExrLayoutNames, options.exr_layout));
     if (options.method != defaults.method) out += " --method " + shell_word(name_of(options.method));

@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include <dgm/layout.h>
+#include <dgm/limits.h>
 
+#include "baking/materials.h"
 #include "dgm/dgm_reader.h"
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
@@ -103,11 +105,36 @@ std::string vector_text(std::span<const double> v) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]);
 }
 
+/// What the layer `material` says; empty if there is none.
+std::vector<float> material_of(const model::Chart& chart) {
+    const model::Layer* layer = chart.find(model::layers::kMaterial);
+    std::vector<float> out;
+    if (layer == nullptr || layer->type != model::ElementType::kF32) return out;
+    const std::size_t count = layer->bytes.size() / sizeof(float);
+    for (std::size_t k = 0; k < (count < kMaterialValues ? std::min<std::size_t>(count, 1) : kMaterialValues); ++k)
+        out.push_back(model::element<float>(*layer, k));
+    return out;
+}
+
+/// "a unit is 0.001 m; membrane 200 N/m, poisson 0.3, ..."
+std::string material_text(std::span<const float> material) {
+    std::string out = fmt::format("a unit is {:.6g} m", material[0]);
+    for (std::size_t k = 1; k < material.size(); ++k) {
+        const bake::MaterialKey& key = bake::kMaterialKeys[k - 1];
+        out += fmt::format("{} {} {:.6g}{}{}", k == 1 ? ";" : ",", key.name, material[k], key.unit.empty() ? "" : " ",
+                           key.unit);
+    }
+    return out;
+}
+
 Json chart_json(const ChartInfo& chart, bool is_exr) {
     Json out;
     out["rows"] = chart.rows, out["cols"] = chart.cols;
     out["domain"] = domain_name(chart.domain), out["method"] = chart.method;
     out["bbox"] = chart.bbox, out["offset"] = chart.offset, out["scale"] = chart.scale;
+    if (!chart.material.empty()) out["metres_per_unit"] = chart.material[0];
+    for (std::size_t k = 1; k < chart.material.size(); ++k)
+        out["material"][std::string(bake::kMaterialKeys[k - 1].name)] = chart.material[k];
     out["layers"] = Json::array();
     for (const LayerInfo& layer : chart.layers) {
         Json l;
@@ -165,8 +192,15 @@ FileInfo read_file_info(const std::filesystem::path& path) {
     std::size_t layers = 0;
     for (const model::Chart& chart : maps.charts) {
         layers += chart.layers.size();
-        out.charts.push_back(
-            {chart.rows, chart.cols, chart.domain, chart.method, chart.bbox, chart.offset, chart.scale, {}});
+        out.charts.push_back({chart.rows,
+                              chart.cols,
+                              chart.domain,
+                              chart.method,
+                              chart.bbox,
+                              chart.offset,
+                              chart.scale,
+                              {},
+                              material_of(chart)});
         if (out.is_exr) add_decoded_layers(chart, out.charts.back());
     }
     if (out.is_exr) return out;
@@ -203,6 +237,7 @@ std::string to_text(const FileInfo& info) {
                            printable(chart.method), one_sided ? ", one side" : "");
         out += fmt::format("    box       {} .. {}\n", vector_text(std::span(chart.bbox).first(3)),
                            vector_text(std::span(chart.bbox).last(3)));
+        if (!chart.material.empty()) out += fmt::format("    material  {}\n", material_text(chart.material));
         const nlohmann::json* reports = find(report, {"charts"});
         if (reports != nullptr && reports->is_array() && k < reports->size())
             if (const std::string errors = error_text((*reports)[k]); !errors.empty())

@@ -31,6 +31,7 @@ struct ChartInfo {
     std::array<double, 6> bbox{};
     std::array<double, 3> offset{}, scale{};
     std::vector<LayerInfo> layers;
+    std::vector<float> material;  ///< as the layer `material` has it: nothing, the unit, or the unit and six numbers
 };
 
 struct FileInfo {

@@ -41,8 +41,9 @@ bool all_one(const Layer& layer, std::size_t each, std::size_t k) {
 }
 
 bool needed(const Layer& layer) {
-    constexpr std::array kTables{layers::kGeometry, layers::kSeams,          layers::kReversed, layers::kDiagonals,
-                                 layers::kMask,     layers::kBorderGeometry, layers::kBorderUv, layers::kBorderFaces};
+    constexpr std::array kTables{layers::kGeometry,       layers::kMaterial,  layers::kSeams,
+                                 layers::kReversed,       layers::kDiagonals, layers::kMask,
+                                 layers::kBorderGeometry, layers::kBorderUv,  layers::kBorderFaces};
     if (layer.name == layers::kDeformation) return !all_one(layer, 4, 3);
     if (layer.name == layers::kContact) return !all_one(layer, 2, 1);
     return std::find(kTables.begin(), kTables.end(), layer.name) != kTables.end();

@@ -18,9 +18,9 @@ struct PagePicture {
     std::vector<std::byte> bytes;
 };
 
-/// `maps` with positions of 16 bits and the layers that touching needs: seams, diagonals and the tables of free
-/// charts; stiffness and mobility where they are not 1 everywhere. Positions that have 16 bits already keep theirs;
-/// others move by half a step at most, which is 1/131070 of the chart's largest extent.
+/// `maps` with positions of 16 bits and the layers that touching needs: seams, diagonals, the material and the tables
+/// of free charts; stiffness and mobility where they are not 1 everywhere. Positions that have 16 bits already keep
+/// theirs; others move by half a step at most, which is 1/131070 of the chart's largest extent.
 /// @throws model::Error kMissingLayer, kBadLayerShape for a geometry that is not as SPEC.md has it
 [[nodiscard]] model::MapSet touch_layers(const model::MapSet& maps);
 

@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 
+#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "baking/option_text.h"
 #include "model/codes.h"
+#include "scene/material_file.h"
 #include "scene/toml_tree.h"
 #include "tool/help.h"
 
@@ -223,6 +226,16 @@ void read_wishes(Table& table, SceneAsset& asset, const fs::path& folder) {
     });
     table.word("domain", bake::kDomainNames, [&](bake::DomainChoice d) { asset.domain = d; });
     table.word("fit", bake::kFitNames, [&](bake::Fit f) { asset.fit = f; });
+    table.word("unit", bake::kUnitNames, [&](double metres) { asset.metres_per_unit = metres; });
+    table.get<std::string>("material", "a word in quotes", [&](const std::string& text, const Say& say) {
+        asset.material = bake::value_of(bake::kMaterialNames, text);
+        asset.material_file.clear();
+        if (asset.material) return;
+        std::vector<std::string> words;
+        for (const auto& row : bake::kMaterialNames) words.emplace_back(row.name);
+        if (!text.ends_with(".toml")) say(tool::unknown_word("material", text, words) + ", or name a .toml file");
+        asset.material_file = (folder / text).lexically_normal();
+    });
     table.word("precision", bake::kPrecisionNames, [&](bake::Precision p) { asset.precision = p; });
 }
 
@@ -244,6 +257,8 @@ SceneAsset read_asset(Table& table, SceneAsset asset, const fs::path& folder) {
     if (asset.source.empty()) table.wrong_here("source is missing: name the mesh file");
     if (asset.tolerance.unit == ToleranceUnit::kPixels && !asset.distance)
         table.wrong_here("a tolerance in pixels needs the nearest viewing distance: distance = 2.0");
+    if ((asset.material || !asset.material_file.empty()) && !asset.metres_per_unit)
+        table.wrong_here("a material needs the length of a unit of the mesh: unit = \"mm\"");
     return asset;
 }
 
@@ -296,7 +311,16 @@ Scene parse_scene(std::string_view text, const fs::path& file) {
 }
 
 Scene read_scene(const fs::path& file) {
-    return read(read_toml_apart(file), file);
+    Scene out = read(read_toml_apart(file), file);
+    std::map<fs::path, Material> materials;  // each is read once
+    for (SceneAsset& asset : out.assets) {
+        if (asset.material_file.empty()) continue;
+        auto found = materials.find(asset.material_file);
+        if (found == materials.end())
+            found = materials.emplace(asset.material_file, read_material(asset.material_file)).first;
+        asset.material = found->second;
+    }
+    return out;
 }
 
 }  // namespace dgm::scene

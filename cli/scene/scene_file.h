@@ -65,6 +65,9 @@ struct SceneAsset {
     bake::Method method = bake::Method::kAuto;
     bake::DomainChoice domain = bake::DomainChoice::kAuto;
     bake::Fit fit = bake::Fit::kBest;
+    std::optional<double> metres_per_unit;     ///< length of a unit of the source
+    std::optional<Material> material;          ///< only with metres_per_unit
+    std::filesystem::path material_file;       ///< read_scene() reads it, parse_scene() does not
     std::optional<bake::Precision> precision;  ///< nullopt: the smaller one that holds the tolerance
 };
 

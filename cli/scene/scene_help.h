@@ -34,6 +34,10 @@ inline constexpr std::array kSceneKeys{
     tool::Term{"method", "as the option of dgm-bake [\"auto\"]"},
     tool::Term{"domain", "as the option of dgm-bake [\"auto\"]"},
     tool::Term{"fit", "as the option of dgm-bake [\"best\"]"},
+    tool::Term{"unit", "length of a unit of the mesh, for physics: \"mm\", \"cm\" or \"m\""},
+    tool::Term{"material",
+               "for physics: \"tissue\", \"cotton\", \"denim\", \"satin\" or a material file, from the folder of the "
+               "scene file; needs unit"},
     tool::Term{"precision", "as the option of dgm-bake [the smaller one that holds the tolerance]"}};
 
 inline constexpr std::array kSceneSections{tool::Section{

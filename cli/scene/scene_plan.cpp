@@ -11,6 +11,7 @@
 #include <numbers>
 #include <set>
 
+#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "batch/report_text.h"
 #include "math/portable.h"
@@ -111,6 +112,9 @@ bake::BakeOptions bake_options(const SceneAsset& asset) {
     out.texture = asset.fabric;
     out.texture_bytes = asset.texture_budget;
     if (asset.distance) out.texel_length = pixel_length(asset);
+    out.metres_per_unit = asset.metres_per_unit;
+    out.material = asset.material;
+    out.material_file = asset.material_file;
     return out;
 }
 
@@ -160,6 +164,12 @@ std::vector<std::string> describe(const SceneAsset& asset) {
                                                   : "as the tolerance allows";
     out.push_back(
         fmt::format("grid at most {}, precision {}", size_text(asset.largest.rows, asset.largest.cols), precision));
+    if (asset.metres_per_unit) {
+        std::string text = fmt::format("a unit is {:g} m", *asset.metres_per_unit);
+        for (const bake::MaterialKey& key : bake::kMaterialKeys)
+            if (asset.material) text += fmt::format(", {} {:g}", key.name, *asset.material.*key.field);
+        out.push_back(text);
+    }
     if (asset.texture_budget) out.push_back(fmt::format("texture at most {} bytes", *asset.texture_budget));
     if (asset.touched)
         out.push_back(fmt::format("touched with a {} footprint of {:g}{} radius",

@@ -27,7 +27,7 @@ void work(const TomlParser& parse, std::string_view path) {
     bake::answer_in_sandbox({.readable = {file}, .writable = {}, .cpu_seconds = kMostSeconds}, kMostMemory, [&] {
         formats::RegularFile in(file);
         if (in.size() > kMostTomlBytes)
-            throw model::Error(codes::kSceneInvalid, "the scene file is larger than 16 MiB", file.string());
+            throw model::Error(codes::kSceneInvalid, "the file is larger than 16 MiB", file.string());
         return bake::send_head(encode_toml(parse(in.read_text(kMostTomlBytes), file)));
     });
 }

@@ -83,7 +83,7 @@ std::optional<double> TomlNode::number() const {
 }
 
 TomlNode parse_toml(std::string_view text, const fs::path& file) {
-    if (text.size() > kMostTomlBytes) refuse("the scene file is larger than 16 MiB", file);
+    if (text.size() > kMostTomlBytes) refuse("the file is larger than 16 MiB", file);
     if (const auto deep = formats::too_deep_toml(text, formats::kMostNesting))
         throw model::Error(codes::kSceneInvalid,
                            fmt::format("keys or values nested more than {} deep", formats::kMostNesting),

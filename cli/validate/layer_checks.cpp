@@ -19,6 +19,7 @@
 
 #include "model/codes.h"
 #include "model/element.h"
+#include "model/layer_names.h"
 
 namespace dgm::validate {
 namespace {
@@ -54,6 +55,7 @@ const std::vector<LayerRule>& rules() {
         {"cover", {kF32, kF32}, {kRows, kCols}, kOptional},
         {"deformation", {kF32, kF32}, {kRows, kCols, 4}, kOptional},
         {"contact", {kF32, kF32}, {kRows, kCols, 2}, kOptional},
+        {"material", {kF32, kF32}, {kSome}, kOptional},
         {"seams", {kU32, kU32}, {kAny, 2}, kOptional},
         {"reversed", {kU8, kU8}, {kAny}, kOptional},
         {"diagonals", {kU8, kU8}, {kQuadRows, kQuadCols}, kOptional},
@@ -199,6 +201,21 @@ void check_range(const Layer& layer, std::size_t chart_index, std::size_t channe
         std::nullopt, findings);
 }
 
+/// Entries that are known in their ranges: the unit alone, or all.
+void check_material(const Layer& layer, std::size_t chart_index, FindingList& findings) {
+    const std::size_t count = layer.shape.front();
+    if (count > 1 && count < kMaterialValues)
+        findings.error(codes::kBadLayerShape, layer_path(chart_index, layer.name),
+                       fmt::format("{} entries: a unit is 1, a material {} or more", count, kMaterialValues));
+    const auto value = [&](std::size_t k) { return static_cast<double>(element<float>(layer, k)); };
+    report_elements(
+        layer, chart_index, codes::kBadValue, "out of the range of this entry",
+        [&](std::size_t k) {
+            return k < kMaterialValues && (value(k) < double{kMaterialLow[k]} || value(k) > double{kMaterialHigh[k]});
+        },
+        value, std::nullopt, findings);
+}
+
 void check_first_fundamental_form(const Layer& layer, std::size_t chart_index, FindingList& findings) {
     // E, F and G are each rounded to float: EG - F^2 may come out a few 2^-24 EG below zero.
     constexpr double kSlack = 1e-5;
@@ -240,6 +257,7 @@ void check_values(const Layer& layer, std::size_t chart_index, FindingList& find
         range(2, 0, 0, kInfinity, "area is negative");
         range(2, 1, 0, 1, "mobility is outside 0..1");
     }
+    if (name == "material") check_material(layer, chart_index, findings);
     if (name == "border_uv") {
         range(2, 0, 0, 1, "u is outside 0..1");
         range(2, 1, 0, 1, "v is outside 0..1");
@@ -285,6 +303,21 @@ bool check_frame(const Chart& chart, std::size_t chart_index, FindingList& findi
                          "positions stored as f32 have a scale of 1");
     return good;
 }
+/// HDF5 tools read the length of a unit from an attribute, the runtime from the layer `material`.
+void check_unit(const Chart& chart, const Layer& geometry, std::size_t chart_index, FindingList& findings) {
+    const Layer* material = chart.find(model::layers::kMaterial);
+    const auto found = geometry.attributes.find(model::layers::kMetresPerUnit);
+    const bool said = found != geometry.attributes.end();
+    if (!said && material == nullptr) return;
+    const std::string place = layer_path(chart_index, geometry.name) + "@" + model::layers::kMetresPerUnit;
+    const auto* value = said ? std::get_if<std::vector<double>>(&found->second) : nullptr;
+    if (value == nullptr || value->size() != 1)
+        findings.error(codes::kBadAttribute, place, "the attribute is not one f64, as layer material asks for");
+    else if (material == nullptr || material->bytes.size() < sizeof(float) ||
+             element<float>(*material, 0) != static_cast<float>(value->front()))
+        findings.error(codes::kBadAttribute, place, "the first entry of layer material is not this number in f32",
+                       {value->front(), std::nullopt});
+}
 }  // namespace
 
 bool check_layers(const Chart& chart, std::size_t chart_index, FindingList& findings) {
@@ -316,6 +349,7 @@ bool check_layers(const Chart& chart, std::size_t chart_index, FindingList& find
             good = false;
     }
     if (const Layer* geometry = chart.find("geometry"); geometry != nullptr && good) {
+        check_unit(chart, *geometry, chart_index, findings);
         good = check_coordinates(chart, *geometry, true, chart_index, findings);
         // The f32 border of a u16 chart is stored as it is.
         if (const Layer* border = chart.find("border_geometry"))

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "model/codes.h"
 #include "process/worker_io.h"
@@ -83,6 +84,10 @@ json to_object(const BakeOptions& options) {
     if (options.bump_size) out["bump_size"] = to_object(*options.bump_size);
     if (options.texture_bytes) out["texture_bytes"] = *options.texture_bytes;
     if (options.texel_length) out["texel_length"] = *options.texel_length;
+    if (options.metres_per_unit) out["metres_per_unit"] = *options.metres_per_unit;
+    out["material_file"] = encode_path(options.material_file);
+    for (const MaterialKey& key : kMaterialKeys)
+        if (options.material) out["material"][key.name] = *options.material.*key.field;
     out["ablate"] = options.ablate;
     json roots = json::array();
     for (const std::filesystem::path& root : options.asset_roots) roots.push_back(encode_path(root));
@@ -121,6 +126,14 @@ BakeOptions options_from(const json& object) {
     if (object.contains("bump_size")) out.bump_size = size_at(object, "bump_size");
     if (object.contains("texture_bytes")) out.texture_bytes = number_at(object, "texture_bytes", kMaxU64);
     if (object.contains("texel_length")) out.texel_length = real_at(object, "texel_length");
+    out.material_file = decode_path(text_at(object, "material_file"));
+    if (object.contains("metres_per_unit")) out.metres_per_unit = real_at(object, "metres_per_unit");
+    if (const auto material = object.find("material"); material != object.end()) {
+        if (!material->is_object()) malformed();
+        out.material.emplace();
+        for (const MaterialKey& key : kMaterialKeys)
+            *out.material.*key.field = static_cast<float>(real_at(*material, std::string(key.name).c_str()));
+    }
     if (object.contains("shape_rings")) out.shape_rings = flag_at(object, "shape_rings");
     if (object.contains("auto_samples")) out.auto_samples = number_at(object, "auto_samples", kMaxU64);
     if (object.contains("budget_bytes")) out.budget_bytes = number_at(object, "budget_bytes", kMaxU64);

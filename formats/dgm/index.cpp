@@ -39,6 +39,7 @@ const std::vector<KnownLayer>& known_layers() {
         {model::layers::kCover, {kF32}, {kRows, kCols}},
         {model::layers::kDeformation, {kF32}, {kRows, kCols, 4}},
         {model::layers::kContact, {kF32}, {kRows, kCols, 2}},
+        {model::layers::kMaterial, {kF32}, {kAny}},
         {model::layers::kSeams, {kU32}, {kAny, 2}},
         {model::layers::kReversed, {kU8}, {kAny}},
         {model::layers::kDiagonals, {kU8}, {kRowQuads, kColQuads}},

@@ -330,6 +330,13 @@ inline constexpr Code kOneSided{3017,
                                 "if it should have an inside, look for faces that are joined wrongly, and repair them",
                                 "it encloses no volume, and its normals point to opposite sides along a seam"};
 
+inline constexpr Code kBodyTooSmall{3018,
+                                    "BODY_TOO_SMALL",
+                                    ExitCode::kInvalid,
+                                    "the material bends over a length beyond the body",
+                                    "check --unit, and bending and membrane of --material",
+                                    "the body would move like a stone, and its physics could not be solved"};
+
 // 4xxx reconstruction against source
 inline constexpr Code kRmsExceeded{4001,
                                    "RMS_EXCEEDED",
@@ -439,6 +446,13 @@ inline constexpr Code kSceneInvalid{6004,
                                     "docs/scenes.md has every key; the message gives line and column",
                                     "a misread value would bake another scene than the one you meant"};
 
+inline constexpr Code kMaterialInvalid{6005,
+                                       "MATERIAL_INVALID",
+                                       ExitCode::kInvalid,
+                                       "the material file is wrong",
+                                       "docs/options.md has every key; the message gives line and column",
+                                       "a misread number would make another body than the one you meant"};
+
 // 9xxx internal
 inline constexpr Code kInternal{9001,
                                 "INTERNAL",
@@ -484,21 +498,22 @@ inline constexpr Code kSystemBusy{9007,
                                   "the asset was not tried, so nothing is known of it"};
 
 inline constexpr const Code* kAll[] = {
-    &kNotDgm,           &kBadVersion,        &kHashMismatch,     &kTruncated,       &kBadIndex,
-    &kHdf5Unreadable,   &kExrUnreadable,     &kLayersOverlap,    &kBadAlignment,    &kForeignStorage,
-    &kIndexDiffers,     &kUnknownLayer,      &kBadAttribute,     &kUnknownObject,   &kNotReproducible,
-    &kMissingChannel,   &kEditForbidden,     &kEditUnrelated,    &kEditedMap,       &kMissingLayer,
-    &kBadLayerShape,    &kNotFinite,         &kSeamGap,          &kBadSeamTable,    &kBadTopology,
-    &kBadValue,         &kBadCollision,      &kBadContact,       &kBadBounds,       &kBadReport,
-    &kBadMetric,        &kFlippedFaces,      &kLooseSamples,     &kBadNormal,       &kBadReversed,
-    &kNoFaces,          &kNonOrientable,     &kMapInvalid,       &kMethodUnsuited,  &kImportFailed,
-    &kGridTooSmall,     &kTooLarge,          &kScaleOutOfRange,  &kErrorNotReached, &kBudgetTooSmall,
-    &kMaterialsMissing, &kTextureMissing,    &kReferenceOutside, &kReferenceNoFile, &kOneSided,
-    &kRmsExceeded,      &kHausdorffExceeded, &kSourceDiffers,    &kTurnedFaces,     &kTopologyDiffers,
-    &kFileMissing,      &kReadFailed,        &kWriteFailed,      &kNothingToDo,     &kImageUnreadable,
-    &kNoSpace,          &kIoTrouble,         &kReportUnreadable, &kUsage,           &kUnsupported,
-    &kBadBaseline,      &kSceneInvalid,      &kInternal,         &kWorkerCrashed,   &kWorkerTimeout,
-    &kWorkerMemory,     &kInterrupted,       &kWorkerKilled,     &kSystemBusy,
+    &kNotDgm,           &kBadVersion,     &kHashMismatch,      &kTruncated,        &kBadIndex,
+    &kHdf5Unreadable,   &kExrUnreadable,  &kLayersOverlap,     &kBadAlignment,     &kForeignStorage,
+    &kIndexDiffers,     &kUnknownLayer,   &kBadAttribute,      &kUnknownObject,    &kNotReproducible,
+    &kMissingChannel,   &kEditForbidden,  &kEditUnrelated,     &kEditedMap,        &kMissingLayer,
+    &kBadLayerShape,    &kNotFinite,      &kSeamGap,           &kBadSeamTable,     &kBadTopology,
+    &kBadValue,         &kBadCollision,   &kBadContact,        &kBadBounds,        &kBadReport,
+    &kBadMetric,        &kFlippedFaces,   &kLooseSamples,      &kBadNormal,        &kBadReversed,
+    &kNoFaces,          &kNonOrientable,  &kMapInvalid,        &kMethodUnsuited,   &kImportFailed,
+    &kGridTooSmall,     &kTooLarge,       &kScaleOutOfRange,   &kErrorNotReached,  &kBudgetTooSmall,
+    &kMaterialsMissing, &kTextureMissing, &kReferenceOutside,  &kReferenceNoFile,  &kOneSided,
+    &kBodyTooSmall,     &kRmsExceeded,    &kHausdorffExceeded, &kSourceDiffers,    &kTurnedFaces,
+    &kTopologyDiffers,  &kFileMissing,    &kReadFailed,        &kWriteFailed,      &kNothingToDo,
+    &kImageUnreadable,  &kNoSpace,        &kIoTrouble,         &kReportUnreadable, &kUsage,
+    &kUnsupported,      &kBadBaseline,    &kSceneInvalid,      &kMaterialInvalid,  &kInternal,
+    &kWorkerCrashed,    &kWorkerTimeout,  &kWorkerMemory,      &kInterrupted,      &kWorkerKilled,
+    &kSystemBusy,
 };
 
 }  // namespace dgm::model::codes

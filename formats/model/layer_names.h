@@ -8,7 +8,9 @@ namespace dgm::model::layers {
 
 inline constexpr char kGeometry[] = "geometry", kNormal[] = "normal", kTexture[] = "texture", kBump[] = "bump",
                       kCollision[] = "collision", kCover[] = "cover", kDeformation[] = "deformation",
-                      kContact[] = "contact";
+                      kContact[] = "contact", kMaterial[] = "material";
+/// Attribute of geometry: length of a unit, f64[1].
+inline constexpr char kMetresPerUnit[] = "metres_per_unit";
 /// Tables that readers of the geometry need.
 inline constexpr char kSeams[] = "seams", kReversed[] = "reversed", kDiagonals[] = "diagonals", kMask[] = "mask",
                       kBorderUv[] = "border_uv", kBorderFaces[] = "border_faces", kBorderGeometry[] = "border_geometry",

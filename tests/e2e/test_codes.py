@@ -90,6 +90,8 @@ class Codes(support.Folder):
         (folder / "texts").mkdir()
         (folder / "baseline.json").write_text("{}")
         (folder / "scene.toml").write_text("assets = 3\n")
+        (folder / "stiff.toml").write_text("membrane = 1\nbending = 1e9\ndensity = 1\n")
+        (folder / "wrong.toml").write_text("membrane = 0\n")
         for fault in ("segfault", "hang", "memory", "refuse"):
             (folder / f"{fault}.obj").write_text("a mesh that misbehaves\n")
         bake, validate, faulty, edit = support.BAKE, support.VALIDATE, support.FAULTY_BAKE, support.EDIT
@@ -103,6 +105,8 @@ class Codes(support.Folder):
             (3006, bake, ["sieve.obj", "-o", "out", "--size", "3", "--method", "tutte"]), (3008, bake, ["huge.obj", *small]),
             (3009, bake, ["torus.obj", *small, "--max-error", "1e-9%"]),
             (3010, bake, ["sheet.obj", *small, "--budget", "100B"]),
+            (3018, bake, ["sheet.obj", *small, "--unit", "mm", "--material", "stiff.toml"]),
+            (6005, bake, ["sheet.obj", *small, "--unit", "mm", "--material", "wrong.toml"]),
             (5001, validate, ["absent.dgm"]), (5003, validate, ["good.dgm", "--report", "json=points.obj/under/a/file.json"]),
             (5004, bake, ["texts", "-o", "out"]), (5005, bake, ["sheet.obj", *small, "--texture", "broken.png"]),
             (6001, validate, ["--frob"]), (6002, os.environ["DGM_INFO"], ["scene.toml", "--json"]),

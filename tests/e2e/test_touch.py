@@ -454,6 +454,27 @@ class Touch(unittest.TestCase):
         page.run("dgmPage.choose(0, 1)")
         self.assertEqual(page.run("[document.getElementById('map').value, document.getElementById('cover').value]"), ["0", "1"])
 
+    def test_physics_takes_unit_and_material_of_the_file(self):
+        """In metres a body is a hundred times as far across as in centimetres, and no longer said to measure 15 cm."""
+        forces = []
+        for unit, material in (("cm", "tissue"), ("m", "tissue")):
+            run(support.BAKE, Path(support.SAMPLES) / "stomach" / "stomach.obj", "--size", "33", "--unit", unit, "--material",
+                material, "-o", self.folder / "unit.dgm", "-q", "--progress", "none", "--force")
+            run(support.EXPORT, self.folder / "unit.dgm", "--up", "z", "-o", self.folder / "unit.html")
+            page = self.page("#size=55&depth=80", name="unit.html")
+            page.rest()
+            page.run("(() => { const s = document.getElementById('solver'); s.value = 'physics'; s.dispatchEvent(new Event('change')); })()")
+            page.wait("dgmPage.physics.on")
+            self.assertTrue(page.run("dgmPage.physics.measured"))
+            page.mouse("mouseMoved", *MIDDLE, buttons=0)
+            page.mouse("mousePressed", *MIDDLE)
+            page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.strokes[0].newtons > .01")
+            time.sleep(.5)
+            words = page.run("document.getElementById('force').textContent")
+            self.assertRegex(words, r"^[\d.e+]+ N\njumps")
+            forces.append(float(words.split(" ")[0]))
+        self.assertGreater(forces[1], 10 * forces[0])
+
     def test_physics_is_a_choice(self):
         page = self.page("#size=55&depth=80")
         page.rest()

@@ -96,6 +96,9 @@ struct StoredNormals {
 /// f32 [m][n][2]: area (a third of each triangle to each corner; border samples hand theirs to a grid sample) and
 /// mobility.
 [[nodiscard]] model::Layer make_contact(const SampledChart& chart, std::span<const Vec3d> local);
+/// Adds f32 [1 + n], the length of a unit and the `material`, n numbers or none, and the attribute `metres_per_unit` of
+/// geometry.
+void add_material(model::Chart& chart, double metres_per_unit, std::span<const float> material);
 /// seams, diagonals, and for a free domain mask, border_uv, border_faces. Every reader of geometry needs them.
 [[nodiscard]] std::vector<model::Layer> make_tables(const SampledChart& chart);
 

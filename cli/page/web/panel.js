@@ -88,7 +88,7 @@ class Panel {
   }
   felt(now) {
     const { felt, strokes } = this.scene.hand, [recent, jumps] = [this.scene.hand.history, this.scene.hand.jumps].map((list) => list.slice(-2000)), leap = jumps.reduce((most, jump) => Math.max(most, jump), 0), pressing = strokes.length > 0;
-    if (this.scene.physics.on) $("force").textContent = pressing ? digits(Math.max(...strokes.map((stroke) => stroke.newtons || 0))) + " N, if the body measures " + 100 * kMetres + " cm\njumps up to " + digits(leap, 2) + " N a step" : "";
+    if (this.scene.physics.on) $("force").textContent = pressing ? digits(Math.max(...strokes.map((stroke) => stroke.newtons || 0))) + " N" + (this.scene.physics.measured ? "" : ", if the body measures " + 100 * kMetres + " cm") + "\njumps up to " + digits(leap, 2) + " N a step" : "";
     else $("force").textContent = pressing ? (100 * felt.force).toFixed(1) + " % of the limit, jumps up to " + digits(100 * leap, 2) + " % a tick\n" + felt.ticks + " ticks of " + digits(felt.micros, 2) + " µs, " + felt.samples + " samples" : "";
     if (pressing) this.rumble(now, Math.max(felt.force, ...strokes.map((stroke) => (stroke.newtons || 0) / 5)));
     const canvas = $("strip"), c = canvas.getContext("2d", { willReadFrequently: this.scene.soft }), w = canvas.width, h = canvas.height;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // physics.js: bodies with mass and material instead of touches of eq. 7: libdgm's implicit steps, docs/physics.md.
 
-const kMetres = .15; // diagonal that every body is taken to have, since files have no unit
+const kMetres = .15; // diagonal that a body is taken to have whose file has no unit
 const kStep = 1 / 60, kCycles = 4; // seconds of a step; iterations
 const kStepBudget = 12; // ms of a frame for steps; slower bodies move slower
 const kStill = 1e-6; // of the largest energy: what moves less stands still
@@ -12,9 +12,12 @@ class Physics {
   // Gives all bodies mass, or says why one cannot have it.
   begin() {
     this.end();
+    this.measured = true;
     const { scene } = this;
     for (const body of scene.bodies) {
-      const handle = dgm.touch_physics(body.handle, kMetres / scene.diagonal, kStep, 0, 0, 0);
+      // The unit and material of the file, or else ours.
+      let handle = dgm.touch_physics(body.handle, 0, kStep, 0, 0, 0);
+      if (!handle && !body.chart.layers.material) handle = dgm.touch_physics(body.handle, kMetres / scene.diagonal, kStep, 0, 0, 0), this.measured = false;
       if (!handle) {
         const error = new RuntimeError();
         this.end();

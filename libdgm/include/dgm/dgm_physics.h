@@ -20,7 +20,8 @@ extern "C" {
 /* Stencils of all strides, displacement and velocities of one state. */
 typedef struct dgm_physics dgm_physics;
 
-/* Material and step of a dgm_physics. SI units. */
+/* Material and step of a dgm_physics. SI units. What is 0 is the file's (its layer material), or, where the file does
+ * not say, what is written below. */
 typedef struct dgm_physics_options {
     uint32_t struct_size;
     float membrane;         /* Young's modulus times thickness, N/m: 1e-6 .. 1e12. 0: 200 */
@@ -28,9 +29,9 @@ typedef struct dgm_physics_options {
     float bending;          /* N m, up to 1e12. 0: 1e-3; negative: none */
     float foundation;       /* N/m^3, up to 1e12. 0: 2e4; negative: none */
     float density;          /* kg/m^2, 1e-6 .. 1e12. 0: 5 */
-    float viscosity;        /* s, 0 .. 1e6 */
+    float viscosity;        /* s, up to 1e6. 0: none; negative: none, whatever the file says */
     float dt;               /* seconds a step, 1e-5 .. 10. 0: 1e-3 */
-    double metres_per_unit; /* length of a local unit, 1e-9 .. 1e9; must be given */
+    double metres_per_unit; /* length of a local unit, 1e-9 .. 1e9. 0: DGM_UNSUPPORTED */
     uint64_t max_bytes;     /* DGM_LIMIT_EXCEEDED if more memory is needed. 0: no limit */
     uint32_t free_volume;   /* 1: closed surfaces may change their volume */
     uint32_t plain_loops;   /* 1: no vector instructions beyond the baseline of the platform; same bits */
@@ -75,8 +76,8 @@ typedef struct dgm_step_tool {
     float force[3];    /* N, on the tool */
 } dgm_step_tool;
 
-/* Makes the physics of `state`, whose rest shape is taken as free of stress. `options` may be NULL only to be told that
- * the unit is missing; `allocator` may be NULL for the C heap. The handle goes to `physics`.
+/* Makes the physics of `state`, whose rest shape is taken as free of stress. `options` may be NULL: all defaults;
+ * `allocator` may be NULL for the C heap. The handle goes to `physics`.
  * DGM_BAD_ARGUMENT, DGM_UNSUPPORTED (no unit, a free domain, a surface with one side, fewer than 3 x 3 samples),
  * DGM_LIMIT_EXCEEDED (memory, or a material that bends over a length beyond the body), DGM_OUT_OF_MEMORY. */
 DGM_PHYSICS_API dgm_code dgm_physics_create(const dgm_state* state, const dgm_physics_options* options,

@@ -9,6 +9,7 @@
 // on that potential; each cycle evaluates its gradient and applies V-cycles over the strides as preconditioner.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <dgm/allocator.h>
@@ -41,15 +42,16 @@ struct Material {
     float foundation = 2e4f;  ///< N/m^3, 0 .. 1e12: pull of the surrounding tissue towards the rest place
     float density = 5;        ///< kg/m^2, 1e-6 .. 1e12
     float viscosity = 0;      ///< s, 0 .. 1e6: stress by a rate of strain over that by the strain
+    friend bool operator==(const Material&, const Material&) = default;
 };
 
 /// How a Physics is made.
 struct PhysicsOptions {
-    Material material;
-    float dt = 1e-3f;            ///< seconds a step, 1e-5 .. 10
-    double metres_per_unit = 0;  ///< length of a local unit: 1e-9 .. 1e9. Must be given: Unsupported if 0
-    bool keep_volume = true;     ///< closed surfaces; without effect on open ones
-    bool plain_loops = false;    ///< no vector instructions beyond the baseline of the platform: same bits
+    std::optional<Material> material;  ///< nullopt: the file's (layer `material`), or Material{} where it has none
+    float dt = 1e-3f;                  ///< seconds a step, 1e-5 .. 10
+    double metres_per_unit = 0;        ///< length of a local unit: 1e-9 .. 1e9. 0: the file's
+    bool keep_volume = true;           ///< closed surfaces; without effect on open ones
+    bool plain_loops = false;          ///< no vector instructions beyond the baseline of the platform: same bits
     Allocator allocator = {};
     std::uint64_t max_bytes = ~std::uint64_t{0};  ///< LimitExceeded if more memory is needed
 };
@@ -89,15 +91,22 @@ struct StepTool {
     std::uint32_t contacts = 0;  ///< unknowns in the patch
 };
 
+/// What the file of a state says of its material, layer `material`.
+struct StoredMaterial {
+    double metres_per_unit = 0;  ///< of local coordinates; 0: the file does not say
+    std::optional<Material> material;
+};
+[[nodiscard]] DGM_PHYSICS_API StoredMaterial stored_material(const State& state) noexcept;
+
 /// Stencils of all strides, velocities and displacement of one state. One thread at a time, together with its state.
 /// Closed and open charts of the square domain. Memory: 1.5 KB a sample from 129 x 129 on, 1.7 KB at 33 x 33, and a
 /// tenth more while it is made.
 class Physics {
  public:
     /// Takes the rest shape of the state as stress-free.
-    /// @return BadArgument (a number out of range, half an allocator), Unsupported (no unit, a free domain, a surface
-    ///         with one side, fewer than 3 x 3 samples), LimitExceeded (memory; a material that bends over a length
-    ///         beyond the body, sqrt(bending / membrane) > diagonal), OutOfMemory.
+    /// @return BadArgument (a number out of range, half an allocator), Unsupported (no unit here or in the file, a free
+    ///         domain, a surface with one side, fewer than 3 x 3 samples), LimitExceeded (memory; a material that bends
+    ///         over a length beyond the body, sqrt(bending / membrane) > diagonal), OutOfMemory.
     [[nodiscard]] DGM_PHYSICS_API static Result<Physics> create(const State& state,
                                                                 const PhysicsOptions& options) noexcept;
     DGM_PHYSICS_API Physics(Physics&& other) noexcept;

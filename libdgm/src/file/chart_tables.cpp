@@ -69,6 +69,8 @@ Result<ChartTables> read_tables(const Chart& chart) noexcept {
     t.deformation = elements<float>(chart, "deformation", &t.deformation_offset);
     t.contact = elements<float>(chart, "contact", &t.contact_offset);
     std::size_t count = 0;
+    if (const auto* material = elements<float>(chart, "material", &t.material_offset, &count))
+        t.material = {material, count < kMaterialValues ? 1 : kMaterialValues};
     if (const auto* faces = elements<std::uint32_t>(chart, "border_faces", &t.faces_offset, &count))
         t.faces = {faces, count};
     if (const auto* seams = elements<std::uint32_t>(chart, "seams", &t.seams_offset, &count)) t.seams = {seams, count};

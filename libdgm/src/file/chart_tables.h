@@ -6,6 +6,7 @@
 #include <span>
 
 #include <dgm/asset.h>
+#include <dgm/limits.h>
 #include <dgm/result.h>
 #include <dgm/vec.h>
 
@@ -43,9 +44,10 @@ struct ChartTables {
     const float* border_uv = nullptr;
     const float* deformation = nullptr;  ///< E, F, G, stiffness of each grid sample
     const float* contact = nullptr;      ///< area, mobility of each grid sample
+    std::span<const float> material;     ///< as limits.h has it
     std::span<const std::uint32_t> faces, seams;
     std::uint64_t mask_offset = 0, diagonals_offset = 0, border_uv_offset = 0, faces_offset = 0, seams_offset = 0,
-                  deformation_offset = 0, contact_offset = 0;
+                  deformation_offset = 0, contact_offset = 0, material_offset = 0;
 
     [[nodiscard]] bool on_surface(std::uint32_t sample) const noexcept {
         return sample >= grid || mask == nullptr || mask[sample] != 0;

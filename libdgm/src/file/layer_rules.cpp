@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include <dgm/grid.h>
+#include <dgm/limits.h>
 
 #include "file/asset_impl.h"
 
@@ -12,7 +13,21 @@ namespace {
 using layout::ElementType;
 
 /// Rule for one entry of a shape.
-enum class Side : std::uint8_t { kRows, kCols, kQuadRows, kQuadCols, kBorder, kNodes, kSome, kAny, k2, k3, k4, k6 };
+enum class Side : std::uint8_t {
+    kRows,
+    kCols,
+    kQuadRows,
+    kQuadCols,
+    kBorder,
+    kNodes,
+    kSome,
+    kAny,
+    kUnitOrMaterial,
+    k2,
+    k3,
+    k4,
+    k6
+};
 
 struct LayerRule {
     const char* name;
@@ -31,6 +46,7 @@ constexpr LayerRule kRules[] = {
     {"cover", ElementType::kF32, ElementType::kF32, 2, {Side::kRows, Side::kCols}},
     {"deformation", ElementType::kF32, ElementType::kF32, 3, {Side::kRows, Side::kCols, Side::k4}},
     {"contact", ElementType::kF32, ElementType::kF32, 3, {Side::kRows, Side::kCols, Side::k2}},
+    {"material", ElementType::kF32, ElementType::kF32, 1, {Side::kUnitOrMaterial}},
     {"seams", ElementType::kU32, ElementType::kU32, 2, {Side::kAny, Side::k2}},
     {"reversed", ElementType::kU8, ElementType::kU8, 1, {Side::kAny}},
     {"diagonals", ElementType::kU8, ElementType::kU8, 2, {Side::kQuadRows, Side::kQuadCols}},
@@ -68,6 +84,8 @@ bool side_fits(Side side, std::uint64_t is, const layout::ChartRecord& chart) no
             return is == pyramid_nodes(chart.rows, chart.cols);
         case Side::kSome:
             return is >= 1 && is <= 0xFFFFFFFFu;
+        case Side::kUnitOrMaterial:
+            return is == 1 || (is >= kMaterialValues && is <= 0xFFFFFFFFu);
         case Side::kAny:
             return is <= 0xFFFFFFFFu;
         case Side::k2:

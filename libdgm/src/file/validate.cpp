@@ -127,6 +127,11 @@ Result<void> check_values(const ChartTables& t, const Allocator& allocator) noex
                          "a border sample lies outside the unit square"};
     if (auto r = check_faces(t); !r) return r;
     if (auto r = check_behaviour(t); !r) return r;
+    for (std::size_t k = 0; k < t.material.size(); ++k) {
+        const float v = t.material[k];
+        if (!(v >= kMaterialLow[k] && v <= kMaterialHigh[k]))
+            return Error{ErrorCode::BadValue, t.material_offset + 4 * k, "a number of the material is out of range"};
+    }
     return check_seams(t, allocator);
 }
 

@@ -63,8 +63,9 @@ dgm_code dgm_physics_create(const dgm_state* state, const dgm_physics_options* o
     auto a = get(options, o, allocator);
     if (!a) return finish(a.error(), error);
     dgm::PhysicsOptions to;
-    to.material = {number(o.membrane, 200),    number(o.poisson, 0.3f), number(o.bending, 1e-3f),
-                   number(o.foundation, 2e4f), number(o.density, 5),    o.viscosity};
+    const dgm::Material m = dgm::stored_material(state->value).material.value_or(dgm::Material{});
+    to.material = {number(o.membrane, m.membrane),     number(o.poisson, m.poisson), number(o.bending, m.bending),
+                   number(o.foundation, m.foundation), number(o.density, m.density), number(o.viscosity, m.viscosity)};
     if (o.dt != 0) to.dt = o.dt;
     to.metres_per_unit = o.metres_per_unit;
     if (o.max_bytes != 0) to.max_bytes = o.max_bytes;

@@ -110,7 +110,7 @@ Potential evaluate(PhysicsImpl& p) noexcept {
     job.energy = p.energy;
     if (p.stretch[0] != nullptr) {
         job.stretch = p.stretch;
-        job.viscous = 2 * p.shear * p.options.material.viscosity / p.options.dt;
+        job.viscous = 2 * p.shear * p.material.viscosity / p.options.dt;
     }
     loops.quads(job);
     loops.gather_areas(job.on, p.face, p.area);

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::uint32_t kAnew = 4;           ///< cycles after which the gradient is evaluated in place
 constexpr double kClose = 0.02, kFar = 0.5;  ///< of the energy from a quadratic one, in curvatures of the line
+constexpr double kMended = 0.1;              ///< most of its length that a step grows or shrinks at its end
 constexpr double kFarthest = 3;              ///< of a step, in multiples of the preconditioner's
 
 void copy(const PhysicsImpl& p, const Field& to, const Field& from) noexcept {
@@ -83,16 +84,23 @@ void renew_swelling(PhysicsImpl& p, Swelling& v) noexcept {
 double restore_volume(PhysicsImpl& p, const Swelling& v) noexcept {
     if (!v.on) return 0;
     double slope = v.response, now = volume_of(p, p.delta, 0, nullptr);
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < 12; ++k) {
         const double wanted = p.rest_volume - now;
         if (std::fabs(wanted) <= 1e-10 * std::fabs(p.rest_volume) || !(slope > 0)) break;
         const auto by = static_cast<float>(wanted / slope);
         add(p, p.delta, double{by}, p.swell);
         const double volume = volume_of(p, p.delta, 0, nullptr);
-        const bool nearer = std::fabs(p.rest_volume - volume) < std::fabs(wanted);
-        if (nearer) slope = (volume - now) / double{by};
-        now = volume;
-        if (!nearer) break;
+        if (std::fabs(p.rest_volume - volume) < std::fabs(wanted)) {
+            p.unsure += std::fabs(p.pressure * wanted);
+            slope = (volume - now) / double{by};
+            now = volume;
+        } else if (std::fabs(wanted) > 1e-7 * std::fabs(p.rest_volume)) {  // far from a line there: a shorter way
+            add(p, p.delta, -double{by}, p.swell);
+            slope *= 4;
+        } else {
+            now = volume;
+            break;
+        }
     }
     return now / p.rest_volume - 1;
 }
@@ -174,6 +182,7 @@ Move advance(PhysicsImpl& p, Search& s) noexcept {
         if (off <= std::max(kClose * bend, most)) {
             loops.blend(count, p.smooth, static_cast<float>(step), p.smooth_before);
             s.smooth += step * before + 0.5 * step * step * bend;
+            p.unsure += 3 * step * step * off;  // as much if the third derivative is all that the model lacks
             s.contact = press(p);
             return Move::Modelled;
         }
@@ -190,12 +199,41 @@ Move advance(PhysicsImpl& p, Search& s) noexcept {
         if (!(ahead.sum() <= merit + 1e-4 * step * s.slope + most)) continue;
         s.smooth = ahead.elastic + ahead.inertial;
         s.contact = ahead.contact;
+        p.unsure = 0;
         return Move::InPlace;
     }
     copy(p, p.delta, p.before);
     copy(p, p.smooth, p.smooth_before);
     s.contact = press(p);
     return Move::None;
+}
+
+/// A search that has not converged leaves a slope along the whole way of the step, and that much energy would come from
+/// nowhere: kinetic and elastic energy change by that slope, less what implicit steps always lose. The potential is
+/// known at both ends of the way, and the slope at this one: the way gets the length at which the slope is 0. Drift
+/// apart, of which it is known where inertia leads.
+void mend_length(PhysicsImpl& p, Search& s) noexcept {
+    if (pushed(p)) return;
+    const Level& l = p.fine();
+    const Drift wanted = drift_of(p, p.inertial), drift = drift_of(p, p.delta);
+    const double dt2 = double{p.options.dt} * double{p.options.dt};
+    double slope = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double off = drift.mean[c] - wanted.mean[c];
+        s.smooth -= 0.5 * drift.mass * off * off / dt2;
+        for (std::uint32_t k = 0; k < l.grid; ++k)
+            slope += double{l.own[k]} * double{p.gradient.p[c][k]} * (double{p.delta.p[c][k]} - drift.mean[c]);
+    }
+    const double bend = 2 * (p.elastic + p.at_rest - wanted.energy / dt2 - s.smooth + slope);
+    double by = -slope / bend;
+    if (!(bend > 0) || !(std::fabs(by) <= kMended)) by = 0;
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t k = 0; k < p.total; ++k) {
+            float& d = p.delta.p[c][k];
+            d = static_cast<float>(wanted.mean[c] + (1 + by) * (double{d} - drift.mean[c]));
+        }
+    s.smooth += by * (slope + 0.5 * by * bend);
+    p.unsure += by * by * bend;
 }
 
 double inertia_of(const PhysicsImpl& p) noexcept {
@@ -210,8 +248,26 @@ double inertia_of(const PhysicsImpl& p) noexcept {
 }
 }  // namespace
 
+Drift drift_of(const PhysicsImpl& p, const Field& of) noexcept {
+    const Level& l = p.fine();
+    Drift out;
+    bool held = p.material.foundation > 0;
+    for (std::uint32_t k = 0; k < l.grid; ++k) {
+        const double m = double{l.own[k]} * double{p.mass[k]};
+        out.mass += m;
+        held = held || (m > 0 && p.free[k] == 0);
+        for (int c = 0; c < 3; ++c) out.mean[c] += m * double{of.p[c][k]};
+    }
+    for (double& v : out.mean) {
+        v = held ? 0 : v / out.mass;
+        out.energy += 0.5 * out.mass * v * v;
+    }
+    return out;
+}
+
 bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept {
     const Potential begin = start(p);
+    p.unsure = 0;
     Search s{begin.elastic + begin.inertial, begin.contact};
     take_holds(p);
     if (!p.solver.sound) return false;
@@ -229,10 +285,12 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
             const Potential now = evaluate(p);
             s.smooth = now.elastic + now.inertial;
             s.contact = press(p);
+            p.unsure = 0;
             renew_swelling(p, v);
         }
         take_pressure(p, v);
     }
+    mend_length(p, s);
     report.volume_error = restore_volume(p, v);
     const double left = unbalanced(p);
     report.residual = first > 0 ? left / first : 0;

@@ -98,13 +98,14 @@ bool make_unknowns(PhysicsImpl& p, const StateImpl& s) noexcept {
 bool make_planes(PhysicsImpl& p) noexcept {
     const Allocator& a = p.allocator;
     constexpr std::uint64_t kFields = 20 + 6, kPlanes = 14;
-    const bool viscous = p.options.material.viscosity > 0;
+    const bool viscous = p.material.viscosity > 0;
     const std::uint64_t count = 3 * kFields + kPlanes + (viscous ? 6 : 0);
     if (!p.planes.allocate(a, count * plane_size(p.rows, p.cols))) return false;
     PlaneCutter cut(p.planes, p.rows, p.cols);
-    for (Field* f : {&p.rest,     &p.moved,       &p.delta,     &p.before,        &p.inertial, &p.velocity, &p.target,
-                     &p.gradient, &p.area,        &p.curvature, &p.moment,        &p.twist,    &p.swell,    &p.way,
-                     &p.last,     &p.rest_normal, &p.smooth,    &p.smooth_before, &p.push,     &p.fresh})
+    // From `moved` to `face`: what a step writes anew, so that forget() can clear it all.
+    for (Field* f : {&p.rest,     &p.rest_normal, &p.target, &p.moved,         &p.delta,  &p.before, &p.inertial,
+                     &p.velocity, &p.gradient,    &p.area,   &p.curvature,     &p.moment, &p.twist,  &p.swell,
+                     &p.way,      &p.last,        &p.smooth, &p.smooth_before, &p.push,   &p.fresh})
         *f = cut.field();
     for (Field& f : p.corner) f = cut.field();
     for (Field& f : p.face) f = cut.field();
@@ -302,7 +303,7 @@ void take_laplacian(PhysicsImpl& p, Around& to) noexcept {
 
 void take_samples(PhysicsImpl& p, const StateImpl& s, const Around& from) noexcept {
     const Level& l = p.fine();
-    const Material& material = p.options.material;
+    const Material& material = p.material;
     for (std::uint32_t k = 0; k < l.grid; ++k) {
         const std::uint32_t d = l.dof_of[k], first = l.sample_of[d];
         const bool rim = (s.ring[k] & kRingRim) != 0 || from.area[d] == 0;
@@ -370,7 +371,7 @@ Result<void> build_model(PhysicsImpl& p, const StateImpl& s) noexcept {
 void take_step_length(PhysicsImpl& p) noexcept {
     Level& l = p.fine();
     Multigrid& m = p.solver;
-    const Material& material = p.options.material;
+    const Material& material = p.material;
     const double dt = p.options.dt, viscous = 1 + double{material.viscosity} / dt;
     // c0 M + c1 L + c2 L M^-1 L, M the masses.
     const double c0 = 1 / (dt * dt) + double{material.foundation} / double{material.density},

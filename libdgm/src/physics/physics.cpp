@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/physics.cpp
 // Makes a Physics, checks the arguments of a step, and runs it.
+#include <dgm/limits.h>
 #include <dgm/physics.h>
 
 #include <algorithm>
@@ -27,17 +28,22 @@ bool is_dt(float dt) noexcept {
 }
 
 Result<void> check_options(const PhysicsOptions& o) noexcept {
-    const Material& m = o.material;
+    constexpr const char* kFaults[] = {"the length of a unit is not in 1e-9 .. 1e9 m",
+                                       "the membrane's modulus is not in 1e-6 .. 1e12 N/m",
+                                       "Poisson's ratio is not in 0 .. 0.49",
+                                       "the bending modulus is not in 0 .. 1e12 N m",
+                                       "the foundation is not in 0 .. 1e12 N/m^3",
+                                       "the density is not in 1e-6 .. 1e12 kg/m^2",
+                                       "the viscosity is not in 0 .. 1e6 s"};
+    const Material& m = *o.material;
+    const double values[] = {o.metres_per_unit,    double{m.membrane}, double{m.poisson},  double{m.bending},
+                             double{m.foundation}, double{m.density},  double{m.viscosity}};
     if (!is_valid(o.allocator)) return bad("the allocator is half empty");
     if (!is_dt(o.dt)) return bad("the time step is not in 1e-5 .. 10 s");
-    if (!within(double{m.membrane}, 1e-6, 1e12)) return bad("the membrane's modulus is not in 1e-6 .. 1e12 N/m");
-    if (!within(double{m.poisson}, 0, 0.4901)) return bad("Poisson's ratio is not in 0 .. 0.49");
-    if (!within(double{m.bending}, 0, 1e12)) return bad("the bending modulus is not in 0 .. 1e12 N m");
-    if (!within(double{m.foundation}, 0, 1e12)) return bad("the foundation is not in 0 .. 1e12 N/m^3");
-    if (!within(double{m.density}, 1e-6, 1e12)) return bad("the density is not in 1e-6 .. 1e12 kg/m^2");
-    if (!within(double{m.viscosity}, 0, 1e6)) return bad("the viscosity is not in 0 .. 1e6 s");
-    if (o.metres_per_unit == 0) return unsupported("the length of a unit is not known: set metres_per_unit");
-    if (!within(o.metres_per_unit, 1e-9, 1e9)) return bad("the length of a unit is not in 1e-9 .. 1e9 m");
+    if (o.metres_per_unit == 0)
+        return unsupported("the length of a unit is not known: set metres_per_unit, or bake with --unit");
+    for (std::size_t k = 0; k < kMaterialValues; ++k)
+        if (!within(values[k], double{kMaterialLow[k]}, double{kMaterialHigh[k]})) return bad(kFaults[k]);
     return {};
 }
 
@@ -57,7 +63,7 @@ Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
     const double diagonal = diagonal_of(s) * o.metres_per_unit;
     if (!within(diagonal, 1e-6, 1e6)) return unsupported("the body's diagonal is not in 1e-6 .. 1e6 m");
-    if (double{o.material.bending} > double{o.material.membrane} * diagonal * diagonal)
+    if (double{o.material->bending} > double{o.material->membrane} * diagonal * diagonal)
         return Error{ErrorCode::LimitExceeded, kNoOffset,
                      "the material bends over a length beyond the body: check the unit, bending and membrane"};
     return {};
@@ -165,20 +171,27 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     const double dt = p.options.dt, by = p.scale;
     const float gravity[3] = {o.gravity.x, o.gravity.y, o.gravity.z};
     for (const Pin& pin : o.pins) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 0; });
-    double sum = 0;
+    double sum = 0, moving = 0;
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) {
-            const double i = dt * (double{p.velocity.p[c][k]} + dt * double{gravity[c]});
+            const double v = double{p.velocity.p[c][k]}, i = dt * (v + dt * double{gravity[c]});
             p.inertial.p[c][k] = static_cast<float>(i);
             p.delta.p[c][k] = p.free[k] * p.inertial.p[c][k];
-            sum += double{l.own[k]} * double{p.mass[k]} * i * i;
+            const double mass = double{l.own[k]} * double{p.mass[k]};
+            sum += mass * i * i;
+            moving += mass * v * v;
         }
     p.at_rest = 0.5 * sum / (dt * dt);
+    p.energy_before = p.elastic + 0.5 * moving;
+    p.driven = false;
     for (const Pin& pin : o.pins) {
         const Double3 way = by * (widen(pin.position) - widen(StateImpl::at(s.rest, pin.sample)));
         const double to[3] = {way.x, way.y, way.z};
         each_copy(p, pin.sample, [&](std::uint32_t k) {
-            for (int c = 0; c < 3; ++c) p.delta.p[c][k] = static_cast<float>(to[c] - p.at[c][k]);
+            for (int c = 0; c < 3; ++c) {
+                p.delta.p[c][k] = static_cast<float>(to[c] - p.at[c][k]);
+                p.driven = p.driven || p.delta.p[c][k] != 0;
+            }
         });
     }
 }
@@ -191,6 +204,28 @@ void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     }
 }
 
+/// Clears what a step writes, which may not be finite: 0 times that would not be 0.
+void forget(PhysicsImpl& p) noexcept {
+    std::fill(p.moved.p[0], p.energy, 0.0f);
+    for (std::uint32_t k = 0; k < p.solver.levels; ++k)
+        std::fill(p.solver.level[k].x.p[0], p.solver.level[k].diagonal, 0.0f);
+}
+
+/// Lowers velocities so that they hold so much kinetic energy, but keeps their drift as long as that has less.
+/// @return their kinetic energy
+double slow_down(PhysicsImpl& p, double kinetic, double wanted) noexcept {
+    Drift drift = drift_of(p, p.velocity);
+    if (!(drift.energy < wanted)) drift = {};
+    if (!(kinetic > drift.energy)) return kinetic;
+    const double left = std::max(0.0, wanted - drift.energy), by = std::sqrt(left / (kinetic - drift.energy));
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t k = 0; k < p.total; ++k) {
+            const double v = double{p.velocity.p[c][k]};
+            p.velocity.p[c][k] = static_cast<float>(drift.mean[c] + by * (v - drift.mean[c]));
+        }
+    return drift.energy + left;
+}
+
 /// The step's displacement becomes part of the shape, or is thrown away.
 void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& report) noexcept {
     const Level& l = p.fine();
@@ -199,21 +234,32 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
         const std::uint32_t to = l.sample_of[p.followers[k]], from = p.followers[k + 1];
         for (float* f : p.delta.p) f[to] = f[from];
     }
-    double kinetic = 0;
+    double kinetic = 0, work = 0;
+    const float gravity[3] = {o.gravity.x, o.gravity.y, o.gravity.z};
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) {
             const float d = keep ? p.delta.p[c][k] : 0;
             p.at[c][k] += double{d};
-            const double v = double{d} / dt;
+            const double v = double{d} / dt, mass = double{l.own[k]} * double{p.mass[k]};
             p.velocity.p[c][k] = static_cast<float>(v);
-            kinetic += double{l.own[k]} * double{p.mass[k]} * v * v;
+            kinetic += mass * v * v;
+            work += mass * double{gravity[c]} * double{d};
         }
     report.kinetic = kinetic / 2;
+    // A search that has not converged may leave more energy than there was.
+    const double most = p.energy_before + work - report.kinetic;
+    for (float* f : p.delta.p) std::fill(f, f + l.count(), 0.0f);
+    if (keep && !pushed(p) && (p.elastic + p.unsure > most || p.elastic < 0)) {
+        p.elastic = evaluate(p).elastic;
+        if (p.elastic > most) report.kinetic = slow_down(p, report.kinetic, report.kinetic + most - p.elastic);
+    }
     report.elastic = p.elastic;
     release_pins(p, o.pins);
     if (keep) {
         keep_multipliers(p);
         if (p.stretch[0] != nullptr) {
+            // The last evaluation may have been ahead of where the step ended.
+            p.solver.kernels->place({l.count(), {p.at[0].data(), p.at[1].data(), p.at[2].data()}, p.delta, p.moved});
             StretchJob job{p.on(), {}};
             std::copy_n(p.stretch, 6, job.to);
             p.solver.kernels->stretches(job);
@@ -221,7 +267,7 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     } else {
         p.touching_count = p.grasped_count = 0;
         p.holding = 0;
-        for (float* f : p.way.p) std::fill(f, f + l.count(), 0.0f);  // it may not be finite
+        forget(p);
     }
 }
 
@@ -250,7 +296,19 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
 }  // namespace
 }  // namespace detail
 
-Result<Physics> Physics::create(const State& state, const PhysicsOptions& options) noexcept {
+StoredMaterial stored_material(const State& state) noexcept {
+    const float(&m)[kMaterialValues] = state.impl()->material;
+    StoredMaterial out;
+    out.metres_per_unit = double{m[0]};
+    if (m[5] > 0) out.material = {m[1], m[2], m[3], m[4], m[5], m[6]};
+    return out;
+}
+
+Result<Physics> Physics::create(const State& state, const PhysicsOptions& asked) noexcept {
+    const StoredMaterial stored = stored_material(state);
+    PhysicsOptions options = asked;
+    if (!options.material) options.material = stored.material.value_or(Material{});
+    if (options.metres_per_unit == 0) options.metres_per_unit = stored.metres_per_unit;
     if (auto r = detail::check_options(options); !r) return r.error();
     const detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_map(s, options); !r) return r.error();
@@ -260,13 +318,14 @@ Result<Physics> Physics::create(const State& state, const PhysicsOptions& option
     if (p == nullptr) return detail::physics::kNoMemory;
     Physics made(p);
     p->options = options;
+    p->material = *options.material;
     p->rows = s.tables.rows;
     p->cols = s.tables.cols;
     p->total = s.total();
     p->scale = options.metres_per_unit;
     p->closed = !s.open_surface;
     p->solver.kernels = &detail::physics::choose_kernels(options.plain_loops);
-    const double e = options.material.membrane, nu = options.material.poisson;
+    const double e = p->material.membrane, nu = p->material.poisson;
     p->shear = static_cast<float>(e / (2 * (1 + nu)));
     p->dilate = static_cast<float>(e * nu / (1 - nu * nu));
     if (auto r = detail::physics::build_model(*p, s); !r) return r.error();

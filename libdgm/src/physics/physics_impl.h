@@ -51,6 +51,7 @@ struct PhysicsImpl {
     explicit PhysicsImpl(const Allocator& a) noexcept : allocator(a) {}
     Allocator allocator;
     PhysicsOptions options;
+    Material material;  ///< of the options, or the file
     std::uint32_t rows = 0, cols = 0, total = 0;
     double scale = 1;  ///< metres per local unit
     bool closed = false;
@@ -94,6 +95,9 @@ struct PhysicsImpl {
     double pressure = 0;
     float hold = 0;              ///< entry of `extra` that stands for a held sample on coarser levels
     Array<std::uint8_t> pinned;  ///< by unknown, while a step runs: 1 by a pin, 2 by a pin where it was held anyway
+    bool driven = false;         ///< a pin moves in this step
+    double unsure = 0;           ///< of `elastic`: at most about so much below what evaluate() would find
+    double energy_before = 0;    ///< kinetic and elastic, at the start of the step
     double at_rest = 0;          ///< inertial part of the potential without displacement in this step
 
     [[nodiscard]] physics::Level& fine() noexcept { return solver.level[0]; }
@@ -142,8 +146,16 @@ void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> 
 void take_holds(PhysicsImpl& p) noexcept;
 /// Takes in contacts that were met since. @return false: there are none.
 [[nodiscard]] bool hold_met(PhysicsImpl& p) noexcept;
+/// Tools, obstacles or pins may do work in this step.
+[[nodiscard]] bool pushed(const PhysicsImpl& p) noexcept;
 /// Multipliers for the next step.
 void keep_multipliers(PhysicsImpl& p) noexcept;
+/// How a body that nothing outside holds moves as a whole.
+struct Drift {
+    double mass = 0, mean[3] = {};  ///< mean by mass; 0 if the body is held, or has a foundation
+    double energy = 0;              ///< mass |mean|^2 / 2
+};
+[[nodiscard]] Drift drift_of(const PhysicsImpl& p, const Field& of) noexcept;
 /// Minimises the potential from `delta` on. @return false: nothing lower was found, or numbers overflowed.
 [[nodiscard]] bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept;
 

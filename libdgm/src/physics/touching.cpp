@@ -69,12 +69,12 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
     const Remembered memory(p.touching[p.touching_now], p.touching_count);
     Array<Touching>& to = p.touching[1 - p.touching_now];
     const Level& l = p.fine();
+    float* hit = l.d0.p[0];  // by column, of the row of tiles: 1 if the obstacle may be within reach of the tile
     std::uint32_t count = 0;
     bool fits = true;
     const double reach = scene.count == 0 ? 0 : reach_of(p, s);
     for (std::uint32_t o = 0; o < scene.count; ++o) {
         const Shape& shape = scene.shapes[o];
-        const std::uint32_t first = count;
         const auto look = [&](std::uint32_t k) {
             if (l.own[k] == 0 || p.free[k] == 0) return;
             const Double3 x = place(p, s, k);
@@ -93,16 +93,16 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
             to[count++] = {k, scene.ids[o], normal, there.distance * p.scale, firm, memory.of(scene.ids[o], k),
                            0, false,        false};
         };
-        for (std::uint32_t i = 0; i < p.rows; i += kTile)
-            for (std::uint32_t j = 0; j < p.cols; j += kTile) {
-                const Tile t = tile_of(p, s, i, j);
-                if (probe(shape, t.centre).distance > t.radius + reach) continue;
-                for (std::uint32_t r = i; r < std::min(i + kTile, p.rows); ++r)
-                    for (std::uint32_t c = j; c < std::min(j + kTile, p.cols); ++c) look(r * p.cols + c);
-                if (!fits) return false;
-            }
-        std::sort(to.begin() + first, to.begin() + count,
-                  [](const Touching& a, const Touching& b) { return a.sample < b.sample; });
+        for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
+            if (i % kTile == 0)
+                for (std::uint32_t j = 0; j < p.cols; j += kTile) {
+                    const Tile t = tile_of(p, s, i, j);
+                    hit[j] = probe(shape, t.centre).distance > t.radius + reach ? 0.0f : 1.0f;
+                }
+            for (std::uint32_t j = 0; j < p.cols; ++j)
+                if (hit[j - j % kTile] != 0) look(i * p.cols + j);
+        }
+        if (!fits) return false;
     }
     p.touching_now = 1 - p.touching_now;
     p.touching_count = count;
@@ -186,6 +186,12 @@ bool hold_met(PhysicsImpl& p) noexcept {
     for (std::uint32_t k = 0; k < p.touching_count; ++k) found = found || (list[k].met && !list[k].held);
     if (found) take_holds(p);
     return found;
+}
+
+bool pushed(const PhysicsImpl& p) noexcept {
+    const Touching* list = p.touching[p.touching_now].begin();
+    return p.driven || p.grasped_count != 0 ||
+           std::any_of(list, list + p.touching_count, [](const Touching& t) { return t.met; });
 }
 
 void keep_multipliers(PhysicsImpl& p) noexcept {

@@ -29,10 +29,12 @@ bool copy_tables(Surface& s, const ChartTables& t) noexcept {
         !copy_in(s.diagonals, t.diagonals, std::size_t{t.rows - 1} * (t.cols - 1), a) ||
         !copy_in(s.faces, t.faces.data(), t.faces.size(), a) || !copy_in(s.border_uv, t.border_uv, 2 * border, a))
         return false;
+    for (std::size_t k = 0; k < t.material.size(); ++k) s.material[k] = load_once(t.material.data() + k);
     s.tables = t;
     s.tables.geometry = s.tables.border = {};
     s.tables.normal = s.tables.border_normal = nullptr;
     s.tables.deformation = s.tables.contact = nullptr;
+    s.tables.material = {};
     s.tables.mask = s.mask.data();
     s.tables.diagonals = s.diagonals.data();
     s.tables.border_uv = s.border_uv.data();
@@ -161,6 +163,7 @@ Result<void> fill_surface(Surface& s, const ChartTables& t, bool plain_loops) no
     own.faces = s.tables.faces;
     Array<std::uint32_t> seams;
     if (!copy_in(seams, t.seams.data(), t.seams.size(), s.allocator)) return kNoStateMemory;
+    own.material = {s.material, t.material.size()};
     own.seams = s.tables.seams = {seams.data(), seams.size()};
     if (auto r = check_values(own, s.allocator); !r) return r;
     if (!copy_positions(s, own) || !index_faces(s)) return kNoStateMemory;

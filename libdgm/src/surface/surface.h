@@ -78,6 +78,7 @@ struct Surface {
     Array<float> border_uv;
     Array<std::uint32_t> face_start, face_of;  ///< free domain: border faces of each sample
     Array<float> stiffness, mobility;          ///< per grid sample; empty if all are 1
+    float material[kMaterialValues] = {};      ///< as limits.h has it; 0, and density 0: not known
 
     Array<std::uint32_t> class_of, class_start, class_members;
     Array<std::uint32_t> link_start;  ///< by place in class_members

@@ -52,6 +52,22 @@ TEST(CommandLine, MaxErrorInPercentOrUnits) {
     EXPECT_NE(refusal({"--max-error", "1%", "--max-error-kind", "rsm"}).find("did you mean rms?"), std::string::npos);
 }
 
+TEST(CommandLine, UnitAndMaterial) {
+    EXPECT_FALSE(parsed({}).metres_per_unit);
+    EXPECT_EQ(parsed({"--unit", "cm"}).metres_per_unit, 0.01);
+    EXPECT_FALSE(parsed({"--unit", "mm"}).material);
+    const BakeOptions denim = parsed({"--unit", "mm", "--material", "denim"});
+    ASSERT_TRUE(denim.material);
+    EXPECT_EQ(denim.material->density, 0.45f);
+    EXPECT_EQ(denim.material->foundation, 0);
+    EXPECT_NE(canonical_settings(denim), canonical_settings(parsed({"--unit", "mm"})));
+    EXPECT_NE(canonical_settings(denim), canonical_settings(parsed({"--unit", "cm", "--material", "denim"})));
+    EXPECT_NE(canonical_settings(denim), canonical_settings(parsed({"--unit", "mm", "--material", "satin"})));
+    EXPECT_NE(refusal({"--material", "denim"}).find("add --unit"), std::string::npos);
+    EXPECT_NE(refusal({"--unit", "mmm"}).find("did you mean mm?"), std::string::npos);
+    EXPECT_NE(refusal({"--unit", "mm", "--material", "demin"}).find("did you mean denim?"), std::string::npos);
+}
+
 TEST(CommandLine, MeshesBesideTheMap) {
     EXPECT_NE(refusal({"--format", "glb"}).find("--format dgm,glb"), std::string::npos);
     EXPECT_NE(refusal({"--format", "dgm,gbl"}).find("did you mean glb?"), std::string::npos);

@@ -104,6 +104,30 @@ TEST(Limits, WhatTouchesReadOfAMap) {
     expect_refused(mobile, ErrorCode::BadValue, "contact", 4);
 }
 
+TEST(Limits, UnitAndMaterialAreInRange) {
+    const auto chart = [](std::vector<float> values) {
+        ChartSpec c = grid_chart(3, 3, sheet);
+        c.add("material", ElementType::kF32, {values.size()}, values);
+        return c;
+    };
+    const std::vector<float> good{1e-3f, 200, 0.3f, 1e-3f, 2e4f, 5, 0};
+    const std::vector<float> low{1e-9f, 1e-6f, 0, 0, 0, 1e-6f, 0}, high{1e9f, 1e12f, 0.49f, 1e12f, 1e12f, 1e12f, 1e6f};
+    expect_taken(chart({1}));
+    expect_taken(chart(low));
+    expect_taken(chart(high));
+    for (std::size_t k = 0; k < good.size(); ++k)
+        for (const float bad : {std::nextafter(low[k], -1.0f), beyond(high[k]), -kInfinity, std::nanf("")}) {
+            std::vector<float> values = good;
+            values[k] = bad;
+            expect_refused(chart(values), ErrorCode::BadValue, "material", 4 * k);
+        }
+    std::vector<float> longer = good;
+    longer.push_back(std::nanf(""));  // what later versions put there
+    expect_taken(chart(longer));
+    longer[6] = -1;
+    expect_refused(chart(longer), ErrorCode::BadValue, "material", 24);
+}
+
 TEST(Limits, Kernels) {
     const auto code = [](KernelShape shape, float sigma, float a, float b) {
         KernelOptions k;

@@ -52,7 +52,7 @@ struct Reference {
     [[nodiscard]] std::uint32_t first(std::uint32_t s) const { return p.fine().sample_of[dof(s)]; }
 
     [[nodiscard]] double membrane(const Points& x) const {
-        const double e = p.options.material.membrane, nu = double{p.options.material.poisson};
+        const double e = p.material.membrane, nu = double{p.material.poisson};
         const double mu = e / (2 * (1 + nu)), lambda = e * nu / (1 - nu * nu);
         double sum = 0;
         for (std::size_t k = 0; k < triangles.size(); k += 3) {
@@ -195,14 +195,14 @@ TEST_P(PhysicsModel, ForceIsTheGradientOfTheEnergy) {
 }
 
 TEST_P(PhysicsModel, ARigidMotionMeetsNoForce) {
-    PhysicsOptions options;
-    options.material.foundation = 0;
+    PhysicsOptions options{.material = Material{}};
+    options.material->foundation = 0;
     Body body(chart(), options);
     PhysicsImpl& p = *body.physics.impl();
     const Reference r(p, body.state);
     // A strain of 1 over one step of the grid: floats hold a strain to 1e-6. Turned by a body's length, they hold a
     // place to 1e-8 m, and its second differences weigh that by the bending modulus over the area of a sample.
-    const double scale = double{options.material.membrane} * double{body.state.mean_step()} * 1e-3;
+    const double scale = double{options.material->membrane} * double{body.state.mean_step()} * 1e-3;
     const auto largest = [&] {
         double found = 0;
         for (std::uint32_t s = 0; s < p.total; ++s) found = std::max(found, length(gradient(p, s)));
@@ -239,7 +239,7 @@ TEST_P(PhysicsModel, TheMatrixIsSymmetricAndBoundsTheMembrane) {
 
 TEST_P(PhysicsModel, CyclesConverge) {
     for (const float dt : {1e-3f, 10.0f}) {
-        PhysicsOptions options;
+        PhysicsOptions options{.material = Material{}};
         options.dt = dt;
         Body body(chart(), options);
         PhysicsImpl& p = *body.physics.impl();
@@ -338,8 +338,8 @@ TEST(PhysicsExact, AffineMapsOfAFlatSheetAreInEquilibrium) {
     // Any quads: samples moved about by chance, diagonals by chance. Any stretch, shear and turn.
     std::mt19937 random(11);
     const auto shake = [&] { return double(random() % 1000) / 1000 - 0.5; };
-    PhysicsOptions options;
-    options.material.foundation = 0;
+    PhysicsOptions options{.material = Material{}};
+    options.material->foundation = 0;
     Body body(mixed(grid_chart(14, 17,
                                [&](double i, double j) {
                                    return Point{float(5 * i + 2.4 * shake()), float(4 * j + 1.9 * shake()), 0};
@@ -365,7 +365,7 @@ TEST(PhysicsExact, AffineMapsOfAFlatSheetAreInEquilibrium) {
 TEST(PhysicsExact, CurvatureOfASphere) {
     // Twice mean curvature times area is 2 A / R on a sphere, and A the share of an inscribed polyhedron.
     Body body(sphere_chart(65), [] {
-        PhysicsOptions o;
+        PhysicsOptions o{.material = Material{}};
         o.metres_per_unit = 0.1;
         return o;
     }());
@@ -374,7 +374,7 @@ TEST(PhysicsExact, CurvatureOfASphere) {
     for (std::uint32_t s = 0; s < p.total; ++s) {
         if (p.fine().own[s] == 0) continue;
         height += double{p.height[s]};
-        area += double{p.mass[s]} / double{p.options.material.density};
+        area += double{p.mass[s]} / double{p.material.density};
     }
     EXPECT_NEAR(area, 4 * 3.14159265 * 0.01, 1e-4);
     EXPECT_NEAR(std::fabs(height), 2 * area / 0.1, 0.003 * 2 * area / 0.1);

@@ -47,8 +47,8 @@ std::vector<float> bits_of(const State& state) {
 }
 
 TEST(Physics, PokedBodyKeepsVolumeAndSeamsAndComesBack) {
-    PhysicsOptions options;
-    options.material.viscosity = 2e-3f;
+    PhysicsOptions options{.material = Material{}};
+    options.material->viscosity = 2e-3f;
     Body body(organ_chart(33), options);
     const Triangles triangles(body.state);
     const double before = triangles.volume(body.state);
@@ -89,7 +89,7 @@ TEST(Physics, SameBitsForAnyLoopsAndAgain) {
 
 TEST(Physics, EnergyNeverRisesWithoutWork) {
     for (const float dt : {1e-3f, 1e-2f}) {
-        PhysicsOptions options;
+        PhysicsOptions options{.material = Material{}};
         options.dt = dt;
         Body body(organ_chart(33), options);
         for (int k = 0; k < 40; ++k) {
@@ -110,7 +110,7 @@ TEST(Physics, EnergyNeverRisesWithoutWork) {
 
 TEST(Physics, ForceOnTheToolIsTheSlopeOfTheEnergy) {
     // At rest in contact the work of moving the ball goes into the body: F = dE/dz.
-    PhysicsOptions options;
+    PhysicsOptions options{.material = Material{}};
     options.dt = 0.1f;
     Body body(organ_chart(33), options);
     const auto settle = [&](double depth, double& energy) {
@@ -132,8 +132,8 @@ TEST(Physics, ForceOnTheToolIsTheSlopeOfTheEnergy) {
 }
 
 TEST(Physics, FreeFallIsExact) {
-    PhysicsOptions options;
-    options.material.foundation = 0;
+    PhysicsOptions options{.material = Material{}};
+    options.material->foundation = 0;
     Body body(organ_chart(25), options);
     StepOptions o;
     o.gravity = {0, 0, -9.81f};
@@ -146,9 +146,9 @@ TEST(Physics, FreeFallIsExact) {
 }
 
 TEST(Physics, LiesOnATableWithItsWeight) {
-    PhysicsOptions options;
-    options.material.foundation = 0;
-    options.material.viscosity = 0.01f;
+    PhysicsOptions options{.material = Material{}};
+    options.material->foundation = 0;
+    options.material->viscosity = 0.01f;
     options.dt = 5e-3f;
     Body body(organ_chart(25), options);
     double weight = 0;
@@ -182,10 +182,10 @@ TEST(Physics, LiesOnATableWithItsWeight) {
 
 TEST(Physics, BlownUpSphereHoldsTheEnergyOfItsTension) {
     // Tension T = E t / (1 - nu) e of a sphere stretched by e, as against the pressure 2 T / R: energy T e times area.
-    PhysicsOptions options;
+    PhysicsOptions options{.material = Material{}};
     options.metres_per_unit = 0.1;
-    options.material.foundation = 0;
-    options.material.bending = 0;
+    options.material->foundation = 0;
+    options.material->bending = 0;
     Body body(sphere_chart(65), options);
     std::vector<Pin> pins;
     const PointView rest = body.state.rest_positions();
@@ -203,7 +203,7 @@ TEST(Physics, BlownUpSphereHoldsTheEnergyOfItsTension) {
 TEST(Physics, HangingSheetStretchesAsItsWeightSays) {
     // Top row pinned: length rho g L^2 / (2 E t) more. Narrow, so that the pinned row's lateral hold matters little.
     const double side = 1, modulus = 100, density = 0.2, g = 9.81;
-    PhysicsOptions options;
+    PhysicsOptions options{.material = Material{}};
     options.metres_per_unit = 1;
     options.material = {float(modulus), 0, 0, 0, float(density), 0};
     options.dt = 10;
@@ -223,7 +223,7 @@ TEST(Physics, HangingSheetStretchesAsItsWeightSays) {
 
 TEST(Physics, FlatPunchOnAFoundation) {
     // A plane pressed onto a plane sheet that only the foundation holds: F = kappa A d.
-    PhysicsOptions options;
+    PhysicsOptions options{.material = Material{}};
     options.metres_per_unit = 1e-3;
     options.dt = 1;
     Body body(grid_chart(33, 33, [](double i, double j) { return Point{float(3 * i), float(3 * j), 0}; }), options);
@@ -242,9 +242,9 @@ TEST(Physics, FlatPunchOnAFoundation) {
 
 class Abuse : public testing::TestWithParam<float> {};
 TEST_P(Abuse, EndsFiniteAndBackAtRest) {
-    PhysicsOptions options;
+    PhysicsOptions options{.material = Material{}};
     options.dt = GetParam();
-    options.material.viscosity = 0.01f;
+    options.material->viscosity = 0.01f;
     Body body(organ_chart(33), options);
     const PointView rest = body.state.rest_positions();
     const auto calm = [&](const char* what) {
@@ -361,7 +361,7 @@ TEST(Physics, RefusesByNameAndChangesNothing) {
 
 TEST(Physics, CreateRefusesByName) {
     const State state = make_state(organ_chart(25));
-    PhysicsOptions good;
+    PhysicsOptions good{.material = Material{}};
     good.metres_per_unit = 1e-3;
     const auto code = [&](const PhysicsOptions& o) {
         const auto made = Physics::create(state, o);
@@ -376,11 +376,11 @@ TEST(Physics, CreateRefusesByName) {
                                    &Material::density, &Material::viscosity})
         for (const float v : {nan, -1.0f, 1e20f}) {
             o = good;
-            o.material.*field = v;
+            (*o.material).*field = v;
             EXPECT_EQ(code(o), ErrorCode::BadArgument) << v;
         }
     o = good;
-    o.material.bending = 1e3f;  // bends over 2 m, the body has 0.2 m
+    o.material->bending = 1e3f;  // bends over 2 m, the body has 0.2 m
     EXPECT_EQ(code(o), ErrorCode::LimitExceeded);
     o = good;
     o.max_bytes = 1000;
@@ -396,6 +396,48 @@ TEST(Physics, CreateRefusesByName) {
     EXPECT_TRUE(Physics::create(three, good).ok());
 }
 
+ChartSpec with_material(ChartSpec chart, std::vector<float> values) {
+    chart.add("material", ElementType::kF32, {values.size()}, values);
+    return chart;
+}
+
+TEST(Physics, TakesUnitAndMaterialOfTheFile) {
+    const Material soft{150, 0.25f, 5e-4f, 1e4f, 4, 1e-3f};
+    const std::vector<float> stored{1e-2f, 150, 0.25f, 5e-4f, 1e4f, 4, 1e-3f};
+    const State state = make_state(with_material(organ_chart(17), stored));
+    EXPECT_EQ(stored_material(state).metres_per_unit, double{1e-2f});
+    EXPECT_EQ(stored_material(state).material, soft);
+    const auto pressed = [](const ChartSpec& chart, const PhysicsOptions& options) {
+        State of = make_state(chart);
+        auto physics = Physics::create(of, options);
+        EXPECT_TRUE(physics.ok()) << physics.error().message;
+        StepOptions o;
+        o.gravity = {0, 0, -9};
+        for (int k = 0; k < 5; ++k) EXPECT_TRUE(step(of, physics.value(), o).ok());
+        return bits_of(of);
+    };
+    PhysicsOptions named{.material = soft};
+    named.metres_per_unit = double{1e-2f};
+    EXPECT_EQ(pressed(with_material(organ_chart(17), stored), {}), pressed(organ_chart(17), named));
+    EXPECT_EQ(pressed(with_material(organ_chart(17), {1e-2f}), {.material = soft}), pressed(organ_chart(17), named));
+    // What the options name goes before.
+    const std::vector<float> other{5e-3f, 999, 0, 0, 0, 9, 0};
+    EXPECT_EQ(pressed(with_material(organ_chart(17), other), named), pressed(organ_chart(17), named));
+    const State unit_only = make_state(with_material(organ_chart(17), {1e-3f}));
+    EXPECT_FALSE(stored_material(unit_only).material);
+    EXPECT_TRUE(Physics::create(unit_only, {}).ok());
+    const State silent = make_state(organ_chart(17));
+    EXPECT_EQ(stored_material(silent).metres_per_unit, 0);
+    EXPECT_EQ(Physics::create(silent, {}).error().code, ErrorCode::Unsupported);
+    // Bends over 2.6 m; the body has 0.2 m in millimetres, 2 m in centimetres, 210 m in metres.
+    for (const auto& [unit, code] : {std::pair{1e-3f, ErrorCode::LimitExceeded},
+                                     std::pair{1e-2f, ErrorCode::LimitExceeded}, std::pair{1.0f, ErrorCode::Ok}}) {
+        const State stiff = make_state(with_material(organ_chart(17), {unit, 150, 0, 1e3f, 0, 4, 0}));
+        const auto made = Physics::create(stiff, {});
+        EXPECT_EQ(made.ok() ? ErrorCode::Ok : made.error().code, code) << unit;
+    }
+}
+
 TEST(Physics, TheLimitOfMemoryIsThatOfItsUse) {
     struct Use {
         std::size_t now = 0, most = 0;
@@ -404,9 +446,9 @@ TEST(Physics, TheLimitOfMemoryIsThatOfItsUse) {
                                    grid_chart(65, 17, sheet)}) {
         const State state = make_state(chart);
         Use use;
-        PhysicsOptions o;
+        PhysicsOptions o{.material = Material{}};
         o.metres_per_unit = 1e-3;
-        o.material.viscosity = 1e-3f;
+        o.material->viscosity = 1e-3f;
         o.allocator.user = &use;
         o.allocator.allocate = [](void* user, std::size_t bytes, std::size_t alignment) {
             Use& u = *static_cast<Use*>(user);
@@ -445,8 +487,8 @@ TEST(Physics, PinnedSamplesAndAllTheirCopiesStayWhereTheyAreAndComeFree) {
 }
 
 TEST(Physics, GraspedSamplesFollowTheToolAndLetGo) {
-    PhysicsOptions options;
-    options.material.viscosity = 2e-3f;
+    PhysicsOptions options{.material = Material{}};
+    options.material->viscosity = 2e-3f;
     Body body(organ_chart(33), options);
     ToolInput in;
     in.kind = ToolKind::Grasp;

@@ -88,6 +88,8 @@ inline model::Chart tube_chart() {
     layers.push_back(make_layer<float>("cover", ElementType::kF32, {m, n}, cover));
     layers.push_back(make_layer<float>("deformation", ElementType::kF32, {m, n, 4}, deformation));
     layers.push_back(make_layer<float>("contact", ElementType::kF32, {m, n, 2}, contact));
+    layers.push_back(make_layer<float>("material", ElementType::kF32, {7}, {1e-3f, 200, 0.3f, 1e-3f, 2e4f, 5, 0}));
+    layers.front().attributes["metres_per_unit"] = std::vector<double>{1e-3};
     layers.push_back(make_layer<std::uint32_t>("seams", ElementType::kU32, {m, 2}, seams));
     layers.push_back(make_layer<std::uint8_t>("diagonals", ElementType::kU8, {m - 1, n - 1},
                                               std::vector<std::uint8_t>((m - 1) * (n - 1), 1)));

@@ -86,6 +86,24 @@ const std::vector<Breakage> kValueBreakages{
     {"far_sample", set<float>(0, "geometry", 3 * (5 * n + 3) + 1, -2e18f), {"DGM2007 /charts/0/geometry[5][3][1]"}},
     {"far_border_sample", set<float>(1, "border_geometry", 0, 2e18f), {"DGM2007 /charts/1/border_geometry[0][0]"}},
     {"mobility_above_one", set<float>(0, "contact", 1, 1.5f), {"DGM2007 /charts/0/contact[0][0][1]"}},
+    {"unit_zero",
+     set<float>(0, "material", 0, 0.f),
+     {"DGM2007 /charts/0/material[0]", "DGM1013 /charts/0/geometry@metres_per_unit"}},
+    {"unit_of_attribute", set<float>(0, "material", 0, 1e-2f), {"DGM1013 /charts/0/geometry@metres_per_unit"}},
+    {"poisson_beyond", set<float>(0, "material", 2, 0.5f), {"DGM2007 /charts/0/material[2]"}},
+    {"no_density", set<float>(0, "material", 5, 0.f), {"DGM2007 /charts/0/material[5]"}},
+    {"nan_viscosity", set<float>(0, "material", 6, kNan), {"DGM2003 /charts/0/material[6]"}},
+    {"no_material", drop(0, "material"), {"DGM1013 /charts/0/geometry@metres_per_unit"}},
+    {"no_unit_attribute",
+     [](MapSet& m) { m.charts[0].find("geometry")->attributes.erase("metres_per_unit"); },
+     {"DGM1013 /charts/0/geometry@metres_per_unit"}},
+    {"half_a_material",
+     [](MapSet& m) {
+         model::Layer& layer = *m.charts[0].find("material");
+         layer.shape = {3};
+         layer.bytes.resize(12);
+     },
+     {"DGM2002 /charts/0/material"}},
     {"border_uv_outside", set<float>(1, "border_uv", 1, 1.25f), {"DGM2007 /charts/1/border_uv[0][1]"}},
     {"torn_seam", set<float>(0, "geometry", 3 * (4 * n + 10), 0.4999f), {"DGM2004 /charts/0/geometry"}},
     // One unit in the last place is a gap as well; the boxes allow for it.

@@ -43,6 +43,9 @@ TEST(WorkerProtocol, JobComesBack) {
     job.options.shape_rings = true;
     job.options.max_error = ErrorGoal{0.1 + 0.2, false, ErrorKind::kHausdorff};
     job.options.budget_bytes = 262144;
+    job.options.metres_per_unit = 0.0254;
+    job.options.material_file = "folder/m.toml";
+    job.options.material = Material{200, 0.25f, 0.1f, 3e4f, 5, 1e-3f};
     const WorkerJob back = decode_job(encode(job));
     EXPECT_EQ(back.source, job.source);
     EXPECT_EQ(back.dgm, job.dgm);
@@ -70,7 +73,11 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_EQ(back.options.max_error, job.options.max_error);
     EXPECT_EQ(back.options.budget_bytes, job.options.budget_bytes);
     EXPECT_EQ(back.options.scratch, job.dgm);  // searched sizes are written where the file will be
+    EXPECT_EQ(back.options.metres_per_unit, 0.0254);
+    EXPECT_EQ(back.options.material, job.options.material);
+    EXPECT_EQ(back.options.material_file, job.options.material_file);
     EXPECT_FALSE(decode_job(encode(WorkerJob{})).options.max_error);
+    EXPECT_FALSE(decode_job(encode(WorkerJob{})).options.material);
 }
 
 TEST(WorkerProtocol, MessagesComeBack) {
