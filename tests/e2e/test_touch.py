@@ -153,6 +153,12 @@ class Touch(unittest.TestCase):
         page = self.page()
         page.rest()
         before = page.run("dgmPage.painter.uploaded")
+        # Nor is the surface drawn while the pointer only goes over it.
+        frames = page.run("dgmPage.frames")
+        for k in range(5):
+            page.mouse("mouseMoved", MIDDLE[0] + k, MIDDLE[1], buttons=0)
+        page.wait("document.getElementById('readout').textContent && !dgmPage.waiting")
+        self.assertEqual(page.run("dgmPage.frames"), frames)
         page.run("dgmPage.camera.turn(.3, 0); dgmPage.wake()")
         page.wait("!dgmPage.waiting")
         self.assertEqual(page.run("dgmPage.painter.uploaded"), before)

@@ -15,7 +15,7 @@ class Scene {
     this.canvas = $("view"), this.over = $("over");
     this.soft = softDrawing();
     this.painter = new Painter(this.canvas, this.soft);
-    Object.assign(this, { maps: [], paths: [], assets: [], bodies: [], camera: new Camera(), number: 0, cover: -1, fabric: -1, diagonal: 1, coarse: 0, pace: 24, untried: true, drawing: null, owed: false, waiting: false, obstacle: null, calming: 0, last: 0, frames: 0, marked: null });
+    Object.assign(this, { maps: [], paths: [], assets: [], bodies: [], camera: new Camera(), number: 0, cover: -1, fabric: -1, diagonal: 1, coarse: 0, pace: 24, untried: true, drawing: null, owed: false, stale: true, waiting: false, obstacle: null, calming: 0, last: 0, frames: 0, marked: null });
     this.hand = new Hand(this);
     this.physics = new Physics(this);
     this.recorder = new Recorder(this);
@@ -254,9 +254,11 @@ class Scene {
       dgm.touch_normals(body.handle);
     }
     this.panel.volume(words.join("\n"));
-    this.meetAgain = false;
+    this.meetAgain = false, this.stale = true;
   }
-  wake() {
+  // `over`: the surface is as it was, and only what is over it changes.
+  wake(over = false) {
+    this.stale = this.stale || !over;
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame((now) => this.guard(() => this.frame(now)));
@@ -297,43 +299,47 @@ class Scene {
   }
   paint(now, moving) {
     if (!this.painter.gl) return;
-    if (this.drawing) return void (this.owed = true, this.canvas.dataset.resting = "false");
-    this.owed = false;
-    for (const canvas of [this.canvas, this.over]) {
-      const dots = Math.min(2, window.devicePixelRatio || 1), w = Math.max(2, Math.round(canvas.clientWidth * dots)), h = Math.max(2, Math.round(canvas.clientHeight * dots));
-      if (canvas.width !== w || canvas.height !== h) canvas.width = w, canvas.height = h;
+    if (this.stale || moving) {
+      if (this.drawing && !(moving && this.drawing.resting)) return void (this.owed = true, this.canvas.dataset.resting = "false");
+      this.paintSurface(moving);
     }
-    const began = performance.now(), coarse = moving && this.soft ? this.coarse : 0;
-    for (const body of this.bodies) body.upload();
-    this.draw(2 ** coarse, coarse > 0);
-    if (this.soft) this.follow(moving);
-    this.spent = performance.now() - began;
-    clearTimeout(this.later);
-    if (coarse > 0 && !this.running) this.later = setTimeout(() => this.wake(), 300);
     this.drawOver();
     // Words and strip are read, not watched: each time the browser lays out and draws the form anew.
     if (!moving || !(now - this.told < 80)) this.panel.felt(this.told = now);
     const hit = this.keys.hover && !this.hand.strokes.length ? this.pick(this.keys.hover) : null;
     if (this.keys.hover) this.panel.readout(hit);
+  }
+  paintSurface(moving) {
+    this.stale = this.owed = false;
+    for (const canvas of [this.canvas, this.over]) {
+      const dots = Math.min(2, window.devicePixelRatio || 1), w = Math.max(2, Math.round(canvas.clientWidth * dots)), h = Math.max(2, Math.round(canvas.clientHeight * dots));
+      if (canvas.width !== w || canvas.height !== h) canvas.width = w, canvas.height = h;
+    }
+    const coarse = moving && this.soft ? this.coarse : 0;
+    for (const body of this.bodies) body.upload();
+    this.draw(2 ** coarse, coarse > 0);
+    if (this.soft) this.follow(moving);
+    clearTimeout(this.later);
+    if (coarse > 0 && !this.running) this.later = setTimeout(() => this.wake(), 300);
     ++this.frames;
     Object.assign(this.canvas.dataset, { frames: this.frames, uploaded: this.painter.uploaded, resting: String(!moving) });
   }
-  // Where a processor draws, one picture at a time: those that wait behind it would be seen too late. Vertices cost most, so what
-  // moves is drawn with fewer triangles, as many as the time of the last ones allows, and all of them once it rests. The first
-  // picture, which rests, says where to begin.
+  // Where a processor draws, one picture at a time, and the first that moves behind one that rests: others that wait would be seen
+  // too late. Vertices cost most, so what moves is drawn with fewer triangles, as many as the time of the last ones allows, and all
+  // of them once it rests. The first picture, which rests, says where to begin.
   follow(moving) {
     const { gl } = this.painter, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), began = performance.now();
-    const mine = this.drawing = {}, look = () => {
+    const alone = !this.drawing, mine = this.drawing = { resting: !moving }, look = () => {
       if (this.drawing !== mine) return; // of a card that is gone
       if (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(look, 2);
       gl.deleteSync(fence);
       this.drawing = null;
       const took = performance.now() - began, way = (ms) => (ms > 75 ? 2 : ms > 35 ? 1 : 0);
-      if (moving) {
+      if (moving && alone) {
         this.pace += (took > this.pace ? .5 : .1) * (took - this.pace);
         const by = way(this.pace) || (this.pace < 12 ? -1 : 0);
         if (by) this.coarse = clamp(this.coarse + by, 0, 3), this.pace = 24;
-      } else if (this.untried) this.coarse = way(took) + way(took / 4), this.untried = false;
+      } else if (!moving && this.untried) this.coarse = way(took) + way(took / 4), this.untried = false;
       if (this.owed) this.wake();
     };
     gl.flush();
