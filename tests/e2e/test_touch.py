@@ -368,6 +368,17 @@ class Touch(unittest.TestCase):
         page.shot(SCREENSHOTS / "touch_lean.png")
         self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
 
+    def test_a_press_beside_an_obstacle_ends_when_it_is_let_go(self):
+        page = self.page("#size=60")
+        page.run("""document.getElementById('obstacle').value = 'plane'; document.getElementById('height').value = 200; dgmPage.setObstacle()""")
+        page.wait("!dgmPage.meetAgain")
+        page.rest()
+        before = self.places(page)
+        self.hold(page, MIDDLE, .4)
+        self.assertGreater(float(numpy.abs(self.places(page) - before).max()), .1)
+        self.let_go(page, MIDDLE)
+        numpy.testing.assert_array_equal(self.places(page), before)
+
     def test_an_obstacle_that_goes_through_is_refused(self):
         page = self.page()
         rest = self.places(page)

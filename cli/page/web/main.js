@@ -274,6 +274,10 @@ class Scene {
     }
     const worked = this.hand.advance(seconds), played = this.recorder.advance(seconds), busy = worked || played;
     if (busy && this.cover >= 0) this.calming = kCalming;
+    // Beside an obstacle nothing fades: what is let go is pressed anew from where it rests.
+    const pressing = busy || this.hand.strokes.length > 0;
+    this.meetAgain = this.meetAgain || (this.obstacle !== null && this.pressed && !pressing);
+    this.pressed = pressing;
     this.fading = !this.obstacle && !this.hand.strokes.length && !played && this.relax(seconds);
     if (this.meetAgain || ((this.obstacle || this.cover >= 0) && (busy || this.fading))) this.meet(busy || this.fading || this.hand.strokes.length > 0);
     this.running = this.hand.strokes.length > 0 || played || this.fading;
