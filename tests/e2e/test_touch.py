@@ -153,11 +153,17 @@ class Touch(unittest.TestCase):
         page = self.page()
         page.rest()
         before = page.run("dgmPage.painter.uploaded")
+        # Nor is the surface drawn while the pointer only goes over it.
+        frames = page.run("dgmPage.frames")
+        for k in range(5):
+            page.mouse("mouseMoved", MIDDLE[0] + k, MIDDLE[1], buttons=0)
+        page.wait("document.getElementById('readout').textContent && !dgmPage.waiting")
+        self.assertEqual(page.run("dgmPage.frames"), frames)
         page.run("dgmPage.camera.turn(.3, 0); dgmPage.wake()")
         page.wait("!dgmPage.waiting")
         self.assertEqual(page.run("dgmPage.painter.uploaded"), before)
-        self.hold(page, MIDDLE, .3)
-        self.assertGreater(page.run("dgmPage.painter.uploaded"), before)
+        self.hold(page, MIDDLE, 0)
+        page.wait(f"dgmPage.painter.uploaded > {before}")
         self.let_go(page, MIDDLE)
 
     def test_picks_what_the_runtime_picks(self):
@@ -247,6 +253,42 @@ class Touch(unittest.TestCase):
         self.assertLess(depth, 0)
         self.let_go(page, (362, 190))
 
+    # Presses, pulls and pokes at each place given, for 50 frames that take no time; says where that does not move the place as far as
+    # it was asked, moves seam copies apart, or does not end at rest.
+    EVERYWHERE = """((places, reaches) => {
+      dgmPage.wake = () => {};
+      const [body] = dgmPage.bodies, { hand, diagonal } = dgmPage, plus = (a, b, s) => a.map((x, c) => x + s * b[c]), dot = (a, b) => a.reduce((sum, x, c) => sum + x * b[c], 0);
+      const bits = () => body.copy().map((array) => new Uint32Array(array.buffer).reduce((h, x) => Math.imul(h, 31) + x | 0, 0)).join();
+      const rest = bits(), wrong = [];
+      let tried = 0;
+      for (const s of places) {
+        const n = body.normalAt(s), hit = body.pickLocal(plus(body.place(s), n, .02 * diagonal), n.map((x) => -x));
+        for (const [size, depth] of hit ? reaches : [])
+          for (const [kind, invert] of [["push", false], ["push", true], ["poke", false], ["poke", true], ["pull", false]]) {
+            const far = depth * size * diagonal, stroke = hand.begin(hit, kind, { size: size * diagonal, depth: far, lasting: false, invert });
+            if (kind === "pull") stroke.pull = hit.normal.map((x) => x * far);
+            for (let frame = 0; frame < 50; ++frame) hand.advance(1 / 60);
+            const c = hit.sample, moved = body.place(c).map((x, k) => x - body.base[k][c]), wanted = (kind === "pull" || stroke.outward ? 1 : -1) * Math.min(far, stroke.most);
+            const done = Math.max(...[moved, stroke.moved].map((way) => dot(way, stroke.normal) / wanted));
+            ++tried;
+            if (!(done > .35 && done < 1.3) || body.torn()) wrong.push([s, kind, invert, size, done]);
+            hand.reset();
+            if (bits() !== rest) wrong.push([s, kind, invert, size, "not at rest"]);
+          }
+      }
+      return [tried, wrong]; })(%s, %s)"""
+
+    def test_tools_work_at_seams_tips_and_limbs(self):
+        page = self.page()
+        page.rest()
+        # Along the grid's border, which is the seam; the ends along the axes; and at random.
+        rest, draw, side = self.places(page), random.Random(3), 65
+        at = {*range(0, side, 4), *range((side - 1) * side, side * side, 4), *range(0, side * side, 4 * side), *range(side - 1, side * side, 4 * side)}
+        at |= {int(k) for row in rest for k in (row.argmin(), row.argmax())} | {draw.randrange(side * side) for _ in range(40)}
+        tried, wrong = page.run(self.EVERYWHERE % (sorted(at), [[.03, 1], [.08, 1.2], [.2, 1.2]]))
+        self.assertGreater(tried, 1200)
+        self.assertEqual(wrong, [])
+
     def test_control_turns_a_push_outwards(self):
         page = self.page()
         depth = []
@@ -326,6 +368,31 @@ class Touch(unittest.TestCase):
         page.shot(SCREENSHOTS / "touch_lean.png")
         self.assertEqual(page.run("dgmPage.bodies[0].torn()"), 0)
 
+    def test_a_press_beside_an_obstacle_ends_when_it_is_let_go(self):
+        page = self.page("#size=60")
+        page.run("""document.getElementById('obstacle').value = 'plane'; document.getElementById('height').value = 200; dgmPage.setObstacle()""")
+        page.wait("!dgmPage.meetAgain")
+        page.rest()
+        before = self.places(page)
+        self.hold(page, MIDDLE, .4)
+        self.assertGreater(float(numpy.abs(self.places(page) - before).max()), .1)
+        self.let_go(page, MIDDLE)
+        numpy.testing.assert_array_equal(self.places(page), before)
+
+    def test_an_obstacle_that_goes_through_is_refused(self):
+        page = self.page()
+        rest = self.places(page)
+        # A bar through the whole body, which would burst beside it; a table that swallows it; and a bar that only presses.
+        for kind, height, lean, across, deep in (("capsule", 500, 0, 0, True), ("plane", 500, -1000, -500, True), ("capsule", 300, 0, 0, False)):
+            page.run(f"""for (const [id, value] of [["obstacle", "{kind}"], ["height", {height}], ["lean", {lean}], ["across", {across}]]) document.getElementById(id).value = value;
+                dgmPage.setObstacle()""")
+            page.wait("!dgmPage.meetAgain")
+            page.rest()
+            words, places = page.run("document.getElementById('volume').textContent"), self.places(page)
+            self.assertEqual(words == "too deep: it goes through", deep, words)
+            self.assertEqual((places == rest).all(), deep)
+            self.assertLess(float(numpy.linalg.norm(places - rest, axis=0).max()), .3 * page.run("dgmPage.diagonal"))
+
     def test_gamepads_shake_with_the_force(self):
         page = self.page()
         page.run("""window.felt = []; navigator.getGamepads = () => [null, { vibrationActuator: { playEffect: (kind, how) => {
@@ -402,6 +469,9 @@ class Touch(unittest.TestCase):
         page.run("window.minus3 = (a, b) => a.map((x, k) => x - b[k]), window.plus3 = (a, b) => a.map((x, k) => x + b[k]), 1")
         page.rest()
         self.assertEqual(page.run("[dgmPage.number, dgmPage.cover, document.getElementById('map').value, document.getElementById('cover').value]"), [0, 1, "0", "1"])
+        # At rest the cover lies as it was made: no sample of it is taken for one inside of the cushion.
+        page.run("dgmPage.meet(false)")
+        self.assertLess(page.run(self.MOVED % 1), .005 * page.run("dgmPage.diagonal"))
         rest = page.shot(clip=STAGE)
         bits = page.run("dgmPage.bodies.map((b) => b.copy().map((a) => a.reduce((h, v, k) => h + v * (k % 97 + 1), 0)))")
         # The cover is what one sees, and takes up the pointer; what it lies on gives way as far.
@@ -444,6 +514,68 @@ class Touch(unittest.TestCase):
         self.assertEqual(page.run("dgmPage.bodies.map((b) => b.copy().map((a) => a.reduce((h, v, k) => h + v * (k % 97 + 1), 0)))"), bits)
         page.run("(() => { const cover = document.getElementById('cover'); cover.value = '-1'; cover.dispatchEvent(new Event('change')); })()")
         page.wait("dgmPage.bodies.length === 1")
+
+    def test_fabrics_are_swapped(self):
+        meshes.write_obj(self.folder / "bare.obj", meshes.sheet(8))
+        run(support.BAKE, self.folder / "bare.obj", "--size", "17", "--fit", "sample", "-q", "--progress", "none", "-o", self.folder / "bare.dgm")
+        source = Path(support.SAMPLES) / "stomach" / "stomach_denim.obj"
+        run(support.BAKE, source, "--size", "33", "--fit", "sample", "-q", "--progress", "none", "-o", self.folder / "denim.dgm")
+        run(support.EXPORT, *(self.folder / name for name in (MAP, "denim.dgm", "bare.dgm")), "--up", "z", "-o", self.folder / "fabrics.html")
+        page = self.page("#size=60", name="fabrics.html")
+        page.rest()
+        self.assertEqual(page.run("[...document.getElementById('fabric').options].map((o) => o.text)"), ["its own", "stomach", "denim"])
+        page.run("document.getElementById('lasting').checked = true")
+        self.hold(page, MIDDLE, .4)
+        self.let_go(page, MIDDLE)
+        own, bits = page.shot(clip=STAGE).astype(int), self.places(page)
+        put = "(() => { const f = document.getElementById('fabric'); f.value = '%d'; f.dispatchEvent(new Event('change')); })()"
+        page.run(put % 1)
+        page.wait("dgmPage.fabric === 1")
+        page.rest()
+        seen = page.shot(SCREENSHOTS / "touch_fabric.png", clip=STAGE).astype(int)
+        # Red as flesh before, blue as denim now; what was pressed stays pressed.
+        body = (slice(MIDDLE[1] - 100, MIDDLE[1] + 100), slice(MIDDLE[0] - 40, MIDDLE[0] + 40))
+        self.assertGreater(float((own[body][..., 0] - own[body][..., 2]).mean()), 20)
+        self.assertLess(float((seen[body][..., 0] - seen[body][..., 2]).mean()), -5)
+        numpy.testing.assert_array_equal(self.places(page), bits)
+        page.run("document.getElementById('link').click()")
+        self.assertIn("&fabric=1", page.run("location.href"))
+        page.run(put % -1)
+        page.wait("dgmPage.fabric === -1")
+        page.rest()
+        numpy.testing.assert_array_equal(page.shot(clip=STAGE).astype(int), own)
+        # A bare map wears what others have; a map that was dropped without a picture gives none, and says so.
+        page.run("dgmPage.choose(2)")
+        page.wait("dgmPage.number === 2 && document.getElementById('look').value === 'clay'")
+        page.run(put % 0)
+        page.wait("dgmPage.fabric === 0 && document.getElementById('look').value === 'texture'")
+        page.run(f"""(async () => {{ const bytes = Uint8Array.from(atob({json.dumps(base64.b64encode((self.folder / "bare.dgm").read_bytes()).decode())}), (c) => c.charCodeAt(0));
+            await dgmPage.drop.take([new File([bytes], 'none.dgm')]); await dgmPage.choose(0); }})()""")
+        page.run(put % 3)
+        self.assertIn("none has no picture", page.wait("!document.getElementById('message').hidden && document.getElementById('message').textContent"))
+        self.assertEqual(page.run("[dgmPage.fabric, document.getElementById('fabric').value]"), [-1, "-1"])
+        page = self.page("#map=0&fabric=1", name="fabrics.html")
+        self.assertEqual(page.run("[dgmPage.fabric, document.getElementById('fabric').value]"), [1, "1"])
+
+    def test_a_lost_card_is_made_good(self):
+        page = self.page("#size=60")
+        page.run("document.getElementById('lasting').checked = true; document.getElementById('obstacle').value = 'ball'; dgmPage.setObstacle()")
+        self.hold(page, MIDDLE, .4)
+        self.let_go(page, MIDDLE)
+        picture, bits = page.shot(clip=STAGE), self.places(page)
+        page.run("window.card = dgmPage.painter.gl.getExtension('WEBGL_lose_context'); card.loseContext()")
+        page.wait("dgmPage.painter.gl.isContextLost()")
+        # Pressed and taken back while nothing can be seen.
+        page.mouse("mousePressed", *MIDDLE)
+        page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.strokes[0].holding")
+        page.mouse("mouseReleased", *MIDDLE)
+        page.mouse("mouseMoved", *BESIDE, buttons=0)
+        page.run("document.getElementById('undo').click()")
+        page.run("card.restoreContext()")
+        page.wait("!dgmPage.painter.gl.isContextLost() && dgmPage.bodies[0].picture")
+        page.rest()
+        numpy.testing.assert_array_equal(self.places(page), bits)
+        numpy.testing.assert_array_equal(page.shot(clip=STAGE), picture)
 
     def test_lists_show_what_a_script_chooses(self):
         (self.folder / "second.dgm").write_bytes((self.folder / MAP).read_bytes())

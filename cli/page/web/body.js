@@ -30,7 +30,14 @@ class Body {
     if (this.picture) gl.deleteTexture(this.picture.texture);
   }
   arrays() { return [...this.places, ...this.normals].map((at) => floats(at, this.count)); }
-  copy() { return this.places.map((at) => floats(at, this.count).slice()); }
+  copy(arrays = this.places) { return arrays.map((at) => floats(at, this.count).slice()); }
+  // How far a sample moved at most.
+  farthest([x, y, z]) {
+    const [u, v, w] = this.places.map((at) => floats(at, this.count));
+    let most = 0;
+    for (let s = 0; s < this.count; ++s) most = Math.max(most, (u[s] - x[s]) ** 2 + (v[s] - y[s]) ** 2 + (w[s] - z[s]) ** 2);
+    return Math.sqrt(most);
+  }
   place(sample) { return this.places.map((at) => floats(at, this.count)[sample]); }
   // Places in the picture: along columns, then along rows.
   uvs() {
@@ -142,18 +149,6 @@ class Body {
     const point = plus(plus(scaled(p, hit.weights[0]), q, hit.weights[1]), r, hit.weights[2]);
     const normal = unit(cross(minus(q, p), minus(r, p)));
     return { point, normal: dot(normal, hit.normal) < 0 ? scaled(normal, -1) : normal };
-  }
-  // How far the other side is below a place: at most the diagonal.
-  thickness(point, normal, most) {
-    const step = 1e-4 * most;
-    for (let depth = step, k = 0; k < 4; ++k) {
-      const hit = this.pickLocal(plus(point, normal, -depth), scaled(normal, -1));
-      if (!hit) break;
-      depth += hit.distance;
-      if (!hit.front) return depth; // the dent of this very stroke faces the tool
-      depth += step;
-    }
-    return most;
   }
   normalAt(sample) { return this.normals.map((at) => floats(at, this.count)[sample]); }
   // Uploads what moved. Bytes.

@@ -49,7 +49,11 @@ class Painter {
     if (!this.gl) return;
     this.canvas = canvas;
     this.uploaded = 0; // bytes
-    const gl = this.gl;
+    this.begin();
+  }
+  // What every picture needs.
+  begin() {
+    const { gl } = this;
     this.program = gl.createProgram();
     for (const [type, source] of [[gl.VERTEX_SHADER, kSurfaceVertex], [gl.FRAGMENT_SHADER, kSurfaceFragment]]) {
       const shader = gl.createShader(type);

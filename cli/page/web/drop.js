@@ -22,7 +22,7 @@ class Drop {
     await this.scene.guard(async () => {
       if (file.size > kMostBytes) throw new Error("The file has " + Math.round(file.size / 2 ** 20) + " MB; this page takes " + (kMostBytes >> 20) + ".");
       const bytes = new Uint8Array(await file.arrayBuffer());
-      await this.scene.add({ name: file.name.replace(/\.dgm$/i, ""), bytes: async () => bytes, pictures: [] });
+      await this.scene.add({ name: file.name.replace(/\.dgm$/i, ""), bytes: async () => bytes, pictures: [], dropped: true });
     });
   }
 }

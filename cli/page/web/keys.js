@@ -11,7 +11,7 @@ class Keys {
     on("pointerdown", (e) => this.down(e));
     on("pointermove", (e) => this.move(e));
     for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) on(name, (e) => this.up(e));
-    on("pointerleave", () => { this.hover = null; scene.wake(); });
+    on("pointerleave", () => { this.hover = null; scene.wake(true); });
     on("contextmenu", (e) => e.preventDefault());
     on("dblclick", (e) => { if (!scene.pick(this.at(e))) scene.home(); });
     on("wheel", (e) => this.wheel(e), { passive: false });
@@ -66,7 +66,7 @@ class Keys {
     if (this.modal) return this.adjust(at);
     if (!pointer) {
       this.hover = at;
-      return scene.wake();
+      return scene.wake(true);
     }
     const dx = at[0] - pointer.at[0], dy = at[1] - pointer.at[1], aspect = scene.aspect();
     const others = [...this.pointers.values()].filter((p) => p !== pointer && p.role !== "tool");

@@ -4,6 +4,7 @@
 const kSwatch = { clay: [.84, .75, .68], seam: [.84, .118, .141], border: [.094, .345, .769], grid: [.2, .21, .25], solid: [.55, .6, .68] };
 
 const kCloth = 24; // rounds of smoothing of a cover that is pressed, as samples/sit_on_cushion has them
+const kKept = 1e-3; // of the volume that an obstacle removes: what comes out again may differ by that
 const kCalming = 1.2; // seconds in which a pressed pair springs back to a ten millionth
 
 // Where the address is: a page in a frame has none of its own.
@@ -14,7 +15,7 @@ class Scene {
     this.canvas = $("view"), this.over = $("over");
     this.soft = softDrawing();
     this.painter = new Painter(this.canvas, this.soft);
-    Object.assign(this, { maps: [], paths: [], assets: [], bodies: [], camera: new Camera(), number: 0, cover: -1, diagonal: 1, coarse: 0, pace: 28, waiting: false, obstacle: null, calming: 0, last: 0, before: -1e9, frames: 0, marked: null });
+    Object.assign(this, { maps: [], paths: [], assets: [], bodies: [], camera: new Camera(), number: 0, cover: -1, fabric: -1, diagonal: 1, coarse: 0, pace: 24, untried: true, drawing: null, owed: false, stale: true, waiting: false, obstacle: null, calming: 0, last: 0, frames: 0, marked: null });
     this.hand = new Hand(this);
     this.physics = new Physics(this);
     this.recorder = new Recorder(this);
@@ -23,6 +24,9 @@ class Scene {
     this.panel = new Panel(this);
     this.keys = new Keys(this, this.canvas);
     this.drop = new Drop(this);
+    // A browser may take the card away, and give another one.
+    this.canvas.addEventListener("webglcontextlost", (e) => e.preventDefault());
+    this.canvas.addEventListener("webglcontextrestored", () => this.guard(() => this.restore()));
     new ResizeObserver(() => this.wake()).observe($("stage"));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.wake());
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
@@ -51,7 +55,9 @@ class Scene {
     const options = () => this.maps.map((map, k) => new Option(map.name, String(k)));
     $("map").replaceChildren(...options()), $("cover").replaceChildren(new Option("none", "-1"), ...options());
     $("map").value = String(this.number), $("cover").value = String(this.cover);
-    $("cover-row").hidden = this.maps.length < 2;
+    $("fabric").replaceChildren(new Option("its own", "-1"), ...options().filter((_, k) => this.maps[k].dropped || this.maps[k].pictures.length));
+    $("fabric").value = String(this.fabric);
+    $("cover-row").hidden = this.maps.length < 2, $("fabric-row").hidden = this.maps.length < 2 || $("fabric").options.length < 2;
   }
   // The bodies of a map, each chart one.
   async open(map, asset, middle, cover) {
@@ -92,7 +98,7 @@ class Scene {
     this.recorder.list(this.paths, this.maps, number);
     this.bodies.forEach((body) => body.close());
     this.assets.forEach((asset) => asset.close());
-    Object.assign(this, { assets, bodies, number, cover, low, high, middle });
+    Object.assign(this, { assets, bodies, number, cover, fabric: -1, low, high, middle });
     const under = bodies.filter((body) => !body.cover);
     bodies.forEach((body, index) => Object.assign(body, { index, under: body.cover ? under : [] }));
     this.listMaps();
@@ -123,6 +129,42 @@ class Scene {
   }
   // Thickness of a cover's cloth: it is drawn as far out, and what is under it is drawn twice as far in.
   get cloth() { return this.cover < 0 ? 0 : .0045 * this.diagonal; }
+  // Puts the pictures of another map on what is seen, chart by chart, whatever is done to its shape. -1: its own.
+  async dress(fabric) {
+    const map = this.maps[fabric], seen = this.bodies.filter((body) => body.cover === (this.cover >= 0)), pictures = [];
+    const asset = map && !map.pictures.length ? new Asset(await map.bytes()) : null;
+    try {
+      for (const { number, chart, map: own } of seen) {
+        const other = asset ? asset.charts[number] : { layers: {} }, picture = await this.pictureOf(map || own, { number, chart: map ? other || { layers: {} } : chart });
+        if (map && !picture) throw new Error(map.name + " has no picture for chart " + number + ".");
+        pictures.push(picture);
+      }
+      seen.forEach((body, k) => {
+        if (body.picture) this.painter.gl.deleteTexture(body.picture.texture);
+        body.picture = pictures[k];
+      });
+      this.fabric = map ? fabric : -1;
+      this.panel.clear();
+    } finally {
+      if (asset) asset.close();
+      this.listMaps();
+      this.changed();
+    }
+  }
+  // Gives another card what the one before had. Shapes are the runtime's: nothing of them is lost.
+  async restore() {
+    this.painter.begin();
+    this.drawing = null;
+    for (const body of this.bodies) {
+      Object.assign(body, { parts: {}, layer: null, shown: null, picture: null });
+      body.load(body.uv);
+    }
+    const { source, scales } = this.maps[this.number] || {};
+    if (source) this.beside.put(new Source(this.painter, source, this.middle, scales));
+    for (const body of this.bodies) body.picture = await this.pictureOf(body.map, body);
+    if (this.fabric >= 0) await this.dress(this.fabric);
+    this.wake();
+  }
   async pictureOf(map, body) {
     const made = map.pictures.find((picture) => picture.chart === body.number), layer = body.chart.layers.texture;
     if (made) return this.painter.picture(await createImageBitmap(made.blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" }));
@@ -194,24 +236,29 @@ class Scene {
   // touches, or with those of this frame.
   meet(pressed = this.hand.strokes.length > 0) {
     const o = this.obstacle, words = [], { cloth } = this;
+    let deep = false;
     for (const body of this.bodies) {
       if (!pressed) dgm.touch_release(body.handle);
-      if (o) {
+      if (o && !deep) {
         // An obstacle lies on the cloth.
-        const thick = body.cover ? cloth : 2 * cloth, q = o.kind === "plane" ? o.q : minus(o.q, body.origin), p = minus(o.p, body.origin);
+        const before = body.copy(), thick = body.cover ? cloth : 2 * cloth, q = o.kind === "plane" ? o.q : minus(o.q, body.origin), p = minus(o.p, body.origin);
         check(dgm.touch_obstacle(body.handle, { plane: 0, ball: 1, capsule: 2 }[o.kind], 0, ...(o.kind === "plane" ? plus(p, unit(o.q), thick) : p), ...q, o.radius + thick, body.cover ? kCloth : 0));
         const [status, samples, removed, gained] = answers(4);
-        if (status === 1) words.push(samples + " samples moved, volume " + digits(dgm.touch_volume(body.handle), 5) + "\nkept to " + digits(Math.abs(gained), 2) + " of " + digits(Math.abs(removed)) + " pressed in");
+        // Where it goes through, what is left can neither keep the volume nor a shape.
+        deep = status === 1 && (Math.abs(gained) > kKept || body.farthest(before) > (o.kind === "plane" ? .6 : .3) * this.diagonal);
+        if (deep) dgm.touch_release(body.handle), words.push("too deep: it goes through");
+        else if (status === 1) words.push(samples + " samples moved, volume " + digits(dgm.touch_volume(body.handle), 5) + "\nkept to " + digits(Math.abs(gained), 2) + " of " + digits(Math.abs(removed)) + " pressed in");
         if (status === 3) words.push(samples + " samples moved; open, so it has no volume");
-        if (status === 2) words.push("too deep");
       }
       for (const other of body.under) check(dgm.touch_other(body.handle, other.handle, 0, ...minus(other.origin, body.origin), 0));
       dgm.touch_normals(body.handle);
     }
     this.panel.volume(words.join("\n"));
-    this.meetAgain = false;
+    this.meetAgain = false, this.stale = true;
   }
-  wake() {
+  // `over`: the surface is as it was, and only what is over it changes.
+  wake(over = false) {
+    this.stale = this.stale || !over;
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame((now) => this.guard(() => this.frame(now)));
@@ -227,6 +274,10 @@ class Scene {
     }
     const worked = this.hand.advance(seconds), played = this.recorder.advance(seconds), busy = worked || played;
     if (busy && this.cover >= 0) this.calming = kCalming;
+    // Beside an obstacle nothing fades: what is let go is pressed anew from where it rests.
+    const pressing = busy || this.hand.strokes.length > 0;
+    this.meetAgain = this.meetAgain || (this.obstacle !== null && this.pressed && !pressing);
+    this.pressed = pressing;
     this.fading = !this.obstacle && !this.hand.strokes.length && !played && this.relax(seconds);
     if (this.meetAgain || ((this.obstacle || this.cover >= 0) && (busy || this.fading))) this.meet(busy || this.fading || this.hand.strokes.length > 0);
     this.running = this.hand.strokes.length > 0 || played || this.fading;
@@ -252,30 +303,51 @@ class Scene {
   }
   paint(now, moving) {
     if (!this.painter.gl) return;
+    if (this.stale || moving) {
+      if (this.drawing && !(moving && this.drawing.resting)) return void (this.owed = true, this.canvas.dataset.resting = "false");
+      this.paintSurface(moving);
+    }
+    this.drawOver();
+    // Words and strip are read, not watched: each time the browser lays out and draws the form anew.
+    if (!moving || !(now - this.told < 80)) this.panel.felt(this.told = now);
+    const hit = this.keys.hover && !this.hand.strokes.length ? this.pick(this.keys.hover) : null;
+    if (this.keys.hover) this.panel.readout(hit);
+  }
+  paintSurface(moving) {
+    this.stale = this.owed = false;
     for (const canvas of [this.canvas, this.over]) {
       const dots = Math.min(2, window.devicePixelRatio || 1), w = Math.max(2, Math.round(canvas.clientWidth * dots)), h = Math.max(2, Math.round(canvas.clientHeight * dots));
       if (canvas.width !== w || canvas.height !== h) canvas.width = w, canvas.height = h;
     }
-    const began = performance.now();
+    const coarse = moving && this.soft ? this.coarse : 0;
     for (const body of this.bodies) body.upload();
-    this.draw(moving ? 2 ** this.coarse : 1, moving && this.coarse > 0);
-    // Where a processor draws, vertices cost most: what moves is drawn with fewer triangles, and all of them once it rests. Frames
-    // in a row tell how long one takes: nothing that asks the card may be waited for, as a canvas that changes its size does.
-    if (this.soft && moving && now - this.before < 1000) {
-      this.pace += .2 * (now - this.before - this.pace);
-      const way = this.pace > 90 ? 2 : this.pace > 40 ? 1 : this.pace < 18 ? -1 : 0;
-      if (way) this.coarse = clamp(this.coarse + way, 0, 3), this.pace = 28;
-    }
-    this.before = moving ? now : -1e9;
-    this.spent = performance.now() - began;
+    this.draw(2 ** coarse, coarse > 0);
+    if (this.soft) this.follow(moving);
     clearTimeout(this.later);
-    if (moving && this.coarse > 0 && !this.running) this.later = setTimeout(() => this.wake(), 300);
-    this.drawOver();
-    this.panel.felt(now);
-    const hit = this.keys.hover && !this.hand.strokes.length ? this.pick(this.keys.hover) : null;
-    if (this.keys.hover) this.panel.readout(hit);
+    if (coarse > 0 && !this.running) this.later = setTimeout(() => this.wake(), 300);
     ++this.frames;
     Object.assign(this.canvas.dataset, { frames: this.frames, uploaded: this.painter.uploaded, resting: String(!moving) });
+  }
+  // Where a processor draws, one picture at a time, and the first that moves behind one that rests: others that wait would be seen
+  // too late. Vertices cost most, so what moves is drawn with fewer triangles, as many as the time of the last ones allows, and all
+  // of them once it rests. The first picture, which rests, says where to begin.
+  follow(moving) {
+    const { gl } = this.painter, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), began = performance.now();
+    const alone = !this.drawing, mine = this.drawing = { resting: !moving }, look = () => {
+      if (this.drawing !== mine) return; // of a card that is gone
+      if (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(look, 2);
+      gl.deleteSync(fence);
+      this.drawing = null;
+      const took = performance.now() - began, way = (ms) => (ms > 75 ? 2 : ms > 35 ? 1 : 0);
+      if (moving && alone) {
+        this.pace += (took > this.pace ? .5 : .1) * (took - this.pace);
+        const by = way(this.pace) || (this.pace < 12 ? -1 : 0);
+        if (by) this.coarse = clamp(this.coarse + by, 0, 3), this.pace = 24;
+      } else if (!moving && this.untried) this.coarse = way(took) + way(took / 4), this.untried = false;
+      if (this.owed) this.wake();
+    };
+    gl.flush();
+    setTimeout(look, 2);
   }
   draw(stride, moving) {
     const { painter } = this, gl = painter.gl, background = getComputedStyle(this.canvas).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255);
@@ -399,6 +471,7 @@ const scriptPaths = () => [...document.querySelectorAll("script.path")].map((ele
     const asked = new URLSearchParams(kOuter.location.hash.slice(1)), named = (name, otherwise) => (asked.has(name) && maps[asked.get(name)] ? Number(asked.get(name)) : otherwise);
     if (maps.length) await scene.choose(named("map", 0), named("cover", asked.has("map") ? -1 : Number(document.body.dataset.cover ?? -1)));
     else scene.panel.say("Drop a .dgm here, or open one."), $("drop").hidden = false;
+    if (named("fabric", -1) >= 0) await scene.guard(() => scene.dress(named("fabric", -1)));
     if (document.body.dataset.look) $("look").value = document.body.dataset.look;
     scene.panel.follow(kOuter.location.hash);
     window.dgmPage = scene; // for scripts that drive the page

@@ -25,6 +25,7 @@ class Panel {
     const chosen = (cover) => scene.guard(() => scene.choose(Number($("map").value), cover)).finally(() => scene.listMaps());
     $("map").addEventListener("change", () => chosen(-1));
     $("cover").addEventListener("change", () => chosen(Number($("cover").value)));
+    $("fabric").addEventListener("change", () => scene.guard(() => scene.dress(Number($("fabric").value))).then(() => { if (scene.fabric >= 0) $("look").value = "texture", this.show(); }));
     $("up").addEventListener("change", () => { scene.home(); });
   }
   // Layers that have a number a sample; a file has others than a page that was exported.
@@ -115,7 +116,7 @@ class Panel {
   }
   volume(words) { $("volume").textContent = words; }
   link() {
-    const { scene } = this, hash = "#view=" + scene.camera.text() + "&tool=" + this.tool() + "&size=" + $("size").value + "&depth=" + $("depth").value + "&look=" + $("look").value + "&map=" + scene.number + (scene.cover < 0 ? "" : "&cover=" + scene.cover);
+    const { scene } = this, hash = "#view=" + scene.camera.text() + "&tool=" + this.tool() + "&size=" + $("size").value + "&depth=" + $("depth").value + "&look=" + $("look").value + "&map=" + scene.number + (scene.cover < 0 ? "" : "&cover=" + scene.cover) + (scene.fabric < 0 ? "" : "&fabric=" + scene.fabric);
     kOuter.history.replaceState(null, "", hash);
     const done = (words) => this.say(words);
     if (navigator.clipboard) navigator.clipboard.writeText(kOuter.location.href).then(() => done("The link is in the clipboard."), () => done("The link stands in the address bar."));

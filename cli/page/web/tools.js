@@ -4,6 +4,7 @@
 
 const kKinds = { touch: 0, poke: 1, grasp: 2 };
 const kTick = .001, kBack = 14, kBudget = 10; // seconds; 1/s of springing back; ms of a frame for ticks
+const kSharp = .25; // of the depth: a push with less room sticks to its place
 
 class Hand {
   constructor(scene) {
@@ -22,21 +23,22 @@ class Hand {
     const { body } = hit;
     this.scene.recorder.stop();
     const solid = this.scene.physics.on;
-    if (!this.strokes.length && solid) body.base = body.copy(), this.log = null;
+    if (!this.strokes.length && solid) body.base = body.copy(), body.facing = body.copy(body.normals), this.log = null;
     else if (!this.strokes.length) {
       // Places are read in the shape without elastic touches: what a press does to the surface never moves the tool.
       for (const each of [...body.under, body]) {
         dgm.touch_release(each.handle);
         dgm.touch_normals(each.handle);
       }
-      body.base = body.copy();
+      body.base = body.copy(), body.facing = body.copy(body.normals);
       this.log = { body, settings: this.settings(options.size, options.lasting), ticks: [], knots: [], started: 0 };
     }
     const { point, normal } = body.before(hit), free = [0, 1, 2, 3].find((k) => !this.strokes.some((s) => s.slot === k));
     const outward = options.invert && kind !== "pull";
     const stroke = { body, kind, hit, slot: free, held: 0, depth: options.depth, pressure: 1, outward, mirror: options.invert && kind === "pull",
-      runtime: kind === "pull" || outward ? "grasp" : kind === "push" ? "touch" : "poke", start: point, anchor: point, normal, pull: [0, 0, 0], tool: point };
-    stroke.most = this.room(stroke);
+      runtime: kind === "pull" || outward ? "grasp" : kind === "push" ? "touch" : "poke", start: point, anchor: point, normal, pull: [0, 0, 0], tool: point, most: Infinity };
+    if (stroke.runtime === "touch") stroke.most = this.room(stroke);
+    if (!solid && stroke.runtime !== "grasp" && !this.meets(stroke)) stroke.runtime = body.under.length ? "poke" : "grasp", stroke.most = Infinity;
     this.strokes.push(stroke);
     if (!solid) this.log.knots.push(this.knot(stroke));
     this.scene.wake();
@@ -45,17 +47,41 @@ class Hand {
   // Follows the pointer: a pull by the way in space, a push to another place of the surface.
   follow(stroke, { hit, way }) {
     if (stroke.kind === "pull" && way) stroke.pull = stroke.mirror ? scaled(way, -1) : way;
-    if (stroke.kind === "push" && !stroke.outward && hit && hit.body === stroke.body) {
+    if (stroke.runtime === "touch" && hit && hit.body === stroke.body) {
       const { point, normal } = stroke.body.before(hit);
       stroke.anchor = point, stroke.normal = normal, stroke.hit = hit;
       stroke.most = this.room(stroke);
     }
     this.scene.wake();
   }
-  // A push presses what is nearest to the tool: it must not come nearer to the other side of a thin limb.
-  room(stroke) {
-    if (stroke.runtime !== "touch") return Infinity;
-    return .4 * stroke.body.thickness(stroke.anchor, stroke.normal, this.scene.diagonal);
+  // A push presses what is nearest to the tool: so far in that is what faces as the place does. Four fifths of the ball that touches the
+  // surface there from behind, and holds no sample of another side.
+  room({ body, anchor, normal }) {
+    let most = Infinity;
+    this.each(body, anchor, normal, (s, same, square, below) => { if (same < .5 && below > 0) most = Math.min(most, square / (2 * below)); });
+    return .8 * most;
+  }
+  // Whether the runtime's own rule for touches, the sample nearest to the tool and its normal, agrees on the way down. On edges and
+  // tips it may not: there a push takes hold of its place.
+  meets({ body, anchor, normal, depth, most }) {
+    if (most < kSharp * depth) return false;
+    const ways = [.1, .3, .6, 1].map((share) => share * Math.min(depth, most)), nearest = ways.map(() => [Infinity, 0]);
+    this.each(body, anchor, normal, (s, same, square, below) => ways.forEach((t, k) => {
+      const distance = square + t * t - 2 * t * below;
+      if (distance < nearest[k][0]) nearest[k] = [distance, s];
+    }));
+    return ways.every((t, k) => {
+      const [square, s] = nearest[k], facing = body.facing.map((array) => array[s]), v = plus(anchor, normal, -t).map((x, c) => x - body.base[c][s]), h = dot(v, facing);
+      return h < 0 && dot(facing, normal) > .3 && square - h * h < 4 * (body.step ** 2 + h * h);
+    });
+  }
+  // Calls f(sample, cosine of its normal to `normal`, squared distance from `place`, how far it is below) of the shape before the stroke.
+  each(body, [a, b, c], [n, m, l], f) {
+    const [x, y, z] = body.base, [u, v, w] = body.facing;
+    for (let s = 0; s < body.count; ++s) {
+      const dx = a - x[s], dy = b - y[s], dz = c - z[s];
+      if (u[s] || v[s] || w[s]) f(s, u[s] * n + v[s] * m + w[s] * l, dx * dx + dy * dy + dz * dz, dx * n + dy * m + dz * l);
+    }
   }
   target(stroke) {
     if (stroke.kind === "pull") return plus(stroke.start, stroke.pull);

@@ -38,7 +38,6 @@ struct Shape {
     Double3 axis[3];  ///< columns of the rotation: own axes in the state's frame
     StateImpl* surface = nullptr;
     double reach = 0;     ///< surface; infinity: none
-    double slack = 0;     ///< surface: longest edge of its border faces, which may reach out of their tiles' boxes
     double rounding = 0;  ///< surface: of gaps to its samples in float
     bool open = false;
     /// Surface: where the last search ended. The next one mostly ends near by, and is quicker for it; its answer does

@@ -3,7 +3,7 @@
 // Measures the distance of a point from an obstacle, and finds the nearest point of its border.
 //
 // The nearest triangle of a surface (surface_search.h) says on which side a point lies; where several share the
-// nearest point, the one that faces the point most.
+// nearest point, the one that faces the point most of those at the edge that leads most towards it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -103,12 +103,6 @@ Result<Shape> make_shape(const Obstacle& o) noexcept {
     refit(s, s.now_boxes);
     shape.open = s.open_surface;
     shape.reach = o.reach > 0 ? o.reach : shape.open ? 4 * double{s.mean_step} : kInfinity;
-    for (std::size_t k = 0; k < s.faces.size(); ++k) {
-        const std::uint32_t other = s.faces[k % 3 == 2 ? k - 2 : k + 1];
-        const Double3 e = widen(s.point(s.faces[k])) - widen(s.point(other));
-        shape.slack = std::max(shape.slack, dot(e, e));
-    }
-    shape.slack = std::sqrt(shape.slack);
     const Box& root = s.now_boxes.boxes[s.now_boxes.start[s.now_boxes.levels - 1]];
     for (int k = 0; k < 3; ++k)
         shape.rounding = std::max({shape.rounding, 1e-6 * std::fabs(root.low[k]), 1e-6 * std::fabs(root.high[k])});
@@ -157,7 +151,7 @@ void look_into(const Shape& o, const Box& box) noexcept {
 
 bool is_apart(const Shape& o, const StateImpl& s, const Rect& samples) noexcept {
     // An open surface may be gone round, and a limited reach ends in the open.
-    if (o.near == nullptr || o.open || o.reach < kInfinity || !o.surface->faces.empty()) return false;
+    if (o.near == nullptr || o.open || o.reach < kInfinity) return false;
     const NearTiles& n = *o.near;
     if (!n.listed || !n.wanted) return false;
     const BoxFrame& f = n.frame;
@@ -184,7 +178,9 @@ bool is_apart(const Shape& o, const StateImpl& s, const Rect& samples) noexcept 
     std::uint64_t tiles = o.surface->rows_of->boxes_near(job);
     job.stride = job.count = 64;
     for (; tiles != 0; tiles &= tiles - 1) {
-        job.boxes = n.quads[__builtin_ctzll(tiles)];
+        const auto e = static_cast<std::uint32_t>(__builtin_ctzll(tiles));
+        if (o.surface->has_faces(n.tiles[e])) return false;
+        job.boxes = n.quads[e];
         if (o.surface->rows_of->boxes_near(job) != 0) return false;
     }
     return true;

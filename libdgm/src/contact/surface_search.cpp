@@ -38,14 +38,36 @@ Double3 nearest_on(const Double3& p, const Double3& a, const Double3& b, const D
 /// Squares that differ by less than this share of them are equal: triangles that share a corner or an edge.
 constexpr double kTie = 1e-10;
 
-/// The nearest of the triangles that are offered, in whatever order they come: the least square is; so is the first in
-/// Hit's order among all triangles with that square, which are offered once more to choose.
+/// Edges whose leans differ by less than this share of the distance are one edge, or as good as one.
+constexpr double kSameLean = 1e-9;
+
+/// How far an edge of the triangle from its corner q leads towards p: cosine to p - q, times the distance. 0 where q is
+/// no corner, which is most there is: nothing on the surface is nearer than q.
+double lean_of(const Double3& q, const Double3& v, const Double3& a, const Double3& b, const Double3& c) noexcept {
+    const Double3 corner[3] = {a, b, c};
+    for (int k = 0; k < 3; ++k) {
+        if (!(corner[k].x == q.x && corner[k].y == q.y && corner[k].z == q.z)) continue;
+        double lean = -kInfinity;
+        for (const Double3& end : {corner[(k + 1) % 3], corner[(k + 2) % 3]}) {
+            const Double3 edge = end - q;
+            const double square = dot(edge, edge);
+            if (square > 0) lean = std::max(lean, dot(edge, v) / std::sqrt(square));
+        }
+        return lean;
+    }
+    return 0;
+}
+
+/// The nearest of the triangles that are offered, in whatever order they come: the least square is; so is the choice
+/// among all triangles with that square, which are offered once more.
+///
+/// At an edge the triangle that faces the point most says on which side it lies. At a corner it may not: that of a
+/// needle which faces most may be on the far side. There the surface is nearest, seen from the corner, along the edge
+/// that leads most towards the point, so the triangles at that edge decide.
 class NearestTriangle {
  public:
     NearestTriangle(const Shape& o, Double3 p) noexcept
-        : p_(p),
-          slack_(o.slack),
-          rounding_(o.rounding + 1e-6 * std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)})) {}
+        : p_(p), rounding_(o.rounding + 1e-6 * std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)})) {}
 
     [[gnu::noinline]] void offer(const Double3& pa, const Double3& pb, const Double3& pc, std::uint64_t name) noexcept {
         const Double3 n = cross(pb - pa, pc - pa);
@@ -56,10 +78,7 @@ class NearestTriangle {
         if (square > best_.square * (1 + kTie)) return;
         const double length = std::sqrt(area), facing = length > 0 ? dot(n, v) / length : 0;
         const Hit hit{square, facing, length > 0 ? std::fabs(facing) : -1, q, name};
-        if (choosing_) {
-            if (chosen_.triangle == kNoTriangle || hit.before(chosen_)) chosen_ = hit;
-            return;
-        }
+        if (round_ != Round::Nearest) return choose(hit, length > 0 ? lean_of(q, v, pa, pb, pc) : -kInfinity);
         if (square < best_.square) {
             if (square * (1 + kTie) < best_.square) ties_ = 0;
             found(hit);
@@ -74,9 +93,11 @@ class NearestTriangle {
     [[nodiscard]] bool is_sure() const noexcept { return ties_ <= 1; }
     [[nodiscard]] bool has_all_ties() const noexcept { return ties_ <= kMostTies; }
     [[nodiscard]] std::span<const std::uint64_t> ties() const noexcept { return {tie_, ties_}; }
-    /// From now on best() is final, and the first in Hit's order among those as near is chosen.
-    void choose() noexcept { choosing_ = true; }
-    [[nodiscard]] bool is_choosing() const noexcept { return choosing_; }
+    /// From now on best() is final. Triangles are offered to find the edge that leads most towards the point, then to
+    /// choose the first in Hit's order among those at that edge.
+    void begin_choice() noexcept { round_ = Round::Lean; }
+    void end_choice() noexcept { round_ = Round::Choice; }
+    [[nodiscard]] bool is_choosing() const noexcept { return round_ != Round::Nearest; }
     [[nodiscard]] Hit chosen() const noexcept {
         Hit hit = chosen_;
         hit.square = best_.square;
@@ -85,6 +106,17 @@ class NearestTriangle {
 
  private:
     static constexpr std::uint32_t kMostTies = 12;
+    enum class Round : std::uint8_t { Nearest, Lean, Choice };
+
+    void choose(const Hit& hit, double lean) noexcept {
+        if (round_ == Round::Lean) {
+            lean_ = std::max(lean_, lean);
+            return;
+        }
+        const bool is_first = chosen_.triangle == kNoTriangle;
+        const bool at_edge = lean >= lean_ - kSameLean * std::sqrt(best_.square);
+        if (at_edge && (is_first || hit.before(chosen_))) chosen_ = hit;
+    }
 
     void note_tie(std::uint64_t name) noexcept {
         for (std::uint32_t k = 0; k < std::min(ties_, kMostTies); ++k)
@@ -95,16 +127,14 @@ class NearestTriangle {
     void found(const Hit& hit) noexcept {
         best_ = hit;
         reach_ = best_.square * (1 + 4e-9);
-        if (slack_ == 0) return;
-        const double reach = std::sqrt(reach_) + slack_;
-        reach_ = reach * reach;
     }
 
     const Double3 p_;
-    const double slack_, rounding_;
+    const double rounding_;
     double reach_ = kInfinity;
     Hit best_;  ///< the nearest so far
-    bool choosing_ = false;
+    Round round_ = Round::Nearest;
+    double lean_ = -kInfinity;  ///< the largest among those as near
     Hit chosen_;
     std::uint32_t ties_ = 0;  ///< triangles that may be as near; kMostTies + 1: not all are in tie_
     std::uint64_t tie_[kMostTies];
@@ -118,16 +148,18 @@ class SurfaceSearch {
         if (hint != kNoTriangle) start_at(hint);
         search();
         if (nearest_.is_sure()) return nearest_.best();
-        nearest_.choose();
-        if (nearest_.has_all_ties()) {
-            for (const std::uint64_t name : nearest_.ties()) triangle(corners_of(s_, name).data(), name);
-        } else {
-            search();  // more than were kept: all are met once more
-        }
+        nearest_.begin_choice();
+        offer_ties();
+        nearest_.end_choice();
+        offer_ties();
         return nearest_.chosen();
     }
 
  private:
+    void offer_ties() noexcept {
+        if (!nearest_.has_all_ties()) return search();  // more than were kept: all are met once more
+        for (const std::uint64_t name : nearest_.ties()) triangle(corners_of(s_, name).data(), name);
+    }
     [[gnu::noinline]] void search() noexcept {
         if (search_near()) return;
         descend(
@@ -194,12 +226,8 @@ class SurfaceSearch {
             const std::uint32_t tile = n.tiles[e];
             float whole[6];
             lay_boxes(n.frame, tile, n.quads[e], whole);
-            // Faces beside the grid are searched with any of their tiles.
-            const bool border = s_.tile_border_start[tile] != s_.tile_border_start[tile + 1];
-            for (std::size_t side = 0; side < 6; ++side) {
-                const float far = side % 2 == 0 ? -__builtin_inff() : __builtin_inff();
-                n.boxes[side * NearTiles::kMost + e] = border ? far : whole[side];
-            }
+            add_faces(n.frame, tile, whole);
+            for (std::size_t side = 0; side < 6; ++side) n.boxes[side * NearTiles::kMost + e] = whole[side];
         }
         n.listed = true;
         return true;
@@ -210,6 +238,20 @@ class SurfaceSearch {
         Rect quads{i0, std::min(i0 + kTileQuads, t.rows - 1) - 1, j0, std::min(j0 + kTileQuads, t.cols - 1) - 1};
         if (t.rows < 2 || t.cols < 2) quads = {};
         s_.rows_of->quad_boxes({quads, t.cols, Surface::fixed(s_.now), frame}, boxes, whole);
+    }
+    /// Grows the box of a tile around the faces beside the grid that its leaf holds.
+    void add_faces(const BoxFrame& f, std::uint32_t tile, float* whole) const noexcept {
+        if (!s_.has_faces(tile)) return;
+        for (std::uint32_t k = s_.tile_face_start[tile]; k < s_.tile_face_start[tile + 1]; ++k)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const Vec3 p = s_.point(s_.faces[3 * std::size_t{s_.tile_faces[k]} + c]);
+                const float v[3] = {p.x - f.centre[0], p.y - f.centre[1], p.z - f.centre[2]};
+                for (int d = 0; d < 3; ++d) {
+                    const float at = f.axis[d][0] * v[0] + f.axis[d][1] * v[1] + f.axis[d][2] * v[2];
+                    whole[2 * d] = std::min(whole[2 * d], at);
+                    whole[2 * d + 1] = std::max(whole[2 * d + 1], at);
+                }
+            }
     }
     [[nodiscard]] BoxesNearJob near_job(const BoxFrame& f, const float* boxes, std::uint32_t stride,
                                         std::uint32_t count) const noexcept {
@@ -316,11 +358,10 @@ class SurfaceSearch {
                 !nearest_.is_choosing() && nearest_.best().triangle / 2 == std::uint64_t{i} * t.cols + j;
             if (!is_done && t.has_quad(i, j)) quad(i, j);
         }
-        if (s_.face_start.empty()) return;
-        for (std::uint32_t b = s_.tile_border_start[tile]; b < s_.tile_border_start[tile + 1]; ++b) {
-            const std::uint32_t k = s_.tile_border[b];
-            for (std::uint32_t e = s_.face_start[k]; e < s_.face_start[k + 1]; ++e)
-                triangle(s_.faces.data() + 3 * std::size_t{s_.face_of[e]}, 2 * std::uint64_t{t.total} + s_.face_of[e]);
+        if (!s_.has_faces(tile)) return;
+        for (std::uint32_t k = s_.tile_face_start[tile]; k < s_.tile_face_start[tile + 1]; ++k) {
+            const std::uint32_t face = s_.tile_faces[k];
+            triangle(s_.faces.data() + 3 * std::size_t{face}, 2 * std::uint64_t{t.total} + face);
         }
     }
 

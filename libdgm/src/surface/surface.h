@@ -140,6 +140,10 @@ struct Surface {
         return t < tiles ? t : tiles - 1;
     }
     [[nodiscard]] std::uint32_t tile_of(std::uint32_t s) const noexcept;
+    /// Its leaf holds border faces.
+    [[nodiscard]] bool has_faces(std::uint32_t tile) const noexcept {
+        return !tile_face_start.empty() && tile_face_start[tile] != tile_face_start[tile + 1];
+    }
     /// Samples a tile owns: 8 x 8, the last row and column with the last tiles.
     [[nodiscard]] Rect tile_rect(std::uint32_t tile) const noexcept;
     /// Window of half size b - 1 around a grid sample, clipped by the grid.

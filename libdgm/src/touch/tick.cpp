@@ -120,9 +120,10 @@ bool find_nearest(StateImpl& s, ToolSlot& slot, Vec3 tool, Best& best) noexcept 
     return true;
 }
 
-/// Beside an open rim the nearest sample is on it, and "behind the surface" means nothing.
+/// Beside an open rim the nearest sample is on it, and "behind the surface" means nothing. The end of a seam has no
+/// copy either, but is no rim.
 bool beside_rim(const StateImpl& s, std::uint32_t sample, Vec3 v, Vec3 n) noexcept {
-    if (sample < s.tables.grid && (s.ring[sample] & kRingIrregular) == 0) return false;
+    if (!s.open_surface || (sample < s.tables.grid && (s.ring[sample] & kRingRim) == 0)) return false;
     if (s.class_id(sample) != kNone) return false;
     const double h = product(v, n);
     return product(v, v) - h * h > double{s.mean_step} * s.mean_step;

@@ -109,6 +109,38 @@ TEST(Obstacle, SurfaceDistanceIsExact) {
     EXPECT_GT(inside, 100);
 }
 
+/// A flat body with eight long points, needles of two sheets: near their ends a corner is nearest to much of the space.
+ChartSpec star_chart(std::uint32_t side, bool is_free) {
+    const auto place = [](std::array<double, 3> n) {
+        const double around = std::atan2(n[1], n[0]);
+        const double r = 0.25 + 0.9 * std::pow(std::fabs(std::cos(4 * around + 0.3)), 12) * (1 - n[2] * n[2]);
+        return std::array<double, 3>{r * n[0], r * n[1], 0.15 * r * n[2] + 0.1 * n[0] * n[1]};
+    };
+    if (!is_free) return closed_chart(side, place);
+    return closed_free_chart(side, [&](const std::array<double, 3>& n) {
+        const std::array<double, 3> p = place(n);
+        return Point{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    });
+}
+
+TEST(Obstacle, NeedlesHaveNoInsideBeyondTheirPoints) {
+    for (const bool is_free : {false, true}) {
+        SCOPED_TRACE(is_free);
+        State body = make_state(star_chart(41, is_free));
+        const Triangles triangles(body);
+        const Obstacle o{.kind = ObstacleKind::Surface, .surface = &body};
+        int inside = 0;
+        std::vector<Vec3> points = random_points(1500, 1.6f);
+        for (const Vec3 p : random_points(1500, 0.4f)) points.push_back({2 * p.x, 2 * p.y, 0.3f * p.z});
+        for (const Vec3 p : points) {
+            const double slow = slow_distance(body, triangles, p);
+            ASSERT_NEAR(obstacle_distance(o, p).value().distance, slow, 2e-6) << p.x << ' ' << p.y << ' ' << p.z;
+            inside += slow < 0 ? 1 : 0;
+        }
+        EXPECT_GT(inside, 50);
+    }
+}
+
 TEST(Obstacle, PosedSurfaceTurnsWithItsFrame) {
     State body = make_state(body_chart(33));
     Obstacle own{.kind = ObstacleKind::Surface, .surface = &body}, posed = own;

@@ -14,6 +14,7 @@
 #include <numbers>
 #include <random>
 
+#include "contact_shapes.h"
 #include "opened.h"
 
 namespace dgm::test {
@@ -100,6 +101,22 @@ TEST(Tick, BesideAnOpenRimNothingIsTouched) {
     State state = make_state(grid_chart(31, 31, flat));
     EXPECT_FALSE(one(state, table_of(9, 6), options_of(2), tool_at({-5, 17, -3})).hit);
     EXPECT_TRUE(one(state, table_of(9, 6), options_of(2), tool_at({0.2f, 17, -0.3f})).hit);
+}
+
+TEST(Tick, TheEndOfASeamIsNoRim) {
+    // A mushroom: a few samples on its cap, the others on its short stalk, so that the mean step is short for the cap.
+    // In the middle of the cap the first row folds: that sample has no copy, though the surface is closed.
+    State state = make_state(closed_chart(17, [](std::array<double, 3> n) {
+        const bool cap = n[0] < -0.98;
+        const double wide = cap ? 3 : 0.02;
+        return std::array<double, 3>{cap ? n[0] : -0.5 + 0.05 * n[0], wide * n[1], wide * n[2]};
+    }));
+    ASSERT_EQ(state.class_of(8), kNone);
+    const float beside = 0.18f;
+    ASSERT_GT(beside, 1.2f * state.mean_step());
+    const ToolOutput out = one(state, table_of(9, 6), options_of(2), tool_at({-0.97f, beside, 0}));
+    EXPECT_EQ(out.sample, 8u);
+    EXPECT_TRUE(out.hit);
 }
 
 TEST(Tick, PokeSticksAndGraspPulls) {
