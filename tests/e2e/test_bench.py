@@ -192,7 +192,7 @@ class Bench(Folder):
         said = self.bench("physics", SHEET, "--sizes", "17", "--cycles", "1", "--steps", "100", "--metres-per-unit", "1e-8",
                           "-o", "refused").stdout
         self.assertEqual(self.rows(self.read("refused/physics.json"), "physics")[0]["outcome"],
-                         "the material bends over a length beyond the body: check the unit, bending and membrane")
+                         "the material bends over a length beyond the body: check unit and moduli")
         self.bench("physics", SHEET, "--cycles", "0", code=1)
 
     def look_at_page(self, page):

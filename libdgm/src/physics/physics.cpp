@@ -28,20 +28,17 @@ bool is_dt(float dt) noexcept {
 }
 
 Result<void> check_options(const PhysicsOptions& o) noexcept {
-    constexpr const char* kFaults[] = {"the length of a unit is not in 1e-9 .. 1e9 m",
-                                       "the membrane's modulus is not in 1e-6 .. 1e12 N/m",
-                                       "Poisson's ratio is not in 0 .. 0.49",
-                                       "the bending modulus is not in 0 .. 1e12 N m",
-                                       "the foundation is not in 0 .. 1e12 N/m^3",
-                                       "the density is not in 1e-6 .. 1e12 kg/m^2",
-                                       "the viscosity is not in 0 .. 1e6 s"};
+    constexpr const char* kFaults[] = {
+        "the unit is not in 1e-9 .. 1e9 m",         "the membrane is not in 1e-6 .. 1e12 N/m",
+        "Poisson's ratio is not in 0 .. 0.49",      "the bending is not in 0 .. 1e12 N m",
+        "the foundation is not in 0 .. 1e12 N/m^3", "the density is not in 1e-6 .. 1e12 kg/m^2",
+        "the viscosity is not in 0 .. 1e6 s"};
     const Material& m = *o.material;
     const double values[] = {o.metres_per_unit,    double{m.membrane}, double{m.poisson},  double{m.bending},
                              double{m.foundation}, double{m.density},  double{m.viscosity}};
     if (!is_valid(o.allocator)) return bad("the allocator is half empty");
     if (!is_dt(o.dt)) return bad("the time step is not in 1e-5 .. 10 s");
-    if (o.metres_per_unit == 0)
-        return unsupported("the length of a unit is not known: set metres_per_unit, or bake with --unit");
+    if (o.metres_per_unit == 0) return unsupported("the unit is not known: set metres_per_unit or bake with --unit");
     for (std::size_t k = 0; k < kMaterialValues; ++k)
         if (!within(values[k], double{kMaterialLow[k]}, double{kMaterialHigh[k]})) return bad(kFaults[k]);
     return {};
@@ -58,14 +55,14 @@ double diagonal_of(const StateImpl& s) noexcept {
 }
 
 Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
-    if (s.tables.free_domain) return unsupported("charts of the free domain have no physics yet");
+    if (s.tables.free_domain) return unsupported("free domains have no physics yet");
     if (!s.reversed.empty()) return unsupported("a surface with one side has no physics");
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
     const double diagonal = diagonal_of(s) * o.metres_per_unit;
     if (!within(diagonal, 1e-6, 1e6)) return unsupported("the body's diagonal is not in 1e-6 .. 1e6 m");
     if (double{o.material->bending} > double{o.material->membrane} * diagonal * diagonal)
         return Error{ErrorCode::LimitExceeded, kNoOffset,
-                     "the material bends over a length beyond the body: check the unit, bending and membrane"};
+                     "the material bends over a length beyond the body: check unit and moduli"};
     return {};
 }
 
@@ -332,7 +329,7 @@ Result<Physics> Physics::create(const State& state, const PhysicsOptions& asked)
     detail::physics::take_step_length(*p);
     made.reset();
     if (!p->solver.sound)
-        return Error{ErrorCode::BadArgument, kNoOffset, "the matrix of this material and map is not positive definite"};
+        return Error{ErrorCode::BadArgument, kNoOffset, "the matrix of material and map is not positive definite"};
     return made;
 }
 
@@ -380,7 +377,7 @@ Result<StepReport> step(State& state, Physics& physics, const StepOptions& optio
     if (!detail::physics::find_touching(p, s, scene)) {
         detail::release_pins(p, options.pins);
         return Error{ErrorCode::LimitExceeded, kNoOffset,
-                     "obstacles are near more than twice as many samples as there are: use fewer of them"};
+                     "obstacles are near more than twice the samples there are: use fewer"};
     }
     state.release();  // touches of tick() end
     StepReport report;

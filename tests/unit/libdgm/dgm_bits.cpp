@@ -317,7 +317,8 @@ void physics_all(const Map& map) {
     State state = map.state();
     PhysicsOptions options;
     options.metres_per_unit = 5e-3;
-    options.material.viscosity = 1e-3f;
+    options.material = Material{};
+    options.material->viscosity = 1e-3f;
     options.plain_loops = plain;
     auto made = Physics::create(state, options);
     if (!made) {
