@@ -156,7 +156,8 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     State state = make_state(sphere_chart(33));
     PhysicsOptions options;
     options.metres_per_unit = 0.1;
-    options.material.viscosity = 1e-3f;
+    options.material = Material{};
+    options.material->viscosity = 1e-3f;
     Physics physics = Physics::create(state, options).value();
     bool sound = true;
     StepTool answers[2];
