@@ -40,6 +40,7 @@ const std::vector<MapPart>& known_parts() {
         open("stiffness", layers::kDeformation, 3, 1, true),
         locked("contact_area", layers::kContact, 0, 1, kFromShape),
         open("mobility", layers::kContact, 1, 1, true),
+        locked("material", layers::kMaterial, 0, 1, "it was checked against the body; bake again with --material"),
         locked("seams", layers::kSeams, 0, 2, kTopology),
         locked("diagonals", layers::kDiagonals, 0, 1, kTopology),
         locked("mask", layers::kMask, 0, 1, "it is the chart's outline; hold a region still with mobility instead"),

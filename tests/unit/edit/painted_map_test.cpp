@@ -150,7 +150,7 @@ TEST_F(Paint, EveryLockedLayerIsRefusedAndEveryOpenOneIsNot) {
                     EXPECT_EQ(std::string(error.what()).find(part.name + " may not be edited, since "), 0u);
                 }
             }
-    EXPECT_EQ(seen.size(), 17u);  // all but border_normal, and the one of our own
+    EXPECT_EQ(seen.size(), 18u);  // all but border_normal, and the one of our own
 }
 
 TEST_F(Paint, ARequiredLayerThatNobodyKnowsIsLocked) {
