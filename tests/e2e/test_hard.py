@@ -113,7 +113,7 @@ class Hard(support.Folder):
 # rounds the coordinates of the mesh itself, and where a grid is finer than its source's facets, rounding decides which edges
 # the fit meets. A rotation moves the bounding box, which the work is normalised by. A shuffle
 # changes the order of everything, and with it which of two equally short cuts is taken.
-INVARIANCE_DB = {"scale_2^30": 1e-9, "scale_2^-30": 1e-9, "scale_1e9": 1.0, "scale_1e-9": 1.0, "shift_1e7": 2.0,
+INVARIANCE_DB = {"scale_2^30": 1e-9, "scale_2^-30": 1e-9, "scale_1e9": 1.5, "scale_1e-9": 1.5, "shift_1e7": 2.0,
                  "rotated": 2.0, "shuffled": 6.0}
 
 
