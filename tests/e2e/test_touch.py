@@ -601,10 +601,12 @@ class Touch(unittest.TestCase):
             page.mouse("mouseMoved", *MIDDLE, buttons=0)
             page.mouse("mousePressed", *MIDDLE)
             page.wait("dgmPage.hand.strokes.length === 1 && dgmPage.hand.strokes[0].newtons > .01")
-            time.sleep(.5)
-            words = page.run("document.getElementById('force').textContent")
-            self.assertRegex(words, r"^[\d.e+]+ N\njumps")
-            forces.append(float(words.split(" ")[0]))
+            # A body that is hit swings away from the ball and back: what counts is the largest force of the first second.
+            largest, until = 0, time.monotonic() + 1
+            while time.monotonic() < until:
+                largest = max(largest, page.run("dgmPage.hand.strokes[0].newtons"))
+            self.assertRegex(page.run("document.getElementById('force').textContent"), r"^[\d.e+]+ N\njumps")
+            forces.append(largest)
         self.assertGreater(forces[1], 10 * forces[0])
 
     def test_physics_is_a_choice(self):
