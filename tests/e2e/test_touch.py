@@ -586,6 +586,18 @@ class Touch(unittest.TestCase):
         page.run("dgmPage.choose(0, 1)")
         self.assertEqual(page.run("[document.getElementById('map').value, document.getElementById('cover').value]"), ["0", "1"])
 
+    def test_follows_an_address_that_changes(self):
+        (self.folder / "second.dgm").write_bytes((self.folder / MAP).read_bytes())
+        run(support.EXPORT, self.folder / MAP, self.folder / "second.dgm", "-o", self.folder / "address.html")
+        page = self.page(name="address.html")
+        shown = "[dgmPage.number, dgmPage.cover, dgmPage.fabric, Number(document.getElementById('map').value)].join()"
+        for address, expected in (("#map=1&size=33", "1,-1,-1,1"), ("#cover=0", "1,0,-1,1"), ("#map=1&fabric=0", "1,-1,0,1"),
+                                  ("#tool=pull", "1,-1,0,1"), ("#map=7&fabric=9", "1,-1,-1,1"), ("#map=0&fabric=1", "0,-1,1,0")):
+            page.run(f"location.hash = '{address}'")
+            page.wait(f"{shown} === '{expected}'")
+        self.assertEqual(page.run("document.getElementById('size').value"), "33")
+        self.assertTrue(page.run("document.querySelector('input[value=pull]').checked"))
+
     def test_physics_takes_unit_and_material_of_the_file(self):
         """In metres a body is a hundred times as far across as in centimetres, and no longer said to measure 15 cm."""
         forces = []

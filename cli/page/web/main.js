@@ -30,7 +30,19 @@ class Scene {
     new ResizeObserver(() => this.wake()).observe($("stage"));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.wake());
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
-    kOuter.addEventListener("hashchange", () => this.panel.follow(kOuter.location.hash));
+    kOuter.addEventListener("hashchange", () => this.guard(() => this.visit(false)));
+  }
+  // What the address names: "#map=1&cover=0&fabric=2", and what the panel reads. What it does not name stays, but that
+  // a map comes alone, and a page opens with its first one.
+  async visit(opens) {
+    const words = new URLSearchParams(kOuter.location.hash.slice(1)), alone = words.has("map");
+    const named = (name, otherwise) => (words.has(name) && this.maps[words.get(name)] ? Number(words.get(name)) : otherwise);
+    const map = named("map", opens ? 0 : this.number), fabric = named("fabric", alone || opens ? -1 : this.fabric);
+    const cover = named("cover", alone ? -1 : opens ? Number(document.body.dataset.cover ?? -1) : this.cover);
+    if (this.maps.length && (opens || map !== this.number || cover !== this.cover)) await this.choose(map, cover);
+    if (fabric !== this.fabric) await this.guard(() => this.dress(fabric));
+    if (opens && document.body.dataset.look) $("look").value = document.body.dataset.look;
+    this.panel.follow(kOuter.location.hash);
   }
   // Runs `work`; what goes wrong is said, never thrown.
   async guard(work) {
@@ -468,12 +480,8 @@ const scriptPaths = () => [...document.querySelectorAll("script.path")].map((ele
     const maps = scriptMaps();
     scene.maps = maps;
     scene.paths = scriptPaths();
-    const asked = new URLSearchParams(kOuter.location.hash.slice(1)), named = (name, otherwise) => (asked.has(name) && maps[asked.get(name)] ? Number(asked.get(name)) : otherwise);
-    if (maps.length) await scene.choose(named("map", 0), named("cover", asked.has("map") ? -1 : Number(document.body.dataset.cover ?? -1)));
-    else scene.panel.say("Drop a .dgm here, or open one."), $("drop").hidden = false;
-    if (named("fabric", -1) >= 0) await scene.guard(() => scene.dress(named("fabric", -1)));
-    if (document.body.dataset.look) $("look").value = document.body.dataset.look;
-    scene.panel.follow(kOuter.location.hash);
+    if (!maps.length) scene.panel.say("Drop a .dgm here, or open one."), $("drop").hidden = false;
+    await scene.visit(true);
     window.dgmPage = scene; // for scripts that drive the page
     requestAnimationFrame(() => { document.body.dataset.ready = "yes"; });
   } catch (error) {
