@@ -32,9 +32,8 @@ struct MeasuredCandidate {
 };
 
 /// The welded grid surface must be the manifold that the component is.
-void check_topology(const TriMesh& component, const SampledChart& chart) {
+void check_topology(const Topology& source, const SampledChart& chart) {
     const Topology map = welded_topology(chart);
-    const Topology source = measure_topology(component);
     if (holds_topology(map, source)) return;
     throw Error(model::codes::kGridTooSmall,
                 chart.method + ": a grid of " + std::to_string(chart.m) + "x" + std::to_string(chart.n) +
@@ -107,7 +106,8 @@ void Contest::judge(Candidate candidate, const std::function<SampledChart()>& ma
     candidate.ring = ring_;
     Attempt<MeasuredCandidate> made = attempt([&] {
         MeasuredCandidate out{make(), {}};
-        check_topology(component_, out.chart);
+        if (!topology_) topology_ = measure_topology(component_);
+        check_topology(*topology_, out.chart);
         out.error = quick_error(component_, out.chart, kSamples);
         return out;
     });

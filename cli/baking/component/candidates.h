@@ -93,6 +93,7 @@ class Contest {
     std::vector<Candidate> candidates_;
     std::optional<Entry> best_;
     std::optional<model::Error> failure_;
+    std::optional<Topology> topology_;  ///< of the component, once a chart is compared with it
     std::size_t best_index_ = 0;
 };
 

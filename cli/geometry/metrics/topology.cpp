@@ -1,36 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/geometry/metrics/topology.cpp
-// Topology by counting: nothing is assumed of the faces.
+// Topology by counting: nothing is assumed of the faces, but that there are fewer than 2^32 / 3.
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
+#include "geometry/mesh/half_edges.h"
+#include "geometry/mesh/union_find.h"
 #include "geometry/metrics/map_metrics.h"
 
 namespace dgm::bake {
 namespace {
 using model::Face;
 
-class UnionFind {
- public:
-    explicit UnionFind(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-    std::size_t find(std::size_t x) {
-        while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-        return x;
-    }
-    void join(std::size_t a, std::size_t b) {
-        a = find(a);
-        b = find(b);
-        if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-    }
-
- private:
-    std::vector<std::size_t> parent_;
-};
-
 struct EdgeUse {
     std::uint32_t low, high;
-    std::uint64_t corner;  // 3 * face + k: the edge runs from corner k to corner k + 1
+    std::uint32_t corner;  // 3 * face + k: the edge runs from corner k to corner k + 1
     bool forward;          // from low to high
     friend bool operator<(const EdgeUse& a, const EdgeUse& b) {
         if (a.low != b.low) return a.low < b.low;
@@ -54,13 +38,13 @@ void sort_uses(std::vector<EdgeUse>& uses, std::size_t vertex_count) {
     uses = std::move(sorted);
 }
 
-std::uint64_t next_in_face(std::uint64_t corner) {
+std::uint32_t next_in_face(std::uint32_t corner) {
     return corner - corner % 3 + (corner % 3 + 1) % 3;
 }
-std::uint64_t corner_at_low(const EdgeUse& e) {
+std::uint32_t corner_at_low(const EdgeUse& e) {
     return e.forward ? e.corner : next_in_face(e.corner);
 }
-std::uint64_t corner_at_high(const EdgeUse& e) {
+std::uint32_t corner_at_high(const EdgeUse& e) {
     return e.forward ? next_in_face(e.corner) : e.corner;
 }
 
@@ -80,20 +64,20 @@ EdgeUses collect_uses(std::size_t vertex_count, std::span<const Face> faces) {
     out.uses.reserve(3 * faces.size());
     std::vector<std::uint8_t> in_use(vertex_count, 0);
     UnionFind components(vertex_count);
-    for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
         const Face& face = faces[f];
         if (is_degenerate(face, vertex_count)) continue;
         ++out.faces;
-        for (std::size_t k = 0; k < 3; ++k) {
+        for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t from = face[k], to = face[(k + 1) % 3];
             out.uses.push_back({std::min(from, to), std::max(from, to), 3 * f + k, from < to});
             in_use[from] = 1;
         }
-        components.join(face[0], face[1]);
-        components.join(face[0], face[2]);
+        components.unite(face[0], face[1]);
+        components.unite(face[0], face[2]);
     }
     sort_uses(out.uses, vertex_count);
-    for (std::size_t v = 0; v < vertex_count; ++v) {
+    for (std::uint32_t v = 0; v < vertex_count; ++v) {
         if (in_use[v] == 0) continue;
         ++out.vertices;
         if (components.find(v) == v) ++out.components;
@@ -104,21 +88,21 @@ EdgeUses collect_uses(std::size_t vertex_count, std::span<const Face> faces) {
 /// How the faces meet. A fan is a class of face corners at one vertex, joined across edges with exactly two faces.
 struct Edges {
     UnionFind fans;
-    std::vector<std::size_t> border;  ///< the use of each edge with one face
+    std::vector<std::uint32_t> border;  ///< the use of each edge with one face
     std::uint64_t count = 0;
     bool manifold = true, oriented = true;
 };
 
 Edges join_fans(const std::vector<EdgeUse>& uses, std::size_t face_count) {
     Edges out{UnionFind(3 * face_count), {}};
-    for (std::size_t e = 0, end = 0; e < uses.size(); e = end, ++out.count) {
+    for (std::uint32_t e = 0, end = 0; e < uses.size(); e = end, ++out.count) {
         for (end = e + 1; end < uses.size() && uses[end].same_edge(uses[e]);) ++end;
         if (end - e == 1) {
             out.border.push_back(e);
         } else if (end - e == 2) {
             if (uses[e].forward == uses[e + 1].forward) out.oriented = false;
-            out.fans.join(corner_at_low(uses[e]), corner_at_low(uses[e + 1]));
-            out.fans.join(corner_at_high(uses[e]), corner_at_high(uses[e + 1]));
+            out.fans.unite(corner_at_low(uses[e]), corner_at_low(uses[e + 1]));
+            out.fans.unite(corner_at_high(uses[e]), corner_at_high(uses[e + 1]));
         } else {
             out.manifold = false;
         }
@@ -126,13 +110,12 @@ Edges join_fans(const std::vector<EdgeUse>& uses, std::size_t face_count) {
     return out;
 }
 
-bool one_fan_a_vertex(const std::vector<EdgeUse>& uses, UnionFind& fans, std::size_t vertex_count,
-                      std::size_t face_count) {
-    std::vector<std::size_t> fan_of(vertex_count, face_count * 3);
+bool one_fan_a_vertex(const std::vector<EdgeUse>& uses, UnionFind& fans, std::size_t vertex_count) {
+    std::vector<std::uint32_t> fan_of(vertex_count, kNone);
     for (const EdgeUse& use : uses) {
         const std::uint32_t vertex = use.forward ? use.low : use.high;
-        const std::size_t fan = fans.find(use.corner);
-        if (fan_of[vertex] == face_count * 3) fan_of[vertex] = fan;
+        const std::uint32_t fan = fans.find(use.corner);
+        if (fan_of[vertex] == kNone) fan_of[vertex] = fan;
         if (fan_of[vertex] != fan) return false;
     }
     return true;
@@ -140,17 +123,18 @@ bool one_fan_a_vertex(const std::vector<EdgeUse>& uses, UnionFind& fans, std::si
 
 /// Border edges that end in the same fan follow each other on a loop.
 std::uint64_t count_loops(const std::vector<EdgeUse>& uses, Edges& edges, std::size_t face_count) {
-    const std::vector<std::size_t>& border = edges.border;
+    const std::vector<std::uint32_t>& border = edges.border;
+    if (border.empty()) return 0;
     UnionFind loops(border.size());
-    std::vector<std::size_t> first_at_fan(3 * face_count, border.size());
-    for (std::size_t k = 0; k < border.size(); ++k)
-        for (const std::uint64_t corner : {corner_at_low(uses[border[k]]), corner_at_high(uses[border[k]])}) {
-            std::size_t& first = first_at_fan[edges.fans.find(corner)];
-            if (first == border.size()) first = k;
-            loops.join(first, k);
+    std::vector<std::uint32_t> first_at_fan(3 * face_count, kNone);
+    for (std::uint32_t k = 0; k < border.size(); ++k)
+        for (const std::uint32_t corner : {corner_at_low(uses[border[k]]), corner_at_high(uses[border[k]])}) {
+            std::uint32_t& first = first_at_fan[edges.fans.find(corner)];
+            if (first == kNone) first = k;
+            loops.unite(first, k);
         }
     std::uint64_t count = 0;
-    for (std::size_t k = 0; k < border.size(); ++k)
+    for (std::uint32_t k = 0; k < border.size(); ++k)
         if (loops.find(k) == k) ++count;
     return count;
 }
@@ -162,7 +146,7 @@ Topology measure_topology(std::size_t vertex_count, std::span<const Face> faces)
     Topology out;
     out.degenerate_faces = faces.size() - used.faces;
     out.components = used.components;
-    out.manifold = edges.manifold && one_fan_a_vertex(used.uses, edges.fans, vertex_count, faces.size());
+    out.manifold = edges.manifold && one_fan_a_vertex(used.uses, edges.fans, vertex_count);
     out.oriented = edges.oriented;
     out.boundary_loops = count_loops(used.uses, edges, faces.size());
     // Sum over components of 2 - 2g - b = V - E + F, or of 2 - g - b without an orientation.
