@@ -34,6 +34,21 @@ VertexGraph build_graph(const TriMesh& mesh, std::span<const std::uint32_t> oppo
     return g;
 }
 
+/// The vertex farthest from the mean of all: the same one, whatever the order of faces and vertices. The first of those
+/// that are as far but for rounding, as all of a sphere are.
+std::uint32_t outermost(std::span<const Vec3d> positions) {
+    constexpr double kRounding = 1e-9;
+    Vec3d sum{};
+    for (const Vec3d& p : positions) sum = sum + p;
+    const Vec3d mean = sum / static_cast<double>(positions.size());
+    const auto squared = [&](const Vec3d& p) { return dot(p - mean, p - mean); };
+    double most = 0;
+    for (const Vec3d& p : positions) most = std::max(most, squared(p));
+    const auto it = std::find_if(positions.begin(), positions.end(),
+                                 [&](const Vec3d& p) { return squared(p) >= (1 - kRounding) * most; });
+    return static_cast<std::uint32_t>(it - positions.begin());
+}
+
 }  // namespace
 
 CutGraph::CutGraph(const TriMesh& component)
@@ -109,14 +124,13 @@ void CutGraph::cut_to_disk(std::uint32_t root) {
         shorten();
     } else {
         Search s;
-        const std::uint32_t any = mesh_->faces[0][0];
         const auto farthest = [&](std::uint32_t from) {
             search(
                 std::span(&from, 1), [](std::uint32_t) { return false; }, s);
             return static_cast<std::uint32_t>(std::max_element(s.distance.begin(), s.distance.end()) -
                                               s.distance.begin());
         };
-        mark_path(s, farthest(farthest(any)));
+        mark_path(s, farthest(farthest(outermost(mesh_->positions))));
     }
 }
 
@@ -124,7 +138,7 @@ std::uint32_t CutGraph::middle() const {
     const std::size_t n = mesh_->positions.size();
     // The vertex nearest to the middle of the surface keeps the loops short on both sides.
     Search tree;
-    std::uint32_t root = mesh_->faces[0][0];
+    std::uint32_t root = outermost(mesh_->positions);
     for (int sweep = 0; sweep < 2; ++sweep) {
         search(
             std::span(&root, 1), [](std::uint32_t) { return false; }, tree);

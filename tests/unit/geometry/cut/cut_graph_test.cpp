@@ -56,6 +56,40 @@ std::vector<Surface> surfaces() {
             {"finger", test::finger(0.1, 2, 10, 20, 4), 0, 1}};
 }
 
+/// The same surface with its faces in another order, and vertices numbered as the faces come.
+TriMesh shuffled(const TriMesh& mesh, std::uint32_t seed) {
+    TriMesh out;
+    out.faces = mesh.faces;
+    std::mt19937 dice(seed);
+    for (std::size_t k = out.faces.size(); k > 1; --k) std::swap(out.faces[k - 1], out.faces[dice() % k]);
+    std::vector<std::uint32_t> id(mesh.positions.size(), kNone);
+    for (Face& f : out.faces)
+        for (std::uint32_t& v : f) {
+            if (id[v] == kNone) {
+                id[v] = static_cast<std::uint32_t>(out.positions.size());
+                out.positions.push_back(mesh.positions[v]);
+            }
+            v = id[v];
+        }
+    return out;
+}
+
+TEST(CutGraph, CutsABodyAlikeWhateverTheOrderOfItsFaces) {
+    TriMesh body = test::icosphere(4);  // three limbs of unequal length, nothing symmetric
+    for (Vec3d& p : body.positions)
+        p = p *
+            (1 + 0.9 * std::exp(8 * (dot(p, {0.6, 0.8, 0}) - 1)) + 0.8 * std::exp(8 * (dot(p, {-0.8, 0, 0.6}) - 1)) +
+             0.7 * std::exp(8 * (dot(p, {0.1, -0.7, -0.7}) - 1)) + 0.05 * p.x + 0.03 * p.y + 0.01 * p.z);
+    CutGraph first(body);
+    first.cut_to_disk();
+    for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+        const TriMesh other = shuffled(body, seed);
+        CutGraph cut(other);
+        cut.cut_to_disk();
+        EXPECT_NEAR(cut.length(), first.length(), 1e-9) << seed;
+    }
+}
+
 TEST(CutGraph, OpensEverySurfaceIntoOneDisk) {
     for (const Surface& s : surfaces()) {
         SCOPED_TRACE(s.name);
