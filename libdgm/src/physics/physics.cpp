@@ -78,17 +78,7 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     const float* rest[3] = {s.rest.x, s.rest.y, s.rest.z};
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) to[c][k] = static_cast<float>(double{rest[c][k]} + by * p.at[c][k]);
-    const Rect whole = s.whole();
-    const auto mark = [&](RectList& list) {
-        list.clear();
-        list.rects[0] = whole;
-        list.count = 1;
-    };
-    ++s.moved;
-    s.changes.note(whole);
-    mark(s.elastic);
-    mark(s.now_boxes.dirty);
-    mark(s.normal_dirty);
+    mark_moved(s);
 }
 
 Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools, std::size_t answers) noexcept {
@@ -122,10 +112,13 @@ Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOpti
 
 Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<const ToolInput> tools,
                         Scene& scene) noexcept {
+    scene.count = 0;
     for (std::uint32_t t = 0; t < Scene::kMost; ++t)  // by number: lists of contacts are sorted so
         for (const ToolInput& in : tools) {
             if (in.tool != t || in.kind == ToolKind::Grasp || !in.engaged) continue;
             Shape& shape = scene.shapes[scene.count];
+            shape = {};
+            scene.turns[scene.count] = 0;
             shape.kind = ObstacleKind::Sphere;
             shape.point = widen(in.position);
             shape.radius = double{o.tool_radius};
@@ -138,6 +131,7 @@ Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<cons
         auto shape = make_shape(o.obstacles[k]);
         if (!shape) return shape.error();
         scene.shapes[scene.count] = shape.value();
+        scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
         scene.ids[scene.count++] = Scene::kMost + static_cast<std::uint32_t>(k);
     }
     return {};
@@ -246,7 +240,7 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     // A search that has not converged may leave more energy than there was.
     const double most = p.energy_before + work - report.kinetic;
     for (float* f : p.delta.p) std::fill(f, f + l.count(), 0.0f);
-    if (keep && !pushed(p) && (p.elastic + p.unsure > most || p.elastic < 0)) {
+    if (keep && outside(p) != Outside::Moving && (p.elastic + p.unsure > most || p.elastic < 0)) {
         p.elastic = evaluate(p).elastic;
         if (p.elastic > most) report.kinetic = slow_down(p, report.kinetic, report.kinetic + most - p.elastic);
     }
@@ -291,6 +285,20 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
     }
 }
 }  // namespace
+
+void physics::mark_moved(StateImpl& s) noexcept {
+    const Rect whole = s.whole();
+    const auto mark = [&](RectList& list) {
+        list.clear();
+        list.rects[0] = whole;
+        list.count = 1;
+    };
+    ++s.moved;
+    s.changes.note(whole);
+    mark(s.elastic);
+    mark(s.now_boxes.dirty);
+    mark(s.normal_dirty);
+}
 }  // namespace detail
 
 StoredMaterial stored_material(const State& state) noexcept {
@@ -370,11 +378,10 @@ Result<StepReport> step(State& state, Physics& physics, const StepOptions& optio
     detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_step(p, s, options); !r) return r.error();
     if (auto r = detail::check_tools(options, tools, answers.size()); !r) return r.error();
-    detail::physics::Scene scene;
-    if (auto r = detail::make_scene(s, options, tools, scene); !r) return r.error();
+    if (auto r = detail::make_scene(s, options, tools, p.scene[1 - p.touching_now]); !r) return r.error();
     if (!detail::mark_pins(p, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
     detail::begin_step(p, s, options);
-    if (!detail::physics::find_touching(p, s, scene)) {
+    if (!detail::physics::find_touching(p, s)) {
         detail::release_pins(p, options.pins);
         return Error{ErrorCode::LimitExceeded, kNoOffset,
                      "obstacles are near more than twice the samples there are: use fewer"};
