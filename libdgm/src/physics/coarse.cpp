@@ -46,35 +46,84 @@ double squared(const StateImpl& s, std::uint32_t a, std::uint32_t b) noexcept {
     return dot(way, way);
 }
 
-/// The first coarse member of each class that has one, and pairs with the others. @return Unsupported: torn.
-Result<void> take_seams(const StateImpl& s, const Array<std::uint32_t>& coarse_of, Layers& to) noexcept {
-    for (int pass = 0; pass < 2; ++pass) {
-        std::size_t at = 0;
+// What runs once a state is cold: built small.
+
+/// Coarse samples that are one point: chains that lead to the first of each.
+struct Welds {
+    Array<std::uint32_t> to;
+    [[nodiscard]] std::uint32_t first(std::uint32_t k) const noexcept {
+        while (to[k] != k) k = to[k];
+        return k;
+    }
+    void join(std::uint32_t a, std::uint32_t b) noexcept {
+        a = first(a);
+        b = first(b);
+        to[std::max(a, b)] = std::min(a, b);
+    }
+};
+
+/// Where three or more sides of a seam meet between coarse samples, there would be a hole: the coarse samples beside
+/// such a node move onto it.
+[[gnu::cold]] void weld_node(const StateImpl& s, std::uint32_t stride, const ChartTables& t,
+                             std::span<const std::uint32_t> members, Welds& welds, Array<float>& geometry) noexcept {
+    const auto place = [&](std::uint32_t k, std::uint32_t fine) {
+        return k + 1 == fine ? (fine - 2) / stride + 1 : k / stride;
+    };
+    std::uint32_t before = kNone;
+    for (const std::uint32_t member : members) {
+        const std::uint32_t i = member / s.tables.cols, j = member % s.tables.cols;
+        const bool along_row = i == 0 || i + 1 == s.tables.rows;
+        const std::uint32_t low = place(i, s.tables.rows) * t.cols + place(j, s.tables.cols);
+        const std::uint32_t high = low + (along_row ? 1 : t.cols);
+        welds.join(low, high);
+        if (before != kNone) welds.join(before, low);
+        before = low;
+    }
+    const Vec3 at = StateImpl::at(s.rest, members[0]);
+    float* to = geometry.data() + 3 * std::size_t{welds.first(before)};
+    to[0] = at.x;
+    to[1] = at.y;
+    to[2] = at.z;
+}
+
+/// Joins coarse samples as the classes of the state do, and lists the pairs. @return Unsupported: torn.
+[[gnu::cold]] Result<void> take_seams(const StateImpl& s, std::uint32_t stride, const Array<std::uint32_t>& coarse_of,
+                                      const ChartTables& t, Layers& to) noexcept {
+    Welds welds;
+    if (!welds.to.allocate(s.allocator, t.grid)) return kNoMemory;
+    for (std::uint32_t k = 0; k < t.grid; ++k) welds.to[k] = k;
+    // Nodes last: what they move is then one with its copies.
+    for (const bool nodes : {false, true})
         for (std::uint32_t id = 0; id < s.class_count; ++id) {
-            std::uint32_t first = kNone, found = 0;
-            for (const std::uint32_t member : s.members(id)) {
+            const auto members = s.members(id);
+            std::uint32_t last = kNone;
+            std::size_t found = 0;
+            for (const std::uint32_t member : members) {
                 const std::uint32_t c = coarse_of[member];
                 if (c == kNone) continue;
                 ++found;
-                if (first == kNone) {  // members ascend, and so do their coarse numbers
-                    first = c;
-                    continue;
-                }
-                if (pass == 1) {
-                    to.seams[at] = first;
-                    to.seams[at + 1] = c;
-                }
-                at += 2;
+                if (last != kNone) welds.join(last, c);
+                last = c;
             }
-            if (found != 0 && found != s.members(id).size())
+            if (found != 0 && found != members.size())
                 return unsupported("the seams of the map do not meet at this stride");
+            if (nodes && found == 0 && members.size() > 2) weld_node(s, stride, t, members, welds, to.geometry);
         }
-        if (pass == 0 && !to.seams.allocate(s.allocator, at)) return kNoMemory;
+    std::size_t count = 0, at = 0;
+    for (std::uint32_t k = 0; k < t.grid; ++k) count += welds.to[k] != k ? 2 : 0;
+    if (!to.seams.allocate(s.allocator, count)) return kNoMemory;
+    for (std::uint32_t k = 0; k < t.grid; ++k) {
+        if (welds.to[k] == k) continue;
+        const std::uint32_t first = welds.first(k);
+        to.seams[at++] = first;
+        to.seams[at++] = k;
+        for (std::size_t c = 0; c < 3; ++c)
+            to.geometry[3 * std::size_t{k} + c] = to.geometry[3 * std::size_t{first} + c];
     }
     return {};
 }
 
-Result<void> take_layers(const StateImpl& s, std::uint32_t stride, ChartTables& t, Layers& to) noexcept {
+[[gnu::cold]] Result<void> take_layers(const StateImpl& s, std::uint32_t stride, ChartTables& t, Layers& to) noexcept {
     const std::uint32_t n = s.tables.cols;
     const Allocator& a = s.allocator;
     Array<std::uint32_t> coarse_of;  // by fine sample
@@ -100,7 +149,7 @@ Result<void> take_layers(const StateImpl& s, std::uint32_t stride, ChartTables& 
                                            : squared(s, below + fj, fi * n + right) < squared(s, f, below + right);
             to.diagonals[std::size_t{i} * (t.cols - 1) + j] = other ? 1 : 0;
         }
-    if (auto r = take_seams(s, coarse_of, to); !r) return r;
+    if (auto r = take_seams(s, stride, coarse_of, t, to); !r) return r;
     t.geometry.f32 = to.geometry.data();
     t.diagonals = to.diagonals.data();
     t.deformation = to.deformation.data();
@@ -217,7 +266,8 @@ Double3 displacement(const DetailImpl& d, const StateImpl& fine, const StateImpl
 }  // namespace
 }  // namespace detail
 
-Result<State> coarse_state(const State& fine, std::uint32_t stride, const StateOptions& options) noexcept {
+[[gnu::cold]] Result<State> coarse_state(const State& fine, std::uint32_t stride,
+                                         const StateOptions& options) noexcept {
     using namespace detail;
     const StateImpl& s = *fine.impl();
     if (stride < 1) return Error{ErrorCode::BadArgument, kNoOffset, "the stride is 0"};
@@ -237,8 +287,8 @@ Result<State> coarse_state(const State& fine, std::uint32_t stride, const StateO
     return std::move(made).value();
 }
 
-Result<Detail> Detail::create(const State& fine, const State& coarse, std::uint32_t stride,
-                              const Allocator& allocator) noexcept {
+[[gnu::cold]] Result<Detail> Detail::create(const State& fine, const State& coarse, std::uint32_t stride,
+                                            const Allocator& allocator) noexcept {
     using namespace detail;
     const StateImpl &f = *fine.impl(), &c = *coarse.impl();
     if (!is_valid(allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};

@@ -63,6 +63,41 @@ V turned(V x) {
     return {y[0] + 10, c * y[1] - s * y[2] - 20, s * y[1] + c * y[2] + 5};
 }
 
+/// Three folds of the border that meet in one node, at odd samples.
+ChartSpec three_folds_chart(std::uint32_t side) {
+    const std::uint32_t e = side - 1, loop = 4 * e, a = e, b = 2 * e + 4;
+    const auto sample = [=](std::uint32_t k) {
+        k %= loop;
+        if (k < e) return k * side;
+        if (k < 2 * e) return e * side + (k - e);
+        if (k < 3 * e) return (3 * e - k) * side + e;
+        return loop - k;
+    };
+    SeamPairs seams;
+    const auto fold = [&](std::uint32_t from, std::uint32_t to) {
+        for (std::uint32_t k = 1; 2 * k < to - from; ++k) {
+            const std::uint32_t s = sample(from + k), t = sample(to - k);
+            if (s != t) seams.push_back({std::min(s, t), std::max(s, t)});
+        }
+    };
+    fold(1, 1 + a);
+    fold(1 + a, 1 + b);
+    fold(1 + b, 1 + loop);
+    const std::uint32_t nodes[3] = {sample(1), sample(1 + a), sample(1 + b)},
+                        first = *std::min_element(nodes, nodes + 3);
+    for (const std::uint32_t node : nodes)
+        if (node != first) seams.push_back({first, node});
+    return grid_chart(
+        side, side,
+        [=](double i, double j) {
+            const double x = 2 * i / e - 1, y = 2 * j / e - 1, r = std::max(std::fabs(x), std::fabs(y));
+            const double length = std::sqrt(x * x + y * y), polar = 2.8 * r;
+            const double c = length > 0 ? x / length : 1, s = length > 0 ? y / length : 0;
+            return Point{float(70 * std::sin(polar) * c), float(60 * std::sin(polar) * s), float(50 * std::cos(polar))};
+        },
+        seams);
+}
+
 class DetailOf : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(DetailOf, RigidMotionsAreExact) {
@@ -129,6 +164,31 @@ TEST(DetailOfPhysics, AtStride1IsTheStepItself) {
         EXPECT_EQ(a[k].z, b[k].z) << k;
     }
     EXPECT_GT(p.unlike_rest(), 100u);
+}
+
+TEST(DetailOfPhysics, StaysClosedWhereTheNodesOfSeamsLieBetweenItsSamples) {
+    for (const ChartSpec& chart : {tree_chart(33), three_folds_chart(33)}) {
+        Pair p(chart, 2);
+        EXPECT_FALSE(p.fine.impl()->open_surface);
+        EXPECT_FALSE(p.coarse.impl()->open_surface);
+        expect_closed_seams(p.coarse);
+        move(p.coarse, turned);
+        p.show();
+        EXPECT_LT(p.off(turned), 1e-4);
+        expect_closed_seams(p.fine);
+        PhysicsOptions options;
+        options.metres_per_unit = 1e-3;
+        Physics physics = Physics::create(p.coarse, options).value();
+        StepOptions how;
+        how.tool_radius = 10;
+        for (int k = 0; k < 20; ++k) {
+            ToolInput ball;
+            ball.position = {0, 0, float(60 - 0.3 * k)};
+            const StepReport r = step(p.coarse, physics, how, {&ball, 1}).value();
+            EXPECT_FALSE(r.clamped);
+            EXPECT_LE(std::fabs(r.volume_error), 1e-8);
+        }
+    }
 }
 
 TEST(DetailOfPhysics, FollowsASmoothBendBetweenItsSamples) {
