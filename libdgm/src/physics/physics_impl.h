@@ -32,8 +32,8 @@ struct Touching {
 struct Scene {
     static constexpr std::uint32_t kMost = 64;
     Shape shapes[kMost];
-    std::uint32_t ids[kMost];    ///< a tool's number, or kMost + the obstacle's
-    std::uint64_t turns[kMost];  ///< of surfaces: how often they were written
+    std::uint32_t ids[kMost] = {};    ///< a tool's number, or kMost + the obstacle's
+    std::uint64_t turns[kMost] = {};  ///< of surfaces: how often they were written
     std::uint32_t count = 0;
 };
 
