@@ -318,6 +318,9 @@ struct PhysicsCommand {
             ->delimiter(',')
             ->check(CLI::Range(0.01, 10'000.0))
             ->capture_default_str();
+        measured.value("--strides", "K,...", sweep.strides, "also steps of every K-th sample, shown on all of them")
+            ->delimiter(',')
+            ->check(CLI::Range(1, 64));
         measured.number("--steps", "N", sweep.steps, "steps that are timed, of each setting")
             ->check(CLI::Range(100, 1'000'000))
             ->capture_default_str();

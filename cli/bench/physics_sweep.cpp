@@ -35,7 +35,9 @@ using Points = std::vector<std::array<double, 3>>;
 /// A body with a ball above its highest sample.
 class Poked {
  public:
-    Poked(const Subject& subject, double metres, double dt) : state_(subject.state()), dt_(dt) {
+    /// With a stride, physics of every stride-th sample, shown on all.
+    Poked(const Subject& subject, double metres, double dt, std::uint32_t stride = 0)
+        : state_(subject.state()), dt_(dt) {
         const PointView rest = state_.rest_positions();
         std::array<double, 3> low{}, high{};
         for (std::uint32_t k = 0; k < rest.count; ++k) {
@@ -50,7 +52,9 @@ class Poked {
         PhysicsOptions options;
         options.dt = static_cast<float>(dt);
         options.metres_per_unit = metres > 0 ? metres : kDiagonal / diagonal_;
-        auto made = Physics::create(state_, options);
+        if (stride != 0) make_coarse(stride);
+        if (!refusal_.empty()) return;
+        auto made = Physics::create(simulated(), options);
         if (made)
             physics_.emplace(std::move(made).value());
         else
@@ -68,8 +72,25 @@ class Poked {
         ball.position = top_;
         ball.position.z += static_cast<float>((kRadius - kDepth * share.value_or(0)) * diagonal_);
         const std::size_t tools = share ? 1 : 0;
-        return take(step(state_, *physics_, options, {&ball, tools}, {&answer_, tools}));
+        const StepReport report = take(step(simulated(), *physics_, options, {&ball, tools}, {&answer_, tools}));
+        if (detail_) {
+            const auto shown = detail_->show(*coarse_, state_);
+            if (!shown) throw model::Error(model::codes::kReadFailed, shown.error().message);
+        }
+        return report;
     }
+    /// How far each sample is from rest.
+    [[nodiscard]] Points displacements() const {
+        Points out = points();
+        const PointView rest = state_.rest_positions();
+        for (std::uint32_t k = 0; k < rest.count; ++k) {
+            out[k][0] -= rest[k].x;
+            out[k][1] -= rest[k].y;
+            out[k][2] -= rest[k].z;
+        }
+        return out;
+    }
+    [[nodiscard]] State& simulated() { return coarse_ ? *coarse_ : state_; }
     /// The ball goes in, step by step, for so long.
     void press_for(double seconds) {
         const auto steps = static_cast<std::size_t>(seconds / dt_ + 0.5);
@@ -95,7 +116,18 @@ class Poked {
         for (std::uint32_t k = 0; k < now.count; ++k) out.push_back({now[k].x, now[k].y, now[k].z});
         return out;
     }
+    void make_coarse(std::uint32_t stride) {
+        auto coarse = coarse_state(state_, stride);
+        if (!coarse) {
+            refusal_ = coarse.error().message;
+            return;
+        }
+        coarse_.emplace(std::move(coarse).value());
+        detail_.emplace(take(Detail::create(state_, *coarse_, stride)));
+    }
     State state_;
+    std::optional<State> coarse_;
+    std::optional<Detail> detail_;
     std::optional<Physics> physics_;
     std::string refusal_;
     Vec3 top_;
@@ -174,8 +206,9 @@ double energy_rise(const Subject& subject, double metres, double dt, std::uint32
     return rise;
 }
 
-TickTimes step_times(const Subject& subject, double metres, double dt, std::uint32_t cycles, std::size_t steps) {
-    Poked body(subject, metres, dt);
+TickTimes step_times(const Subject& subject, double metres, double dt, std::uint32_t cycles, std::size_t steps,
+                     std::uint32_t stride = 0) {
+    Poked body(subject, metres, dt, stride);
     // In and out, all the time in touch.
     const auto turn = [&](std::size_t k) {
         const double t = std::fmod(static_cast<double>(k) * dt, 2 * kPress) / kPress;
@@ -207,6 +240,56 @@ Table step_table() {
     t.plots = {{"Error against time", "p50_us", "error", "grid", "asset", true},
                {"Force error against time", "p50_us", "force_error", "grid", "asset", true}};
     return t;
+}
+
+Table detail_table() {
+    Table t;
+    t.key = "detail";
+    t.title = "Levels of detail";
+    t.note =
+        "The same ball, and physics of every k-th row and column, shown on all samples. Error: how far samples are at "
+        "the "
+        "end of the press from where physics of all samples has them, over the way that they have gone (root mean "
+        "squares). Force error: the same of the force on the ball. Both have the most cycles that are measured. Times "
+        "are "
+        "those of whole steps with the ball in touch, and of showing them.";
+    t.columns = subject_columns(
+        {key_column("dt_ms", "step"), key_column("stride", "stride"), key_column("simulated", "samples"),
+         time_column("p50_us", "p50", "us"), time_column("p99_us", "p99", "us"), time_column("p999_us", "p99.9", "us"),
+         exact_column("error", "error", "", Sense::kLower, 1e-3),
+         exact_column("force_error", "force error", "", Sense::kLower, 1e-3), text_column("outcome", "outcome")});
+    t.plots = {{"Error against time", "p50_us", "error", "grid", "asset", true}};
+    return t;
+}
+
+void add_detail_rows(Table& table, const Subject& subject, const PhysicsSweepOptions& options) {
+    const std::uint32_t cycles = *std::max_element(options.cycles.begin(), options.cycles.end());
+    for (const double ms : options.milliseconds) {
+        const double dt = ms / 1000, metres = options.metres_per_unit;
+        Poked full(subject, metres, dt);
+        if (!full.refusal().empty()) continue;  // its row is in the other table
+        const auto press = [&](Poked& body) {
+            for (double t = dt; t < kPress * (1 + 1e-9); t += dt) (void)body.go(Poked::share_at(t), cycles);
+            return body.displacements();
+        };
+        const Points wanted = press(full);
+        for (const std::uint32_t stride : options.strides) {
+            stop_if_interrupted();
+            SubjectRow row(table, subject);
+            row.set("dt_ms", fmt::format("{:g}", ms));
+            row.set("stride", std::to_string(stride));
+            Poked body(subject, metres, dt, stride);
+            row.set("outcome", body.refusal().empty() ? std::string("solved") : body.refusal());
+            if (body.refusal().empty()) {
+                row.set("simulated", std::to_string(body.simulated().sample_count()));
+                row.set("error", exactly(length(minus(press(body), wanted)) / length(wanted)));
+                row.set("force_error",
+                        exactly(length(body.answer().force - full.answer().force) / length(full.answer().force)));
+                row.set_percentiles(step_times(subject, metres, dt, cycles, options.steps, stride));
+            }
+            table.rows.push_back(row.row());
+        }
+    }
 }
 
 void add_rows(Run& run, const Subject& subject, const PhysicsSweepOptions& options) {
@@ -259,10 +342,14 @@ Run sweep_physics(const PhysicsSweepOptions& options, bool quiet) {
     run.command = "physics";
     run.machine = machine_facts();
     run.tables = {step_table()};
+    if (!options.strides.empty()) run.tables.push_back(detail_table());
     const formats::TemporaryFolder folder("dgm-bench");
     ProgressBar bar(quiet, static_cast<double>(options.assets.size() * options.sizes.size()));
     each_subject(options.assets, options.sizes, folder.path(), options.time_limit_seconds, bar,
-                 [&](const Subject& subject) { add_rows(run, subject, options); });
+                 [&](const Subject& subject) {
+                     add_rows(run, subject, options);
+                     if (!options.strides.empty()) add_detail_rows(run.tables.back(), subject, options);
+                 });
     run.settings = {
         {"sizes", fmt::format("{}", fmt::join(options.sizes, ", "))},
         {"cycles", fmt::format("{}", fmt::join(options.cycles, ", "))},

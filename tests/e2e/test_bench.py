@@ -189,6 +189,14 @@ class Bench(Folder):
                 error = [row["error"] for row in rows if row["asset"] == asset and row["dt_ms"] == ms]
                 self.assertGreater(error[0], error[2], "a step of 20 cycles is nearer to the converged one")
                 self.assertGreater(error[0], 0)
+        self.bench("physics", SHEET, "--sizes", "33", "--cycles", "5", "--strides", "1,2,8,32", "--steps", "100", "-o", "detail")
+        levels = {row["stride"]: row for row in self.rows(self.read("detail/physics.json"), "detail")}
+        self.assertEqual([levels[k]["outcome"] for k in ("1", "2", "8")], ["solved"] * 3)
+        self.assertEqual(levels["32"]["outcome"], "the stride leaves fewer than 3 x 3 samples")
+        self.assertEqual([levels[k]["simulated"] for k in ("1", "2", "8")], ["1089", "289", "25"])
+        self.assertEqual(levels["1"]["error"], 0, "physics of all samples, shown on all")
+        self.assertLess(levels["2"]["error"], levels["8"]["error"])
+        self.assertLess(levels["2"]["error"], 0.3)
         said = self.bench("physics", SHEET, "--sizes", "17", "--cycles", "1", "--steps", "100", "--metres-per-unit", "1e-8",
                           "-o", "refused").stdout
         self.assertEqual(self.rows(self.read("refused/physics.json"), "physics")[0]["outcome"],

@@ -19,6 +19,8 @@ extern "C" {
 
 /* Stencils of all strides, displacement and velocities of one state. */
 typedef struct dgm_physics dgm_physics;
+/* How the shape of a coarse state looks on all samples of the fine one. */
+typedef struct dgm_detail dgm_detail;
 
 /* Material and step of a dgm_physics. SI units. What is 0 is the file's (its layer material), or, where the file does
  * not say, what is written below. */
@@ -95,6 +97,26 @@ DGM_PHYSICS_API void dgm_physics_reset(dgm_physics* physics);
 DGM_PHYSICS_API dgm_code dgm_physics_step(dgm_state* state, dgm_physics* physics, const dgm_step_options* options,
                                           const dgm_tool_input* tools, size_t tool_count, dgm_step_tool* answers,
                                           dgm_step_report* report, dgm_error* error);
+
+/* Level of detail: makes a state of every stride-th row and column of `fine` and the last ones, for physics that is
+ * quicker than that of all samples. `options` may be NULL: all defaults; the handle goes to `coarse`, is one like any
+ * other and is released by dgm_state_destroy(). physics.h has more.
+ * DGM_BAD_ARGUMENT (stride 0, options), DGM_UNSUPPORTED (a free domain, a surface with one side, fewer than 3 x 3
+ * samples left, seams of which only one side has a sample at this stride), DGM_LIMIT_EXCEEDED, DGM_OUT_OF_MEMORY. */
+DGM_PHYSICS_API dgm_code dgm_state_create_coarse(const dgm_state* fine, uint32_t stride,
+                                                 const dgm_state_options* options, const dgm_allocator* allocator,
+                                                 dgm_state** coarse, dgm_error* error);
+/* Prepares to show `coarse`, made of `fine` with this `stride`, on it. The handle goes to `detail`.
+ * DGM_BAD_ARGUMENT (sizes that do not fit), DGM_OUT_OF_MEMORY. */
+DGM_PHYSICS_API dgm_code dgm_detail_create(const dgm_state* fine, const dgm_state* coarse, uint32_t stride,
+                                           const dgm_allocator* allocator, dgm_detail** detail, dgm_error* error);
+/* Releases the memory. Both states stay as they are. */
+DGM_PHYSICS_API void dgm_detail_destroy(dgm_detail* detail);
+/* Writes the present shape of `fine`: that of `coarse` where both have a sample, the rest shape turned and stretched
+ * with it between them. Normals need dgm_state_update_normals() afterwards. No allocation. DGM_BAD_ARGUMENT (other
+ * states, by their sizes). */
+DGM_PHYSICS_API dgm_code dgm_detail_show(dgm_detail* detail, const dgm_state* coarse, dgm_state* fine,
+                                         dgm_error* error);
 
 #ifdef __cplusplus
 }

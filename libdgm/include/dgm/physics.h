@@ -32,7 +32,8 @@ namespace dgm {
 
 namespace detail {
 struct PhysicsImpl;
-}
+struct DetailImpl;
+}  // namespace detail
 
 /// What an organ is made of, SI units. The layer `deformation` scales the membrane by its stiffness, not below 1e-3.
 struct Material {
@@ -137,5 +138,41 @@ class Physics {
 [[nodiscard]] DGM_PHYSICS_API Result<StepReport> step(State& state, Physics& physics, const StepOptions& options = {},
                                                       std::span<const ToolInput> tools = {},
                                                       std::span<StepTool> answers = {}) noexcept;
+
+/// A state of every stride-th row and column of `fine` and the last ones, at rest, for physics that is quicker than
+/// that of all samples. Local coordinates, material, stiffness and mobility are those of `fine`; quads are cut along
+/// their shorter diagonal, and at stride 1 as they are. Detail shows it on `fine`.
+///
+/// @param stride  1 .. ; 3 x 3 samples must be left
+/// @return BadArgument (stride 0, options), Unsupported (a free domain, a surface with one side, fewer than 3 x 3
+///         samples, seams of which only one side has a sample at this stride), LimitExceeded, OutOfMemory.
+[[nodiscard]] DGM_PHYSICS_API Result<State> coarse_state(const State& fine, std::uint32_t stride,
+                                                         const StateOptions& options = {}) noexcept;
+
+/// How the shape of a coarse state looks on all samples of the fine one: level of detail. One thread at a time,
+/// together with both states. 80 bytes a coarse sample.
+class Detail {
+ public:
+    /// @param coarse  coarse_state(fine, stride)
+    /// @return BadArgument: sizes that do not fit, half an allocator. OutOfMemory.
+    [[nodiscard]] DGM_PHYSICS_API static Result<Detail> create(const State& fine, const State& coarse,
+                                                               std::uint32_t stride,
+                                                               const Allocator& allocator = {}) noexcept;
+    DGM_PHYSICS_API Detail(Detail&& other) noexcept;
+    DGM_PHYSICS_API Detail& operator=(Detail&& other) noexcept;
+    DGM_PHYSICS_API ~Detail();
+    /// Writes the present shape of `fine`, as an elastic touch of all its samples: that of `coarse` where both have a
+    /// sample; between them the rest shape, turned and stretched with the coarse one. Normals need
+    /// State::update_normals() afterwards.
+    ///
+    /// A rigid motion is exact but for rounding, and so is an affine map of a flat surface. Where nothing moves within
+    /// two coarse steps, samples keep their rest place to the bit. Copies of a class are equal to the bit.
+    /// No allocation. O(samples of fine). @return BadArgument: other states than those of create(), by their sizes.
+    DGM_PHYSICS_API Result<void> show(const State& coarse, State& fine) noexcept;
+
+ private:
+    explicit Detail(detail::DetailImpl* impl) noexcept : impl_(impl) {}
+    detail::DetailImpl* impl_;
+};
 
 }  // namespace dgm

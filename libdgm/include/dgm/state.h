@@ -15,9 +15,13 @@
 
 namespace dgm {
 
+class State;
+struct StateOptions;
 namespace detail {
+struct ChartTables;
 struct StateImpl;
-}
+[[nodiscard]] DGM_API Result<State> create_state(const ChartTables& tables, const StateOptions& options) noexcept;
+}  // namespace detail
 
 /// Index that stands for no sample or no class.
 inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;
@@ -103,6 +107,7 @@ class State {
  private:
     [[nodiscard]] DGM_API detail::StateImpl* settled() const noexcept;
     explicit State(detail::StateImpl* impl) noexcept : impl_(impl) {}
+    friend Result<State> detail::create_state(const detail::ChartTables& tables, const StateOptions& options) noexcept;
     detail::StateImpl* impl_;
 };
 

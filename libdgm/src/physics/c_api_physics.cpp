@@ -10,6 +10,10 @@ struct dgm_physics : dgm::c_api::Held<dgm::Physics> {
     using Held::Held;
 };
 
+struct dgm_detail : dgm::c_api::Held<dgm::Detail> {
+    using Held::Held;
+};
+
 namespace {
 using dgm::ErrorCode;
 using dgm::kNoOffset;
@@ -112,6 +116,37 @@ dgm_code dgm_physics_step(dgm_state* state, dgm_physics* physics, const dgm_step
     put(report, dgm_step_report{0, r.contacts, r.cycles, r.clamped ? 1u : 0u, r.volume_error, r.pressure, r.residual,
                                 r.kinetic, r.elastic});
     return finish({}, error);
+}
+
+dgm_code dgm_state_create_coarse(const dgm_state* fine, uint32_t stride, const dgm_state_options* options,
+                                 const dgm_allocator* allocator, dgm_state** coarse, dgm_error* error) {
+    if (fine == nullptr || coarse == nullptr) return finish(kNull, error);
+    *coarse = nullptr;
+    dgm_state_options o;
+    auto a = get(options, o, allocator);
+    if (!a) return finish(a.error(), error);
+    dgm::StateOptions to;
+    if (o.max_reach != 0) to.max_reach = o.max_reach;
+    if (o.max_bytes != 0) to.max_bytes = o.max_bytes;
+    if (o.max_tools != 0) to.max_tools = o.max_tools;
+    to.plain_loops = o.plain_loops != 0;
+    to.allocator = a.value();
+    return hand_out(dgm::coarse_state(fine->value, stride, to), a.value(), coarse, error);
+}
+dgm_code dgm_detail_create(const dgm_state* fine, const dgm_state* coarse, uint32_t stride,
+                           const dgm_allocator* allocator, dgm_detail** detail, dgm_error* error) {
+    if (fine == nullptr || coarse == nullptr || detail == nullptr) return finish(kNull, error);
+    *detail = nullptr;
+    auto a = allocator_of(allocator);
+    if (!a) return finish(a.error(), error);
+    return hand_out(dgm::Detail::create(fine->value, coarse->value, stride, a.value()), a.value(), detail, error);
+}
+void dgm_detail_destroy(dgm_detail* detail) {
+    dgm::detail::destroy(detail);
+}
+dgm_code dgm_detail_show(dgm_detail* detail, const dgm_state* coarse, dgm_state* fine, dgm_error* error) {
+    if (detail == nullptr || coarse == nullptr || fine == nullptr) return finish(kNull, error);
+    return finish(detail->value.show(coarse->value, fine->value).error(), error);
 }
 
 }  // extern "C"

@@ -213,7 +213,7 @@ Move advance(PhysicsImpl& p, Search& s) noexcept {
 /// known at both ends of the way, and the slope at this one: the way gets the length at which the slope is 0. Drift
 /// apart, of which it is known where inertia leads.
 void mend_length(PhysicsImpl& p, Search& s) noexcept {
-    if (pushed(p)) return;
+    if (outside(p) != Outside::Nothing) return;
     const Level& l = p.fine();
     const Drift wanted = drift_of(p, p.inertial), drift = drift_of(p, p.delta);
     const double dt2 = double{p.options.dt} * double{p.options.dt};
@@ -278,9 +278,8 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
         if (!(unbalanced(p) > 1e-7 * first) || !find_way(p, v, s)) break;
         ++report.cycles;
         const Move move = advance(p, s);
-        const bool met = hold_met(p);
-        if (move == Move::None && !met && s.product == 0) break;
-        if (met || move == Move::None) s.product = 0;
+        if (move == Move::None && s.product == 0) break;
+        if (move == Move::None) s.product = 0;
         if (move == Move::Modelled && k % kAnew == kAnew - 1 && k + 1 < cycles) {
             const Potential now = evaluate(p);
             s.smooth = now.elastic + now.inertial;

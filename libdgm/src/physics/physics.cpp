@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/physics.cpp
-// Makes a Physics, checks the arguments of a step, and runs it.
+// Makes a Physics, checks the arguments of a step, and runs it. What is not in every step is cold: built small.
 #include <dgm/limits.h>
 #include <dgm/physics.h>
 
@@ -27,7 +27,7 @@ bool is_dt(float dt) noexcept {
     return within(double{dt}, 0.99e-5, 10);
 }
 
-Result<void> check_options(const PhysicsOptions& o) noexcept {
+[[gnu::cold]] Result<void> check_options(const PhysicsOptions& o) noexcept {
     constexpr const char* kFaults[] = {
         "the unit is not in 1e-9 .. 1e9 m",         "the membrane is not in 1e-6 .. 1e12 N/m",
         "Poisson's ratio is not in 0 .. 0.49",      "the bending is not in 0 .. 1e12 N m",
@@ -45,7 +45,7 @@ Result<void> check_options(const PhysicsOptions& o) noexcept {
 }
 
 /// Diagonal of the rest shape's box, local units.
-double diagonal_of(const StateImpl& s) noexcept {
+[[gnu::cold]] double diagonal_of(const StateImpl& s) noexcept {
     double sum = 0;
     for (const float* x : {s.rest.x, s.rest.y, s.rest.z}) {
         const auto [low, high] = std::minmax_element(x, x + s.total());
@@ -54,7 +54,7 @@ double diagonal_of(const StateImpl& s) noexcept {
     return std::sqrt(sum);
 }
 
-Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
+[[gnu::cold]] Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
     if (s.tables.free_domain) return unsupported("free domains have no physics yet");
     if (!s.reversed.empty()) return unsupported("a surface with one side has no physics");
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
@@ -67,7 +67,7 @@ Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
 }
 
 /// Upper bound of what build_model() takes, measured on grids of 9 x 9 to 257 x 257.
-std::uint64_t bytes_needed(std::uint32_t rows, std::uint32_t cols) noexcept {
+[[gnu::cold]] std::uint64_t bytes_needed(std::uint32_t rows, std::uint32_t cols) noexcept {
     const std::uint64_t plane = plane_size(rows, cols) * sizeof(float), grid = std::uint64_t{rows} * cols;
     return 120 * plane + 1300 * grid + 65536;
 }
@@ -78,20 +78,11 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     const float* rest[3] = {s.rest.x, s.rest.y, s.rest.z};
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) to[c][k] = static_cast<float>(double{rest[c][k]} + by * p.at[c][k]);
-    const Rect whole = s.whole();
-    const auto mark = [&](RectList& list) {
-        list.clear();
-        list.rects[0] = whole;
-        list.count = 1;
-    };
-    ++s.moved;
-    s.changes.note(whole);
-    mark(s.elastic);
-    mark(s.now_boxes.dirty);
-    mark(s.normal_dirty);
+    mark_moved(s);
 }
 
-Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools, std::size_t answers) noexcept {
+[[gnu::cold]] Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools,
+                                       std::size_t answers) noexcept {
     if (answers != 0 && answers < tools.size()) return bad("there are fewer answers than tools");
     if (tools.size() + o.obstacles.size() > Scene::kMost)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"};
@@ -108,7 +99,7 @@ Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools,
     return {};
 }
 
-Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
+[[gnu::cold]] Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
     if (p.rows != s.tables.rows || p.cols != s.tables.cols || p.total != s.total())
         return bad("the physics was made for a state of another size");
     if (o.cycles < 1 || o.cycles > 1000) return bad("the number of cycles is not in 1 .. 1000");
@@ -122,10 +113,13 @@ Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOpti
 
 Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<const ToolInput> tools,
                         Scene& scene) noexcept {
+    scene.count = 0;
     for (std::uint32_t t = 0; t < Scene::kMost; ++t)  // by number: lists of contacts are sorted so
         for (const ToolInput& in : tools) {
             if (in.tool != t || in.kind == ToolKind::Grasp || !in.engaged) continue;
             Shape& shape = scene.shapes[scene.count];
+            shape = {};
+            scene.turns[scene.count] = 0;
             shape.kind = ObstacleKind::Sphere;
             shape.point = widen(in.position);
             shape.radius = double{o.tool_radius};
@@ -138,6 +132,7 @@ Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<cons
         auto shape = make_shape(o.obstacles[k]);
         if (!shape) return shape.error();
         scene.shapes[scene.count] = shape.value();
+        scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
         scene.ids[scene.count++] = Scene::kMost + static_cast<std::uint32_t>(k);
     }
     return {};
@@ -246,7 +241,7 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     // A search that has not converged may leave more energy than there was.
     const double most = p.energy_before + work - report.kinetic;
     for (float* f : p.delta.p) std::fill(f, f + l.count(), 0.0f);
-    if (keep && !pushed(p) && (p.elastic + p.unsure > most || p.elastic < 0)) {
+    if (keep && outside(p) != Outside::Moving && (p.elastic + p.unsure > most || p.elastic < 0)) {
         p.elastic = evaluate(p).elastic;
         if (p.elastic > most) report.kinetic = slow_down(p, report.kinetic, report.kinetic + most - p.elastic);
     }
@@ -291,9 +286,23 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
     }
 }
 }  // namespace
+
+void physics::mark_moved(StateImpl& s) noexcept {
+    const Rect whole = s.whole();
+    const auto mark = [&](RectList& list) {
+        list.clear();
+        list.rects[0] = whole;
+        list.count = 1;
+    };
+    ++s.moved;
+    s.changes.note(whole);
+    mark(s.elastic);
+    mark(s.now_boxes.dirty);
+    mark(s.normal_dirty);
+}
 }  // namespace detail
 
-StoredMaterial stored_material(const State& state) noexcept {
+[[gnu::cold]] StoredMaterial stored_material(const State& state) noexcept {
     const float(&m)[kMaterialValues] = state.impl()->material;
     StoredMaterial out;
     out.metres_per_unit = double{m[0]};
@@ -301,7 +310,7 @@ StoredMaterial stored_material(const State& state) noexcept {
     return out;
 }
 
-Result<Physics> Physics::create(const State& state, const PhysicsOptions& asked) noexcept {
+[[gnu::cold]] Result<Physics> Physics::create(const State& state, const PhysicsOptions& asked) noexcept {
     const StoredMaterial stored = stored_material(state);
     PhysicsOptions options = asked;
     if (!options.material) options.material = stored.material.value_or(Material{});
@@ -342,7 +351,7 @@ Physics::~Physics() {
     detail::destroy(impl_);
 }
 
-Result<void> Physics::set_dt(float seconds) noexcept {
+[[gnu::cold]] Result<void> Physics::set_dt(float seconds) noexcept {
     if (!detail::is_dt(seconds)) return detail::bad("the time step is not in 1e-5 .. 10 s");
     if (seconds == impl_->options.dt) return {};
     impl_->options.dt = seconds;
@@ -350,7 +359,7 @@ Result<void> Physics::set_dt(float seconds) noexcept {
     return {};
 }
 
-void Physics::reset() noexcept {
+[[gnu::cold]] void Physics::reset() noexcept {
     detail::PhysicsImpl& p = *impl_;
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) {
@@ -370,11 +379,10 @@ Result<StepReport> step(State& state, Physics& physics, const StepOptions& optio
     detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_step(p, s, options); !r) return r.error();
     if (auto r = detail::check_tools(options, tools, answers.size()); !r) return r.error();
-    detail::physics::Scene scene;
-    if (auto r = detail::make_scene(s, options, tools, scene); !r) return r.error();
+    if (auto r = detail::make_scene(s, options, tools, p.scene[1 - p.touching_now]); !r) return r.error();
     if (!detail::mark_pins(p, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
     detail::begin_step(p, s, options);
-    if (!detail::physics::find_touching(p, s, scene)) {
+    if (!detail::physics::find_touching(p, s)) {
         detail::release_pins(p, options.pins);
         return Error{ErrorCode::LimitExceeded, kNoOffset,
                      "obstacles are near more than twice the samples there are: use fewer"};

@@ -25,7 +25,16 @@ struct Touching {
     double multiplier = 0;  ///< at the start of the step, N; >= 0
     double force = 0;       ///< now
     bool met = false;       ///< had a force at some time in this step
-    bool held = false;      ///< its stiffness is in `pressed`
+    bool moves = true;      ///< the obstacle is not as in the step before
+};
+
+/// Obstacles and tools of a step, checked.
+struct Scene {
+    static constexpr std::uint32_t kMost = 64;
+    Shape shapes[kMost];
+    std::uint32_t ids[kMost] = {};    ///< a tool's number, or kMost + the obstacle's
+    std::uint64_t turns[kMost] = {};  ///< of surfaces: how often they were written
+    std::uint32_t count = 0;
 };
 
 /// Place of a sample relative to the tool that grasps it.
@@ -86,7 +95,8 @@ struct PhysicsImpl {
     Array<double> membrane_firm, other_firm;    ///< diagonals of membrane (times 1 + viscosity / dt) and the rest
     Array<std::uint32_t> next_copy;             ///< of the class of a sample, or kNone
     Array<std::uint32_t> followers;             ///< pairs (unknown without a triangle, sample that it follows)
-    Array<physics::Touching> touching[2];
+    Array<physics::Touching> touching[2];       ///< as `scene`: of this step and of the one before
+    physics::Scene scene[2];
     std::uint32_t touching_count = 0, touching_now = 0;
     Array<physics::Grasped> grasped;
     std::uint32_t grasped_count = 0;
@@ -130,24 +140,20 @@ struct Slope {
     double first = 0, second = 0;
 };
 [[nodiscard]] Slope pressed_slope(const PhysicsImpl& p, const Field& way, double step) noexcept;
-/// Obstacles and tools of a step, checked.
-struct Scene {
-    static constexpr std::uint32_t kMost = 64;
-    Shape shapes[kMost];
-    std::uint32_t ids[kMost];  ///< a tool's number, or kMost + the obstacle's
-    std::uint32_t count = 0;
-};
-/// Lists the samples that may touch, with the multipliers that they had. @return false, and nothing is changed: there
-/// are too many.
-[[nodiscard]] bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept;
+/// Lists the samples that may touch what is in the scene beside `touching_now`, with the multipliers that they had, and
+/// makes that scene the present one. @return false, and nothing is changed: there are too many.
+[[nodiscard]] bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept;
 /// Begins and ends grasps, and aims those that hold. A sample that a tool holds is not taken by another.
 void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept;
 /// Stiffness of pins, grasps and contacts on the diagonal.
 void take_holds(PhysicsImpl& p) noexcept;
-/// Takes in contacts that were met since. @return false: there are none.
-[[nodiscard]] bool hold_met(PhysicsImpl& p) noexcept;
-/// Tools, obstacles or pins may do work in this step.
-[[nodiscard]] bool pushed(const PhysicsImpl& p) noexcept;
+/// What acts on a body in a step.
+enum class Outside : std::uint8_t {
+    Nothing,
+    AtRest,  ///< obstacles and tools that are as in the step before: they do no work
+    Moving
+};
+[[nodiscard]] Outside outside(const PhysicsImpl& p) noexcept;
 /// Multipliers for the next step.
 void keep_multipliers(PhysicsImpl& p) noexcept;
 /// How a body that nothing outside holds moves as a whole.
@@ -159,6 +165,8 @@ struct Drift {
 /// Minimises the potential from `delta` on. @return false: nothing lower was found, or numbers overflowed.
 [[nodiscard]] bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept;
 
+/// Notes that all samples of a state were written, as an elastic touch.
+void mark_moved(StateImpl& s) noexcept;
 /// Volume of rest + at + delta + step * way, m^3.
 [[nodiscard]] double volume_of(const PhysicsImpl& p, const Field& delta, double step, const Field* way) noexcept;
 /// to_class = sum over its copies.

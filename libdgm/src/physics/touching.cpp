@@ -3,6 +3,8 @@
 // Contacts of a step: which samples may touch, and how firmly they are held.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 #include "physics/physics_impl.h"
 
@@ -10,6 +12,10 @@ namespace dgm::detail::physics {
 namespace {
 
 constexpr std::uint32_t kTile = 8;
+/// Share of a contact's stiffness that goes into the matrix: that holds a sample in all directions, a contact in one.
+/// Conjugate gradients find the few directions with more; what a patch of contacts may do along the surface is smooth,
+/// and too stiff a matrix hides it (docs/physics.md).
+constexpr float kHeldInMatrix = 0.1f;
 
 /// Place of a sample before the step, local units.
 Double3 place(const PhysicsImpl& p, const StateImpl& s, std::uint32_t k) noexcept {
@@ -56,6 +62,21 @@ Tile tile_of(const PhysicsImpl& p, const StateImpl& s, std::uint32_t i0, std::ui
     return {0.5 * (l + h), std::sqrt(dot(half, half))};
 }
 
+/// Whether an obstacle of a scene is in another one, in the same place.
+bool is_in(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
+    const Shape& a = now.shapes[o];
+    for (std::uint32_t k = 0; k < before.count; ++k) {
+        const Shape& b = before.shapes[k];
+        // All from `point` on are doubles.
+        constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
+        static_assert(kBytes == 23 * sizeof(double));
+        if (before.ids[k] == now.ids[o])
+            return a.kind == b.kind && a.surface == b.surface && before.turns[k] == now.turns[o] &&
+                   std::memcmp(&a.point, &b.point, kBytes) == 0;
+    }
+    return false;
+}
+
 /// Distance within which a sample may come to touch in this step, local units.
 double reach_of(const PhysicsImpl& p, const StateImpl& s) noexcept {
     double fastest = 0;
@@ -65,7 +86,8 @@ double reach_of(const PhysicsImpl& p, const StateImpl& s) noexcept {
 }
 }  // namespace
 
-bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexcept {
+bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
+    const Scene &scene = p.scene[1 - p.touching_now], &before = p.scene[p.touching_now];
     const Remembered memory(p.touching[p.touching_now], p.touching_count);
     Array<Touching>& to = p.touching[1 - p.touching_now];
     const Level& l = p.fine();
@@ -75,6 +97,7 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
     const double reach = scene.count == 0 ? 0 : reach_of(p, s);
     for (std::uint32_t o = 0; o < scene.count; ++o) {
         const Shape& shape = scene.shapes[o];
+        const bool moves = !is_in(before, scene, o);
         const auto look = [&](std::uint32_t k) {
             if (l.own[k] == 0 || p.free[k] == 0) return;
             const Double3 x = place(p, s, k);
@@ -91,7 +114,7 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s, const Scene& scene) noexc
             }
             const double firm = double{p.grip[k]};
             to[count++] = {k, scene.ids[o], normal, there.distance * p.scale, firm, memory.of(scene.ids[o], k),
-                           0, false,        false};
+                           0, false,        moves};
         };
         for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
             if (i % kTile == 0)
@@ -157,11 +180,10 @@ void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> 
 void take_holds(PhysicsImpl& p) noexcept {
     Level& l = p.fine();
     std::fill(p.pressed, p.pressed + l.grid, 0.0f);
-    Array<Touching>& list = p.touching[p.touching_now];
+    const Array<Touching>& list = p.touching[p.touching_now];
     for (std::uint32_t k = 0; k < p.touching_count; ++k) {
-        Touching& t = list[k];
-        t.held = t.met || t.multiplier > 0 || t.gap < 0;
-        if (t.held) p.pressed[t.sample] += static_cast<float>(t.stiffness);
+        const Touching& t = list[k];
+        if (t.multiplier > 0 || t.gap < 0) p.pressed[t.sample] += static_cast<float>(t.stiffness);
     }
     for (std::uint32_t k = 0; k < p.grasped_count; ++k)
         p.pressed[p.grasped[k].sample] += static_cast<float>(p.grasped[k].stiffness);
@@ -171,7 +193,7 @@ void take_holds(PhysicsImpl& p) noexcept {
     const auto by = static_cast<float>(1 / p.solver.scale);
     float* extra = l.d0.p[0];
     for (std::uint32_t s = 0; s < l.grid; ++s) {
-        const float held = p.pressed[s];
+        const float held = kHeldInMatrix * p.pressed[s];
         extra[s] = l.own[s] * ((p.free[s] == 0 ? p.hold : 0) + (product ? std::sqrt(held * by * p.mass[s]) : held));
     }
     for (std::uint32_t s = 0; s < l.grid; ++s) p.give[s] = l.own[s] / (p.firm[s] + p.pressed[s]);
@@ -180,18 +202,13 @@ void take_holds(PhysicsImpl& p) noexcept {
     take_extra(p.solver);
 }
 
-bool hold_met(PhysicsImpl& p) noexcept {
+Outside outside(const PhysicsImpl& p) noexcept {
+    if (p.driven || p.grasped_count != 0) return Outside::Moving;
     const Array<Touching>& list = p.touching[p.touching_now];
-    bool found = false;
-    for (std::uint32_t k = 0; k < p.touching_count; ++k) found = found || (list[k].met && !list[k].held);
-    if (found) take_holds(p);
+    Outside found = Outside::Nothing;
+    for (std::uint32_t k = 0; k < p.touching_count; ++k)
+        if (list[k].met) found = std::max(found, list[k].moves ? Outside::Moving : Outside::AtRest);
     return found;
-}
-
-bool pushed(const PhysicsImpl& p) noexcept {
-    const Touching* list = p.touching[p.touching_now].begin();
-    return p.driven || p.grasped_count != 0 ||
-           std::any_of(list, list + p.touching_count, [](const Touching& t) { return t.met; });
 }
 
 void keep_multipliers(PhysicsImpl& p) noexcept {

@@ -80,32 +80,35 @@ RectList unlike_rest(const StateImpl& s) noexcept {
     return moved;
 }
 
-Result<void> fill(StateImpl& s, const Chart& chart, const StateOptions& options) noexcept {
-    auto found = read_tables(chart);
-    if (!found) return found.error();
-    if (bytes_needed(found.value(), options) > options.max_bytes)
+Result<void> fill(StateImpl& s, const ChartTables& tables, const StateOptions& options) noexcept {
+    if (bytes_needed(tables, options) > options.max_bytes)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "the state would take more memory than the limit allows"};
     s.max_reach = options.max_reach;
-    if (auto r = fill_surface(s, found.value(), options.plain_loops); !r) return r;
+    if (auto r = fill_surface(s, tables, options.plain_loops); !r) return r;
     s.patch_count = patches_for(options);
     if (!make_fading(s) || !make_scratch(s, options.max_tools) || !make_patches(s, options.max_tools != 0))
         return kNoStateMemory;
     return {};
 }
 }  // namespace
-}  // namespace detail
 
-Result<State> State::create(const Chart& chart, const StateOptions& options) noexcept {
-    if (!detail::is_valid(options.allocator))
-        return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
+Result<State> create_state(const ChartTables& tables, const StateOptions& options) noexcept {
+    if (!is_valid(options.allocator)) return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
     if (options.max_reach < 1 || options.max_reach > kMaxReach)
         return Error{ErrorCode::BadArgument, kNoOffset, "max_reach is not in 1..1024"};
     if (options.max_tools > 64) return Error{ErrorCode::BadArgument, kNoOffset, "max_tools is beyond 64"};
-    detail::StateImpl* impl = detail::create<detail::StateImpl>(options.allocator, options.allocator);
-    if (impl == nullptr) return detail::kNoStateMemory;
+    StateImpl* impl = create<StateImpl>(options.allocator, options.allocator);
+    if (impl == nullptr) return kNoStateMemory;
     State state(impl);
-    if (auto r = detail::fill(*impl, chart, options); !r) return r.error();
+    if (auto r = fill(*impl, tables, options); !r) return r.error();
     return state;
+}
+}  // namespace detail
+
+Result<State> State::create(const Chart& chart, const StateOptions& options) noexcept {
+    auto found = detail::read_tables(chart);
+    if (!found) return found.error();
+    return detail::create_state(found.value(), options);
 }
 
 State::State(State&& other) noexcept : impl_(std::exchange(other.impl_, nullptr)) {}

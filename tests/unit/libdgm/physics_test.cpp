@@ -570,6 +570,23 @@ TEST(Physics, TheCInterfaceGivesTheSameSteps) {
     dgm_physics_reset(physics);
     dgm_physics_destroy(physics);
     dgm_physics_destroy(nullptr);
+    // Level of detail: the same as in C++.
+    dgm_state* coarse = nullptr;
+    dgm_detail* detail = nullptr;
+    EXPECT_EQ(dgm_state_create_coarse(state, 0, nullptr, nullptr, &coarse, &error), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(dgm_state_create_coarse(nullptr, 2, nullptr, nullptr, &coarse, &error), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(dgm_state_create_coarse(state, 5, nullptr, nullptr, &coarse, &error), DGM_UNSUPPORTED);
+    ASSERT_EQ(dgm_state_create_coarse(state, 2, nullptr, nullptr, &coarse, &error), DGM_OK) << error.message;
+    EXPECT_EQ(dgm_detail_create(state, coarse, 4, nullptr, &detail, &error), DGM_BAD_ARGUMENT);
+    EXPECT_EQ(dgm_detail_create(state, nullptr, 2, nullptr, &detail, &error), DGM_BAD_ARGUMENT);
+    ASSERT_EQ(dgm_detail_create(state, coarse, 2, nullptr, &detail, &error), DGM_OK) << error.message;
+    ASSERT_EQ(dgm_detail_show(detail, coarse, state, &error), DGM_OK) << error.message;
+    for (std::uint32_t k = 0; k < body.state.sample_count(); ++k)
+        ASSERT_TRUE(same_bits(body.state.rest_positions()[k], {xyz[0][k], xyz[1][k], xyz[2][k]})) << k;
+    EXPECT_EQ(dgm_detail_show(detail, state, coarse, &error), DGM_BAD_ARGUMENT);
+    dgm_detail_destroy(detail);
+    dgm_detail_destroy(nullptr);
+    dgm_state_destroy(coarse);
     dgm_state_destroy(state);
     dgm_asset_close(asset);
 }

@@ -165,8 +165,11 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     plane.point = {0, 0, -0.95f};
     const Pin pin{40, state.positions()[40]};
     std::uint32_t contacts = 0;
+    const State coarse = coarse_state(state, 4).value();
+    Detail detail = Detail::create(state, coarse, 4).value();
     const long before = g_allocations;
     for (int k = 0; k < 200; ++k) {
+        if (k % 50 == 0) sound = sound && detail.show(coarse, state).ok();
         StepOptions o;
         o.tool_radius = 0.2f;
         o.obstacles = {&plane, 1};
