@@ -49,6 +49,13 @@ bool is_16_bit(const EncodedImage& image) {
     return stbi_is_16_bit_from_memory(image.bytes(), image.size()) != 0;
 }
 
+/// stb takes the bytes of such a picture for those of one with 8 bits when it changes the number of channels, and reads
+/// beyond them; it also leaves them in the wrong order.
+void refuse_16_bit_pnm(const EncodedImage& image, const fs::path& path) {
+    if (image.file->starts_with('P') && is_16_bit(image))
+        throw model::Error(codes::kImageUnreadable, "a PGM or PPM picture of 16 bits: store it as PNG", path.string());
+}
+
 /// stb counts the bytes of decoded pixels as an int.
 void check_decoded(const EncodedImage& image, std::uint64_t channels, const fs::path& path) {
     const std::uint64_t bytes = std::uint64_t{image.pixels()} * channels * (is_16_bit(image) ? 2 : 1);
@@ -85,6 +92,7 @@ EncodedImage load(const model::PictureFile& picture) {
                            std::to_string(out.width) + " x " + std::to_string(out.height) + " pixels; the limit is " +
                                std::to_string(kLimit) + " a side",
                            path.string());
+    refuse_16_bit_pnm(out, path);
     return out;
 }
 

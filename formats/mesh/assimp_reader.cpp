@@ -256,6 +256,7 @@ class SceneMerger {
         loop_.clear();
         for (const unsigned k : face) loop_.push_back(to_vec(source.mVertices[k]));
         if (!triangulate_polygon(loop_, triples_, budget_)) ++fans_;
+        if (budget_.is_crossed()) throw crossed_polygons(path_.string());
     }
 
     void append_corner(const aiMesh& source, unsigned k, const Placement& placement) {

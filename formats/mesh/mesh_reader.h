@@ -46,7 +46,8 @@ void check_mesh_file(const std::filesystem::path& path, const MeshReadLimits& li
 /// FBX, Collada and glTF come out in metres and with y up, as far as the file states its units and axes; 3DS with y up.
 /// Deterministic. May abort or take long on hostile files of the kinds that assimp reads: run it in a worker process.
 /// @throws model::Error kFileMissing, kReadFailed, kNoFaces, kImportFailed (place FILE or FILE:LINE:COLUMN), kTooLarge;
-///         kReferenceOutside, kReferenceNoFile for a file without which there is no mesh (the buffer of a glTF)
+///         kPolygonCrosses for polygons of many corners that cross themselves (polygon.h); kReferenceOutside,
+///         kReferenceNoFile for a file without which there is no mesh (the buffer of a glTF)
 [[nodiscard]] ImportedMesh read_mesh(const std::filesystem::path& path, const MeshReadLimits& limits = {});
 
 }  // namespace dgm::formats

@@ -90,7 +90,8 @@ void collect_ring(ObjText& text, const ObjPolygon& polygon, std::vector<ObjCorne
 
 /// Splits the polygons into the faces of `mesh`, with their materials. Faces without one share a default material
 /// behind the named ones. @return  the corners of the faces, three each
-std::vector<ObjCorner> build_faces(ObjText& text, TriMesh& mesh) {
+/// @throws model::Error kPolygonCrosses
+std::vector<ObjCorner> build_faces(ObjText& text, const fs::path& path, TriMesh& mesh) {
     const bool use_materials = !text.material_names.empty();
     const auto default_material = static_cast<std::uint32_t>(text.material_names.size());
     bool needs_default = false;
@@ -106,6 +107,7 @@ std::vector<ObjCorner> build_faces(ObjText& text, TriMesh& mesh) {
         for (const ObjCorner& corner : ring) loop.push_back(text.positions[corner.position]);
         triples.clear();
         if (!triangulate_polygon(loop, triples, budget)) text.tallies.fans.add(polygon.spot);
+        if (budget.is_crossed()) throw crossed_polygons(obj_place(path, polygon.spot));
         for (const CornerTriple& triple : triples) {
             mesh.faces.push_back({ring[triple[0]].position, ring[triple[1]].position, ring[triple[2]].position});
             for (const std::uint32_t k : triple) face_corners.push_back(ring[k]);
@@ -220,7 +222,7 @@ ImportedMesh read_obj(const fs::path& path, const MeshReadLimits& limits) {
     ObjText text = parse_obj(bytes, path, limits);
     ImportedMesh out;
     const std::vector<MtlMaterial> materials = resolve_materials(text, path, limits, out);
-    const std::vector<ObjCorner> face_corners = build_faces(text, out.mesh);
+    const std::vector<ObjCorner> face_corners = build_faces(text, path, out.mesh);
     if (out.mesh.faces.empty()) no_faces(text, path);
     fill_uvs(text, face_corners, materials, out.mesh);
     fill_normals(text, face_corners, out.mesh);

@@ -11,6 +11,8 @@
 #include <queue>
 #include <utility>
 
+#include "model/codes.h"
+
 namespace dgm::formats {
 namespace {
 
@@ -62,6 +64,16 @@ std::vector<Vec2d> project(std::span<const Vec3d> corners) {
         out.push_back({p[first], p[second]});
     }
     return out;
+}
+
+/// No triangle of them has an area, so they leave no faces that could lie over one another.
+bool in_line(std::span<const Vec3d> corners) {
+    const Vec3d from = corners[0];
+    const auto distance = [&](const Vec3d& p) { return dot(p - from, p - from); };
+    const Vec3d to = *std::max_element(corners.begin(), corners.end(), [&](const Vec3d& p, const Vec3d& q) {
+        return distance(p) < distance(q);
+    }) - from;
+    return std::all_of(corners.begin(), corners.end(), [&](const Vec3d& p) { return cross(p - from, to) == Vec3d{}; });
 }
 
 void append_fan(std::span<const std::uint32_t> loop, std::vector<CornerTriple>& out) {
@@ -217,6 +229,8 @@ class EarClipper {
     }
 
     [[nodiscard]] std::uint64_t work() const { return tests_; }
+    /// Corners that became a fan.
+    [[nodiscard]] std::size_t fanned() const { return fanned_; }
 
     bool run(std::vector<CornerTriple>& out) {
         std::size_t left = size_;
@@ -233,6 +247,7 @@ class EarClipper {
                 std::vector<std::uint32_t> loop;
                 for (std::uint32_t k = start, seen = 0; seen < left; k = next_[k], ++seen) loop.push_back(k);
                 append_fan(loop, out);
+                fanned_ = left;
                 return false;
             }
             const std::uint32_t before = previous_[*best], after = next_[*best];
@@ -313,6 +328,7 @@ class EarClipper {
     std::priority_queue<Ear, std::vector<Ear>, std::greater<>> ears_;
     std::optional<ReflexTree> reflex_;  ///< after the constructor always there
     std::uint64_t tests_ = 0;
+    std::size_t fanned_ = 0;
 };
 
 bool is_convex(std::span<const Vec2d> p) {
@@ -334,6 +350,9 @@ bool triangulate_polygon(std::span<const Vec3d> corners, std::vector<CornerTripl
         std::vector<std::uint32_t> loop(corners.size());
         for (std::size_t k = 0; k < loop.size(); ++k) loop[k] = static_cast<std::uint32_t>(k);
         append_fan(loop, out);
+        if (std::all_of(corners.begin(), corners.end(), [](const Vec3d& p) { return is_finite(p); }) &&
+            !in_line(corners))
+            budget.cross(corners.size());
         return false;
     }
     if (flat.size() == 4 && is_convex(flat)) {
@@ -344,7 +363,12 @@ bool triangulate_polygon(std::span<const Vec3d> corners, std::vector<CornerTripl
     EarClipper clipper(std::move(flat), budget.left());
     const bool done = clipper.run(out);
     budget.spend(clipper.work());
+    budget.cross(clipper.fanned());
     return done;
+}
+
+model::Error crossed_polygons(const std::string& place) {
+    return {model::codes::kPolygonCrosses, "polygons of too many corners cross themselves, up to this one", place};
 }
 
 }  // namespace dgm::formats

@@ -85,6 +85,9 @@ class Codes(support.Folder):
                                        if not (k // 2 % 2 == 1 and k // 24 % 2 == 1 and k // 24 < 11 and k // 2 % 12 < 11)]))
         (folder / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
         (folder / "huge.obj").write_text("v 0 0 0\nv 1e300 0 0\nv 0 1e300 0\nf 1 2 3\n")
+        corners = range(1200)  # in an order that crosses every other edge
+        (folder / "crossed.obj").write_text("".join(f"v {k * 7919 % 1201} {k * k % 1193} 0\n" for k in corners) + "f " +
+                                            " ".join(str(k + 1) for k in corners) + "\n")
         (folder / "broken.3ds").write_bytes(b"MM\x00\x00 nothing of the sort")
         (folder / "broken.png").write_bytes(b"no picture")
         (folder / "texts").mkdir()
@@ -106,6 +109,7 @@ class Codes(support.Folder):
             (3009, bake, ["torus.obj", *small, "--max-error", "1e-9%"]),
             (3010, bake, ["sheet.obj", *small, "--budget", "100B"]),
             (3018, bake, ["sheet.obj", *small, "--unit", "mm", "--material", "stiff.toml"]),
+            (3019, bake, ["crossed.obj", *small]),
             (6005, bake, ["sheet.obj", *small, "--unit", "mm", "--material", "wrong.toml"]),
             (5001, validate, ["absent.dgm"]), (5003, validate, ["good.dgm", "--report", "json=points.obj/under/a/file.json"]),
             (5004, bake, ["texts", "-o", "out"]), (5005, bake, ["sheet.obj", *small, "--texture", "broken.png"]),

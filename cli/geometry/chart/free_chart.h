@@ -30,8 +30,8 @@ struct FreeChartTools {
 /// `note`.
 ///
 /// Every vertex of the chart's border is a border sample; border edges longer than a grid cell on either side of a cut
-/// are divided on both sides at the same places. A quad is kept only where no border edge enters it, so a slit thinner
-/// than a cell stays a slit.
+/// are divided on both sides at the same places (within a bound: fit_to_square.h). A quad is kept only where no border
+/// edge enters it, so a slit thinner than a cell stays a slit.
 /// @throws model::Error kMapInvalid, kInterrupted
 [[nodiscard]] SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uint32_t n,
                                            const Parameterizer& method, const FreeChartTools& tools,

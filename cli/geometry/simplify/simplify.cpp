@@ -20,23 +20,56 @@ namespace {
 
 constexpr double kThinnest = 0.02;  // doubled area over longest squared edge of a face that a collapse may make
 
-class Simplifier {
- public:
-    Simplifier(const TriMesh& mesh, const SimplifyOptions& options)
-        : positions_(mesh.positions),
-          options_(options),
-          faces_(mesh.faces),
-          opposite_(opposite_half_edges(mesh.faces)),
-          live_faces_(mesh.faces.size()),
-          out_(mesh.positions.size(), kNone),
-          quadric_(mesh.positions.size()),
-          target_(mesh.positions.size(), kNone),
-          seen_(mesh.positions.size(), 0),
-          heap_(mesh.positions.size()) {
+/// The faces of a mesh that changes, and walks around its vertices.
+class Rings {
+ protected:
+    explicit Rings(const TriMesh& mesh)
+        : faces_(mesh.faces), opposite_(opposite_half_edges(mesh.faces)), out_(mesh.positions.size(), kNone) {
         for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
             std::uint32_t& out = out_[origin(faces_, h)];
             if (out == kNone || opposite_[h] == kNone) out = h;
         }
+    }
+
+    [[nodiscard]] bool on_border(std::uint32_t v) const { return opposite_[out_[v]] == kNone; }
+
+    /// Until `visit` returns true. @return whether it did
+    template <class Visit>
+    bool any_neighbour(std::uint32_t u, Visit visit) const {
+        const std::uint32_t start = out_[u];
+        std::uint32_t h = start;
+        do {
+            if (visit(target(faces_, h))) return true;
+            const std::uint32_t back = previous_half_edge(h);
+            h = opposite_[back];
+            if (h == kNone && visit(origin(faces_, back))) return true;
+        } while (h != kNone && h != start);
+        return false;
+    }
+    template <class Visit>
+    void each_neighbour(std::uint32_t u, Visit visit) const {
+        any_neighbour(u, [&](std::uint32_t w) {
+            visit(w);
+            return false;
+        });
+    }
+
+    std::vector<Face> faces_;
+    std::vector<std::uint32_t> opposite_;
+    std::vector<std::uint32_t> out_;  // a half-edge from each vertex, the border one on a border; kNone if gone
+};
+
+class Simplifier : Rings {
+ public:
+    Simplifier(const TriMesh& mesh, const SimplifyOptions& options)
+        : Rings(mesh),
+          positions_(mesh.positions),
+          options_(options),
+          live_faces_(mesh.faces.size()),
+          quadric_(mesh.positions.size()),
+          target_(mesh.positions.size(), kNone),
+          seen_(mesh.positions.size(), 0),
+          heap_(mesh.positions.size()) {
         make_quadrics();
     }
 
@@ -81,8 +114,6 @@ class Simplifier {
         }
     }
 
-    [[nodiscard]] bool on_border(std::uint32_t v) const { return opposite_[out_[v]] == kNone; }
-
     /// Half-edges from u, counter-clockwise; a border vertex keeps its border half-edge in out_, where the fan begins.
     void read_fan(std::uint32_t u) {
         fan_.clear();
@@ -98,16 +129,13 @@ class Simplifier {
         } while (h != kNone && h != start);
     }
 
-    template <class Visit>
-    void each_neighbour(std::uint32_t u, Visit visit) const {
-        const std::uint32_t start = out_[u];
-        std::uint32_t h = start;
-        do {
-            visit(target(faces_, h));
-            const std::uint32_t back = previous_half_edge(h);
-            h = opposite_[back];
-            if (h == kNone) visit(origin(faces_, back));
-        } while (h != kNone && h != start);
+    [[nodiscard]] std::size_t most_neighbours() const { return options_.max_valence + 4; }
+
+    /// No collapse of u, nor one into u, is allowed while this holds. Vertices of ten thousand faces are looked at
+    /// again with each collapse beside them, so all that is asked about one has to end early.
+    [[nodiscard]] bool is_hub(std::uint32_t u) const {
+        std::size_t count = 0;
+        return any_neighbour(u, [&](std::uint32_t) { return ++count > most_neighbours(); });
     }
 
     [[nodiscard]] double cost(std::uint32_t u, std::uint32_t v) const {
@@ -121,6 +149,11 @@ class Simplifier {
     /// and out of the heap if there is none.
     void queue(std::uint32_t u, bool checked) {
         if (!options_.locked.empty() && options_.locked[u]) return;
+        if (is_hub(u)) {
+            target_[u] = kNone;
+            heap_.erase(u);
+            return;
+        }
         double least = kInfinity;
         std::uint32_t best = kNone;
         const auto visit = [&](std::uint32_t v) {
@@ -154,13 +187,13 @@ class Simplifier {
         const bool bars = !options_.allow_chords && !border && on_border(v);
         ++stamp_;
         std::size_t valence = 0;
-        each_neighbour(v, [&](std::uint32_t w) {
-            seen_[w] = stamp_;
-            ++valence;
-        });
+        if (any_neighbour(v, [&](std::uint32_t w) {
+                seen_[w] = stamp_;
+                return ++valence + count > most_neighbours();
+            }))
+            return false;
         for (std::uint32_t w : link_)
             if (w != before && w != after && w != v && (seen_[w] == stamp_ || (bars && on_border(w)))) return false;
-        if (valence + count > options_.max_valence + 4) return false;
         for (std::uint32_t w : {before, after})
             if (w != kNone && would_hang(u, v, w)) return false;
         return shape_holds(u, v);
@@ -168,13 +201,14 @@ class Simplifier {
 
     /// True if without face u, v, w nothing would hold w, or two faces back to back.
     [[nodiscard]] bool would_hang(std::uint32_t u, std::uint32_t v, std::uint32_t w) const {
+        const std::size_t least = on_border(w) ? 0 : 4;
         std::size_t valence = 0;
         bool stranger = false;
-        each_neighbour(w, [&](std::uint32_t x) {
+        return !any_neighbour(w, [&](std::uint32_t x) {
             ++valence;
             stranger |= x != u && x != v;
+            return stranger && valence >= least;
         });
-        return !stranger || (!on_border(w) && valence < 4);
     }
 
     [[nodiscard]] bool shape_holds(std::uint32_t u, std::uint32_t v) const {
@@ -246,10 +280,7 @@ class Simplifier {
 
     std::span<const Vec3d> positions_;
     const SimplifyOptions& options_;
-    std::vector<Face> faces_;
-    std::vector<std::uint32_t> opposite_;
     std::size_t live_faces_;
-    std::vector<std::uint32_t> out_;  // a half-edge from each vertex, the border one on a border; kNone if gone
     std::vector<Quadric> quadric_;
     std::vector<std::uint32_t> target_;  // what each vertex would go into
     std::vector<std::uint32_t> seen_;

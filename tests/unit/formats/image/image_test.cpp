@@ -105,6 +105,9 @@ TEST(ImageFiles, BadOnesHaveTheirCodes) {
     EXPECT_EQ(code_of([&] { (void)dgm::formats::read_image({folder.path()}); }), codes::kReadFailed.number);
     EXPECT_EQ(read(""), codes::kImageUnreadable.number);
     EXPECT_EQ(read("no picture at all"), codes::kImageUnreadable.number);
+    for (const char* head : {"P5 2 1 65535\n", "P6 2 1 65535\n"})  // of 16 bits
+        EXPECT_EQ(read(head + std::string(12, '\x40')), codes::kImageUnreadable.number);
+    EXPECT_EQ(read("P5 2 1 255\n@@"), 0);
     const auto bytes = encode_png(random_image(50, 50));
     const std::string png(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     EXPECT_EQ(read(png.substr(0, 500)), codes::kImageUnreadable.number);

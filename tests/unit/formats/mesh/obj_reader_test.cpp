@@ -281,6 +281,14 @@ TEST(Obj, RefusalsSayWhere) {
         "DGM3001 no usable faces; 1 face statements cannot be read; 1 faces have fewer than three corners @a.obj:4:5");
     EXPECT_EQ(error_of(std::string("\x89PNG\r\n\0\1\2", 9)), "DGM3001 no usable faces; no vertices @a.obj");
     EXPECT_EQ(error_of(kTriangle + "f \\").substr(0, 7), "DGM3001");
+    std::string star, face = "f";
+    for (int k = 0; k < 4001; ++k) {
+        const double angle = 6.28318530717958 * k * 2000 / 4001;
+        star += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+        face += " " + std::to_string(k + 1);
+    }
+    EXPECT_EQ(error_of(kTriangle + star + "f 1 2 3\n" + face + "\n"),
+              "DGM3019 polygons of too many corners cross themselves, up to this one @a.obj:4006:1");
 }
 
 TEST(Obj, LimitsHold) {

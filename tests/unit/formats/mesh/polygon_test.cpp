@@ -124,6 +124,47 @@ TEST(Polygon, OneBudgetServesAllPolygonsOfAFile) {
     EXPECT_TRUE(dgm::formats::triangulate_polygon(dart, out, budget));
 }
 
+/// A star of n corners whose every edge crosses nearly all others.
+std::vector<Vec3d> crossed(int n) {
+    std::vector<Vec3d> out;
+    for (int k = 0; k < n; ++k) {
+        const double angle = 6.28318530717958 * k * (n / 2) / n;
+        out.push_back({std::cos(angle), std::sin(angle), 0});
+    }
+    return out;
+}
+
+TEST(Polygon, FansOfCrossedCornersHaveABoundAFile) {
+    std::vector<CornerTriple> out;
+    PolygonBudget several;
+    int count = 0;
+    while (!several.is_crossed() && count < 100) {
+        EXPECT_FALSE(dgm::formats::triangulate_polygon(crossed(999), out, several));
+        ++count;
+    }
+    EXPECT_GE(count, 2) << "one polygon of 999 corners";
+    EXPECT_LE(count, 8) << "some of its ears can be cut off first";
+    PolygonBudget large;
+    EXPECT_FALSE(dgm::formats::triangulate_polygon(crossed(9999), out, large));
+    EXPECT_TRUE(large.is_crossed());
+}
+
+TEST(Polygon, BowTiesPointsAndLinesAreNotCrossed) {
+    PolygonBudget budget;
+    std::vector<CornerTriple> out;
+    for (int k = 0; k < 20'000; ++k) {
+        out.clear();
+        EXPECT_FALSE(dgm::formats::triangulate_polygon(crossed(15), out, budget));
+    }
+    std::vector<Vec3d> line, broken = crossed(9999);
+    for (int k = 0; k < 9'000; ++k) line.push_back({1.0 * (k * 7 % 9'000), 2.0 * (k * 7 % 9'000), 0});
+    broken[5].x = std::numeric_limits<double>::quiet_NaN();
+    for (const std::vector<Vec3d>& p : {line, broken, std::vector<Vec3d>(9'000)})
+        EXPECT_FALSE(dgm::formats::triangulate_polygon(p, out, budget));
+    EXPECT_TRUE(dgm::formats::triangulate_polygon(teeth(20'000, 0), out, budget));
+    EXPECT_FALSE(budget.is_crossed());
+}
+
 TEST(Polygon, ScaleAndOffsetDoNotMatter) {
     const std::vector<Vec3d> dart{{0, 0, 0}, {1, 0.1, 0}, {2, 0, 0}, {1, 3, 0}};
     std::vector<CornerTriple> expected;

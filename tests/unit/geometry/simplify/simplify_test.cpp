@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -53,6 +54,29 @@ TEST(Simplify, KeepsTopologyDownToTheLastAllowedCollapse) {
             EXPECT_LT(out.faces.size(), s.mesh.faces.size() / 2);
             if (wanted * 4 > s.mesh.faces.size()) { EXPECT_LE(out.faces.size(), wanted); }
         }
+}
+
+/// A disk of `rim` faces around one vertex, wavy so that its faces turn.
+TriMesh fan(std::uint32_t rim) {
+    TriMesh mesh;
+    mesh.positions.push_back({0, 0, 0});
+    for (std::uint32_t k = 0; k < rim; ++k) {
+        const double angle = 6.28318530717958 * k / rim;
+        mesh.positions.push_back({std::cos(angle), std::sin(angle), 0.1 * std::sin(40 * angle)});
+        mesh.faces.push_back({0, k + 1, (k + 1) % rim + 1});
+    }
+    return mesh;
+}
+
+TEST(Simplify, AVertexOfThousandsOfFacesIsNotLookedThroughEachTime) {
+    // Each collapse along the rim is one beside the vertex of all faces: one look at each of its faces each time would
+    // be 10^11 of them.
+    const TriMesh mesh = fan(300'000);
+    const Simplified out = simplify(mesh, 1000, {}, {});
+    EXPECT_LE(out.faces.size(), 1000u);
+    const Topology after = measure_topology(mesh.positions.size(), out.faces);
+    EXPECT_TRUE(after.manifold && after.oriented);
+    EXPECT_EQ(after.boundary_loops, 1u);
 }
 
 TEST(Simplify, TurnsNoFaceOver) {
