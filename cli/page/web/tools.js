@@ -62,7 +62,7 @@ class Hand {
     return .8 * most;
   }
   // Whether the runtime's own rule for touches, the sample nearest to the tool and its normal, agrees on the way down. On edges and
-  // tips it may not: there a push takes hold of its place.
+  // tips it may not, or press the place itself by less than a third: there a push takes hold of its place.
   meets({ body, anchor, normal, depth, most }) {
     if (most < kSharp * depth) return false;
     const ways = [.1, .3, .6, 1].map((share) => share * Math.min(depth, most)), nearest = ways.map(() => [Infinity, 0]);
@@ -72,7 +72,7 @@ class Hand {
     }));
     return ways.every((t, k) => {
       const [square, s] = nearest[k], facing = body.facing.map((array) => array[s]), v = plus(anchor, normal, -t).map((x, c) => x - body.base[c][s]), h = dot(v, facing);
-      return h < 0 && dot(facing, normal) > .3 && square - h * h < 4 * (body.step ** 2 + h * h);
+      return h < 0 && dot(facing, normal) > .6 && square - h * h < 4 * (body.step ** 2 + h * h);
     });
   }
   // Calls f(sample, cosine of its normal to `normal`, squared distance from `place`, how far it is below) of the shape before the stroke.
