@@ -96,7 +96,10 @@ void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
         kept = fit.matches.rms < fit.kept.rms;
         gained_before = gained;
         gained = std::max(0.0, 1 - fit.matches.rms / fit.kept.rms);
-        if (!kept) continue;
+        if (!kept) {
+            fit.rest();
+            continue;
+        }
         fit.keep();
         ++report.rounds;
     }
@@ -164,7 +167,7 @@ bool is_worse_than(const SampledChart& start, FitState& fit) {
 
 FitOptions l2_fit() {
     FitOptions o;
-    o.rounds = 12;
+    o.rounds = 11;
     return o;
 }
 
@@ -191,7 +194,7 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
     const SampledChart start = chart;
     if (begun != nullptr) chart = begun->chart;
     FitState fit(chart, options);
-    LocalRepair repair(fit, options.worst_rounds > 0);
+    LocalRepair repair(fit);
     FitReport report;
     fit.matches.update(false);
     report.start_rms = begun != nullptr ? begun->start_rms : fit.matches.rms;

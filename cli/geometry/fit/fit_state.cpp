@@ -12,6 +12,9 @@
 namespace dgm::bake {
 namespace {
 
+// Of the last step, in the next one: at most, and how slowly it comes to that [Nesterov 1983].
+constexpr double kMomentum = 0.85, kRamp = 3;
+
 std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
     const double samples = static_cast<double>(chart.grid_count()), wanted = options.points_per_sample * samples;
     return static_cast<std::size_t>(std::max(wanted, std::min(200'000.0, 3 * wanted)));
@@ -22,6 +25,7 @@ std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
 FitState::FitState(SampledChart& fitted, const FitOptions& options)
     : chart(fitted),
       most_looks(options.most_looks != 0 ? options.most_looks : most_looks_of(fitted.grid_count())),
+      holds_largest(options.worst_rounds > 0),
       damping(options.hold.damping),
       source(link_source(fitted.disk)),
       grid(fitted),
@@ -51,7 +55,7 @@ void FitState::restore() {
 void FitState::go_back_to(const Kept& before) {
     kept = before;
     restore();
-    matches.update(true);
+    matches.update(holds_largest);
 }
 
 void FitState::relink() {
@@ -67,7 +71,16 @@ void FitState::look_up_farthest() {
 void FitState::step(bool worst_only) {
     NormalEquations equations(grid);
     rows.assemble(equations, worst_only);
-    const std::vector<Vec3d> step = equations.solve(rails.freedom(), rails.directions(), damping, kCgIterations);
+    std::vector<Vec3d> onward;
+    steps_ = came_from_.empty() ? 0 : steps_ + 1;
+    if (!worst_only && steps_ > 0) {
+        const double share = std::min(kMomentum, steps_ / (steps_ + kRamp));
+        onward.resize(came_from_.size());
+        for (std::size_t c = 0; c < onward.size(); ++c) onward[c] = (grid.surface.positions[c] - came_from_[c]) * share;
+    }
+    came_from_ = grid.surface.positions;
+    const std::vector<Vec3d> step =
+        equations.solve(rails.freedom(), rails.directions(), damping, kCgIterations, onward);
     std::vector<double> ways(rails.empty() ? 0 : step.size());
     for (std::size_t c = 0; c < ways.size(); ++c) ways[c] = dot(step[c], rails.directions()[c]);
     sliding.take(step, std::move(ways));
@@ -99,7 +112,7 @@ void FitState::move_back(std::span<const std::uint32_t> faces, const std::vector
         for (const std::uint32_t c : surface.faces[f]) near[f] |= back[c];
     for (std::uint32_t f = 0; f < near.size(); ++f)
         if (near[f]) surface.update_normal(f);
-    matches.update(true, near);
+    matches.update(holds_largest, near);
 }
 
 std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& known) {

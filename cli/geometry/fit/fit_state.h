@@ -48,8 +48,11 @@ struct FitState {
 
     /// Updates the matches, edges too, and settles the farthest of them.
     void look_up_farthest();
-    /// One least-squares step, as far as the faces allow.
+    /// One least-squares step, as far as the faces allow. Where the rows say nothing, along the surface above all,
+    /// samples go on as in the step before [Polyak 1964; Nesterov 1983]; not if `worst_only`.
     void step(bool worst_only);
+    /// The next step begins at rest.
+    void rest() { came_from_.clear(); }
     /// Chooses the diagonals anew, by the error.
     void split_quads();
     /// Splits the quads of inverted faces the other way.
@@ -74,6 +77,7 @@ struct FitState {
 
     SampledChart& chart;
     std::uint64_t most_looks;
+    bool holds_largest;  // with the middles of the edges: what is done besides the mean may hardly raise it
     double damping;
     LinkedSurface source;
     WeldedGrid grid;
@@ -88,6 +92,9 @@ struct FitState {
 
  private:
     void move_back(std::span<const std::uint32_t> faces, const std::vector<Vec3d>& before, std::span<char> went_back);
+
+    std::vector<Vec3d> came_from_;  // per class: where it was before the last step; empty: at rest
+    int steps_ = 0;                 // since then
 };
 
 inline constexpr int kCgIterations = 40;

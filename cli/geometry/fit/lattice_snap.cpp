@@ -41,7 +41,9 @@ void snap_to_lattice(const Lattice& lattice, const NormalEquations& equations, s
     };
     equations.snap(grid.positions, lattice, freedom, on_lattice, tight, spoilt);
     grid.update_normals();
-    matches.update(true);
+    const bool with_edges = !matches.edges.empty();
+    matches.update(with_edges);
+    bool moved = false;
     // Faces as high as a step or two: the corner that stands them up best moves, by two steps at most.
     for (const std::uint32_t f : inverted.faces())
         for (const std::uint32_t c : grid.faces[f]) {
@@ -66,9 +68,11 @@ void snap_to_lattice(const Lattice& lattice, const NormalEquations& equations, s
                 }
             }
             grid.positions[c] = best;
+            moved = moved || best != old;
         }
+    if (!moved) return;
     grid.update_normals();
-    matches.update(true);
+    matches.update(with_edges);
 }
 
 }  // namespace dgm::bake

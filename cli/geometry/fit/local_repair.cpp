@@ -89,7 +89,7 @@ bool LocalRepair::try_means(bool all_means) {
         moved = true;
     }
     if (!moved) return false;
-    fit_.matches.update(true);
+    fit_.matches.update(fit_.holds_largest);
     fit_.keep();
     refit_around(before, patches_moved);
     return true;
@@ -144,14 +144,14 @@ bool LocalRepair::search_places(const std::vector<std::uint32_t>& left) {
 /// Fits the neighbourhood of the classes that moved, while all others are held. Faces that invert again in a round have
 /// theirs held in the next.
 void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_moved) {
-    const int rounds = patches_moved ? 8 : holds_largest_ ? 6 : 2;
+    const int rounds = patches_moved ? 8 : fit_.holds_largest ? 6 : 2;
     const Neighbourhood near = around_moved(fit_.grid, before);
     std::vector<Freedom> freedom(before.size(), Freedom::kHeld);
     for (std::size_t c = 0; c < freedom.size(); ++c)
         if (near.classes[c] && !fit_.fixed[c]) freedom[c] = Freedom::kFree;
     const std::vector<std::uint32_t> left = fit_.inverted.faces(near.faces, nearly_);
     std::vector<char> held(before.size(), 0);
-    const double limit = (holds_largest_ ? kRefitLargest : kRefitLargestFree) * fit_.kept.largest;
+    const double limit = (fit_.holds_largest ? kRefitLargest : kRefitLargestFree) * fit_.kept.largest;
     const auto fresh = [&] {
         return without(joined(fit_.inverted.faces(near.faces, nearly_), fit_.matches.faces_beyond(limit)), left);
     };
@@ -161,7 +161,7 @@ void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_mo
         NormalEquations equations(fit_.grid);
         fit_.rows.assemble(equations, round % 2 == 1, near.faces);
         fit_.sliding.take(equations.solve(freedom, {}, fit_.damping, kCgIterations), {});
-        fit_.matches.update(true, near.faces);
+        fit_.matches.update(fit_.holds_largest, near.faces);
         const bool sound = fit_.take_back(fit_.kept.positions, fresh, held);
         gained = sound ? std::max(0.0, 1 - fit_.matches.rms / fit_.kept.rms) : 0;
         if (gained > 0) {
@@ -169,7 +169,7 @@ void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_mo
         } else {
             fit_.grid.surface.positions = fit_.kept.positions;
             fit_.grid.surface.update_normals();
-            fit_.matches.update(true, near.faces);
+            fit_.matches.update(fit_.holds_largest, near.faces);
         }
         for (std::size_t c = 0; c < held.size(); ++c)
             if (held[c]) freedom[c] = Freedom::kHeld;

@@ -18,8 +18,7 @@ namespace dgm::bake {
 class LocalRepair {
  public:
     /// @param fit  must outlive the object
-    /// @param holds_largest  the largest error may hardly grow
-    LocalRepair(FitState& fit, bool holds_largest) : fit_(fit), holds_largest_(holds_largest) {}
+    explicit LocalRepair(FitState& fit) : fit_(fit) {}
 
     /// Repairs inverted faces where others do not invert for them; fit.kept and fit.matches follow.
     void repair();
@@ -36,7 +35,6 @@ class LocalRepair {
     void refit_around(const std::vector<Vec3d>& before, bool patches_moved);
 
     FitState& fit_;
-    bool holds_largest_;
     std::optional<std::vector<std::uint32_t>> unrepaired_;  // inverted faces that the last repair has left
     std::size_t patch_effort_ = 500'000;                    // samples that may be moved yet: some seconds at most
     bool nearly_ = false;                                   // repairs faces that rounding may invert, too

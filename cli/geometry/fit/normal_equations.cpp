@@ -123,7 +123,7 @@ void NormalEquations::close() {
 }
 
 std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std::span<const Vec3d> rails,
-                                          double damping, int iterations) const {
+                                          double damping, int iterations, std::span<const Vec3d> onward) const {
     const Unknowns unknowns(grid_, freedom);
     const std::vector<std::uint32_t>& live = unknowns.classes;
     const std::size_t count = live.size();
@@ -138,13 +138,20 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
     };
     std::vector<Vec3d> residual(count), step(count, Vec3d{}), direction(count, Vec3d{}), z(count), product(count);
     std::vector<Block> damped(count), preconditioner(count);
+    const auto multiplied = [&](std::size_t u, const Block& own, const std::vector<Vec3d>& v) {
+        Vec3d sum = multiply(own, v[u]);
+        for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
+            sum += multiply(off_[unknowns.joints[k].edge], v[unknowns.joints[k].other]);
+        return sum;
+    };
+    if (!onward.empty()) each_in_pieces(count, [&](std::size_t u) { step[u] = confined(u, onward[live[u]]); });
     // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
     double rz = sum_in_pieces(count, [&](std::size_t u) {
         const std::uint32_t c = live[u];
         damped[u] = diagonal_[c];
         damp(damped[u], floor, damping);
         preconditioner[u] = freedom[c] == Freedom::kSlides ? inverse_along(damped[u], rails[c]) : inverse(damped[u]);
-        residual[u] = confined(u, right_[c]);
+        residual[u] = confined(u, onward.empty() ? right_[c] : right_[c] - multiplied(u, diagonal_[c], step));
         z[u] = multiply(preconditioner[u], residual[u]);
         return dot(residual[u], z[u]);
     });
@@ -153,10 +160,7 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
     for (int it = 0; it < iterations && rz > enough; ++it) {
         each_in_pieces(count, [&](std::size_t u) { direction[u] = z[u] + direction[u] * beta; });
         const double curvature = sum_in_pieces(count, [&](std::size_t u) {
-            Vec3d sum = multiply(damped[u], direction[u]);
-            for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
-                sum += multiply(off_[unknowns.joints[k].edge], direction[unknowns.joints[k].other]);
-            product[u] = confined(u, sum);
+            product[u] = confined(u, multiplied(u, damped[u], direction));
             return dot(direction[u], product[u]);
         });
         if (!(curvature > 0)) break;

@@ -46,8 +46,9 @@ class NormalEquations {
     /// Minimises the rows + damping * (own diagonal) * |step|^2 by conjugate gradients with 3x3 block Jacobi
     /// preconditioning; classes that are held stay 0, those that slide go along their unit vector in `rails` (which may
     /// be empty if none does).
+    /// @param onward  per class: the step that is free of damping, which counts from there; empty: none
     [[nodiscard]] std::vector<Vec3d> solve(std::span<const Freedom> freedom, std::span<const Vec3d> rails,
-                                           double damping, int iterations) const;
+                                           double damping, int iterations, std::span<const Vec3d> onward = {}) const;
 
     /// Puts classes on a lattice where the rows suffer least: each goes to its nearest point; those marked kFree then
     /// take one of the 27 points around it, the one with the smallest sum while all others are held, in passes over all

@@ -59,6 +59,20 @@ TEST(NormalEquations, RowsLeaveTheTangentFree) {
     EXPECT_NEAR(step[0].y, 1, 1e-6);
 }
 
+/// A row asks for x = 3, with as much weight as the damping has: halfway from where the step goes of itself. Nothing asks
+/// anything along y and z, and there the step goes on.
+TEST(NormalEquations, WhereNothingIsAskedTheStepGoesOn) {
+    const WeldedGrid grid(one_quad());
+    NormalEquations equations(grid);
+    equations.add(0, {1, 0, 0}, {3, 0, 0}, {1, 0, 0}, 1);
+    const std::vector<Vec3d> onward{{1, 0.25, -0.5}, {7, 7, 7}, {}, {}};
+    const auto step = equations.solve(kFirstFree, {}, 1, 10, onward);
+    EXPECT_NEAR(step[0].x, 2, 1e-5) << "and the floor of the damping";
+    EXPECT_NEAR(step[0].y, 0.25, 1e-12);
+    EXPECT_NEAR(step[0].z, -0.5, 1e-12);
+    EXPECT_EQ(step[1], Vec3d{}) << "held";
+}
+
 TEST(NormalEquations, FixedClassesStayAndTheOthersCarryTheGap) {
     const WeldedGrid grid(one_quad());
     NormalEquations equations(grid);

@@ -74,7 +74,8 @@ TEST(LocalRepair, LeavesNoInvertedFaceAndKeepsThatState) {
         c.fit.keep();
         const double broken_rms = c.fit.kept.rms;
         ASSERT_FALSE(c.fit.inverted.faces().empty());
-        LocalRepair repair(c.fit, holds_largest);
+        c.fit.holds_largest = holds_largest;
+        LocalRepair repair(c.fit);
         repair.repair();
         EXPECT_TRUE(c.fit.inverted.faces().empty());
         EXPECT_EQ(c.fit.kept.positions, c.fit.grid.surface.positions);
