@@ -80,7 +80,7 @@ PARTS = (
     Part("cli/geometry/parameterize", 2.3, MESHES + ("cli/geometry/solve",), (EIGEN,), "maps of a disk to the plane"),
     Part("cli/geometry/resample", 2.4, MAPS, (), "samples of a map"),
     Part("cli/geometry/chart", 2.5, MAPS + ("cli/geometry/resample",), (), "a component on its grid"),
-    Part("cli/geometry/cut_search", 2.6, CHARTS, (), "the choice of a cut, by the charts it gives"),
+    Part("cli/geometry/cut_search", 2.6, CHARTS, (TBB,), "the choice of a cut, by the charts it gives"),
     Part("cli/geometry/fit", 2.6, CHARTS, (TBB,), "a chart's samples moved closer to the source"),
     Part("cli/geometry/layers", 2.7, GEOMETRY, (TBB,), "a chart's layers"),
     Part("cli/geometry/cgal", 3, GEOMETRY, (CGAL, EIGEN), "the only folder to see CGAL: its licence and compile time"),

@@ -18,6 +18,13 @@ namespace dgm::bake {
 
 enum class CandidateOutcome { kChosen, kHigherError, kFailed };
 
+/// The cut along which a chart was opened.
+enum class CutKind {
+    kFirst,  ///< the search's own
+    kOther,  ///< searched from another beginning
+    kRing    ///< of a ring, whose loops lie on opposite sides of the square
+};
+
 /// One method that was tried.
 struct Candidate {
     Method method = Method::kAuto;
@@ -27,7 +34,7 @@ struct Candidate {
     double cpu_seconds = 0;  ///< map and measurement, without the cut that candidates share
     bool directed = false;   ///< levelled to the directions of curvature
     bool fitted = false;     ///< compared with the one before after a trial fit of both
-    bool ring = false;       ///< a ring whose loops lie on opposite sides of the square
+    CutKind cut = CutKind::kFirst;
 };
 
 /// The same in words.
@@ -45,12 +52,13 @@ struct ComponentResult {
 class Contest {
  public:
     /// `component` must outlive it.
-    /// @param ring  its charts have the loops of a ring on opposite sides
-    explicit Contest(const TriMesh& component, bool ring = false) : component_(component), ring_(ring) {}
+    /// @param cut  of its charts
+    explicit Contest(const TriMesh& component, CutKind cut = CutKind::kFirst) : component_(component), cut_(cut) {}
 
     /// Makes a chart and measures it. The chart must have the component's topology. A failure is recorded.
+    /// @param directed  its samples follow the directions of curvature
     /// @throws model::Error kInterrupted
-    void enter(Method method, const std::function<SampledChart()>& make);
+    void enter(Method method, const std::function<SampledChart()>& make, bool directed = false);
     /// As enter(), for a chart of the best one's method and cut whose samples follow the directions of curvature. Where
     /// a fit is going to move them, its error before that says less the more samples there are on each facet: unless
     /// the chart is clearly better or worse, both are fitted for a few rounds and then compared.
@@ -67,6 +75,7 @@ class Contest {
     [[nodiscard]] bool has_best() const { return best_.has_value(); }
     [[nodiscard]] double best_psnr() const { return candidates_[best_index_].psnr; }
     [[nodiscard]] Method best_method() const { return candidates_[best_index_].method; }
+    [[nodiscard]] bool best_is_directed() const { return candidates_[best_index_].directed; }
     [[nodiscard]] bool tried(Method method) const;
     /// True if enter() had no chart of it.
     [[nodiscard]] bool failed(Method method) const;
@@ -89,7 +98,7 @@ class Contest {
     [[nodiscard]] bool wins_fitted(Entry& entry, Candidate& candidate, const model::Progress& progress);
 
     const TriMesh& component_;
-    bool ring_;
+    CutKind cut_;
     std::vector<Candidate> candidates_;
     std::optional<Entry> best_;
     std::optional<model::Error> failure_;

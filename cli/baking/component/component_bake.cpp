@@ -27,6 +27,9 @@ constexpr std::size_t kNewtonSteps = 8;
 constexpr std::size_t kStars = 12;                     // octahedra tried for a sphere
 constexpr std::size_t kRings = 6, kMeasuredRings = 2;  // cuts tried for a ring
 constexpr double kFarRing = 1.5;                       // a ring whose cut is predicted so much more error is not mapped
+// The same for another cut onto the square, and the faces above which none is looked for.
+constexpr double kFarOther = 1.1;
+constexpr std::size_t kMostFacesCutAgain = 200'000;
 // dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
 constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
 constexpr double kExactPsnr = 200;  // what is left is rounding
@@ -135,17 +138,25 @@ class SquareMaps {
             return chart;
         });
     }
+    /// Levelled along the directions of curvature.
+    void enter_directed(Method method, Contest& contest) const {
+        contest.enter(
+            method, [&] { return directed(method); }, true);
+    }
     /// `auto` levels a second map along the directions of curvature, if the first one is the best so far.
     void challenge(Method method, Contest& contest) const {
         const bool levelled = !options_.ablates("newton") && !options_.ablates("curvature");
         if (options_.method != Method::kAuto || !levelled || options_.ablates("directions")) return;
         if (!contest.has_best() || contest.best_method() != method) return;
-        const auto parameterizer = make_stretch_parameterizer(kNewtonSteps, Levelling::kDirections, memory_);
-        contest.challenge([&] { return square_chart(task_.size, method, *parameterizer, cut_, progress_); },
-                          options_.fit != Fit::kSample, progress_);
+        contest.challenge([&] { return directed(method); }, options_.fit != Fit::kSample, progress_);
     }
 
  private:
+    [[nodiscard]] SampledChart directed(Method method) const {
+        const auto parameterizer = make_stretch_parameterizer(kNewtonSteps, Levelling::kDirections, memory_);
+        return square_chart(task_.size, method, *parameterizer, cut_, progress_);
+    }
+
     const ComponentTask& task_;
     const BakeOptions& options_;
     const CutSearchResult& cut_;
@@ -164,11 +175,32 @@ void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOp
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!cut && task.rings == RingUse::kOnly) contest.fail(cut.error());
     if (!cut || cut->rms > kFarRing * rms) return;
-    Contest rings(task.component, true);
+    Contest rings(task.component, CutKind::kRing);
     const SquareMaps maps(task, options, *cut, progress);
     maps.enter(Method::kStretch, rings);
     maps.challenge(Method::kStretch, rings);
     contest.meet(std::move(rings), options.fit != Fit::kSample, progress);
+}
+
+/// Searches the cut of a component without borders again from other starts, for `best`: the errors that are predicted
+/// of two good cuts do not tell which of them is better after the fit, trial fits do. The maps are levelled as the
+/// one of the first cut that won.
+void try_other_cuts(const ComponentTask& task, const BakeOptions& options, const CutSearchOptions& search,
+                    const CutSearchResult& first, Contest& contest, const model::Progress& progress) {
+    if (options.fit != Fit::kBest || options.method != Method::kAuto || options.ablates("other-cuts")) return;
+    if (task.use != CutUse::kSearch) return;
+    if (!contest.has_best() || contest.best_psnr() > kExactPsnr || search.measured) return;
+    if (contest.best_method() != Method::kStretch || task.component.faces.size() > kMostFacesCutAgain) return;
+    if (first.shares != BorderShares::kByLength) return;
+    if (const Topology found = measure_topology(task.component); found.genus == 0 && found.boundary_loops > 0) return;
+    for (const CutSearchResult& cut : search_other_cuts(task.component, search, kFarOther * first.rms, progress)) {
+        if (cut.rms == first.rms && cut.cut_length == first.cut_length) continue;
+        Contest others(task.component, CutKind::kOther);
+        const SquareMaps maps(task, options, cut, progress);
+        contest.best_is_directed() ? maps.enter_directed(Method::kStretch, others)
+                                   : maps.enter(Method::kStretch, others);
+        contest.meet(std::move(others), true, progress);
+    }
 }
 
 /// The square of `auto` and of the methods that name it, and the free charts that `auto` tries beside it.
@@ -199,6 +231,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
         const SquareMaps maps(task, options, *cut, progress);
         maps.enter(method, contest);
         maps.challenge(method, contest);
+        try_other_cuts(task, options, search, *cut, contest, progress);
     }
     const bool may_unroll = task.rings == RingUse::kTried && (any || options.method == Method::kStretch);
     if (may_unroll && is_ring(task.component))

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <queue>
+#include <utility>
 
 #include "geometry/mesh/infinity.h"
 #include "geometry/mesh/union_find.h"
@@ -115,7 +117,7 @@ std::vector<std::uint32_t> CutGraph::cut_vertices() const {
     return vertices;
 }
 
-void CutGraph::cut_to_disk(std::uint32_t root) {
+void CutGraph::cut_to_disk(std::uint32_t root, CutStart start) {
     if (genus_ > 0) {
         cut_handles(root);  // joins the borders as well
         shorten();
@@ -123,15 +125,35 @@ void CutGraph::cut_to_disk(std::uint32_t root) {
         join_boundary_loops();
         shorten();
     } else {
-        Search s;
-        const auto farthest = [&](std::uint32_t from) {
-            search(
-                std::span(&from, 1), [](std::uint32_t) { return false; }, s);
-            return static_cast<std::uint32_t>(std::max_element(s.distance.begin(), s.distance.end()) -
-                                              s.distance.begin());
-        };
-        mark_path(s, farthest(farthest(outermost(mesh_->positions))));
+        mark_first_path(start);
     }
+}
+
+void CutGraph::mark_first_path(CutStart start) {
+    const auto largest = [](const std::vector<double>& distance) {
+        return static_cast<std::uint32_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    };
+    Search s;
+    const auto farthest = [&](std::uint32_t from) {
+        search(
+            std::span(&from, 1), [](std::uint32_t) { return false; }, s);
+        return largest(s.distance);
+    };
+    mark_path(s, farthest(farthest(outermost(mesh_->positions))));
+    if (start == CutStart::kLong) return;
+    const std::uint32_t aside = largest(distance_to_cut());
+    std::fill(cut_.begin(), cut_.end(), 0);
+    std::uint32_t end = farthest(aside);
+    if (start == CutStart::kShort) {
+        std::vector<std::uint32_t> nearest(s.distance.size());
+        std::iota(nearest.begin(), nearest.end(), 0u);
+        const auto half = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+        std::nth_element(nearest.begin(), half, nearest.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return std::pair(s.distance[a], a) < std::pair(s.distance[b], b);
+        });
+        end = *half;
+    }
+    mark_path(s, end);
 }
 
 std::uint32_t CutGraph::middle() const {

@@ -25,6 +25,13 @@ struct VertexGraph {
     std::vector<Arc> arcs;
 };
 
+/// Where the cut of a component without borders begins. A search from each ends at another cut.
+enum class CutStart {
+    kLong,   ///< with a path between two points as far apart as they get
+    kAside,  ///< with a path from the point farthest from that one to the point farthest from there
+    kShort   ///< with half of that: as far from its first point as half of all vertices are
+};
+
 class CutGraph {
  public:
     /// The component must outlive the graph.
@@ -33,7 +40,8 @@ class CutGraph {
     /// Marks a short set of edges that opens the component into one disk: 2g loops for genus g, a path to every further
     /// boundary loop, and for a closed genus-0 component the path between two far points. Nothing for a disk.
     /// @param root  where the loops about the handles meet; kNone: at the middle of the surface
-    void cut_to_disk(std::uint32_t root = kNone);
+    /// @param start  of a closed genus-0 component; others begin as they do for kLong
+    void cut_to_disk(std::uint32_t root = kNone, CutStart start = CutStart::kLong);
 
     /// From now on an edge costs its length times the factor of its lower half-edge, and paths are shortest by cost.
     /// Factors are positive.
@@ -75,6 +83,7 @@ class CutGraph {
     [[nodiscard]] std::size_t boundary_loop_count() const { return loops_.size(); }
 
  private:
+    void mark_first_path(CutStart start);
     struct Search {
         std::vector<double> distance;
         std::vector<std::uint32_t> arc;  ///< arc by which a vertex was reached (index into arcs, from the vertex back)

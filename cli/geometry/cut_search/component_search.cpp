@@ -141,24 +141,25 @@ class ComponentSearch {
         out_.shares = shares;
     }
 
-    /// Loops about handles depend on where they meet: the best of the shortest cuts from some places.
+    /// Loops about handles depend on where they meet: the best of the shortest cuts from some places, or the next best
+    /// ones.
     [[nodiscard]] CutGraph first_cut() {
         const CutGraph uncut(component_);
         CutGraph best = uncut;
-        best.cut_to_disk();
+        best.cut_to_disk(kNone, options_.start);
         if (uncut.genus() == 0 || options_.measured) return best;
         constexpr std::size_t kTried = 4;
         const std::vector<std::pair<double, std::uint32_t>> roots = roots_by_length(uncut, progress_);
-        double least = kInfinity;
+        std::vector<std::pair<double, CutGraph>> tried;
         for (std::size_t k = 0; k < std::min(kTried, roots.size()); ++k) {
             CutGraph cut = uncut;
             cut.cut_to_disk(roots[k].second);
-            if (const double found = score(cut, attempt(cut, std::nullopt)); found < least) {
-                least = found;
-                best = std::move(cut);
-            }
+            const double found = score(cut, attempt(cut, std::nullopt));
+            if (found < kInfinity) tried.emplace_back(found, std::move(cut));
         }
-        return best;
+        std::stable_sort(tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+        if (tried.empty()) return best;
+        return std::move(tried[std::min(static_cast<std::size_t>(options_.start), tried.size() - 1)].second);
     }
 
     /// Joins the most shrunk vertex to the cut, again and again [Gu, Gortler, Hoppe 2002].

@@ -2,7 +2,10 @@
 // cli/geometry/cut_search/cut_search.cpp
 #include "geometry/cut_search/cut_search.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -132,6 +135,37 @@ CutSearchResult carried_over(const TriMesh& component, const std::optional<Coars
 }
 
 }  // namespace
+
+std::vector<CutSearchResult> search_other_cuts(const TriMesh& component, const CutSearchOptions& options,
+                                               double most_rms, const model::Progress& progress) {
+    constexpr std::array kStarts{CutStart::kAside, CutStart::kShort};
+    constexpr int kPatience = 4;  // twice that and trials without branches took longer and gained nothing
+    const GridSides wanted{options.m, options.n};
+    const std::optional<Coarse> coarse = simplified(component, options, progress);
+    const TriMesh& mesh = coarse ? coarse->compact.mesh : component;
+    const GridSides grid = trial_grid(component, mesh, options);
+    std::array<std::optional<CutSearchResult>, kStarts.size()> found;
+    tbb::parallel_for(std::size_t{0}, kStarts.size(), [&](std::size_t k) {
+        CutSearchOptions trial = options;
+        trial.m = grid.m;
+        trial.n = grid.n;
+        trial.stars = 0;
+        trial.start = kStarts[k];
+        trial.patience = kPatience;
+        trial.drops = 0;
+        const model::Progress silent{{}, progress.cancelled};
+        try {
+            ComponentCut cut = search_component(mesh, trial, silent);
+            if (cut.result.rms <= most_rms) found[k] = carried_over(component, coarse, std::move(cut), grid, wanted);
+        } catch (const model::Error& e) {
+            if (e.code().number == model::codes::kInterrupted.number || model::is_shortage(e)) throw;
+        }
+    });
+    std::vector<CutSearchResult> out;
+    for (std::optional<CutSearchResult>& cut : found)
+        if (cut) out.push_back(std::move(*cut));
+    return out;
+}
 
 CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress) {
     const GridSides wanted{options.m, options.n};

@@ -2,6 +2,8 @@
 // cli/geometry/cut_search/cut_search.h
 // Searches the cut and the rotation of the border that give a component the least error.
 #pragma once
+#include <vector>
+
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/parameterize/square_border.h"
@@ -25,6 +27,9 @@ struct CutSearchOptions {
     /// Where not 0, the cuts of a ring (ring_cut.h) are tried and nothing else: so many paths from loop to loop, with
     /// the loops on opposite sides of the grid.
     std::size_t rings = 0;
+    /// The search of a component with handles starts where their loops meet in the best place of four, the second best
+    /// or the third.
+    CutStart start = CutStart::kLong;
     /// Seams are led through hidden places (hidden_cut.h) if the predicted error grows by at most this factor. 0: they
     /// are not. Nor are stars, nor where trials are measured.
     double given_to_hide = 1.01;
@@ -54,5 +59,12 @@ struct CutSearchResult {
 ///     asked of a surface or a grid that has none, or rings of a surface that is none
 [[nodiscard]] CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& options,
                                          const model::Progress& progress);
+
+/// Searches again from the other starts (CutStart), beside each other: the cuts found whose predicted error is at most
+/// `most_rms`. Starts without a valid map are left out.
+/// @param options  neither measured, nor for stars or rings alone; the start is not heeded
+/// @throws model::Error kInterrupted, or if memory is short
+[[nodiscard]] std::vector<CutSearchResult> search_other_cuts(const TriMesh& component, const CutSearchOptions& options,
+                                                             double most_rms, const model::Progress& progress);
 
 }  // namespace dgm::bake

@@ -157,6 +157,31 @@ TEST(BakeMesh, ABudgetNeedsAFileToMeasure) {
     } catch (const model::Error& error) { EXPECT_EQ(&error.code(), &codes::kUsage); }
 }
 
+/// A closed body of three limbs: the star does not fit it.
+model::TriMesh limbed_body() {
+    model::TriMesh body = test::icosphere(4);
+    for (model::Vec3d& p : body.positions)
+        p = p *
+            (1 + 2.9 * std::exp(9 * (dot(p, {0.6, 0.8, 0}) - 1)) + 2.5 * std::exp(9 * (dot(p, {-0.8, 0, 0.6}) - 1)) +
+             0.4 * std::exp(9 * (dot(p, {0.1, -0.7, -0.7}) - 1)));
+    return body;
+}
+
+TEST(BakeMesh, TheBestFitTriesOtherCutsOfAClosedBody) {
+    BakeOptions options = small_grid();
+    options.size = {49, 49};
+    const auto other_cuts = [&](Fit fit) {
+        options.fit = fit;
+        const BakeResult result = bake_mesh({limbed_body(), "limbs"}, options);
+        const auto& candidates = result.report.charts.at(0).candidates;
+        return std::count_if(candidates.begin(), candidates.end(), [](const CandidateReport& tried) {
+            return tried.outcome.find("along another cut") != std::string::npos;
+        });
+    };
+    EXPECT_EQ(other_cuts(Fit::kL2), 0);
+    EXPECT_GT(other_cuts(Fit::kBest), 0);
+}
+
 TEST(Stages, OneAfterTheOtherTheyGiveWhatBakeMeshGives) {
     const BakeOptions options = small_grid();
     const Repaired source = repair_source(import_mesh(bowl(), "bowl"));
@@ -166,7 +191,8 @@ TEST(Stages, OneAfterTheOtherTheyGiveWhatBakeMeshGives) {
     Mapped mapped = map_source(source, {options.size, aspects}, options, cuts, {});
     ASSERT_EQ(mapped.charts.size(), 1U);
     EXPECT_EQ(mapped.charts[0].method, Method::kStretch);
-    EXPECT_EQ(mapped.charts[0].candidates.front().outcome, CandidateOutcome::kChosen);
+    const auto chosen = [](const Candidate& tried) { return tried.outcome == CandidateOutcome::kChosen; };
+    EXPECT_EQ(std::ranges::count_if(mapped.charts[0].candidates, chosen), 1);
     const Fitted plain{mapped.charts};
     const Fitted fitted = fit_source(source, std::move(mapped), options, false, {});
     const Layered layered = store_layers(source, fitted, {}, options, false, {});

@@ -113,9 +113,14 @@ TEST(Contest, AChallengerMustHaveALowerErrorBeforeTheFitAtLeast) {
 }
 
 TEST(CandidateReport, SaysThatLoopsFaceEachOther) {
-    const Candidate ring{Method::kStretch, CandidateOutcome::kChosen, 60, "", 0.5, true, true, true};
+    const Candidate ring{Method::kStretch, CandidateOutcome::kChosen, 60, "", 0.5, true, true, CutKind::kRing};
     EXPECT_EQ(report_of(ring).outcome,
               "chosen after a trial fit; loops on opposite sides; along the directions of curvature");
+}
+
+TEST(CandidateReport, SaysThatTheCutIsAnotherOne) {
+    const Candidate other{Method::kStretch, CandidateOutcome::kHigherError, 60, "", 0.5, false, true, CutKind::kOther};
+    EXPECT_EQ(report_of(other).outcome, "higher error after a trial fit; along another cut");
 }
 
 TEST(Contest, TheBestOfARivalIsComparedAndItsRecordKept) {
@@ -126,15 +131,15 @@ TEST(Contest, TheBestOfARivalIsComparedAndItsRecordKept) {
             SCOPED_TRACE(fitted);
             Contest contest(mesh);
             contest.enter(Method::kStretch, [&] { return rival_is_better ? plain : better; });
-            Contest rival(mesh, true);
+            Contest rival(mesh, CutKind::kRing);
             rival.enter(Method::kStretch, [&] { return rival_is_better ? better : plain; });
             rival.challenge([]() -> SampledChart { throw model::Error(codes::kMapInvalid, "flips"); }, fitted, {});
             contest.meet(std::move(rival), fitted, {});
             const Attempt<ComponentResult> result = std::move(contest).result();
             ASSERT_TRUE(result);
             ASSERT_EQ(result->candidates.size(), 3u);
-            EXPECT_FALSE(result->candidates[0].ring);
-            EXPECT_TRUE(result->candidates[1].ring);
+            EXPECT_EQ(result->candidates[0].cut, CutKind::kFirst);
+            EXPECT_EQ(result->candidates[1].cut, CutKind::kRing);
             EXPECT_EQ(result->candidates[1].outcome == CandidateOutcome::kChosen, rival_is_better);
             EXPECT_EQ(result->candidates[0].outcome == CandidateOutcome::kChosen, !rival_is_better);
             EXPECT_EQ(result->candidates[2].outcome, CandidateOutcome::kFailed);
@@ -147,15 +152,15 @@ TEST(Contest, ARivalWithoutAChartLeavesTheBest) {
     const SampledChart chart = chart_of(mesh, 17, Levelling::kArea);
     const auto fail = []() -> SampledChart { throw model::Error(codes::kMapInvalid, "flips"); };
     Contest contest(mesh);
-    Contest first(mesh, true);
+    Contest first(mesh, CutKind::kRing);
     first.enter(Method::kStretch, fail);
     contest.meet(std::move(first), true, {});
     EXPECT_FALSE(contest.has_best());
-    Contest second(mesh, true);
+    Contest second(mesh, CutKind::kOther);
     second.enter(Method::kStretch, [&] { return chart; });
     contest.meet(std::move(second), true, {});
     EXPECT_TRUE(contest.has_best()) << "the only one";
-    Contest third(mesh, true);
+    Contest third(mesh, CutKind::kOther);
     third.enter(Method::kStretch, fail);
     contest.meet(std::move(third), true, {});
     const Attempt<ComponentResult> result = std::move(contest).result();

@@ -74,19 +74,68 @@ TriMesh shuffled(const TriMesh& mesh, std::uint32_t seed) {
     return out;
 }
 
-TEST(CutGraph, CutsABodyAlikeWhateverTheOrderOfItsFaces) {
-    TriMesh body = test::icosphere(4);  // three limbs of unequal length, nothing symmetric
+constexpr std::array kStarts{CutStart::kLong, CutStart::kAside, CutStart::kShort};
+
+CutGraph cut_from(const TriMesh& mesh, CutStart start) {
+    CutGraph cut(mesh);
+    cut.cut_to_disk(kNone, start);
+    return cut;
+}
+
+/// Three limbs of unequal length, nothing symmetric.
+TriMesh limbed_body() {
+    TriMesh body = test::icosphere(4);
     for (Vec3d& p : body.positions)
         p = p *
             (1 + 0.9 * std::exp(8 * (dot(p, {0.6, 0.8, 0}) - 1)) + 0.8 * std::exp(8 * (dot(p, {-0.8, 0, 0.6}) - 1)) +
              0.7 * std::exp(8 * (dot(p, {0.1, -0.7, -0.7}) - 1)) + 0.05 * p.x + 0.03 * p.y + 0.01 * p.z);
-    CutGraph first(body);
-    first.cut_to_disk();
-    for (std::uint32_t seed = 1; seed <= 5; ++seed) {
-        const TriMesh other = shuffled(body, seed);
-        CutGraph cut(other);
-        cut.cut_to_disk();
-        EXPECT_NEAR(cut.length(), first.length(), 1e-9) << seed;
+    return body;
+}
+
+TEST(CutGraph, CutsABodyAlikeWhateverTheOrderOfItsFaces) {
+    const TriMesh body = limbed_body();
+    for (const CutStart start : kStarts) {
+        const double first = cut_from(body, start).length();
+        for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+            const TriMesh other = shuffled(body, seed);
+            EXPECT_NEAR(cut_from(other, start).length(), first, 1e-9) << seed;
+        }
+    }
+}
+
+/// The limbs are where two points are farthest apart: the other starts begin beside the path between them.
+TEST(CutGraph, OtherStartsBeginFarFromTheFirst) {
+    const TriMesh body = limbed_body();
+    const CutGraph first = cut_from(body, CutStart::kLong);
+    const CutGraph aside = cut_from(body, CutStart::kAside), half = cut_from(body, CutStart::kShort);
+    const std::vector<double> away = first.distance_to_cut();
+    const auto farthest = static_cast<std::uint32_t>(std::max_element(away.begin(), away.end()) - away.begin());
+    for (const CutGraph* cut : {&aside, &half}) { EXPECT_EQ(cut->distance_to_cut()[farthest], 0) << "on the path"; }
+    EXPECT_LT(aside.length(), first.length());
+    EXPECT_LT(half.length(), aside.length());
+    // As far as half of all vertices are from where it begins: straight ones, which edges do not beat.
+    std::vector<double> straight;
+    for (const Vec3d& p : body.positions) straight.push_back(length(p - body.positions[farthest]));
+    std::nth_element(straight.begin(), straight.begin() + static_cast<std::ptrdiff_t>(straight.size() / 2),
+                     straight.end());
+    EXPECT_GE(half.length(), straight[straight.size() / 2]);
+    EXPECT_LE(half.length(), std::numbers::pi / 2 * 1.2 * straight[straight.size() / 2]) << "about a half circle";
+    for (const CutStart start : kStarts) {
+        const Disk disk = cut_from(body, start).open();
+        ASSERT_NO_FATAL_FAILURE(test::expect_links(disk));
+        test::expect_disk(disk);
+    }
+}
+
+TEST(CutGraph, SurfacesThatAreNotClosedHaveOneStart) {
+    for (const Surface& s : surfaces()) {
+        SCOPED_TRACE(s.name);
+        const CutGraph first = cut_from(s.mesh, CutStart::kLong);
+        for (const CutStart start : {CutStart::kAside, CutStart::kShort}) {
+            const CutGraph other = cut_from(s.mesh, start);
+            if (s.genus > 0 || s.loops > 0) { EXPECT_EQ(other.length(), first.length()); }
+            test::expect_disk(other.open());
+        }
     }
 }
 

@@ -59,8 +59,8 @@ TEST(NormalEquations, RowsLeaveTheTangentFree) {
     EXPECT_NEAR(step[0].y, 1, 1e-6);
 }
 
-/// A row asks for x = 3, with as much weight as the damping has: halfway from where the step goes of itself. Nothing asks
-/// anything along y and z, and there the step goes on.
+/// A row asks for x = 3, with as much weight as the damping has: halfway from where the step goes of itself. Nothing
+/// asks anything along y and z, and there the step goes on.
 TEST(NormalEquations, WhereNothingIsAskedTheStepGoesOn) {
     const WeldedGrid grid(one_quad());
     NormalEquations equations(grid);
