@@ -111,10 +111,11 @@ class Hard(support.Folder):
 
 # Largest change of PSNR by a change of frame, in dB. A power of two changes no bit of any mantissa. Another factor, or a shift,
 # rounds the coordinates of the mesh itself, and where a grid is finer than its source's facets, rounding decides which edges
-# the fit meets. A rotation moves the bounding box, which the work is normalised by. A shuffle
+# the fit meets. A rotation moves the bounding box, which the work is normalised by: ten rotations of the sheet, which has a
+# vertex for fourteen samples, lie 3.3 dB apart, those of ball and ring 1.6. A shuffle
 # changes the order of everything, and with it which of two equally short cuts is taken.
 INVARIANCE_DB = {"scale_2^30": 1e-9, "scale_2^-30": 1e-9, "scale_1e9": 1.5, "scale_1e-9": 1.5, "shift_1e7": 2.0,
-                 "rotated": 2.0, "shuffled": 6.0}
+                 "rotated": 3.5, "shuffled": 6.0}
 
 
 class Invariance(support.Folder):
