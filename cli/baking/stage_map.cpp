@@ -132,26 +132,21 @@ FitOptions fit_options(const BakeOptions& options, bool u16) {
     return out;
 }
 
-// Where the source has fewer vertices than a quarter of the samples, what a fit ends in is a matter of edges met or
-// missed: 3 dB either way, in a fifth of a second.
-constexpr std::size_t kSamplesOfVertex = 4;
 constexpr double kInvertedPrice = 1.25;  // in rms, of fewer inverted faces
 constexpr std::uint64_t kErrorSamples = 20'000;
 constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
 
-/// Fits the chart, a second time with samples that are held firmly where that may be better, and keeps the fit with
-/// fewer inverted faces, then the one with the lower error.
+/// Fits the chart, a second time with samples that are held firmly if faces are inverted, and keeps the fit with fewer
+/// of them, then the one with the lower error.
 /// @return  inverted faces
 std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, const FitOptions& options,
                           const model::Progress& progress) {
-    const std::size_t vertices = component.positions.size();
-    const bool sparse = kSamplesOfVertex * vertices <= mapped.chart.grid_count();
     std::optional<SampledChart> firmly;
-    if (vertices <= kMostFitted) firmly = mapped.chart;
+    if (component.positions.size() <= kMostFitted) firmly = mapped.chart;
     const std::size_t inverted =
         fit_chart(mapped.chart, options, progress, mapped.begun ? &*mapped.begun : nullptr).inverted;
     mapped.begun.reset();
-    if (!firmly || (inverted == 0 && !sparse)) return inverted;
+    if (!firmly || inverted == 0) return inverted;
     const std::size_t otherwise = fit_chart(*firmly, firm(options), progress).inverted;
     const double rms = quick_error(component, mapped.chart, kErrorSamples).rms,
                  rms_otherwise = quick_error(component, *firmly, kErrorSamples).rms;
