@@ -132,21 +132,22 @@ FitOptions fit_options(const BakeOptions& options, bool u16) {
     return out;
 }
 
+constexpr double kOrdinaryGain = 0.35;   // in rms; crowded maps of wrinkled cloth may gain little
 constexpr double kInvertedPrice = 1.25;  // in rms, of fewer inverted faces
 constexpr std::uint64_t kErrorSamples = 20'000;
 constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
 
-/// Fits the chart, a second time with samples that are held firmly if faces are inverted, and keeps the fit with fewer
-/// of them, then the one with the lower error.
+/// Fits the chart, a second time with samples that are held firmly if faces are inverted or the fit has gained little,
+/// and keeps the fit with fewer of them, then the one with the lower error.
 /// @return  inverted faces
 std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, const FitOptions& options,
                           const model::Progress& progress) {
     std::optional<SampledChart> firmly;
     if (component.positions.size() <= kMostFitted) firmly = mapped.chart;
-    const std::size_t inverted =
-        fit_chart(mapped.chart, options, progress, mapped.begun ? &*mapped.begun : nullptr).inverted;
+    const FitReport fit = fit_chart(mapped.chart, options, progress, mapped.begun ? &*mapped.begun : nullptr);
+    const std::size_t inverted = fit.inverted;
     mapped.begun.reset();
-    if (!firmly || inverted == 0) return inverted;
+    if (!firmly || (inverted == 0 && fit.rms < kOrdinaryGain * fit.start_rms)) return inverted;
     const std::size_t otherwise = fit_chart(*firmly, firm(options), progress).inverted;
     const double rms = quick_error(component, mapped.chart, kErrorSamples).rms,
                  rms_otherwise = quick_error(component, *firmly, kErrorSamples).rms;
