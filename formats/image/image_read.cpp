@@ -56,6 +56,18 @@ void refuse_16_bit_pnm(const EncodedImage& image, const fs::path& path) {
         throw model::Error(codes::kImageUnreadable, "a PGM or PPM picture of 16 bits: store it as PNG", path.string());
 }
 
+/// More than any format packs into a byte: PNG 8 x 1032 (deflate's longest match, of one-bit pixels), GIF 2730, JPEG 512.
+/// So a few bytes that promise a picture of gigabytes take no memory.
+constexpr std::uint64_t kMostPixelsPerByte = 16384;
+
+void refuse_empty_promises(const EncodedImage& image, const fs::path& path) {
+    if (image.pixels() / kMostPixelsPerByte > image.file->size())
+        throw model::Error(codes::kImageUnreadable,
+                           std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels in " +
+                               std::to_string(image.file->size()) + " bytes: the file ends too early",
+                           path.string());
+}
+
 /// stb counts the bytes of decoded pixels as an int.
 void check_decoded(const EncodedImage& image, std::uint64_t channels, const fs::path& path) {
     const std::uint64_t bytes = std::uint64_t{image.pixels()} * channels * (is_16_bit(image) ? 2 : 1);
@@ -93,6 +105,7 @@ EncodedImage load(const model::PictureFile& picture) {
                                std::to_string(kLimit) + " a side",
                            path.string());
     refuse_16_bit_pnm(out, path);
+    refuse_empty_promises(out, path);
     return out;
 }
 

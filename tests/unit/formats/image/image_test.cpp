@@ -95,6 +95,25 @@ TEST(ImageFiles, BmpAndTgaAreRead) {
     EXPECT_EQ(from_tga.at(0, 1), (dgm::model::Rgba8{0, 0, 255, 255}));
 }
 
+/// The header and one row of nothing of a GIF whose sides are 256 `side_high`.
+std::string empty_gif(std::uint8_t side_high) {
+    std::string gif("GIF89a\0\0\0\0\x80\0\0\0\0\0\xFF\xFF\xFF,\0\0\0\0\0\0\0\0\0\2\1\x44\0;", 34);
+    for (const std::size_t at : {7u, 9u, 25u, 27u}) gif[at] = static_cast<char>(side_high);
+    return gif;
+}
+
+TEST(ImageFiles, FewBytesPromiseNoPictureOfGigabytes) {
+    const TempFolder folder;
+    write_bytes(folder / "a.gif", empty_gif(1));  // 256 x 256
+    EXPECT_EQ(dgm::formats::read_image({folder / "a.gif"}).pixels.size(), 65536u);
+    write_bytes(folder / "a.gif", empty_gif(0x3C));  // 15360 x 15360, 0.9 GB decoded
+    EXPECT_EQ(code_of([&] { (void)dgm::formats::read_image({folder / "a.gif"}); }), codes::kImageUnreadable.number);
+    // A real picture of one colour.
+    const Image flat{1024, 1024, std::vector<dgm::model::Rgba8>(1024 * 1024)};
+    write_png(folder / "a.png", flat);
+    EXPECT_EQ(dgm::formats::read_image({folder / "a.png"}).width, 1024u);
+}
+
 TEST(ImageFiles, BadOnesHaveTheirCodes) {
     const TempFolder folder;
     const auto read = [&](const std::string& bytes) {
