@@ -82,11 +82,11 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
     for (const Match& match : matches.points) {
         if (match.hit.face >= quad_of_face.size()) continue;
         const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
-        for (unsigned d = 0; d < 2; ++d) {
-            const auto t = quad_triangles(i, j, n, d);
-            sums[quad][d] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),
+        const unsigned other = !chart.diagonals[quad];
+        const auto t = quad_triangles(i, j, n, other);
+        sums[quad][!other] += match.hit.squared;
+        sums[quad][other] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),
                                       closest_on_triangle(match.position, corners(t[1]), ignored));
-        }
     }
     std::vector<char> wanted(grid.face_of_quad.size(), 0);
     tbb::parallel_for(std::uint32_t{0}, m - 1, [&](std::uint32_t i) {

@@ -69,6 +69,7 @@ void settle(FitState& fit, const Plan& plan, FitReport& report) {
     lower_largest(fit, plan, report);
     fit.restore();
     if (plan.options.split_quads) {
+        fit.matches.update(false);
         fit.split_quads();
         fit.look_up_farthest();
         if (fit.matches.rms < fit.kept.rms && fit.largest() <= fit.kept.largest)

@@ -60,9 +60,9 @@ struct FitRows::Round {
         }
     }
 
-    void add_back(const Match& m, double weight, std::uint32_t face, const std::array<double, 3>& b) const {
-        const Vec3d gap = point_at(rows.source_, m.hit) - m.position;
-        equations.add(face, b, gap, metric_normal(gap, rows.source_.normals[m.hit.face], m.hit.b), weight);
+    [[nodiscard]] Vec3d gap_of(const Match& m) const { return point_at(rows.source_, m.hit) - m.position; }
+    [[nodiscard]] Vec3d normal_of(const Match& m, const Vec3d& gap) const {
+        return metric_normal(gap, rows.source_.normals[m.hit.face], m.hit.b);
     }
 
     void add_edges() const {
@@ -74,26 +74,27 @@ struct FitRows::Round {
             if (!is_near(face)) continue;
             std::array<double, 3> b{0, 0, 0};
             b[k] = b[(k + 1) % 3] = 0.5;
-            add_back(matches.edges[e], matches.middles[face].weight / 2 * pull, face, b);
+            const Vec3d gap = gap_of(matches.edges[e]);
+            equations.add(face, b, gap, normal_of(matches.edges[e], gap), matches.middles[face].weight / 2 * pull);
         }
     }
 
     void add_faces() const {
         const Matches& matches = rows.matches_;
-        std::vector<char> done(matches.classes.size(), 0);
+        std::vector<char> is_far(near.empty() ? 0 : matches.classes.size(), 1);
         for (std::uint32_t f = 0; f < matches.middles.size(); ++f) {
             if (!is_near(f)) continue;
             const Match& middle = matches.middles[f];
-            add_back(middle, middle.weight * urgency(2, matches.middles, f), f, {1.0 / 3, 1.0 / 3, 1.0 / 3});
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t c = rows.grid_.surface.faces[f][k];
-                if (done[c]) continue;
-                done[c] = 1;
-                std::array<double, 3> b{0, 0, 0};
-                b[k] = 1;
-                const Match& corner = matches.classes[c];
-                add_back(corner, corner.weight * urgency(3, matches.classes, c), f, b);
-            }
+            const Vec3d gap = gap_of(middle);
+            equations.add_at_middle(f, gap, normal_of(middle, gap), middle.weight * urgency(2, matches.middles, f));
+            if (!near.empty())
+                for (const std::uint32_t c : rows.grid_.surface.faces[f]) is_far[c] = 0;
+        }
+        for (std::uint32_t c = 0; c < matches.classes.size(); ++c) {
+            if (!is_far.empty() && is_far[c]) continue;
+            const Match& corner = matches.classes[c];
+            const Vec3d gap = gap_of(corner);
+            equations.add_at_class(c, gap, normal_of(corner, gap), corner.weight * urgency(3, matches.classes, c));
         }
     }
 };

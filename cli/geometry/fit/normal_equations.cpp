@@ -43,6 +43,37 @@ Block inverse_along(const Block& d, const Vec3d& rail) {
     return {s, 0, 0, s, 0, s};
 }
 
+/// Blocks and vectors of the iterations in single precision: half the memory to read. The right side, which alone says
+/// where a fit ends, is summed in double.
+using Block32 = std::array<float, 6>;
+
+struct Vec3f {
+    float x = 0, y = 0, z = 0;
+    friend Vec3f operator+(const Vec3f& a, const Vec3f& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend Vec3f operator-(const Vec3f& a, const Vec3f& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend Vec3f operator*(const Vec3f& a, float s) { return {a.x * s, a.y * s, a.z * s}; }
+    friend float dot(const Vec3f& a, const Vec3f& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+};
+
+Vec3f to_single(const Vec3d& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+Vec3d to_double(const Vec3f& v) {
+    return {v.x, v.y, v.z};
+}
+
+Block32 to_single(const Block& b) {
+    Block32 out;
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] = static_cast<float>(b[k]);
+    return out;
+}
+
+Vec3f multiply(const Block32& a, const Vec3f& v) {
+    return {a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z,
+            a[2] * v.x + a[4] * v.y + a[5] * v.z};
+}
+
 /// The classes that may move, and for each the blocks that join it with others of them. Where few are free (around
 /// repaired faces), the rest costs next to nothing.
 struct Unknowns {
@@ -89,6 +120,28 @@ NormalEquations::NormalEquations(const WeldedGrid& grid)
       off_(grid.edges.size(), Block{}),
       right_(grid.sample_of.size(), Vec3d{}) {}
 
+void NormalEquations::add_at_middle(std::uint32_t face, const Vec3d& gap, const Vec3d& n, double weight) {
+    const Vec3d wn = n * (weight / 9), pull = n * (weight / 3 * dot(n, gap));
+    const Block m{wn.x * n.x, wn.x * n.y, wn.x * n.z, wn.y * n.y, wn.y * n.z, wn.z * n.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t c = grid_.surface.faces[face][k];
+        right_[c] += pull;
+        Block& d = diagonal_[c];
+        Block& o = off_[grid_.edge_of[face][k]];
+        for (std::size_t e = 0; e < 6; ++e) {
+            d[e] += m[e];
+            o[e] += m[e];
+        }
+    }
+}
+
+void NormalEquations::add_at_class(std::uint32_t c, const Vec3d& gap, const Vec3d& n, double weight) {
+    const Vec3d wn = n * weight;
+    const Block m{wn.x * n.x, wn.x * n.y, wn.x * n.z, wn.y * n.y, wn.y * n.z, wn.z * n.z};
+    right_[c] += wn * dot(n, gap);
+    for (std::size_t e = 0; e < 6; ++e) diagonal_[c][e] += m[e];
+}
+
 void NormalEquations::add(std::uint32_t face, const std::array<double, 3>& b, const Vec3d& gap, const Vec3d& n,
                           double weight) {
     const Vec3d wn = n * weight;
@@ -132,50 +185,67 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
     // By each class's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
     // whose rows weigh little, while their neighbours move.
     const double floor = 1e-6 * damping * trace / static_cast<double>(diagonal_.size());
+    // Sums stay in the range of single precision whatever the weights: all rows are scaled by their mean.
+    const double scale = trace > 0 ? static_cast<double>(diagonal_.size()) / trace : 1;
     const auto confined = [&](std::size_t u, const Vec3d& v) {
         const std::uint32_t c = live[u];
         return freedom[c] == Freedom::kFree ? v : rails[c] * dot(rails[c], v);
     };
-    std::vector<Vec3d> residual(count), step(count, Vec3d{}), direction(count, Vec3d{}), z(count), product(count);
-    std::vector<Block> damped(count), preconditioner(count);
-    const auto multiplied = [&](std::size_t u, const Block& own, const std::vector<Vec3d>& v) {
-        Vec3d sum = multiply(own, v[u]);
-        for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
-            sum += multiply(off_[unknowns.joints[k].edge], v[unknowns.joints[k].other]);
-        return sum;
-    };
-    if (!onward.empty()) each_in_pieces(count, [&](std::size_t u) { step[u] = confined(u, onward[live[u]]); });
+    std::vector<Block32> off(off_.size()), damped(count), preconditioner(count);
+    each_in_pieces(off.size(), [&](std::size_t e) {
+        Block scaled = off_[e];
+        for (double& x : scaled) x *= scale;
+        off[e] = to_single(scaled);
+    });
+    std::vector<Vec3f> residual(count), step(count), direction(count), z(count), product(count);
     // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
     double rz = sum_in_pieces(count, [&](std::size_t u) {
         const std::uint32_t c = live[u];
-        damped[u] = diagonal_[c];
-        damp(damped[u], floor, damping);
-        preconditioner[u] = freedom[c] == Freedom::kSlides ? inverse_along(damped[u], rails[c]) : inverse(damped[u]);
-        residual[u] = confined(u, onward.empty() ? right_[c] : right_[c] - multiplied(u, diagonal_[c], step));
+        Block own = diagonal_[c];
+        damp(own, floor, damping);
+        for (double& x : own) x *= scale;
+        damped[u] = to_single(own);
+        preconditioner[u] = to_single(freedom[c] == Freedom::kSlides ? inverse_along(own, rails[c]) : inverse(own));
+        Vec3d right = right_[c];
+        if (!onward.empty()) {
+            right -= multiply(diagonal_[c], confined(u, onward[c]));
+            for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k) {
+                const auto [edge, other] = unknowns.joints[k];
+                right -= multiply(off_[edge], confined(other, onward[live[other]]));
+            }
+        }
+        residual[u] = to_single(confined(u, right) * scale);
         z[u] = multiply(preconditioner[u], residual[u]);
-        return dot(residual[u], z[u]);
+        return static_cast<double>(dot(residual[u], z[u]));
     });
     const double enough = 1e-4 * rz;  // against 1e-6: nothing lost in the mean of a whole fit
-    double beta = 0;
+    float beta = 0;
     for (int it = 0; it < iterations && rz > enough; ++it) {
         each_in_pieces(count, [&](std::size_t u) { direction[u] = z[u] + direction[u] * beta; });
         const double curvature = sum_in_pieces(count, [&](std::size_t u) {
-            product[u] = confined(u, multiplied(u, damped[u], direction));
-            return dot(direction[u], product[u]);
+            Vec3f sum = multiply(damped[u], direction[u]);
+            for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
+                sum = sum + multiply(off[unknowns.joints[k].edge], direction[unknowns.joints[k].other]);
+            if (freedom[live[u]] != Freedom::kFree) sum = to_single(confined(u, to_double(sum)));
+            product[u] = sum;
+            return static_cast<double>(dot(direction[u], sum));
         });
         if (!(curvature > 0)) break;
-        const double t = rz / curvature;
+        const auto t = static_cast<float>(rz / curvature);
         const double next = sum_in_pieces(count, [&](std::size_t u) {
-            step[u] += direction[u] * t;
-            residual[u] -= product[u] * t;
+            step[u] = step[u] + direction[u] * t;
+            residual[u] = residual[u] - product[u] * t;
             z[u] = multiply(preconditioner[u], residual[u]);
-            return dot(residual[u], z[u]);
+            return static_cast<double>(dot(residual[u], z[u]));
         });
-        beta = next / rz;
+        beta = static_cast<float>(next / rz);
         rz = next;
     }
     std::vector<Vec3d> out(diagonal_.size(), Vec3d{});
-    for (std::size_t u = 0; u < count; ++u) out[live[u]] = step[u];
+    each_in_pieces(count, [&](std::size_t u) {
+        out[live[u]] = to_double(step[u]);
+        if (!onward.empty()) out[live[u]] += confined(u, onward[live[u]]);
+    });
     return out;
 }
 

@@ -23,6 +23,9 @@ class NormalEquations {
     explicit NormalEquations(const WeldedGrid& grid);
 
     void add(std::uint32_t face, const std::array<double, 3>& b, const Vec3d& gap, const Vec3d& normal, double weight);
+    /// The same at the middle of a face, and at a class itself.
+    void add_at_middle(std::uint32_t face, const Vec3d& gap, const Vec3d& normal, double weight);
+    void add_at_class(std::uint32_t c, const Vec3d& gap, const Vec3d& normal, double weight);
     /// The same along the face's own normal: most rows, of which only these sums per face are kept until close().
     /// @param distance  normal . gap
     void add_along_normal(std::uint32_t face, const std::array<double, 3>& b, double distance, double weight) {
