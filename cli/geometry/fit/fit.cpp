@@ -10,6 +10,7 @@
 #include "geometry/fit/lattice_snap.h"
 #include "geometry/fit/local_repair.h"
 #include "geometry/fit/normal_equations.h"
+#include "geometry/fit/region.h"
 #include "geometry/fit/vertex_repair.h"
 #include "geometry/metrics/turned_faces.h"
 #include "math/portable.h"
@@ -19,6 +20,8 @@ namespace {
 
 constexpr double kStartUpright = 0.2;   // cosine to the source below which faces are repaired at the start
 constexpr double kGainOfRounds = 3e-3;  // in rms, of two rounds, to go on: 0.03 dB
+constexpr int kWholeRounds = 3;         // before converged faces are left alone
+constexpr double kFarOff = 0.3;         // of the largest error: faces that the rounds for it work on
 constexpr double kSureGain = 0.6;       // in rms; ordinary charts reach 0.2
 constexpr double kRepairPrice = 1.5, kRepairLargest = 3;  // in rms and in the largest error, of fewer inverted faces
 // In rms, where no more than one in so many is left: a tree of tubes keeps 10 of 1,159 at 1.63.
@@ -51,8 +54,9 @@ void lower_largest(FitState& fit, const Plan& plan, FitReport& report) {
     for (int round = 0; round < plan.options.worst_rounds && !fit.is_spent(); ++round) {
         plan.begin_round(plan.options.rounds + round);
         const std::vector<Vec3d> before = fit.grid.surface.positions;
-        fit.step(true);
-        fit.matches.update(true);
+        const Region region = around_far(fit.grid, fit.matches, kFarOff * fit.largest());
+        fit.step(true, region);
+        fit.matches.update(true, region.faces);
         const bool sound =
             fit.take_back(before, [&] { return without(fit.inverted.doubtful_faces(fit.matches, kEndUpright), left); });
         fit.matches.settle_farthest(fit.inverted.source_index());
@@ -91,9 +95,10 @@ void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     double gained = 1, gained_before = 1;
     for (int round = 0; round < options.rounds && gained + gained_before > kGainOfRounds && !fit.is_spent(); ++round) {
         plan.begin_round(round);
-        if (options.split_quads && round % 2 == 0) fit.split_quads();
-        fit.step(false);
-        fit.matches.update(false);
+        const Region region = round < kWholeRounds ? Region{} : unconverged(fit.grid, fit.matches);
+        if (options.split_quads && round % 2 == 0) fit.split_quads(region);
+        fit.step(false, region);
+        fit.matches.update(false, region.faces);
         kept = fit.matches.rms < fit.kept.rms;
         gained_before = gained;
         gained = std::max(0.0, 1 - fit.matches.rms / fit.kept.rms);
@@ -122,7 +127,7 @@ void put_on_lattice(FitState& fit) {
     const Lattice lattice = lattice_around(fit.chart);
     if (!(lattice.step > 0)) return;
     NormalEquations equations(fit.grid);
-    fit.rows.assemble(equations, false);
+    fit.rows.assemble(equations, false, {}, true);
     snap_to_lattice(lattice, equations, fit.rails.freedom(), fit.chart.grid_count(), fit.source, fit.grid, fit.matches,
                     fit.inverted);
     fit.kept.rms = fit.matches.rms;

@@ -99,7 +99,7 @@ struct FitRows::Round {
     }
 };
 
-void FitRows::assemble(NormalEquations& equations, bool worst_only, std::span<const char> near) {
+void FitRows::assemble(NormalEquations& equations, bool worst_only, std::span<const char> near, bool with_border) {
     const Round round{*this, equations, near, worst_only ? std::max(matches_.largest, rails_.largest_gap()) : 0};
     tbb::parallel_invoke([&] { round.add_points(); },
                          [&] {
@@ -107,7 +107,7 @@ void FitRows::assemble(NormalEquations& equations, bool worst_only, std::span<co
                              round.add_faces();
                          });
     equations.close();
-    if (!rails_.empty() && near.empty())
+    if (!rails_.empty() && with_border)
         rails_.add_rows(equations, kBorderShare * points_per_sample_,
                         [&](double squared) { return 1 + round.excess(squared); });
 }

@@ -24,7 +24,9 @@ class FitRows {
     /// @param worst_only  pull hardest where the error is near the largest, and not much less where it was a round ago:
     /// otherwise the next round loses the gain of this one to points on the other side [Lawson 1961]
     /// @param near  per face of the grid: rows of these alone; all if empty
-    void assemble(NormalEquations& equations, bool worst_only, std::span<const char> near = {});
+    /// @param with_border  the rows of the border too, all of them
+    void assemble(NormalEquations& equations, bool worst_only, std::span<const char> near = {},
+                  bool with_border = false);
 
     /// The grid's edges have been numbered anew.
     void forget_edges() { pulls_[1].clear(); }

@@ -68,9 +68,12 @@ void FitState::look_up_farthest() {
     matches.settle_farthest(inverted.source_index());
 }
 
-void FitState::step(bool worst_only) {
+void FitState::step(bool worst_only, const Region& region) {
     NormalEquations equations(grid);
-    rows.assemble(equations, worst_only);
+    rows.assemble(equations, worst_only, region.faces, true);
+    std::vector<Freedom> freedom(rails.freedom().begin(), rails.freedom().end());
+    for (std::size_t c = 0; c < region.classes.size(); ++c)
+        if (!region.classes[c]) freedom[c] = Freedom::kHeld;
     std::vector<Vec3d> onward;
     steps_ = came_from_.empty() ? 0 : steps_ + 1;
     if (!worst_only && steps_ > 0) {
@@ -79,15 +82,14 @@ void FitState::step(bool worst_only) {
         for (std::size_t c = 0; c < onward.size(); ++c) onward[c] = (grid.surface.positions[c] - came_from_[c]) * share;
     }
     came_from_ = grid.surface.positions;
-    const std::vector<Vec3d> step =
-        equations.solve(rails.freedom(), rails.directions(), damping, kCgIterations, onward);
+    const std::vector<Vec3d> step = equations.solve(freedom, rails.directions(), damping, kCgIterations, onward);
     std::vector<double> ways(rails.empty() ? 0 : step.size());
     for (std::size_t c = 0; c < ways.size(); ++c) ways[c] = dot(step[c], rails.directions()[c]);
     sliding.take(step, std::move(ways));
 }
 
-void FitState::split_quads() {
-    const std::vector<char> changed = fit_diagonals(chart, grid, matches, source);
+void FitState::split_quads(const Region& region) {
+    const std::vector<char> changed = fit_diagonals(chart, grid, matches, source, region.faces);
     relink();
     matches.update(false, changed);
 }

@@ -12,6 +12,7 @@
 #include "geometry/fit/fit_rows.h"
 #include "geometry/fit/inverted_faces.h"
 #include "geometry/fit/matches.h"
+#include "geometry/fit/region.h"
 #include "geometry/fit/sliding.h"
 #include "geometry/fit/welded_grid.h"
 
@@ -49,12 +50,12 @@ struct FitState {
     /// Updates the matches, edges too, and settles the farthest of them.
     void look_up_farthest();
     /// One least-squares step, as far as the faces allow. Where the rows say nothing, along the surface above all,
-    /// samples go on as in the step before [Polyak 1964; Nesterov 1983]; not if `worst_only`.
-    void step(bool worst_only);
+    /// samples go on as in the step before [Polyak 1964; Nesterov 1983]; not if `worst_only`. Only `region` moves.
+    void step(bool worst_only, const Region& region = {});
     /// The next step begins at rest.
     void rest() { came_from_.clear(); }
-    /// Chooses the diagonals anew, by the error.
-    void split_quads();
+    /// Chooses the diagonals of a region anew, by the error; the matches have to be up to date.
+    void split_quads(const Region& region = {});
     /// Splits the quads of inverted faces the other way.
     /// @param measured  by the measure of inverted faces, not by normals
     /// @return  true if one is split the other way; the matches are up to date then

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "geometry/fit/pieces.h"
+#include "geometry/mesh/infinity.h"
 
 namespace dgm::bake {
 namespace {
@@ -32,6 +33,52 @@ std::uint64_t look_up(const std::vector<Match>& list, std::vector<double>& farth
         all_looked += looked;
     });
     return all_looked;
+}
+
+/// Numbers of the faces that may be nearer to a point farther off than the root of `limit` than its match is: those whose
+/// box meets a cell, of a coarse division of space, that the ball about such a point meets; ascending.
+std::vector<std::uint32_t> faces_in_reach(const LinkedSurface& surface, const std::vector<Match>& points,
+                                          double limit) {
+    constexpr int kCells = 64;
+    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+    for (const Vec3d& p : surface.positions)
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], p[k]);
+            high[k] = std::max(high[k], p[k]);
+        }
+    const auto cell = [&](double x, int k) {
+        const double size = high[k] - low[k];
+        return size > 0 ? static_cast<int>(std::clamp((x - low[k]) / size * kCells, 0.0, kCells - 1.0)) : 0;
+    };
+    /// Calls body(cell) for the cells of a box until it returns true; whether it did.
+    const auto any_cell = [&](const Vec3d& from, const Vec3d& to, const auto& body) {
+        for (int x = cell(from.x, 0); x <= cell(to.x, 0); ++x)
+            for (int y = cell(from.y, 1); y <= cell(to.y, 1); ++y)
+                for (int z = cell(from.z, 2); z <= cell(to.z, 2); ++z)
+                    if (body(static_cast<std::size_t>((x * kCells + y) * kCells + z))) return true;
+        return false;
+    };
+    std::vector<char> reached(std::size_t{kCells} * kCells * kCells, 0);
+    for (const Match& m : points) {
+        if (!(m.hit.squared > limit)) continue;
+        const double reach = std::sqrt(m.hit.squared) * (1 + 1e-9);
+        const Vec3d around{reach, reach, reach};
+        any_cell(m.position - around, m.position + around, [&](std::size_t at) {
+            reached[at] = 1;
+            return false;
+        });
+    }
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t f = 0; f < surface.faces.size(); ++f) {
+        const auto q = surface.corners(f);
+        Vec3d from = q[0], to = q[0];
+        for (int k = 0; k < 3; ++k) {
+            from[k] = std::min({q[0][k], q[1][k], q[2][k]});
+            to[k] = std::max({q[0][k], q[1][k], q[2][k]});
+        }
+        if (any_cell(from, to, [&](std::size_t at) { return reached[at] != 0; })) out.push_back(f);
+    }
+    return out;
 }
 
 }  // namespace
@@ -189,9 +236,13 @@ void Matches::look_again_far_off(std::span<const char> near) {
 void Matches::settle_farthest(const ClosestPointIndex& source_index) {
     constexpr double kFar = 0.5;  // of the largest distance, which may fall below it on the way
     const LinkedSurface& grid = grid_.surface;
-    const ClosestPointIndex grid_index(grid.positions, grid.faces);
     const std::array lists{&points, &classes, &middles, &edges};
     const double limit = kFar * kFar * farthest_squared();
+    // Few points are far off, and only faces within reach of them can be nearer.
+    const std::vector<std::uint32_t> number = faces_in_reach(grid, points, limit);
+    std::vector<Face> in_reach;
+    for (const std::uint32_t f : number) in_reach.push_back(grid.faces[f]);
+    const ClosestPointIndex grid_index(grid.positions, in_reach);
     for (std::size_t which = 0; which < lists.size(); ++which) {
         std::vector<Match>& list = *lists[which];
         const bool on_grid = which == 0;
@@ -202,7 +253,8 @@ void Matches::settle_farthest(const ClosestPointIndex& source_index) {
             for (std::size_t k = begin; k < end; ++k) {
                 Match& m = list[k];
                 if (m.hit.squared > limit) {
-                    const ClosestPoint hit = index.query(m.position, m.hit.face);
+                    ClosestPoint hit = index.query(m.position, on_grid ? kNone : m.hit.face);
+                    if (on_grid && hit.face != kNone) hit.face = number[hit.face];
                     if (const double squared = hit.distance * hit.distance; squared < m.hit.squared) {
                         const LinkedSurface& there = on_grid ? grid : source_;
                         if (on_grid || dot(there.normals[hit.face], there.normals[m.hit.face]) > 0)

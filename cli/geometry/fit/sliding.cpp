@@ -39,12 +39,13 @@ Sliding::Step Sliding::clamped(std::span<const Vec3d> step, std::vector<double> 
         const Vec3d n = cross(q[1] - q[0], q[2] - q[0]);
         for (const std::uint32_t c : grid.faces[f]) grid_.add_facing(normal[c], n, c);
     }
-    std::vector<double> edge(count, kInfinity);
+    std::vector<double> edge(count, kInfinity);  // the shortest, squared
     for (const auto& [a, b] : grid_.edges) {
         if (!moves[a] && !moves[b]) continue;
-        const double l = length(grid.positions[b] - grid.positions[a]);
-        edge[a] = std::min(edge[a], l);
-        edge[b] = std::min(edge[b], l);
+        const Vec3d along = grid.positions[b] - grid.positions[a];
+        const double squared = dot(along, along);
+        edge[a] = std::min(edge[a], squared);
+        edge[b] = std::min(edge[b], squared);
     }
     out.along.resize(count);
     out.across.resize(count);
@@ -53,7 +54,7 @@ Sliding::Step Sliding::clamped(std::span<const Vec3d> step, std::vector<double> 
         const Vec3d n = normalized(normal[c], Vec3d{});
         out.across[c] = n * dot(step[c], n);
         out.along[c] = step[c] - out.across[c];
-        const double l = length(out.along[c]), limit = kMaxSlide * edge[c];
+        const double l = length(out.along[c]), limit = kMaxSlide * std::sqrt(edge[c]);
         if (l > limit) out.along[c] *= limit / l;
     }
     out.ways = std::move(ways);
