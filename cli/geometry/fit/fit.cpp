@@ -126,9 +126,9 @@ void put_on_lattice(FitState& fit) {
     fit.grid.write_positions(fit.chart);
     const Lattice lattice = lattice_around(fit.chart);
     if (!(lattice.step > 0)) return;
-    NormalEquations equations(fit.grid);
-    fit.rows.assemble(equations, false, {}, true);
-    snap_to_lattice(lattice, equations, fit.rails.freedom(), fit.chart.grid_count(), fit.source, fit.grid, fit.matches,
+    fit.equations.clear();
+    fit.rows.assemble(fit.equations, false, {}, true);
+    snap_to_lattice(lattice, fit.equations, fit.rails.freedom(), fit.chart.grid_count(), fit.source, fit.grid, fit.matches,
                     fit.inverted);
     fit.kept.rms = fit.matches.rms;
     fit.kept.largest = fit.largest();

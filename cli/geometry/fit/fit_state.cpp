@@ -35,7 +35,8 @@ FitState::FitState(SampledChart& fitted, const FitOptions& options)
       upward(normals_at_scale(source, surface_area(source) / static_cast<double>(fitted.grid_count()))),
       sliding(grid, matches, rails, upward, fixed),
       inverted(source, grid.surface, matches.source_index()),
-      rows(source, grid, matches, rails, options.points_per_sample) {}
+      rows(source, grid, matches, rails, options.points_per_sample),
+      equations(grid) {}
 
 double FitState::largest() const {
     return std::max(matches.largest, rails.largest_gap());
@@ -69,7 +70,7 @@ void FitState::look_up_farthest() {
 }
 
 void FitState::step(bool worst_only, const Region& region) {
-    NormalEquations equations(grid);
+    equations.clear();
     rows.assemble(equations, worst_only, region.faces, true);
     std::vector<Freedom> freedom(rails.freedom().begin(), rails.freedom().end());
     for (std::size_t c = 0; c < region.classes.size(); ++c)

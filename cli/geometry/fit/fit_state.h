@@ -12,6 +12,7 @@
 #include "geometry/fit/fit_rows.h"
 #include "geometry/fit/inverted_faces.h"
 #include "geometry/fit/matches.h"
+#include "geometry/fit/normal_equations.h"
 #include "geometry/fit/region.h"
 #include "geometry/fit/sliding.h"
 #include "geometry/fit/welded_grid.h"
@@ -89,6 +90,7 @@ struct FitState {
     Sliding sliding;
     InvertedFaces inverted;
     FitRows rows;
+    NormalEquations equations;  // of the last step
     Kept kept;
 
  private:

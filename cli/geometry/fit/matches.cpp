@@ -15,21 +15,28 @@ namespace {
 
 constexpr double kVertexWeight = 0.25;
 
-/// Calls body(k, looked) for each match of `list`, then notes the farthest of every piece while it is in the cache: the
-/// lists are long, and all passes need these pieces.
+/// Of the matches begin .. end; the sum is over those before `counted`.
+PieceOfMatches measured(const std::vector<Match>& list, std::size_t begin, std::size_t end, std::size_t counted) {
+    PieceOfMatches out;
+    for (std::size_t k = begin; k < end; ++k) {
+        out.farthest = std::max(out.farthest, list[k].hit.squared);
+        if (k < counted) out.sum += list[k].hit.squared;
+    }
+    return out;
+}
+
+/// Calls body(k, looked) for each match of `list`, then measures every piece while it is in the cache: the lists are
+/// long, and all passes need these pieces.
 /// @return  sum of what the bodies have added to `looked`
 template <class Body>
-std::uint64_t look_up(const std::vector<Match>& list, std::vector<double>& farthest, const Body& body) {
-    farthest.assign(pieces_of(list.size()), 0.0);
+std::uint64_t look_up(const std::vector<Match>& list, std::size_t counted, std::vector<PieceOfMatches>& pieces,
+                      const Body& body) {
+    pieces.assign(pieces_of(list.size()), {});
     std::atomic<std::uint64_t> all_looked{0};
     in_pieces(list.size(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
-        double squared = 0;
         std::uint64_t looked = 0;
-        for (std::size_t k = begin; k < end; ++k) {
-            body(k, &looked);
-            squared = std::max(squared, list[k].hit.squared);
-        }
-        farthest[piece] = squared;
+        for (std::size_t k = begin; k < end; ++k) body(k, &looked);
+        pieces[piece] = measured(list, begin, end, counted);
         all_looked += looked;
     });
     return all_looked;
@@ -155,22 +162,22 @@ void Matches::update(bool with_edges, std::span<const char> near) {
     for (std::size_t f = 0; f < near.size(); ++f)
         if (near[f])
             for (const std::uint32_t c : grid.faces[f]) near_class[c] = 1;
-    looked_ += look_up(points, farthest_[0], [&](std::size_t k, std::uint64_t* looked) {
+    looked_ += look_up(points, area_points, pieces_[0], [&](std::size_t k, std::uint64_t* looked) {
         if (near.empty() || near[points[k].hit.face])
             points[k].hit = walk_to_closest(grid, points[k].position, points[k].hit.face, looked);
     });
-    looked_ += look_up(classes, farthest_[1], [&](std::size_t c, std::uint64_t* looked) {
+    looked_ += look_up(classes, 0, pieces_[1], [&](std::size_t c, std::uint64_t* looked) {
         if (!near.empty() && !near_class[c]) return;
         classes[c].position = grid.positions[c];
         classes[c].hit =
             on_source(classes[c].position, normal.empty() ? Vec3d{} : normal[c], classes[c].hit.face, looked);
     });
-    looked_ += look_up(middles, farthest_[2], [&](std::size_t f, std::uint64_t* looked) {
+    looked_ += look_up(middles, 0, pieces_[2], [&](std::size_t f, std::uint64_t* looked) {
         if (near.empty() || near[f]) update_middle(f, looked);
     });
     if (!with_edges || edges.size() != grid_.edges.size()) {
         edges.clear();
-        farthest_[3].clear();
+        pieces_[3].clear();
     }
     if (with_edges) update_edges(edges.empty() ? std::span<const char>{} : near);
     look_again_far_off(near);
@@ -194,7 +201,7 @@ void Matches::update_edges(std::span<const char> near) {
     edge_place.resize(edges.size());
     for (std::uint32_t f = 0; f < grid.faces.size(); ++f)
         for (int k = 0; k < 3; ++k) edge_place[grid_.edge_of[f][k]] = {f, k};
-    looked_ += look_up(edges, farthest_[3], [&](std::size_t e, std::uint64_t* looked) {
+    looked_ += look_up(edges, 0, pieces_[3], [&](std::size_t e, std::uint64_t* looked) {
         if (!near.empty() && !near[edge_place[e].first]) return;
         edges[e].position = (grid.positions[grid_.edges[e].first] + grid.positions[grid_.edges[e].second]) / 2;
         const std::uint32_t face = edge_place[e].first;
@@ -216,19 +223,17 @@ void Matches::look_again_far_off(std::span<const char> near) {
     NearbySearch on_grid_surface(grid_.surface), on_source_surface(source_);
     for (std::size_t which = 0; which < lists.size(); ++which) {
         std::vector<Match>& list = *lists[which];
-        for (std::size_t piece = 0; piece < farthest_[which].size(); ++piece) {
-            if (!(farthest_[which][piece] > kFar * kFar * squared)) continue;
+        for (std::size_t piece = 0; piece < pieces_[which].size(); ++piece) {
+            if (!(pieces_[which][piece].farthest > kFar * kFar * squared)) continue;
             const std::size_t begin = piece * kPiece, end = std::min(list.size(), begin + kPiece);
-            double left = 0;
             for (std::size_t k = begin; k < end; ++k) {
                 Match& m = list[k];
                 const bool on_grid = &list == &points;
                 if (m.hit.squared > kFar * kFar * squared && ++count <= most && (on_grid || !source_index_) &&
                     (near.empty() || (on_grid ? near[m.hit.face] : &list == &middles && near[k])))
                     m.hit = (on_grid ? on_grid_surface : on_source_surface).from(m.position, m.hit.face);
-                left = std::max(left, m.hit.squared);
             }
-            farthest_[which][piece] = left;
+            pieces_[which][piece] = measured(list, begin, end, counted(which));
         }
     }
 }
@@ -248,8 +253,7 @@ void Matches::settle_farthest(const ClosestPointIndex& source_index) {
         const bool on_grid = which == 0;
         const ClosestPointIndex& index = on_grid ? grid_index : source_index;
         in_pieces(list.size(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
-            if (!(farthest_[which][piece] > limit)) return;
-            double left = 0;
+            if (!(pieces_[which][piece].farthest > limit)) return;
             for (std::size_t k = begin; k < end; ++k) {
                 Match& m = list[k];
                 if (m.hit.squared > limit) {
@@ -262,9 +266,8 @@ void Matches::settle_farthest(const ClosestPointIndex& source_index) {
                         m.hit.squared = squared;
                     }
                 }
-                left = std::max(left, m.hit.squared);
             }
-            farthest_[which][piece] = left;
+            pieces_[which][piece] = measured(list, begin, end, counted(which));
         });
     }
     weigh_and_measure();
@@ -272,8 +275,8 @@ void Matches::settle_farthest(const ClosestPointIndex& source_index) {
 
 double Matches::farthest_squared() const {
     double out = 0;
-    for (const std::vector<double>& list : farthest_)
-        for (const double squared : list) out = std::max(out, squared);
+    for (const std::vector<PieceOfMatches>& list : pieces_)
+        for (const PieceOfMatches& piece : list) out = std::max(out, piece.farthest);
     return out;
 }
 
@@ -315,7 +318,8 @@ void Matches::weigh_and_measure() {
     const auto weighed = [](const Match& m) { return m.weight * m.hit.squared; };
     const double backward = sum_in_pieces(classes.size(), [&](std::size_t c) { return weighed(classes[c]); }) +
                             sum_in_pieces(middles.size(), [&](std::size_t f) { return weighed(middles[f]); });
-    const double forward = sum_in_pieces(area_points, [&](std::size_t k) { return points[k].hit.squared; });
+    double forward = 0;
+    for (const PieceOfMatches& piece : pieces_[0]) forward += piece.sum;
     const double mean_forward = area_points > 0 ? forward / static_cast<double>(area_points) : 0;
     rms = std::sqrt(std::max(mean_forward, weight > 0 ? backward / weight : 0));
     largest = std::sqrt(farthest_squared());

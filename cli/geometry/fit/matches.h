@@ -21,6 +21,11 @@ struct Match {
     double weight = 1;
 };
 
+/// Squared distances of a piece of a list of matches (pieces.h).
+struct PieceOfMatches {
+    double farthest = 0, sum = 0;
+};
+
 /// The matches of a chart being fitted. A match starts where the map puts it and walks on from its last answer, so
 /// looking up all of them again after a small move costs a few triangles each. Where the source has more faces than the
 /// grid, walks over it would stop at the first bump: there the grid's points are looked up by index.
@@ -70,6 +75,8 @@ class Matches {
     void look_again_far_off(std::span<const char> near);
     void weigh_and_measure();
     [[nodiscard]] double farthest_squared() const;
+    /// Matches of a list whose squared distances are summed up.
+    [[nodiscard]] std::size_t counted(std::size_t list) const { return list == 0 ? area_points : 0; }
 
     [[nodiscard]] SurfaceHit on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start,
                                        std::uint64_t* looked = nullptr) const;
@@ -81,7 +88,7 @@ class Matches {
     Hold hold_;
     double slack_ = 0;
     std::uint64_t looked_ = 0;
-    std::array<std::vector<double>, 4> farthest_;  // squared, per piece of points, classes, middles and edges
+    std::array<std::vector<PieceOfMatches>, 4> pieces_;  // of points, classes, middles and edges
 };
 
 }  // namespace dgm::bake

@@ -113,12 +113,17 @@ struct Unknowns {
 
 }  // namespace
 
-NormalEquations::NormalEquations(const WeldedGrid& grid)
-    : grid_(grid),
-      along_normal_(grid.surface.faces.size()),
-      diagonal_(grid.sample_of.size(), Block{}),
-      off_(grid.edges.size(), Block{}),
-      right_(grid.sample_of.size(), Vec3d{}) {}
+NormalEquations::NormalEquations(const WeldedGrid& grid) : grid_(grid) {
+    clear();
+}
+
+void NormalEquations::clear() {
+    along_normal_.assign(grid_.surface.faces.size(), FaceSums{});
+    later_.clear();
+    diagonal_.assign(grid_.sample_of.size(), Block{});
+    off_.assign(grid_.edges.size(), Block{});
+    right_.assign(grid_.sample_of.size(), Vec3d{});
+}
 
 void NormalEquations::add_at_middle(std::uint32_t face, const Vec3d& gap, const Vec3d& n, double weight) {
     const Vec3d wn = n * (weight / 9), pull = n * (weight / 3 * dot(n, gap));

@@ -21,6 +21,8 @@ enum class Freedom : char { kFree, kHeld, kSlides };
 class NormalEquations {
  public:
     explicit NormalEquations(const WeldedGrid& grid);
+    /// No rows; the grid may have been linked anew.
+    void clear();
 
     void add(std::uint32_t face, const std::array<double, 3>& b, const Vec3d& gap, const Vec3d& normal, double weight);
     /// The same at the middle of a face, and at a class itself.
