@@ -101,7 +101,7 @@ class ShapeTrials {
 
     /// By the error after a trial fit, where samples will be fitted.
     [[nodiscard]] AspectTrial judged(GridSize size, const BakeOptions& options, RingUse rings) {
-        const Attempt<ComponentResult> result = baked(size, options, rings, CutUse::kReuse);
+        Attempt<ComponentResult> result = baked(size, options, rings, CutUse::kReuse);
         if (!result) return {size, kInfinity, 0};
         if (options.fit == Fit::kSample) return {size, trials_.back().rms, 0};
         return {size, result->begun ? result->begun->rms : trial_fit(result->chart, silent()).rms, 0};

@@ -128,8 +128,8 @@ void put_on_lattice(FitState& fit) {
     if (!(lattice.step > 0)) return;
     fit.equations.clear();
     fit.rows.assemble(fit.equations, false, {}, true);
-    snap_to_lattice(lattice, fit.equations, fit.rails.freedom(), fit.chart.grid_count(), fit.source, fit.grid, fit.matches,
-                    fit.inverted);
+    snap_to_lattice(lattice, fit.equations, fit.rails.freedom(), fit.chart.grid_count(), fit.source, fit.grid,
+                    fit.matches, fit.inverted);
     fit.kept.rms = fit.matches.rms;
     fit.kept.largest = fit.largest();
     fit.chart.lattice = lattice;
@@ -150,16 +150,32 @@ void write_chart(FitState& fit) {
     }
 }
 
-/// Measures both charts against all faces of the source: walks between matches flatter a map that folds.
-bool is_worse_than(const SampledChart& start, FitState& fit) {
+Placement placement_of(const SampledChart& chart) {
+    return {chart.positions, chart.diagonals, chart.samples, chart.lattice};
+}
+
+/// The chart takes a placement, which takes the chart's.
+void swap_placement(SampledChart& chart, Placement& other) {
+    chart.positions.swap(other.positions);
+    chart.diagonals.swap(other.diagonals);
+    chart.samples.swap(other.samples);
+    chart.lattice.swap(other.lattice);
+}
+
+/// Measures the chart as it is and as it was against all faces of the source: walks between matches flatter a map that
+/// folds.
+bool is_worse_than(Placement& start, FitState& fit) {
     const TriMesh& mesh = fit.chart.disk.mesh;
-    const SurfaceError before = quick_error(mesh, start, kFewSamples),
-                       after = quick_error(mesh, fit.chart, kFewSamples);
+    const SurfaceError after = quick_error(mesh, fit.chart, kFewSamples);
+    swap_placement(fit.chart, start);
+    const SurfaceError before = quick_error(mesh, fit.chart, kFewSamples);
+    const TriMesh surface_before = fit.chart.surface();
+    swap_placement(fit.chart, start);
     if (!(before.rms < after.rms)) return false;
     if (kFewInvertedPrice * before.rms < after.rms) return true;
     const ClosestPointIndex& source = fit.inverted.source_index();
-    const std::size_t were = find_turned_faces(source, start.surface(), kTurnedTie, 0, fit.grid.surface.either_side)
-                                 .size(),
+    const std::size_t were =
+                          find_turned_faces(source, surface_before, kTurnedTie, 0, fit.grid.surface.either_side).size(),
                       are = fit.inverted.faces().size();
     if (are >= were) return true;
     // Repairs may cost something where so many faces were inverted that the start's figures mean little.
@@ -197,8 +213,11 @@ std::uint64_t most_looks_of(std::size_t samples) {
 FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress,
                     const TrialFit* begun) {
     const Plan plan{options, progress};
-    const SampledChart start = chart;
-    if (begun != nullptr) chart = begun->chart;
+    Placement start = placement_of(chart);
+    if (begun != nullptr) {
+        Placement from = begun->placement;
+        swap_placement(chart, from);
+    }
     FitState fit(chart, options);
     LocalRepair repair(fit);
     FitReport report;
@@ -221,18 +240,19 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
     report.hausdorff = fit.kept.largest;
     const bool moved = chart.positions != start.positions || chart.diagonals != start.diagonals;
     if (moved && fit.kept.rms > kSureGain * report.start_rms && is_worse_than(start, fit)) {
-        chart = start;
+        swap_placement(chart, start);
         report.rms = report.start_rms;
         report.hausdorff = report.start_hausdorff;
         report.rounds = 0;
         report.inverted =
-            find_turned_faces(fit.inverted.source_index(), start.surface(), kTurnedTie, 0, fit.grid.surface.either_side)
+            find_turned_faces(fit.inverted.source_index(), chart.surface(), kTurnedTie, 0, fit.grid.surface.either_side)
                 .size();
     }
     return report;
 }
 
-TrialFit trial_fit(SampledChart chart, const model::Progress& progress) {
+TrialFit trial_fit(SampledChart& chart, const model::Progress& progress) {
+    Placement placement = placement_of(chart);
     FitOptions options;
     options.points_per_sample = kTrialPoints;
     FitState fit(chart, options);
@@ -241,7 +261,8 @@ TrialFit trial_fit(SampledChart chart, const model::Progress& progress) {
     FitReport report;
     lower_mean(fit, {options, progress}, report);
     write_chart(fit);
-    return {std::move(chart), start_rms, fit.kept.rms};
+    swap_placement(chart, placement);
+    return {std::move(placement), start_rms, fit.kept.rms};
 }
 
 }  // namespace dgm::bake

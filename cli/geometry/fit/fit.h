@@ -8,6 +8,8 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "geometry/chart/sampled_chart.h"
 #include "model/progress.h"
@@ -56,14 +58,23 @@ struct FitReport {
     bool ended_early = false;  ///< at the bound of its work, with the best state so far
 };
 
+/// What a fit changes of a chart: a small part of it where the source is dense.
+struct Placement {
+    std::vector<Vec3d> positions;
+    std::vector<std::uint8_t> diagonals;
+    std::vector<SurfaceSample> samples;
+    std::optional<Lattice> lattice;
+};
+
 /// A chart after a few rounds for the mean, without repairs: charts of one component are compared by its error, since
 /// what they will have after fit_chart() differs alike.
 struct TrialFit {
-    SampledChart chart;
+    Placement placement;
     double start_rms = 0, rms = 0;  ///< normalised units, over the points of the trial
 };
 
-[[nodiscard]] TrialFit trial_fit(SampledChart chart, const model::Progress& progress);
+/// @param chart  fitted in its place, and as before afterwards
+[[nodiscard]] TrialFit trial_fit(SampledChart& chart, const model::Progress& progress);
 
 /// Fits `chart.positions` and `chart.diagonals`; the copies of a class move as one unknown, samples on the source's
 /// real border slide along it and stay on its corners (border_rails.h), and a step is shortened where it would invert a
