@@ -6,7 +6,6 @@
 #include <iterator>
 #include <utility>
 
-#include "geometry/fit/normal_equations.h"
 #include "geometry/fit/patch_repair.h"
 #include "geometry/fit/search_repair.h"
 #include "geometry/fit/vertex_repair.h"
@@ -158,9 +157,9 @@ void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_mo
     double gained = 1, gained_before = 1;
     for (int round = 0; round < rounds && gained + gained_before > kRefitGain && !fit_.is_spent(); ++round) {
         gained_before = gained;
-        NormalEquations equations(fit_.grid);
-        fit_.rows.assemble(equations, round % 2 == 1, near.faces);
-        fit_.sliding.take(equations.solve(freedom, {}, fit_.damping, kCgIterations), {});
+        fit_.equations.clear();
+        fit_.rows.assemble(fit_.equations, round % 2 == 1, near.faces);
+        fit_.sliding.take(fit_.equations.solve(freedom, {}, fit_.damping, kCgIterations), {});
         fit_.matches.update(fit_.holds_largest, near.faces);
         const bool sound = fit_.take_back(fit_.kept.positions, fresh, held);
         gained = sound ? std::max(0.0, 1 - fit_.matches.rms / fit_.kept.rms) : 0;

@@ -115,6 +115,58 @@ TEST(FitState, AStepBringsTheGridDown) {
         if (c.fit.grid.on_border[k]) { EXPECT_NEAR(c.position(k).z, 0, 1e-12) << "the border stays on its rails"; }
 }
 
+/// One sample off the surface: the faces around it hold all of the error. They and two rings of samples are the region.
+TEST(Region, IsWhereTheErrorIsAndNothingElseMoves) {
+    fit_test::FitCase c(fit_test::flat_chart(25, 12));
+    c.position(c.class_at(12, 12)).z += 0.01;
+    c.position(c.class_at(3, 20)).z += 1e-6;
+    c.look();
+    const Region region = unconverged(c.fit.grid, c.fit.matches);
+    ASSERT_FALSE(region.is_whole());
+    EXPECT_EQ(region.classes[c.class_at(12, 12)], 1);
+    EXPECT_EQ(region.classes[c.class_at(12, 15)], 1) << "a corner of the faces around it, and two rings";
+    EXPECT_EQ(region.classes[c.class_at(12, 16)], 0);
+    EXPECT_EQ(region.classes[c.class_at(3, 20)], 0) << "next to nothing";
+    const Region far = around_far(c.fit.grid, c.fit.matches, 0.005);
+    EXPECT_EQ(far.classes[c.class_at(12, 17)], 1) << "four rings";
+    EXPECT_EQ(far.classes[c.class_at(12, 18)], 0);
+
+    const std::vector<Vec3d> before = c.fit.grid.surface.positions;
+    c.fit.step(false, region);
+    for (std::size_t k = 0; k < before.size(); ++k)
+        if (!region.classes[k]) { EXPECT_EQ(c.fit.grid.surface.positions[k], before[k]); }
+    EXPECT_NEAR(c.position(c.class_at(12, 12)).z, 0, 1e-3);
+    EXPECT_NEAR(c.position(c.class_at(3, 20)).z, 1e-6, 1e-12);
+}
+
+TEST(Region, IsTheGridWhereTheErrorIsEven) {
+    fit_test::FitCase c(fit_test::flat_chart(9, 12));
+    for (std::uint32_t k = 0; k < 81; ++k) c.position(k).z += 0.01;
+    c.look();
+    EXPECT_TRUE(unconverged(c.fit.grid, c.fit.matches).is_whole());
+}
+
+/// A fold of the grid lies nearer to the middle of the source than the faces that walks find: settling finds it among
+/// the faces in reach of it.
+TEST(Matches, SettleFarthestFindsTheFaceThatIsNearest) {
+    fit_test::FitCase c(fit_test::flat_chart(33, 12));
+    for (std::uint32_t i = 0; i < 33; ++i)
+        for (std::uint32_t j = 0; j < 33; ++j) {
+            const double x = i / 32.0, y = j / 32.0;  // rolled up: the far end comes to lie over the first third
+            const double z = x < 0.5 ? 0.2 : 0.02;
+            c.position(c.class_at(i, j)) = {x < 0.5 ? x : 1 - x, y, z};
+        }
+    c.look();
+    c.fit.matches.settle_farthest(c.fit.inverted.source_index());
+    const ClosestPointIndex all(c.fit.grid.surface.positions, c.fit.grid.surface.faces);
+    for (const Match& m : c.fit.matches.points) {
+        const double nearest = all.query(m.position).distance;
+        if (m.hit.squared > 0.25 * c.fit.matches.largest * c.fit.matches.largest) {
+            EXPECT_NEAR(std::sqrt(m.hit.squared), nearest, 1e-9);
+        }
+    }
+}
+
 TEST(FitState, TakesBackTheCornersOfFreshlyInvertedFacesAlone) {
     fit_test::FitCase c(fit_test::flat_chart(9, 12));
     const std::vector<Vec3d> before = c.fit.grid.surface.positions;
