@@ -10,7 +10,7 @@ namespace dgm::bake {
 namespace {
 
 // Of the squared error, what is left alone in a round: more costs more than it saves, and less leaves nearly all faces.
-constexpr double kConverged = 0.1;
+constexpr double kConverged = 0.05;
 constexpr int kRings = 2;            // around the faces that have not: samples come to them from there
 constexpr int kFarRings = 4;         // around those that are far off
 constexpr double kMostOfGrid = 0.9;  // of all faces, from which on the region is the grid
