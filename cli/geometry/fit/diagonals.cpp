@@ -70,7 +70,7 @@ bool turns_less(const SampledChart& chart, const ClosestPointIndex& source, std:
 }  // namespace
 
 std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, const Matches& matches,
-                                const LinkedSurface& source, std::span<const char> near) {
+                                const LinkedSurface& source) {
     const std::uint32_t m = chart.m, n = chart.n;
     grid.write_positions(chart);
     const std::vector<std::uint32_t> quad_of_face = quads_of_faces(grid);
@@ -80,7 +80,7 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
     std::vector<std::array<double, 2>> sums(grid.face_of_quad.size(), {0, 0});
     std::array<double, 3> ignored;
     for (const Match& match : matches.points) {
-        if (match.hit.face >= quad_of_face.size() || (!near.empty() && !near[match.hit.face])) continue;
+        if (match.hit.face >= quad_of_face.size()) continue;
         const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
         const unsigned other = !chart.diagonals[quad];
         const auto t = quad_triangles(i, j, n, other);
@@ -93,7 +93,7 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
         for (std::uint32_t j = 0; j + 1 < n; ++j) {
             const std::size_t quad = std::size_t{i} * (n - 1) + j, a = std::size_t{i} * n + j;
             const std::uint32_t face = grid.face_of_quad[quad];
-            if (face == kNone || (!near.empty() && !(near[face] && near[face + 1]))) continue;
+            if (face == kNone) continue;
             const std::uint32_t start = matches.middles[face].hit.face;
             const auto off = [&](std::size_t from, std::size_t to) {
                 const Vec3d middle = (chart.positions[from] + chart.positions[to]) * 0.5;

@@ -18,7 +18,7 @@ namespace dgm::bake {
 /// caller links the grid anew.
 /// @return  per face of the grid: its quad is split the other way now
 [[nodiscard]] std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, const Matches& matches,
-                                              const LinkedSurface& source, std::span<const char> near = {});
+                                              const LinkedSurface& source);
 
 /// Splits the quads of inverted faces the other way, where that does not fold (with an index of the source: where fewer
 /// triangles are inverted) and its edge is no edge yet. The caller links the grid anew.

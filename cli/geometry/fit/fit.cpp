@@ -20,8 +20,7 @@ namespace {
 
 constexpr double kStartUpright = 0.2;   // cosine to the source below which faces are repaired at the start
 constexpr double kGainOfRounds = 3e-3;  // in rms, of two rounds, to go on: 0.03 dB
-constexpr int kWholeRounds = 3;         // before converged faces are left alone ...
-// ... on grids so large that it saves time: a hospital gown of 65 x 65 lost 1 dB by it.
+// Samples from which on the rounds for the largest error leave alone what is not near it.
 constexpr std::size_t kLargeGrid = 30'000;
 constexpr double kFarOff = 0.3;                           // of the largest error: faces that the rounds for it work on
 constexpr double kSureGain = 0.6;                         // in rms; ordinary charts reach 0.2
@@ -102,11 +101,9 @@ void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     double gained = 1, gained_before = 1;
     for (int round = 0; round < options.rounds && gained + gained_before > kGainOfRounds && !fit.is_spent(); ++round) {
         plan.begin_round(round);
-        const bool whole = round < kWholeRounds || !is_large(fit.grid);
-        const Region region = whole ? Region{} : unconverged(fit.grid, fit.matches);
-        if (options.split_quads && round % 2 == 0) fit.split_quads(region);
-        fit.step(false, region);
-        fit.matches.update(false, region.faces);
+        if (options.split_quads && round % 2 == 0) fit.split_quads();
+        fit.step(false);
+        fit.matches.update(false);
         kept = fit.matches.rms < fit.kept.rms;
         gained_before = gained;
         gained = std::max(0.0, 1 - fit.matches.rms / fit.kept.rms);

@@ -89,8 +89,8 @@ void FitState::step(bool worst_only, const Region& region) {
     sliding.take(step, std::move(ways));
 }
 
-void FitState::split_quads(const Region& region) {
-    const std::vector<char> changed = fit_diagonals(chart, grid, matches, source, region.faces);
+void FitState::split_quads() {
+    const std::vector<char> changed = fit_diagonals(chart, grid, matches, source);
     relink();
     matches.update(false, changed);
 }

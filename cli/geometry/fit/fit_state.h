@@ -55,8 +55,8 @@ struct FitState {
     void step(bool worst_only, const Region& region = {});
     /// The next step begins at rest.
     void rest() { came_from_.clear(); }
-    /// Chooses the diagonals of a region anew, by the error; the matches have to be up to date.
-    void split_quads(const Region& region = {});
+    /// Chooses the diagonals anew, by the error; the matches have to be up to date.
+    void split_quads();
     /// Splits the quads of inverted faces the other way.
     /// @param measured  by the measure of inverted faces, not by normals
     /// @return  true if one is split the other way; the matches are up to date then

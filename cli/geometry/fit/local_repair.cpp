@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/fit/patch_repair.h"
+#include "geometry/fit/region.h"
 #include "geometry/fit/search_repair.h"
 #include "geometry/fit/vertex_repair.h"
 
@@ -26,28 +27,12 @@ std::vector<std::uint32_t> joined(const std::vector<std::uint32_t>& a, const std
     return out;
 }
 
-/// A part of the grid that is fitted again while the rest is held.
-struct Neighbourhood {
-    std::vector<char> classes, faces;
-};
-
 /// The classes that are not where they were, and a few rings around them.
-Neighbourhood around_moved(const WeldedGrid& grid, const std::vector<Vec3d>& before) {
+Region around_moved(const WeldedGrid& grid, const std::vector<Vec3d>& before) {
     constexpr int kRings = 4;
-    const LinkedSurface& surface = grid.surface;
-    std::vector<char> near(before.size(), 0), near_face(surface.faces.size(), 0);
-    for (std::size_t c = 0; c < near.size(); ++c) near[c] = surface.positions[c] != before[c];
-    for (int ring = 0; ring < kRings; ++ring) {
-        std::vector<char> next = near;
-        for (const auto& [a, b] : grid.edges) {
-            next[a] |= near[b];
-            next[b] |= near[a];
-        }
-        near.swap(next);
-    }
-    for (std::size_t f = 0; f < near_face.size(); ++f)
-        for (const std::uint32_t c : surface.faces[f]) near_face[f] |= near[c];
-    return {std::move(near), std::move(near_face)};
+    std::vector<char> moved(before.size(), 0);
+    for (std::size_t c = 0; c < moved.size(); ++c) moved[c] = grid.surface.positions[c] != before[c];
+    return grown(grid, std::move(moved), kRings);
 }
 
 }  // namespace
@@ -144,7 +129,7 @@ bool LocalRepair::search_places(const std::vector<std::uint32_t>& left) {
 /// theirs held in the next.
 void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_moved) {
     const int rounds = patches_moved ? 8 : fit_.holds_largest ? 6 : 2;
-    const Neighbourhood near = around_moved(fit_.grid, before);
+    const Region near = around_moved(fit_.grid, before);
     std::vector<Freedom> freedom(before.size(), Freedom::kHeld);
     for (std::size_t c = 0; c < freedom.size(); ++c)
         if (near.classes[c] && !fit_.fixed[c]) freedom[c] = Freedom::kFree;

@@ -42,8 +42,8 @@ std::uint64_t look_up(const std::vector<Match>& list, std::size_t counted, std::
     return all_looked;
 }
 
-/// Numbers of the faces that may be nearer to a point farther off than the root of `limit` than its match is: those whose
-/// box meets a cell, of a coarse division of space, that the ball about such a point meets; ascending.
+/// Numbers of the faces that may be nearer to a point farther off than the root of `limit` than its match is: those
+/// whose box meets a cell, of a coarse division of space, that the ball about such a point meets; ascending.
 std::vector<std::uint32_t> faces_in_reach(const LinkedSurface& surface, const std::vector<Match>& points,
                                           double limit) {
     constexpr int kCells = 64;

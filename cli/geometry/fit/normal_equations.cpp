@@ -3,6 +3,7 @@
 #include "geometry/fit/normal_equations.h"
 
 #include <cmath>
+#include <utility>
 
 #include "geometry/fit/pieces.h"
 
@@ -111,6 +112,52 @@ struct Unknowns {
     }
 };
 
+/// What the iterations read, but for the structure.
+struct System32 {
+    std::vector<Block32> off, damped, preconditioner;  // per edge; per unknown
+    std::vector<Vec3f> residual;
+
+    System32(std::size_t edges, std::size_t unknowns)
+        : off(edges), damped(unknowns), preconditioner(unknowns), residual(unknowns) {}
+};
+
+/// The steps of the unknowns, by conjugate gradients.
+/// @param confined  confined(u, v): the part of v along which unknown u may move
+template <class Confined>
+std::vector<Vec3f> descend(const Unknowns& unknowns, System32 system, int iterations, const Confined& confined) {
+    const std::size_t count = unknowns.classes.size();
+    std::vector<Vec3f>& residual = system.residual;
+    std::vector<Vec3f> step(count), direction(count), z(count), product(count);
+    // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
+    double rz = sum_in_pieces(count, [&](std::size_t u) {
+        z[u] = multiply(system.preconditioner[u], residual[u]);
+        return static_cast<double>(dot(residual[u], z[u]));
+    });
+    const double enough = 1e-4 * rz;  // against 1e-6: nothing lost in the mean of a whole fit
+    float beta = 0;
+    for (int it = 0; it < iterations && rz > enough; ++it) {
+        each_in_pieces(count, [&](std::size_t u) { direction[u] = z[u] + direction[u] * beta; });
+        const double curvature = sum_in_pieces(count, [&](std::size_t u) {
+            Vec3f sum = multiply(system.damped[u], direction[u]);
+            for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
+                sum = sum + multiply(system.off[unknowns.joints[k].edge], direction[unknowns.joints[k].other]);
+            product[u] = to_single(confined(u, to_double(sum)));
+            return static_cast<double>(dot(direction[u], product[u]));
+        });
+        if (!(curvature > 0)) break;
+        const auto t = static_cast<float>(rz / curvature);
+        const double next = sum_in_pieces(count, [&](std::size_t u) {
+            step[u] = step[u] + direction[u] * t;
+            residual[u] = residual[u] - product[u] * t;
+            z[u] = multiply(system.preconditioner[u], residual[u]);
+            return static_cast<double>(dot(residual[u], z[u]));
+        });
+        beta = static_cast<float>(next / rz);
+        rz = next;
+    }
+    return step;
+}
+
 }  // namespace
 
 NormalEquations::NormalEquations(const WeldedGrid& grid) : grid_(grid) {
@@ -196,21 +243,20 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
         const std::uint32_t c = live[u];
         return freedom[c] == Freedom::kFree ? v : rails[c] * dot(rails[c], v);
     };
-    std::vector<Block32> off(off_.size()), damped(count), preconditioner(count);
-    each_in_pieces(off.size(), [&](std::size_t e) {
+    System32 system(off_.size(), count);
+    each_in_pieces(off_.size(), [&](std::size_t e) {
         Block scaled = off_[e];
         for (double& x : scaled) x *= scale;
-        off[e] = to_single(scaled);
+        system.off[e] = to_single(scaled);
     });
-    std::vector<Vec3f> residual(count), step(count), direction(count), z(count), product(count);
-    // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
-    double rz = sum_in_pieces(count, [&](std::size_t u) {
+    each_in_pieces(count, [&](std::size_t u) {
         const std::uint32_t c = live[u];
         Block own = diagonal_[c];
         damp(own, floor, damping);
         for (double& x : own) x *= scale;
-        damped[u] = to_single(own);
-        preconditioner[u] = to_single(freedom[c] == Freedom::kSlides ? inverse_along(own, rails[c]) : inverse(own));
+        system.damped[u] = to_single(own);
+        system.preconditioner[u] =
+            to_single(freedom[c] == Freedom::kSlides ? inverse_along(own, rails[c]) : inverse(own));
         Vec3d right = right_[c];
         if (!onward.empty()) {
             right -= multiply(diagonal_[c], confined(u, onward[c]));
@@ -219,33 +265,9 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
                 right -= multiply(off_[edge], confined(other, onward[live[other]]));
             }
         }
-        residual[u] = to_single(confined(u, right) * scale);
-        z[u] = multiply(preconditioner[u], residual[u]);
-        return static_cast<double>(dot(residual[u], z[u]));
+        system.residual[u] = to_single(confined(u, right) * scale);
     });
-    const double enough = 1e-4 * rz;  // against 1e-6: nothing lost in the mean of a whole fit
-    float beta = 0;
-    for (int it = 0; it < iterations && rz > enough; ++it) {
-        each_in_pieces(count, [&](std::size_t u) { direction[u] = z[u] + direction[u] * beta; });
-        const double curvature = sum_in_pieces(count, [&](std::size_t u) {
-            Vec3f sum = multiply(damped[u], direction[u]);
-            for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
-                sum = sum + multiply(off[unknowns.joints[k].edge], direction[unknowns.joints[k].other]);
-            if (freedom[live[u]] != Freedom::kFree) sum = to_single(confined(u, to_double(sum)));
-            product[u] = sum;
-            return static_cast<double>(dot(direction[u], sum));
-        });
-        if (!(curvature > 0)) break;
-        const auto t = static_cast<float>(rz / curvature);
-        const double next = sum_in_pieces(count, [&](std::size_t u) {
-            step[u] = step[u] + direction[u] * t;
-            residual[u] = residual[u] - product[u] * t;
-            z[u] = multiply(preconditioner[u], residual[u]);
-            return static_cast<double>(dot(residual[u], z[u]));
-        });
-        beta = static_cast<float>(next / rz);
-        rz = next;
-    }
+    const std::vector<Vec3f> step = descend(unknowns, std::move(system), iterations, confined);
     std::vector<Vec3d> out(diagonal_.size(), Vec3d{});
     each_in_pieces(count, [&](std::size_t u) {
         out[live[u]] = to_double(step[u]);

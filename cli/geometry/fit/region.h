@@ -18,11 +18,8 @@ struct Region {
 /// The marked classes with `rings` rings of others around them.
 [[nodiscard]] Region grown(const WeldedGrid& grid, std::vector<char> classes, int rings);
 
-/// The faces that hold nearly all of the squared error, and some rings around them: the others have converged, and were
-/// they exact, the error would hardly be less. The whole grid where they are nearly all of it.
-[[nodiscard]] Region unconverged(const WeldedGrid& grid, const Matches& matches);
-
-/// The faces with a match farther away than that, and some rings around them.
+/// The faces with a match farther away than that, and some rings around them; the whole grid where they are nearly all
+/// of it.
 [[nodiscard]] Region around_far(const WeldedGrid& grid, const Matches& matches, double distance);
 
 }  // namespace dgm::bake
