@@ -44,37 +44,6 @@ Block inverse_along(const Block& d, const Vec3d& rail) {
     return {s, 0, 0, s, 0, s};
 }
 
-/// Blocks and vectors of the iterations in single precision: half the memory to read. The right side, which alone says
-/// where a fit ends, is summed in double.
-using Block32 = std::array<float, 6>;
-
-struct Vec3f {
-    float x = 0, y = 0, z = 0;
-    friend Vec3f operator+(const Vec3f& a, const Vec3f& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend Vec3f operator-(const Vec3f& a, const Vec3f& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend Vec3f operator*(const Vec3f& a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-    friend float dot(const Vec3f& a, const Vec3f& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-};
-
-Vec3f to_single(const Vec3d& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-Vec3d to_double(const Vec3f& v) {
-    return {v.x, v.y, v.z};
-}
-
-Block32 to_single(const Block& b) {
-    Block32 out;
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] = static_cast<float>(b[k]);
-    return out;
-}
-
-Vec3f multiply(const Block32& a, const Vec3f& v) {
-    return {a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z,
-            a[2] * v.x + a[4] * v.y + a[5] * v.z};
-}
-
 /// The classes that may move, and for each the blocks that join it with others of them. Where few are free (around
 /// repaired faces), the rest costs next to nothing.
 struct Unknowns {
@@ -113,46 +82,44 @@ struct Unknowns {
 };
 
 /// What the iterations read, but for the structure.
-struct System32 {
-    std::vector<Block32> off, damped, preconditioner;  // per edge; per unknown
-    std::vector<Vec3f> residual;
-
-    System32(std::size_t edges, std::size_t unknowns)
-        : off(edges), damped(unknowns), preconditioner(unknowns), residual(unknowns) {}
+struct System {
+    const std::vector<Block>& off;              // per edge
+    std::vector<Block> damped, preconditioner;  // per unknown
+    std::vector<Vec3d> residual;
 };
 
 /// The steps of the unknowns, by conjugate gradients.
 /// @param confined  confined(u, v): the part of v along which unknown u may move
 template <class Confined>
-std::vector<Vec3f> descend(const Unknowns& unknowns, System32 system, int iterations, const Confined& confined) {
+std::vector<Vec3d> descend(const Unknowns& unknowns, System system, int iterations, const Confined& confined) {
     const std::size_t count = unknowns.classes.size();
-    std::vector<Vec3f>& residual = system.residual;
-    std::vector<Vec3f> step(count), direction(count), z(count), product(count);
+    std::vector<Vec3d>& residual = system.residual;
+    std::vector<Vec3d> step(count), direction(count), z(count), product(count);
     // A pass does all that needs one class alone: the vectors are longer than the nearer caches.
     double rz = sum_in_pieces(count, [&](std::size_t u) {
         z[u] = multiply(system.preconditioner[u], residual[u]);
-        return static_cast<double>(dot(residual[u], z[u]));
+        return dot(residual[u], z[u]);
     });
     const double enough = 1e-4 * rz;  // against 1e-6: nothing lost in the mean of a whole fit
-    float beta = 0;
+    double beta = 0;
     for (int it = 0; it < iterations && rz > enough; ++it) {
         each_in_pieces(count, [&](std::size_t u) { direction[u] = z[u] + direction[u] * beta; });
         const double curvature = sum_in_pieces(count, [&](std::size_t u) {
-            Vec3f sum = multiply(system.damped[u], direction[u]);
+            Vec3d sum = multiply(system.damped[u], direction[u]);
             for (std::uint32_t k = unknowns.first[u]; k < unknowns.first[u + 1]; ++k)
-                sum = sum + multiply(system.off[unknowns.joints[k].edge], direction[unknowns.joints[k].other]);
-            product[u] = to_single(confined(u, to_double(sum)));
-            return static_cast<double>(dot(direction[u], product[u]));
+                sum += multiply(system.off[unknowns.joints[k].edge], direction[unknowns.joints[k].other]);
+            product[u] = confined(u, sum);
+            return dot(direction[u], product[u]);
         });
         if (!(curvature > 0)) break;
-        const auto t = static_cast<float>(rz / curvature);
+        const double t = rz / curvature;
         const double next = sum_in_pieces(count, [&](std::size_t u) {
-            step[u] = step[u] + direction[u] * t;
-            residual[u] = residual[u] - product[u] * t;
+            step[u] += direction[u] * t;
+            residual[u] -= product[u] * t;
             z[u] = multiply(system.preconditioner[u], residual[u]);
-            return static_cast<double>(dot(residual[u], z[u]));
+            return dot(residual[u], z[u]);
         });
-        beta = static_cast<float>(next / rz);
+        beta = next / rz;
         rz = next;
     }
     return step;
@@ -237,26 +204,16 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
     // By each class's own weight [Marquardt 1963]: one damping for all would freeze the samples of crowded regions,
     // whose rows weigh little, while their neighbours move.
     const double floor = 1e-6 * damping * trace / static_cast<double>(diagonal_.size());
-    // Sums stay in the range of single precision whatever the weights: all rows are scaled by their mean.
-    const double scale = trace > 0 ? static_cast<double>(diagonal_.size()) / trace : 1;
     const auto confined = [&](std::size_t u, const Vec3d& v) {
         const std::uint32_t c = live[u];
         return freedom[c] == Freedom::kFree ? v : rails[c] * dot(rails[c], v);
     };
-    System32 system(off_.size(), count);
-    each_in_pieces(off_.size(), [&](std::size_t e) {
-        Block scaled = off_[e];
-        for (double& x : scaled) x *= scale;
-        system.off[e] = to_single(scaled);
-    });
+    System system{off_, std::vector<Block>(count), std::vector<Block>(count), std::vector<Vec3d>(count)};
     each_in_pieces(count, [&](std::size_t u) {
         const std::uint32_t c = live[u];
-        Block own = diagonal_[c];
+        Block& own = system.damped[u] = diagonal_[c];
         damp(own, floor, damping);
-        for (double& x : own) x *= scale;
-        system.damped[u] = to_single(own);
-        system.preconditioner[u] =
-            to_single(freedom[c] == Freedom::kSlides ? inverse_along(own, rails[c]) : inverse(own));
+        system.preconditioner[u] = freedom[c] == Freedom::kSlides ? inverse_along(own, rails[c]) : inverse(own);
         Vec3d right = right_[c];
         if (!onward.empty()) {
             right -= multiply(diagonal_[c], confined(u, onward[c]));
@@ -265,12 +222,12 @@ std::vector<Vec3d> NormalEquations::solve(std::span<const Freedom> freedom, std:
                 right -= multiply(off_[edge], confined(other, onward[live[other]]));
             }
         }
-        system.residual[u] = to_single(confined(u, right) * scale);
+        system.residual[u] = confined(u, right);
     });
-    const std::vector<Vec3f> step = descend(unknowns, std::move(system), iterations, confined);
+    const std::vector<Vec3d> step = descend(unknowns, std::move(system), iterations, confined);
     std::vector<Vec3d> out(diagonal_.size(), Vec3d{});
     each_in_pieces(count, [&](std::size_t u) {
-        out[live[u]] = to_double(step[u]);
+        out[live[u]] = step[u];
         if (!onward.empty()) out[live[u]] += confined(u, onward[live[u]]);
     });
     return out;

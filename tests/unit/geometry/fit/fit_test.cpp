@@ -54,9 +54,9 @@ TEST(NormalEquations, RowsLeaveTheTangentFree) {
     // One row along (1, 1, 0)/sqrt2 with a gap of (2, 0, 0): only the normal part, (1, 1, 0), is asked for.
     const double s = std::sqrt(0.5);
     equations.add(0, {1, 0, 0}, {2, 0, 0}, {s, s, 0}, 1);
-    const auto step = equations.solve(kFirstFree, {}, 1e-5, 10);
-    EXPECT_NEAR(step[0].x, 1, 2e-5);
-    EXPECT_NEAR(step[0].y, 1, 2e-5);
+    const auto step = equations.solve(kFirstFree, {}, 1e-9, 10);
+    EXPECT_NEAR(step[0].x, 1, 1e-6);
+    EXPECT_NEAR(step[0].y, 1, 1e-6);
 }
 
 /// A row asks for x = 3, with as much weight as the damping has: halfway from where the step goes of itself. Nothing
@@ -92,8 +92,8 @@ TEST(NormalEquations, RailsAreNotLeft) {
     const auto step =
         equations.solve(std::vector<Freedom>{Freedom::kSlides, Freedom::kHeld, Freedom::kHeld, Freedom::kHeld},
                         std::vector<Vec3d>{{0.6, 0.8, 0}, {}, {}, {}}, 1e-12, 10);
-    EXPECT_NEAR(step[0].x, 2.6 * 0.6, 1e-6);
-    EXPECT_NEAR(step[0].y, 2.6 * 0.8, 1e-6);
+    EXPECT_NEAR(step[0].x, 2.6 * 0.6, 1e-9);
+    EXPECT_NEAR(step[0].y, 2.6 * 0.8, 1e-9);
 }
 
 TEST(NormalEquations, SnapsIntoThePlaneThatTheRowsAskFor) {
