@@ -22,7 +22,7 @@ constexpr double kStartUpright = 0.2;   // cosine to the source below which face
 constexpr double kGainOfRounds = 3e-3;  // in rms, of two rounds, to go on: 0.03 dB
 // Samples from which on the rounds for the largest error leave alone what is not near it.
 constexpr std::size_t kLargeGrid = 30'000;
-constexpr double kFarOff = 0.3;                           // of the largest error: faces that the rounds for it work on
+constexpr double kFarOff = 0.15;                          // of the largest error: faces that the rounds for it work on
 constexpr double kSureGain = 0.6;                         // in rms; ordinary charts reach 0.2
 constexpr double kRepairPrice = 1.5, kRepairLargest = 3;  // in rms and in the largest error, of fewer inverted faces
 // In rms, where no more than one in so many is left: a tree of tubes keeps 10 of 1,159 at 1.63.
