@@ -74,6 +74,11 @@ class Compliance {
 struct ReaderOptions {
     /// Ticks over which a jump of the force between two frames is spread; 0: it is not. 0 .. 1000.
     std::uint32_t fade = 0;
+    /// N s/m, 0 .. 1e6: most that the tool is damped by while the body has given more energy than it got from it, as a
+    /// sum over all ticks since it was engaged [Hannaford, Ryu, "Time-domain passivity control of haptic interfaces",
+    /// 2002]. A slow frame makes such energy where the tool moves quickly. 0: none.
+    float damper = 0;
+    float tick = 1e-3f;  ///< seconds from call to call, 1e-5 .. 1
     Allocator allocator = {};
 };
 

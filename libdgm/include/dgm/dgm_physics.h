@@ -142,6 +142,14 @@ typedef struct dgm_compliance_report {
     uint64_t frame;    /* counts publications from 1 */
 } dgm_compliance_report;
 
+/* How a reader works. */
+typedef struct dgm_compliance_reader_options {
+    uint32_t struct_size;
+    uint32_t fade; /* ticks over which a jump of the force between two frames is spread, 0 .. 1000 */
+    float damper;  /* N s/m, 0 .. 1e6: most damping while the body has given more energy than it got. 0: none */
+    float tick;    /* seconds from tick to tick, 1e-5 .. 1. 0: 1e-3 */
+} dgm_compliance_reader_options;
+
 /* Answer of dgm_compliance_tick() to a tool. */
 typedef struct dgm_compliance_answer {
     uint32_t struct_size;
@@ -165,10 +173,10 @@ DGM_PHYSICS_API dgm_code dgm_compliance_publish(dgm_compliance* compliance, cons
                                                 dgm_physics* physics, const dgm_step_options* options,
                                                 const dgm_tool_input* tools, size_t tool_count,
                                                 dgm_compliance_report* report, dgm_error* error);
-/* Makes a reader for one haptic thread, which must not outlive `compliance`. `fade`: ticks over which a jump of the
- * force between two frames is spread, 0 .. 1000; 0: it is not. The handle goes to `reader`.
- * DGM_BAD_ARGUMENT, DGM_OUT_OF_MEMORY. */
-DGM_PHYSICS_API dgm_code dgm_compliance_reader_create(const dgm_compliance* compliance, uint32_t fade,
+/* Makes a reader for one haptic thread, which must not outlive `compliance`. `options` and `allocator` may be NULL. The
+ * handle goes to `reader`. DGM_BAD_ARGUMENT, DGM_OUT_OF_MEMORY. */
+DGM_PHYSICS_API dgm_code dgm_compliance_reader_create(const dgm_compliance* compliance,
+                                                      const dgm_compliance_reader_options* options,
                                                       const dgm_allocator* allocator, dgm_compliance_reader** reader,
                                                       dgm_error* error);
 /* Releases the memory. */

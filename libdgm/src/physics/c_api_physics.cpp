@@ -197,13 +197,16 @@ dgm_code dgm_compliance_publish(dgm_compliance* compliance, const dgm_state* sta
     put(report, dgm_compliance_report{0, r.columns, r.samples, r.left_out, r.frame});
     return finish({}, error);
 }
-dgm_code dgm_compliance_reader_create(const dgm_compliance* compliance, uint32_t fade, const dgm_allocator* allocator,
-                                      dgm_compliance_reader** reader, dgm_error* error) {
+dgm_code dgm_compliance_reader_create(const dgm_compliance* compliance, const dgm_compliance_reader_options* options,
+                                      const dgm_allocator* allocator, dgm_compliance_reader** reader,
+                                      dgm_error* error) {
     if (compliance == nullptr || reader == nullptr) return finish(kNull, error);
     *reader = nullptr;
-    auto a = allocator_of(allocator);
+    dgm_compliance_reader_options o;
+    auto a = get(options, o, allocator);
     if (!a) return finish(a.error(), error);
-    return hand_out(dgm::ComplianceReader::create(compliance->value, {fade, a.value()}), a.value(), reader, error);
+    const dgm::ReaderOptions to{o.fade, o.damper, o.tick == 0 ? 1e-3f : o.tick, a.value()};
+    return hand_out(dgm::ComplianceReader::create(compliance->value, to), a.value(), reader, error);
 }
 void dgm_compliance_reader_destroy(dgm_compliance_reader* reader) {
     dgm::detail::destroy(reader);

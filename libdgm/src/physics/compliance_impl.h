@@ -83,12 +83,18 @@ struct ReaderImpl {
     Allocator allocator;
     ComplianceImpl* from = nullptr;
     std::uint32_t tools = 0, fade = 0;
+    double damper = 0;  ///< N/m: a tick's way times this is the strongest damping
     struct Felt {
         physics::Local local[2];
         int now = 0;
         float force[physics::kMostColumns] = {};  ///< of the tick before
         Double3 jump;                             ///< of the force at the last change of frames
         std::uint32_t left = 0;                   ///< ticks until it is gone
+        // What the passivity observer knows.
+        bool engaged = false;  ///< in the tick before
+        Vec3 position;         ///< there
+        Double3 answered;      ///< there
+        double energy = 0;     ///< J, that the body has got from the tool
     };
     Array<Felt> felt;
 };

@@ -140,6 +140,17 @@ void take_over(ReaderImpl& r, ReaderImpl::Felt& f, const ToolInput& tool, std::u
     f.jump = before - answer(fresh, tool.position, f.force, contacts);
     f.left = r.fade + 1;
 }
+/// Observes the energy of a tool, and damps it while the body has given more than it got.
+Double3 damp(const ReaderImpl& r, ReaderImpl::Felt& f, double scale, const ToolInput& tool, Double3 force) noexcept {
+    const Double3 way = scale * (widen(tool.position) - widen(f.position));
+    f.energy = f.engaged && tool.engaged ? f.energy - dot(f.answered, way) : 0;
+    const double square = dot(way, way);
+    if (f.energy < 0 && square > 0 && f.engaged) force = force - std::min(r.damper, -f.energy / square) * way;
+    f.engaged = tool.engaged;
+    f.position = tool.position;
+    f.answered = force;
+    return force;
+}
 }  // namespace
 }  // namespace detail
 
@@ -147,8 +158,10 @@ void take_over(ReaderImpl& r, ReaderImpl::Felt& f, const ToolInput& tool, std::u
                                                                 const ReaderOptions& options) noexcept {
     if (!detail::is_valid(options.allocator))
         return Error{ErrorCode::BadArgument, kNoOffset, "the allocator is half empty"};
-    if (options.fade > 1000)
-        return Error{ErrorCode::BadArgument, kNoOffset, "the ticks of a fade are not in 0 .. 1000"};
+    const auto bad = [](const char* why) { return Error{ErrorCode::BadArgument, kNoOffset, why}; };
+    if (options.fade > 1000) return bad("the ticks of a fade are not in 0 .. 1000");
+    if (!(options.damper >= 0 && options.damper <= 1e6f)) return bad("the damper is not in 0 .. 1e6 N s/m");
+    if (!(options.tick >= 0.99e-5f && options.tick <= 1)) return bad("the tick is not in 1e-5 .. 1 s");
     constexpr Error kNoRoom{ErrorCode::OutOfMemory, kNoOffset, "no memory for the reader"};
     auto* impl = detail::create<detail::ReaderImpl>(options.allocator, options.allocator);
     if (impl == nullptr) return kNoRoom;
@@ -156,6 +169,7 @@ void take_over(ReaderImpl& r, ReaderImpl::Felt& f, const ToolInput& tool, std::u
     impl->from = from.impl();
     impl->tools = from.impl()->options.tools;
     impl->fade = options.fade;
+    impl->damper = double{options.damper} / double{options.tick};
     if (!impl->felt.allocate(options.allocator, impl->tools)) return kNoRoom;
     return made;
 }
@@ -193,6 +207,7 @@ Result<void> compliance_tick(ComplianceReader& reader, std::span<const ToolInput
             --f.left;
             force = force + detail::fading(r, f);
         }
+        if (r.damper > 0) force = detail::damp(r, f, l.scale, t, force);
         out.force = detail::narrow(force);
         answers[k] = out;
     }
