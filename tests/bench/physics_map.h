@@ -4,6 +4,7 @@
 #pragma once
 #include <dgm/asset.h>
 #include <dgm/physics.h>
+#include <dgm/reconstruct.h>
 
 #include <algorithm>
 #include <array>

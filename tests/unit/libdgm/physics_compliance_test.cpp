@@ -224,8 +224,8 @@ TEST(Compliance, FadeSpreadsTheJumpOfAFrame) {
 }
 
 TEST(Compliance, DamperTakesWhatTheBodyGivesTooMuch) {
-    // A tool that is engaged in a pressed body is pushed out of it, by energy that it has not put in. Damped, the push is
-    // taken away but for that of one tick; and a tool that goes in first gets back what it gave.
+    // A tool that is engaged in a pressed body is pushed out of it, by energy that it has not put in. Damped, the push
+    // is taken away but for that of one tick; and a tool that goes in first gets back what it gave.
     double energies[2][2];
     for (const bool damped : {false, true})
         for (const bool in_first : {false, true}) {
