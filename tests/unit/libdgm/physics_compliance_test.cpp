@@ -250,6 +250,42 @@ TEST(Compliance, DamperTakesWhatTheBodyGivesTooMuch) {
     EXPECT_GE(energies[1][1], -1e-6);
 }
 
+/// A device of 80 g that a hand presses into a body by a spring, along z, with forces at 1 kHz by what a step
+/// of 10 ms lets the loop know. @return how far the device swings while the hand stands still, metres
+double swing_of_loop(bool compliance, float stiffer) {
+    PhysicsOptions o = flesh();
+    for (float* modulus : {&o.material->membrane, &o.material->bending, &o.material->foundation}) *modulus *= stiffer;
+    Pressed here(1);
+    here.body = Body(organ_chart(17), o);
+    here.compliance = Compliance::create(here.body.state, here.body.physics).value();
+    ReaderOptions fade;
+    fade.fade = 10;
+    here.reader = ComplianceReader::create(here.compliance, fade).value();
+    double z = 0.068, speed = 0, low = 1, high = 0, held = 0;
+    for (int tick = 0; tick < 800; ++tick) {
+        const double seen = 3e-5 * std::floor(z / 3e-5 + 0.5), hand = 0.068 - 0.013 * std::min(1.0, tick / 300.0);
+        if (tick % 10 == 0 && tick > 0) {
+            here.go(compliance);
+            held = double{here.felt.force.z};
+        }
+        if (tick % 10 == 0) here.tool.position = {5, 3, static_cast<float>(1e3 * seen)};
+        const Vec3 way = Vec3{5, 3, static_cast<float>(1e3 * seen)} - here.tool.position;
+        const double force = compliance ? double{here.feel(way).z} : held;
+        for (int part = 0; part < 20; ++part) {
+            speed += 5e-5 / 0.08 * (force + 300 * (hand - z) - 2.3 * speed);
+            z += 5e-5 * speed;
+        }
+        if (tick < 500) continue;
+        low = std::min(low, z);
+        high = std::max(high, z);
+    }
+    return high - low;
+}
+TEST(Compliance, ClosedLoopIsQuietWhereAHeldForceSwings) {
+    EXPECT_LT(swing_of_loop(true, 8), 2.4e-4);
+    EXPECT_GT(swing_of_loop(false, 8), 1e-3);
+}
+
 TEST(Compliance, RefusesByName) {
     Body body(organ_chart(17), flesh());
     const auto code = [&](ComplianceOptions o) { return Compliance::create(body.state, body.physics, o).error().code; };
