@@ -6,6 +6,7 @@
 #include <dgm/compliance.h>
 #include <dgm/dgm_physics.h>
 
+#include <atomic>
 #include <limits>
 
 #include "physics_shapes.h"
