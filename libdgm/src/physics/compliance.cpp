@@ -275,8 +275,8 @@ class Maker {
     const ToolInput& tool_;
     ComplianceReport& report_;
     Local& local_;
-    Near near_[kMostNear];
-    Group group_[kMostColumns];
+    Near near_[kMostNear] = {};
+    Group group_[kMostColumns] = {};
     std::uint32_t count_ = 0, groups_ = 0;
 };
 

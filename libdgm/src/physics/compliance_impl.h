@@ -58,7 +58,7 @@ struct ComplianceImpl {
     std::size_t plane = 0;                                   ///< floats of a plane
     Array<float> fields;                                     ///< of columns, by tool; then d_ref of each
     Array<physics::Column> columns;
-    physics::Local local;  ///< being made
+    physics::Local local{};  ///< being made
     Array<physics::Word> words;
     Array<std::uint64_t> sequence;  ///< by tool and slot; odd while it is written
     std::uint64_t frame = 0;
