@@ -81,8 +81,10 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     mark_moved(s);
 }
 
-[[gnu::cold]] Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools,
-                                       std::size_t answers) noexcept {
+}  // namespace
+
+[[gnu::cold]] Result<void> physics::check_tools(const StepOptions& o, std::span<const ToolInput> tools,
+                                                std::size_t answers) noexcept {
     if (answers != 0 && answers < tools.size()) return bad("there are fewer answers than tools");
     if (tools.size() + o.obstacles.size() > Scene::kMost)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"};
@@ -99,7 +101,8 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     return {};
 }
 
-[[gnu::cold]] Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
+[[gnu::cold]] Result<void> physics::check_step(const PhysicsImpl& p, const StateImpl& s,
+                                               const StepOptions& o) noexcept {
     if (p.rows != s.tables.rows || p.cols != s.tables.cols || p.total != s.total())
         return bad("the physics was made for a state of another size");
     if (o.cycles < 1 || o.cycles > 1000) return bad("the number of cycles is not in 1 .. 1000");
@@ -111,6 +114,7 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     return {};
 }
 
+namespace {
 Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<const ToolInput> tools,
                         Scene& scene) noexcept {
     scene.count = 0;
@@ -143,8 +147,9 @@ void each_copy(const PhysicsImpl& p, std::uint32_t sample, F f) noexcept {
     for (std::uint32_t k = p.fine().sample_of[p.fine().dof_of[sample]]; k != kNone; k = p.next_copy[k]) f(k);
 }
 
-/// Marks pinned unknowns. @return false, and nothing is marked: one is pinned twice.
-bool mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
+}  // namespace
+
+bool physics::mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     const Level& l = p.fine();
     std::size_t count = 0;
     for (; count < pins.size(); ++count) {
@@ -157,12 +162,17 @@ bool mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     return false;
 }
 
+void physics::hold_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
+    for (const Pin& pin : pins) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 0; });
+}
+
+namespace {
 /// Where inertia leads, where the search starts, and pins in their new places.
 void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
     const Level& l = p.fine();
     const double dt = p.options.dt, by = p.scale;
     const float gravity[3] = {o.gravity.x, o.gravity.y, o.gravity.z};
-    for (const Pin& pin : o.pins) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 0; });
+    hold_pins(p, o.pins);
     double sum = 0, moving = 0;
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) {
@@ -188,7 +198,9 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     }
 }
 
-void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
+}  // namespace
+
+void physics::release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     for (const Pin& pin : pins) {
         std::uint8_t& mark = p.pinned[p.fine().dof_of[pin.sample]];
         if (mark == 1) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 1; });
@@ -196,6 +208,7 @@ void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     }
 }
 
+namespace {
 /// Clears what a step writes, which may not be finite: 0 times that would not be 0.
 void forget(PhysicsImpl& p) noexcept {
     std::fill(p.moved.p[0], p.energy, 0.0f);
@@ -377,13 +390,13 @@ Result<StepReport> step(State& state, Physics& physics, const StepOptions& optio
                         std::span<StepTool> answers) noexcept {
     detail::PhysicsImpl& p = *physics.impl();
     detail::StateImpl& s = *state.impl();
-    if (auto r = detail::check_step(p, s, options); !r) return r.error();
-    if (auto r = detail::check_tools(options, tools, answers.size()); !r) return r.error();
+    if (auto r = detail::physics::check_step(p, s, options); !r) return r.error();
+    if (auto r = detail::physics::check_tools(options, tools, answers.size()); !r) return r.error();
     if (auto r = detail::make_scene(s, options, tools, p.scene[1 - p.touching_now]); !r) return r.error();
-    if (!detail::mark_pins(p, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
+    if (!detail::physics::mark_pins(p, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
     detail::begin_step(p, s, options);
     if (!detail::physics::find_touching(p, s)) {
-        detail::release_pins(p, options.pins);
+        detail::physics::release_pins(p, options.pins);
         return Error{ErrorCode::LimitExceeded, kNoOffset,
                      "obstacles are near more than twice the samples there are: use fewer"};
     }

@@ -124,6 +124,16 @@ namespace physics {
 /// Values of all matrices for options.dt.
 void take_step_length(PhysicsImpl& p) noexcept;
 
+/// What a step refuses: BadArgument, Unsupported, LimitExceeded.
+[[nodiscard]] Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools,
+                                       std::size_t answers) noexcept;
+[[nodiscard]] Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept;
+/// Marks pinned unknowns. @return false, and nothing is marked: one is pinned twice.
+[[nodiscard]] bool mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept;
+/// Samples of marked pins are not free until they are released.
+void hold_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept;
+void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept;
+
 /// Parts of the potential whose minimum is the implicit step, J.
 struct Potential {
     double elastic = 0;   ///< membrane, bending, foundation

@@ -11,6 +11,7 @@
 
 #include <dgm/asset.h>
 #include <dgm/collide.h>
+#include <dgm/compliance.h>
 #include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/physics.h>
@@ -327,6 +328,10 @@ void physics_all(const Map& map) {
         return print(map.name + " physics refused", state, refused);
     }
     Physics physics = std::move(made).value();
+    ComplianceOptions two;
+    two.tools = 2;
+    Compliance compliance = good(Compliance::create(state, physics, two), "compliance");
+    ComplianceReader reader = good(ComplianceReader::create(compliance), "reader");
     const Vec3 top = state.rest_positions()[map.contacts(state)[0]];
     const Pin pin{map.rows * map.cols / 3, state.rest_positions()[map.rows * map.cols / 3]};
     StepOptions how;
@@ -348,6 +353,13 @@ void physics_all(const Map& map) {
         report.add(answers[0].force);
         report.add(answers[1].force);
         if (k % 4 != 3) continue;
+        const ComplianceReport p = good(compliance.publish(state, physics, how, tools), "publish");
+        for (ToolInput& t : tools) t.position = t.position + Vec3{0, 0.0625f, -0.0625f};
+        ComplianceAnswer felt[2];
+        if (!compliance_tick(reader, tools, felt)) sound = false;
+        report.add(p.columns, p.samples, felt[0].contacts, felt[1].contacts);
+        report.add(felt[0].force);
+        report.add(felt[1].force);
         state.update_normals();
         print(map.name + " physics step " + std::to_string(k + 1), state, report);
     }

@@ -5,6 +5,7 @@
 
 #include <dgm/changed.h>
 #include <dgm/collide.h>
+#include <dgm/compliance.h>
 #include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/force.h>
@@ -167,6 +168,12 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     std::uint32_t contacts = 0;
     const State coarse = coarse_state(state, 4).value();
     Detail detail = Detail::create(state, coarse, 4).value();
+    ComplianceOptions two;
+    two.tools = 2;
+    Compliance compliance = Compliance::create(state, physics, two).value();
+    ComplianceReader reader = ComplianceReader::create(compliance).value();
+    ComplianceAnswer felt[2];
+    std::uint32_t columns = 0;
     const long before = g_allocations;
     for (int k = 0; k < 200; ++k) {
         if (k % 50 == 0) sound = sound && detail.show(coarse, state).ok();
@@ -183,6 +190,11 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
         const auto done = step(state, physics, o, in, answers);
         sound = sound && done.ok();
         if (done) contacts += done.value().contacts;
+        if (k % 10 == 0) {
+            const auto published = compliance.publish(state, physics, o, in);
+            sound = sound && published.ok() && compliance_tick(reader, in, felt).ok();
+            if (published) columns += published.value().columns;
+        }
         if (k % 20 == 0) sound = sound && physics.set_dt(k % 40 == 0 ? 1e-3f : 1e-2f).ok();
         state.update_normals();
     }
@@ -190,6 +202,7 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     const long after = g_allocations;
     EXPECT_TRUE(sound);
     EXPECT_GT(contacts, 0u);
+    EXPECT_GT(columns, 0u);
     EXPECT_EQ(after, before);
 }
 
