@@ -313,6 +313,7 @@ struct PhysicsCommand {
         add_assets(*app, sweep.assets, "meshes, which are baked first, or .dgm files");
         add_sides(*app, "--sizes", sweep.sizes, "samples a side of the meshes' maps")->capture_default_str();
         add_counts(*app, "--cycles", sweep.cycles, "iterations of the solver in a step", 1000);
+        add_words(*app, "--solvers", "S,...", sweep.solvers, "preconditioners: multigrid, factors");
         const tool::Group measured(*app, kWhatIsMeasured);
         measured.value("--milliseconds", "T,...", sweep.milliseconds, "lengths of a step")
             ->delimiter(',')

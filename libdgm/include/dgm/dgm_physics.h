@@ -37,6 +37,8 @@ typedef struct dgm_physics_options {
     uint64_t max_bytes;     /* DGM_LIMIT_EXCEEDED if more memory is needed. 0: no limit */
     uint32_t free_volume;   /* 1: closed surfaces may change their volume */
     uint32_t plain_loops;   /* 1: no vector instructions beyond the baseline of the platform; same bits */
+    uint32_t solver;        /* 0: multigrid; 1: factors, for at most 129 x 129 samples, see physics.h */
+    uint32_t reserved;      /* 0 */
 } dgm_physics_options;
 
 /* A sample that is held at a place. */

@@ -93,6 +93,7 @@ dgm_code dgm_physics_create(const dgm_state* state, const dgm_physics_options* o
     if (o.max_bytes != 0) to.max_bytes = o.max_bytes;
     to.keep_volume = o.free_volume == 0;
     to.plain_loops = o.plain_loops != 0;
+    to.solver = o.solver > 1 ? dgm::Solver{2} : dgm::Solver{static_cast<std::uint8_t>(o.solver)};
     to.allocator = a.value();
     return hand_out(dgm::Physics::create(state->value, to), a.value(), physics, error);
 }

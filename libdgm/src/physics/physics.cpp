@@ -38,6 +38,7 @@ bool is_dt(float dt) noexcept {
                              double{m.foundation}, double{m.density},  double{m.viscosity}};
     if (!is_valid(o.allocator)) return bad("the allocator is half empty");
     if (!is_dt(o.dt)) return bad("the time step is not in 1e-5 .. 10 s");
+    if (o.solver > (kFactors ? Solver::Factors : Solver::Multigrid)) return bad("the solver is not known here");
     if (o.metres_per_unit == 0) return unsupported("the unit is not known: set metres_per_unit or bake with --unit");
     for (std::size_t k = 0; k < kMaterialValues; ++k)
         if (!within(values[k], double{kMaterialLow[k]}, double{kMaterialHigh[k]})) return bad(kFaults[k]);
@@ -58,6 +59,8 @@ bool is_dt(float dt) noexcept {
     if (s.tables.free_domain) return unsupported("free domains have no physics yet");
     if (!s.reversed.empty()) return unsupported("a surface with one side has no physics");
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
+    if (kFactors && o.solver == Solver::Factors && s.total() > kMostFactored)
+        return Error{ErrorCode::LimitExceeded, kNoOffset, "factors are for at most 129 x 129 samples"};
     const double diagonal = diagonal_of(s) * o.metres_per_unit;
     if (!within(diagonal, 1e-6, 1e6)) return unsupported("the body's diagonal is not in 1e-6 .. 1e6 m");
     if (double{o.material->bending} > double{o.material->membrane} * diagonal * diagonal)
@@ -186,6 +189,7 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     p.at_rest = 0.5 * sum / (dt * dt);
     p.energy_before = p.elastic + 0.5 * moving;
     p.driven = false;
+    if (kFactors) p.few_held = o.pins.empty();
     for (const Pin& pin : o.pins) {
         const Double3 way = by * (widen(pin.position) - widen(StateImpl::at(s.rest, pin.sample)));
         const double to[3] = {way.x, way.y, way.z};
@@ -272,6 +276,7 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     } else {
         p.touching_count = p.grasped_count = 0;
         p.holding = 0;
+        p.factor.swell_age = 0;
         forget(p);
     }
 }
@@ -331,7 +336,8 @@ void physics::mark_moved(StateImpl& s) noexcept {
     if (auto r = detail::check_options(options); !r) return r.error();
     const detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_map(s, options); !r) return r.error();
-    if (detail::bytes_needed(s.tables.rows, s.tables.cols) > options.max_bytes)
+    const std::uint64_t bytes = detail::bytes_needed(s.tables.rows, s.tables.cols);
+    if (bytes > options.max_bytes)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "the physics would take more memory than the limit allows"};
     detail::PhysicsImpl* p = detail::create<detail::PhysicsImpl>(options.allocator, options.allocator);
     if (p == nullptr) return detail::physics::kNoMemory;
@@ -349,6 +355,10 @@ void physics::mark_moved(StateImpl& s) noexcept {
     p->dilate = static_cast<float>(e * nu / (1 - nu * nu));
     if (auto r = detail::physics::build_model(*p, s); !r) return r.error();
     detail::physics::take_step_length(*p);
+#ifndef DGM_NO_FACTORS
+    if (options.solver == Solver::Factors)
+        if (auto r = detail::physics::make_factor(*p, bytes, p->factor); !r) return r.error();
+#endif
     made.reset();
     if (!p->solver.sound)
         return Error{ErrorCode::BadArgument, kNoOffset, "the matrix of material and map is not positive definite"};
@@ -381,6 +391,7 @@ Physics::~Physics() {
         }
     p.touching_count = p.grasped_count = 0;
     p.holding = 0;
+    p.factor.swell_age = 0;
     p.elastic = p.pressure = 0;
     if (p.stretch[0] == nullptr) return;
     for (int k = 0; k < 6; ++k) std::fill_n(p.stretch[k], p.total, k % 3 == 1 ? 0.0f : 1.0f);

@@ -314,18 +314,20 @@ void collide_all(const Map& map) {
 }
 
 /// A ball goes in, one sample is pinned, another is pulled, all under gravity: contacts, grasps, pressure, viscosity.
-void physics_all(const Map& map) {
+void physics_all(const Map& map, Solver solver) {
     State state = map.state();
     PhysicsOptions options;
     options.metres_per_unit = 5e-3;
     options.material = Material{};
     options.material->viscosity = 1e-3f;
     options.plain_loops = plain;
+    options.solver = solver;
+    const std::string name = map.name + (solver == Solver::Factors ? " factored physics" : " physics");
     auto made = Physics::create(state, options);
     if (!made) {
         Digest refused;
         refused.add(made.error().code);
-        return print(map.name + " physics refused", state, refused);
+        return print(name + " refused", state, refused);
     }
     Physics physics = std::move(made).value();
     ComplianceOptions two;
@@ -337,7 +339,7 @@ void physics_all(const Map& map) {
     StepOptions how;
     how.tool_radius = 2;
     how.gravity = {0, 0, -9.75f};
-    how.pins = {&pin, 1};
+    if (solver == Solver::Multigrid) how.pins = {&pin, 1};
     for (int k = 0; k < 24; ++k) {
         if (k == 12 && !physics.set_dt(1.0f / 64)) sound = false;
         ToolInput tools[2];
@@ -361,7 +363,7 @@ void physics_all(const Map& map) {
         report.add(felt[0].force);
         report.add(felt[1].force);
         state.update_normals();
-        print(map.name + " physics step " + std::to_string(k + 1), state, report);
+        print(name + " step " + std::to_string(k + 1), state, report);
     }
 }
 
@@ -396,7 +398,7 @@ int run() {
         contact_all(map, maps[4]);
         reconstruct_all(map);
         collide_all(map);
-        physics_all(map);
+        for (const Solver solver : {Solver::Multigrid, Solver::Factors}) physics_all(map, solver);
     }
     return sound ? 0 : 1;
 }
