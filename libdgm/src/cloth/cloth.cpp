@@ -186,13 +186,13 @@ Result<ClothReport> step(State& state, Cloth& cloth, const ClothStep& options, s
     detail::cloth::Scene& scene = c.scene;
     if (auto r = detail::make_scene(c, s, options, tools, scene); !r) return r.error();
     if (!detail::mark_pins(c, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
-    state.release();               // touches of tick() end
     if (c.options.self_contact) {  // brings the boxes of the state up to date
         Obstacle itself;
         itself.kind = ObstacleKind::Surface;
         itself.surface = &state;
         static_cast<void>(detail::make_shape(itself));
     }
+    state.release();  // touches of tick() end; the boxes stay those of the cloth
     return detail::cloth::run_frame(c, s, options, tools, answers);
 }
 

@@ -51,6 +51,7 @@ struct Level {
     Blocks inverse;
     Field right, residual, way, product, sum;
     float* free = nullptr;        ///< 1, or 0: held, and past the ends of rows
+    float* own = nullptr;         ///< 1, at copies 0
     Array<std::uint8_t> clamped;  ///< by sample: held with its neighbour on the finest level, a bit a way
     Array<std::uint32_t> groups;  ///< size of a class, its spots, and so on
     Array<SeamStencil> seams;
@@ -116,11 +117,9 @@ struct ClothImpl {
 
     Array<float> planes;
     Array<double> places;
-    double* was[3] = {};   ///< at the start of the substep
-    double* from[3] = {};  ///< where its solution starts
+    double* was[3] = {};  ///< at the start of the substep
     cloth::Field velocity, inertial, gradient, correction, way, image, before;
     float* fall = nullptr;           ///< share of gravity that a sample followed in the substep before
-    float* own = nullptr;            ///< 1, at copies 0
     float* pressed = nullptr;        ///< N: force of the contact of the substep before
     float* mobile = nullptr;         ///< 0: the layer `contact` holds it
     float* weight = nullptr;         ///< kg: of the whole class
@@ -139,7 +138,7 @@ struct ClothImpl {
     std::uint64_t known = 0;  ///< tools whose place before is known
     Array<cloth::Meeting> meetings;
     std::uint32_t meeting_count = 0;
-    double elastic = 0;
+    double elastic = 0, kinetic = 0, moment[3] = {};  ///< J, J, kg m: at the end of the frame before
 
     [[nodiscard]] cloth::Level& fine() noexcept { return level[0]; }
     [[nodiscard]] const cloth::Level& fine() const noexcept { return level[0]; }
@@ -175,7 +174,9 @@ void each_copy(const ClothImpl& c, std::uint32_t sample, F f) noexcept {
 /// Every copy gets the sum over its class.
 void sum_classes(const Level& l, const Field& f) noexcept;
 /// gradient = slope of membrane and bending at level[0].at. @return their energy
-double evaluate(ClothImpl& c, bool energy_only) noexcept;
+double evaluate(ClothImpl& c) noexcept;
+/// Their energy `by` times the correction further, after evaluate().
+[[nodiscard]] double energy_ahead(const ClothImpl& c, double by) noexcept;
 /// to = matrix from, summed over classes.
 void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept;
 /// Coarse shapes, contacts and diagonal blocks of the matrix at level[0].at.

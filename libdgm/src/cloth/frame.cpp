@@ -33,52 +33,39 @@ void each_sample(const ClothImpl& c, F f) noexcept {
     }
 }
 
-/// Where pins and grasps ask samples to be at a part of the frame, from where they are.
+/// Puts pins and grasped samples where they are asked to be. `share`: of what is left of the frame.
 void move_held(ClothImpl& c, const Frame& f, double share) noexcept {
     Level& l = c.fine();
     const auto put_at = [&](std::uint32_t sample, Double3 to) {
         const Double3 way = share * (to - c.place(c.spot_of(sample)));
         each_copy(c, sample, [&](std::uint32_t s) {
             const Spot k = c.spot_of(s);
-            c.from[0][k] = l.at[0][k] + way.x;
-            c.from[1][k] = l.at[1][k] + way.y;
-            c.from[2][k] = l.at[2][k] + way.z;
+            l.at[0][k] += way.x;
+            l.at[1][k] += way.y;
+            l.at[2][k] += way.z;
         });
     };
     for (std::uint32_t k = 0; k < c.held_count; ++k)
-        put_at(c.held[k].sample, c.held[k].offset + c.scale * widen(f.tools[c.held[k].tool].position));
+        put_at(c.held[k].sample, c.held[k].offset + c.scale * widen(f.tools[c.held[k].tool & 0xffff].position));
     for (const Pin& pin : f.o.pins) put_at(pin.sample, c.scale * widen(pin.position));
 }
 
-/// Puts samples where the solution starts, and notes where they were. `share`: of what is left of the frame.
-/// @return inertial part of the potential where they were
+/// Puts samples where the solution starts, and notes where they were. @return inertial part of the potential there
 double begin(ClothImpl& c, const Frame& f, double share) noexcept {
     Level& l = c.fine();
-    const double h = f.h;
-    const float g[3] = {f.o.gravity.x, f.o.gravity.y, f.o.gravity.z};
-    for (int d = 0; d < 3; ++d) {
-        const double fall = h * h * double{g[d]};
-        const float* v = c.velocity.p[d];
-        each_sample(c, [&](Spot k) {
-            c.from[d][k] = l.at[d][k] + double{l.free[k]} * (h * double{v[k]} + fall * double{c.fall[k]});
-        });
-    }
+    const Vec3 g = f.o.gravity;
+    const double sum = c.kernels->start({l.count,
+                                         {l.at[0], l.at[1], l.at[2]},
+                                         {c.was[0], c.was[1], c.was[2]},
+                                         c.velocity,
+                                         c.inertial,
+                                         c.fall,
+                                         l.free,
+                                         l.on.mass,
+                                         f.h,
+                                         {double{g.x}, double{g.y}, double{g.z}}});
     move_held(c, f, share);
-    double sum = 0;
-    for (int d = 0; d < 3; ++d) {
-        const double fall = h * h * double{g[d]};
-        double part = 0;
-        each_sample(c, [&](Spot k) {
-            // From where inertia leads to where the solution starts.
-            c.inertial.p[d][k] = l.free[k] * static_cast<float>(fall * (double{c.fall[k]} - 1));
-            c.was[d][k] = l.at[d][k];
-            l.at[d][k] = c.from[d][k];
-            const double led = double{l.free[k]} * (c.from[d][k] - c.was[d][k] - double{c.inertial.p[d][k]});
-            part += double{l.on.mass[k]} * led * led;
-        });
-        sum += part;
-    }
-    return sum / (2 * h * h);
+    return sum / (2 * f.h * f.h);
 }
 
 /// Starts nearer to where samples were: `part` of the way is taken back.
@@ -106,67 +93,55 @@ void add_inertia(ClothImpl& c, float by_dt2) noexcept {
 /// Kinetic part of the potential where `by` of the correction has been added.
 double inertia(const ClothImpl& c, float by, double by_dt2) noexcept {
     const Level& l = c.fine();
+    if (by == 0) return 0.5 * by_dt2 * c.kernels->inner(l.count, l.on.mass, c.inertial, c.inertial);
     c.kernels->add({l.count, 1, by, c.inertial, c.correction, c.way, l.free});
     return 0.5 * by_dt2 * c.kernels->inner(l.count, l.on.mass, c.way, c.way);
 }
 
-void move_to(ClothImpl& c, double by) noexcept {
+/// Adds the correction, or as much of it as lowers the potential. @return elastic energy there
+double go(ClothImpl& c, double before, double by_dt2, double elastic) noexcept {
     Level& l = c.fine();
-    for (int d = 0; d < 3; ++d) {
-        const float* way = c.correction.p[d];
-        for (std::size_t k = 0; k < l.count; ++k) l.at[d][k] = c.from[d][k] + by * double{way[k]};
-    }
-}
-
-/// Adds the correction, or as much of it as lowers the potential. @return elastic energy there; `by`: how much
-double go(ClothImpl& c, double before, double by_dt2, double& by) noexcept {
-    double elastic = 0;
     constexpr int kMost = 8;
-    by = 1;
-    for (int k = 0; k < kMost; ++k, by *= 0.5) {
-        move_to(c, by);
-        elastic = evaluate(c, true);
-        const double now = elastic + inertia(c, static_cast<float>(by), by_dt2) + pressed_energy(c, by);
-        if (now <= before + 1e-7 * std::fabs(before)) return elastic;
+    double by = 1, now = 0;
+    int k = 0;
+    for (; k < kMost; ++k, by *= 0.5) {
+        now = energy_ahead(c, by);
+        const double all = now + inertia(c, static_cast<float>(by), by_dt2) + pressed_energy(c, by);
+        if (all <= before + 1e-7 * std::fabs(before)) break;
     }
-    by = 0;
-    move_to(c, 0);
-    return evaluate(c, true);
+    if (k == kMost) {
+        by = 0;
+        now = elastic;
+    }
+    if (by != 1) c.kernels->add({l.count, static_cast<float>(by), 0, c.correction, c.correction, c.correction, l.free});
+    c.kernels->move({l.count, {l.at[0], l.at[1], l.at[2]}, c.correction, 1});
+    return now;
 }
 
 /// Velocities from the way gone, and the share of gravity that samples followed.
 void end(ClothImpl& c, const Frame& f) noexcept {
     Level& l = c.fine();
-    const double h = f.h, slow = 1 / (1 + h * double{c.options.fabric.damping});
     const Double3 g = widen(f.o.gravity);
-    const double square = dot(g, g), by = square > 0 ? 1 / (h * square) : 0;
-    const double direction[3] = {by * g.x, by * g.y, by * g.z};
-    // Without contact all the way there is no telling; with it a sample does not fall.
-    each_sample(c, [&](Spot k) {
-        double fell = 0;
-        for (int d = 0; d < 3; ++d) {
-            const double v = (l.at[d][k] - c.was[d][k]) / h, old = double{c.velocity.p[d][k]};
-            fell += direction[d] * (v - old);
-            c.velocity.p[d][k] = static_cast<float>(slow * v);
-        }
-        c.fall[k] = static_cast<float>(std::clamp(fell, 0.0, 1.0));
-    });
+    const double square = dot(g, g), by = square > 0 ? 1 / (f.h * square) : 0;
+    FinishJob job{l.count,
+                  {l.at[0], l.at[1], l.at[2]},
+                  {c.was[0], c.was[1], c.was[2]},
+                  c.velocity,
+                  c.fall,
+                  l.on.mass,
+                  1 / f.h,
+                  1 / (1 + f.h * double{c.options.fabric.damping}),
+                  {by * g.x, by * g.y, by * g.z},
+                  0,
+                  {}};
+    c.kernels->finish(job);
+    c.kinetic = job.kinetic;
+    std::copy_n(job.moment, 3, c.moment);
 }
 
-double kinetic_of(const ClothImpl& c) noexcept {
-    return 0.5 * c.kernels->inner(c.fine().count, c.fine().on.mass, c.velocity, c.velocity);
-}
 /// Of gravity, J.
-double potential_of(const ClothImpl& c, Vec3 gravity) noexcept {
-    const Level& l = c.fine();
-    const double g[3] = {double{gravity.x}, double{gravity.y}, double{gravity.z}};
-    double sum = 0;
-    for (int d = 0; d < 3; ++d) {
-        double part = 0;
-        each_sample(c, [&](Spot k) { part += double{l.on.mass[k]} * l.at[d][k]; });
-        sum -= g[d] * part;
-    }
-    return sum;
+double potential_of(const ClothImpl& c, Vec3 g) noexcept {
+    return -(double{g.x} * c.moment[0] + double{g.y} * c.moment[1] + double{g.z} * c.moment[2]);
 }
 
 /// One substep. @return false: numbers that are not finite
@@ -174,28 +149,21 @@ bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& re
     const auto by_dt2 = static_cast<float>(1 / (f.h * f.h));
     const double part = double(number + 1) / f.o.substeps;
     const double unmoved = c.elastic + begin(c, f, 1.0 / (f.o.substeps - number));
-    for (float* p : c.correction.p) std::fill(p, p + c.fine().count, 0.0f);
-    double before = evaluate(c, false) + inertia(c, 0, double{by_dt2});
+    double elastic = evaluate(c), before = elastic + inertia(c, 0, double{by_dt2});
     // Inertia may lead uphill, as from a stretched shape into its mirror image.
     constexpr int kMost = 3;
     for (int k = 0; k < kMost && before > unmoved * (1 + 1e-6) + 1e-30; ++k) {
         step_back(c, k + 1 < kMost ? 0.5 : 1);
-        before = evaluate(c, false) + inertia(c, 0, double{by_dt2});
+        elastic = evaluate(c);
+        before = elastic + inertia(c, 0, double{by_dt2});
     }
     add_inertia(c, by_dt2);
     find_contacts(c, f.h, double{f.o.friction}, part, 1.0 / f.o.substeps);
     before += press(c);
-    std::copy(c.fine().at[0], c.fine().at[0] + c.fine().count, c.from[0]);
-    std::copy(c.fine().at[1], c.fine().at[1] + c.fine().count, c.from[1]);
-    std::copy(c.fine().at[2], c.fine().at[2] + c.fine().count, c.from[2]);
     if (!std::isfinite(before)) return false;
     prepare(c, by_dt2, f.levels);
     report.residual = solve(c, by_dt2, f.levels, f.o.cycles);
-    double by = 1;
-    c.elastic = go(c, before, double{by_dt2}, by);
-    if (by != 1)
-        for (float* p : c.correction.p)
-            for (std::size_t k = 0; k < c.fine().count; ++k) p[k] *= static_cast<float>(by);
+    c.elastic = go(c, before, double{by_dt2}, elastic);
     end_contacts(c, f.answers, 1.0 / f.o.substeps);
     push_out(c, part);
     if (c.options.self_contact) {
@@ -203,7 +171,7 @@ bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& re
         if (report.touches != 0) push_out(c, part);
     }
     end(c, f);
-    return std::isfinite(c.elastic) && std::isfinite(kinetic_of(c));
+    return std::isfinite(c.elastic) && std::isfinite(c.kinetic);
 }
 
 /// Begins and ends grasps.
@@ -242,7 +210,8 @@ void take_hold(ClothImpl& c, const Frame& f) noexcept {
         for (std::uint32_t k = 0; k < c.total; ++k) {
             const Spot s = c.spot_of(k);
             const Double3 way = c.place(s) - middle;
-            if (c.own[s] == 0 || c.mobile[s] == 0 || c.pinned[k] != 0 || dot(way, way) > radius * radius) continue;
+            if (c.fine().own[s] == 0 || c.mobile[s] == 0 || c.pinned[k] != 0 || dot(way, way) > radius * radius)
+                continue;
             each_copy(c, k, [&](std::uint32_t copy) { c.pinned[copy] = 2; });
             c.held[c.held_count++] = {s, k, f.tools[t].tool << 16 | t, c.place(s) - tool};
         }
@@ -326,11 +295,18 @@ void place_at(ClothImpl& c, const ConstPlanes& shape) noexcept {
             c.fine().at[d][to] = c.scale * double{from[d][k]};
             c.velocity.p[d][to] = 0;
         }
-        c.fall[to] = c.pressed[to] = 0;
+        c.fall[to] = 1;
+        c.pressed[to] = 0;
     }
     c.held_count = 0;
     c.holding = c.known = 0;
-    c.elastic = evaluate(c, true);
+    c.elastic = evaluate(c);
+    for (int d = 0; d < 3; ++d) std::copy(c.fine().at[d], c.fine().at[d] + c.fine().count, c.was[d]);
+    c.kinetic = 0;
+    for (int d = 0; d < 3; ++d) {
+        c.moment[d] = 0;
+        each_sample(c, [&](Spot k) { c.moment[d] += double{c.fine().on.mass[k]} * c.fine().at[d][k]; });
+    }
 }
 
 ClothReport run_frame(ClothImpl& c, StateImpl& s, const ClothStep& o, std::span<const ToolInput> tools,
@@ -349,18 +325,19 @@ ClothReport run_frame(ClothImpl& c, StateImpl& s, const ClothStep& o, std::span<
         find_meetings(c, s, std::min(most, double{c.options.thickness} + 2 * double{o.dt} * speed));
     }
     const bool alone = is_left_alone(c, o);
-    const double energy = kinetic_of(c) + c.elastic + potential_of(c, o.gravity);
+    const double energy = c.kinetic + c.elastic + potential_of(c, o.gravity);
     for (std::uint32_t k = 0; k < o.substeps; ++k)
         if (!advance(c, f, k, report)) {
             for (int d = 0; d < 3; ++d) {
                 std::copy(c.was[d], c.was[d] + c.fine().count, c.fine().at[d]);
                 std::fill(c.velocity.p[d], c.velocity.p[d] + c.fine().count, 0.0f);
             }
+            end(c, f);
             report.clamped = true;
-            c.elastic = evaluate(c, true);
+            c.elastic = evaluate(c);
             break;
         }
-    report.kinetic = kinetic_of(c);
+    report.kinetic = c.kinetic;
     report.elastic = c.elastic;
     report.potential = potential_of(c, o.gravity);
     const double gained = report.kinetic + report.elastic + report.potential - energy;
@@ -369,6 +346,7 @@ ClothReport run_frame(ClothImpl& c, StateImpl& s, const ClothStep& o, std::span<
         for (float* p : c.velocity.p)
             for (std::size_t k = 0; k < c.fine().count; ++k) p[k] *= static_cast<float>(by);
         report.kinetic *= by * by;
+        c.kinetic = report.kinetic;
     }
     for (std::uint32_t k = 0; k < c.contact_count; ++k)
         report.contacts += c.pressed[c.spot_of(c.contacts[k].sample)] > 0 ? 1 : 0;

@@ -142,7 +142,7 @@ class Search {
         for (std::uint32_t i = own.i0; i <= own.i1; ++i)
             for (std::uint32_t j = own.j0; j <= own.j1; ++j) {
                 const Spot k = c_.spot_of(i * c_.cols + j);
-                if (c_.own[k] == 0 || !is_within(c_.place(k), whole, reach_)) continue;
+                if (c_.fine().own[k] == 0 || !is_within(c_.place(k), whole, reach_)) continue;
                 for (std::uint32_t r = i0; r < std::min(i0 + kTileQuads, c_.rows - 1); ++r)
                     for (std::uint32_t s = j0; s < std::min(j0 + kTileQuads, c_.cols - 1); ++s) quad(i, j, k, r, s);
             }

@@ -64,18 +64,52 @@ struct EdgesJob {
     Sheet on;
 };
 
-/// gradient of membrane and bending; s1, s2, square1, square2 of the sheet; energy. With `energy_only` nothing is written.
+/// gradient of membrane and bending; s1, s2, square1, square2 of the sheet; energy. With `ahead` that of the shape `by`
+/// times this way further, and nothing is written.
 struct ForceJob {
     Sheet on;
     Field gradient;
-    bool energy_only;
+    Field ahead;
+    float by;
 };
 
-/// to = (mass by_dt2 + contacts + membrane + bending) from. Samples' own parts: copies of a class add up.
+/// to = (mass by_dt2 + contacts + membrane + bending) from. Samples' own parts: copies of a class add up. With `right`:
+/// to = free (own right - that).
 struct ProductJob {
     Sheet on;
     Field from, to;
     float by_dt2;
+    Field right;
+    const float *own, *free;
+};
+
+/// at = start = at + free (h v + fall h^2 g), was = at before, inertial = free (fall - 1) h^2 g.
+/// @return sum of mass |free (h v + h^2 g)|^2
+struct StartJob {
+    std::size_t count;
+    double* at[3];
+    double* was[3];
+    Field velocity, inertial;
+    const float *fall, *free, *mass;
+    double h, gravity[3];
+};
+/// v = slow (at - was) / h; fall = its change along gravity, over gravity, in 0 .. 1.
+struct FinishJob {
+    std::size_t count;
+    const double* at[3];
+    const double* was[3];
+    Field velocity;
+    float* fall;
+    const float* mass;
+    double by_h, slow, direction[3];  ///< gravity / (h |gravity|^2)
+    double kinetic, moment[3];        ///< answers: of mass v^2, mass at
+};
+/// at += by way.
+struct MoveJob {
+    std::size_t count;
+    double* at[3];
+    Field way;
+    double by;
 };
 
 /// Diagonal blocks of the same matrix, samples' own parts.
@@ -92,14 +126,15 @@ struct InvertJob {
     const float* free;
 };
 
-/// residual -= product; way = keep way + step inverse residual; sum += way. first: way = step inverse residual, sum = way,
-/// and no product.
+/// residual -= product; way = keep way + step inverse residual; sum += way. Begin: way = step inverse residual, sum = way,
+/// and no product; Go on: the same, but sum += way.
+enum class Sweep : std::uint8_t { Begin, GoOn, Next };
 struct SweepJob {
     std::size_t count;
     Field product, residual, way, sum;
     Blocks inverse;
     float keep, step;
-    bool first;
+    Sweep kind;
 };
 
 /// to = a x + b y, times free.
@@ -119,6 +154,9 @@ struct Kernels {
     void (*invert)(const InvertJob&) noexcept;
     void (*sweep)(const SweepJob&) noexcept;
     void (*add)(const AddJob&) noexcept;
+    double (*start)(const StartJob&) noexcept;
+    void (*finish)(FinishJob&) noexcept;
+    void (*move)(const MoveJob&) noexcept;
     /// s1, s2 of a coarse level. Where the fine quads of a coarse one stretch in many directions, their mean stretch is
     /// less than theirs; what is lost resists in all directions, which is no less than what they do.
     void (*stiffen)(const Sheet&) noexcept;

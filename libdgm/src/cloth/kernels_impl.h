@@ -93,7 +93,26 @@ struct Quad {
     Floats q11, q12, q22, area, twist_u, twist_v;
     V3 f1, f2;  ///< deformation gradient, along u and across
 };
-static DGM_INLINE Quad load_quad(const Sheet& on, std::ptrdiff_t s, V3& u, V3& v) {
+/// Edges of the present shape, or of one further on.
+template <bool kAhead>
+struct Edges {
+    const ForceJob& job;
+    static DGM_INLINE V3 moved(const V3& edge, const V3& by) {
+        const Floats square = dot(edge, edge);
+        return {square > 0 ? edge.x + by.x : edge.x, square > 0 ? edge.y + by.y : edge.y,
+                square > 0 ? edge.z + by.z : edge.z};  // 0: there is none
+    }
+    DGM_INLINE V3 along(const Field& edges, std::ptrdiff_t s, std::ptrdiff_t step) const {
+        const V3 edge = load(edges, s);
+        if constexpr (kAhead)
+            return moved(edge, job.by * (load(job.ahead, s + step) - load(job.ahead, s)));
+        else
+            return edge;
+    }
+    DGM_INLINE V3 u(std::ptrdiff_t s) const { return along(job.on.u, s, job.on.pitch); }
+    DGM_INLINE V3 v(std::ptrdiff_t s) const { return along(job.on.v, s, 1); }
+};
+static DGM_INLINE Quad make_quad(const Sheet& on, std::ptrdiff_t s, const V3& u, const V3& v) {
     Quad q;
     q.q11 = load(on.q11 + s);
     q.q12 = load(on.q12 + s);
@@ -101,11 +120,14 @@ static DGM_INLINE Quad load_quad(const Sheet& on, std::ptrdiff_t s, V3& u, V3& v
     q.area = load(on.area + s);
     q.twist_u = load(on.twist_u + s);
     q.twist_v = load(on.twist_v + s);
-    u = 0.5f * (load(on.u, s) + load(on.u, s + 1));
-    v = 0.5f * (load(on.v, s) + load(on.v, s + on.pitch));
     q.f1 = q.q11 * u;
     q.f2 = q.q12 * u + q.q22 * v;
     return q;
+}
+static DGM_INLINE Quad load_quad(const Sheet& on, std::ptrdiff_t s, V3& u, V3& v) {
+    u = 0.5f * (load(on.u, s) + load(on.u, s + 1));
+    v = 0.5f * (load(on.v, s) + load(on.v, s + on.pitch));
+    return make_quad(on, s, u, v);
 }
 
 /// A scratch row of three coordinates.
@@ -186,13 +208,16 @@ static DGM_INLINE V3 unbend(const Sheet& on, std::ptrdiff_t s, std::ptrdiff_t j,
 }
 
 /// Moments of a row of the present shape, and their energy.
-static DGM_INLINE void bend_shape(const Sheet& on, std::uint32_t i, Doubles& energy) {
+template <bool kAhead>
+static DGM_INLINE void bend_shape(const ForceJob& job, std::uint32_t i, Doubles& energy) {
+    const Sheet& on = job.on;
+    const Edges<kAhead> edge{job};
     const std::ptrdiff_t n = on.pitch;
     const BentRows to = bent_rows(on, i);
     const Row line = line_row(on);
     for (std::ptrdiff_t j = 0; j < n; j += kLanes) {
         const std::ptrdiff_t s = i * n + j;
-        const V3 up = load(on.u, s), down = load(on.u, s - n), right = load(on.v, s), left = load(on.v, s - 1);
+        const V3 up = edge.u(s), down = edge.u(s - n), right = edge.v(s), left = edge.v(s - 1);
         V3 bu = load(on.u_up + s) * up - load(on.u_down + s) * down + load(on.u_side + s) * (right + left);
         V3 bv = load(on.v_up + s) * right - load(on.v_down + s) * left + load(on.v_side + s) * (up + down);
         if (on.u_curved != nullptr) {
@@ -211,16 +236,19 @@ static DGM_INLINE void bend_shape(const Sheet& on, std::uint32_t i, Doubles& ene
 }
 
 /// Stresses of a row of quads of the present shape.
+template <bool kAhead>
 static DGM_INLINE void stress_row(const ForceJob& job, std::uint32_t i, Doubles& energy) {
     const Sheet& on = job.on;
+    const Edges<kAhead> edge{job};
     const Moduli& m = on.moduli;
     const QuadRows to = quad_rows(on, i);
     const Row line = line_row(on);
     for (std::ptrdiff_t j = 0; j < on.pitch; j += kLanes) {
         const std::ptrdiff_t s = i * on.pitch + j;
-        V3 u, v;
-        const Quad k = load_quad(on, s, u, v);
-        const V3 h = (load(on.u, s + 1) - load(on.u, s)) - (k.twist_u * u + k.twist_v * v);
+        const V3 u0 = edge.u(s), u1 = edge.u(s + 1);
+        const V3 u = 0.5f * (u0 + u1), v = 0.5f * (edge.v(s) + edge.v(s + on.pitch));
+        const Quad k = make_quad(on, s, u, v);
+        const V3 h = (u1 - u0) - (k.twist_u * u + k.twist_v * v);
         const Floats e1 = 0.5f * (dot(k.f1, k.f1) - 1), e2 = 0.5f * (dot(k.f2, k.f2) - 1), e3 = dot(k.f1, k.f2);
         const Floats t1 = m.warp * e1 + m.cross * e2, t2 = m.cross * e1 + m.weft * e2, t3 = m.shear * e3;
         const Floats g1 = k.q11 * dot(k.f1, h), g2 = k.q22 * dot(k.f2, h);
@@ -233,7 +261,7 @@ static DGM_INLINE void stress_row(const ForceJob& job, std::uint32_t i, Doubles&
         }
         const Floats plate = (2 * on.plate) * ((k.q11 * k.q11) * (k.q22 * k.q22));
         store(line.p[0] + j, k.area * ((((t1 * e1 + t2 * e2) + t3 * e3) + (w1 * g1 + w2 * g2)) + plate * dot(t, t)));
-        if (job.energy_only) continue;
+        if (kAhead) continue;
         const Floats across = t3 > 0 ? t3 : -t3;
         store(on.s1 + s, larger(t1 + across, Floats{}));
         store(on.s2 + s, larger(t2 + across, Floats{}));
@@ -247,20 +275,20 @@ static DGM_INLINE void stress_row(const ForceJob& job, std::uint32_t i, Doubles&
     for (std::ptrdiff_t j = 0; j < on.pitch; j += 8) widen_add(energy, line.p[0] + j);
 }
 
-static double force(const ForceJob& job) noexcept {
+template <bool kAhead>
+static DGM_INLINE double all_forces(const ForceJob& job) {
     const Sheet& on = job.on;
     Doubles energy{};
     clear_scratch(on);
-    bend_shape(on, 0, energy);
+    bend_shape<kAhead>(job, 0, energy);
     for (std::uint32_t i = 0; i < on.rows; ++i) {
-        const bool last = i + 1 == on.rows;
-        if (!last) {
-            bend_shape(on, i + 1, energy);
-            stress_row(job, i, energy);
+        if (i + 1 < on.rows) {
+            bend_shape<kAhead>(job, i + 1, energy);
+            stress_row<kAhead>(job, i, energy);
         } else {
             clear_last(on);
         }
-        if (job.energy_only) continue;
+        if (kAhead) continue;
         const QuadRows own = quad_rows(on, i), before = quad_rows(on, i + 1);
         const BentRows above = bent_rows(on, i + 3), row = bent_rows(on, i), below = bent_rows(on, i + 1);
         for (std::ptrdiff_t j = 0; j < on.pitch; j += kLanes) {
@@ -269,6 +297,9 @@ static double force(const ForceJob& job) noexcept {
         }
     }
     return 0.5 * sum_of(energy);
+}
+static double force(const ForceJob& job) noexcept {
+    return job.ahead.p[0] == nullptr ? all_forces<false>(job) : all_forces<true>(job);
 }
 
 static DGM_INLINE void bend_way(const ProductJob& job, std::uint32_t i) {
@@ -337,6 +368,7 @@ static void product(const ProductJob& job) noexcept {
                 const Floats drag = load(on.drag + s);
                 sum = sum + drag * d + ((load(on.press + s) - drag) * dot(n, d)) * n;
             }
+            if (job.right.p[0] != nullptr) sum = load(job.free + s) * (load(job.own + s) * load(job.right, s) - sum);
             store(job.to, s, sum);
         }
     }
@@ -446,22 +478,24 @@ static void invert(const InvertJob& job) noexcept {
     }
 }
 
+static DGM_INLINE V3 times(const Blocks& of, std::ptrdiff_t s, const V3& r) {
+    Floats v[6];
+    for (int c = 0; c < 6; ++c) v[c] = load(of.p[c] + s);
+    return {(v[0] * r.x + v[3] * r.y) + v[4] * r.z, (v[3] * r.x + v[1] * r.y) + v[5] * r.z,
+            (v[4] * r.x + v[5] * r.y) + v[2] * r.z};
+}
 static void sweep(const SweepJob& job) noexcept {
     for (std::size_t k = 0; k < job.count; k += kLanes) {
         const auto s = static_cast<std::ptrdiff_t>(k);
         V3 r = load(job.residual, s);
-        if (!job.first) {
+        if (job.kind == Sweep::Next) {
             r = r - load(job.product, s);
             store(job.residual, s, r);
         }
-        Floats v[6];
-        for (int c = 0; c < 6; ++c) v[c] = load(job.inverse.p[c] + s);
-        const V3 z = {(v[0] * r.x + v[3] * r.y) + v[4] * r.z, (v[3] * r.x + v[1] * r.y) + v[5] * r.z,
-                      (v[4] * r.x + v[5] * r.y) + v[2] * r.z};
-        V3 way = job.step * z;
-        if (!job.first) way = way + job.keep * load(job.way, s);
+        V3 way = job.step * times(job.inverse, s, r);
+        if (job.kind == Sweep::Next) way = way + job.keep * load(job.way, s);
         store(job.way, s, way);
-        store(job.sum, s, job.first ? way : load(job.sum, s) + way);
+        store(job.sum, s, job.kind == Sweep::Begin ? way : load(job.sum, s) + way);
     }
 }
 
@@ -494,5 +528,56 @@ static void stiffen(const Sheet& on) noexcept {
             const Floats lost2 = larger(load(on.square2 + s) - dot(k.f2, k.f2), Floats{});
             store(on.s1 + s, load(on.tension1 + s) + (m.warp * lost1 + m.shear * lost2));
             store(on.s2 + s, load(on.tension2 + s) + (m.weft * lost2 + m.shear * lost1));
+        }
+}
+
+static DGM_INLINE Doubles eight_of(const double* from) {
+    Doubles v;
+    __builtin_memcpy(&v, from, sizeof v);
+    return v;
+}
+static double start(const StartJob& job) noexcept {
+    Doubles sum{};
+    for (std::size_t s = 0; s < job.count; s += 8) {
+        const Doubles free = eight_at(job.free + s), fall = eight_at(job.fall + s);
+        Doubles square{};
+        for (int c = 0; c < 3; ++c) {
+            const Doubles at = eight_of(job.at[c] + s), go = job.h * eight_at(job.velocity.p[c] + s);
+            const double drop = job.h * job.h * job.gravity[c];
+            const Doubles to = at + free * (go + drop * fall), led = free * (go + drop);
+            __builtin_memcpy(job.was[c] + s, &at, sizeof at);
+            __builtin_memcpy(job.at[c] + s, &to, sizeof to);
+            put_eight(job.inertial.p[c] + s, free * (drop * (fall - 1)));
+            square += led * led;
+        }
+        sum += eight_at(job.mass + s) * square;
+    }
+    return sum_of(sum);
+}
+static void finish(FinishJob& job) noexcept {
+    Doubles kinetic{}, moment[3] = {};
+    for (std::size_t s = 0; s < job.count; s += 8) {
+        const Doubles mass = eight_at(job.mass + s);
+        Doubles fell{};
+        for (int c = 0; c < 3; ++c) {
+            const Doubles at = eight_of(job.at[c] + s), v = job.by_h * (at - eight_of(job.was[c] + s));
+            fell += job.direction[c] * (v - eight_at(job.velocity.p[c] + s));
+            const Doubles now = job.slow * v;
+            put_eight(job.velocity.p[c] + s, now);
+            kinetic += mass * (now * now);
+            moment[c] += mass * at;
+        }
+        const Doubles none{}, one = none + 1;
+        fell = fell > 0 ? fell : none;
+        put_eight(job.fall + s, fell < 1 ? fell : one);
+    }
+    job.kinetic = 0.5 * sum_of(kinetic);
+    for (int c = 0; c < 3; ++c) job.moment[c] = sum_of(moment[c]);
+}
+static void move(const MoveJob& job) noexcept {
+    for (int c = 0; c < 3; ++c)
+        for (std::size_t s = 0; s < job.count; s += 8) {
+            const Doubles to = eight_of(job.at[c] + s) + job.by * eight_at(job.way.p[c] + s);
+            __builtin_memcpy(job.at[c] + s, &to, sizeof to);
         }
 }

@@ -36,7 +36,7 @@ bool make_planes(Level& l, const Allocator& a, bool curved) noexcept {
     float** one[] = {&on.q11,     &on.q12,     &on.q22,     &on.area,     &on.twist_u,  &on.twist_v,  &on.s1,
                      &on.s2,      &on.square1, &on.square2, &on.u_up,     &on.u_down,   &on.v_up,     &on.v_down,
                      &on.u_side,  &on.v_side,  &on.saddle,  &on.u_curved, &on.v_curved, &on.tension1, &on.tension2,
-                     &on.bending, &on.mass,    &on.press,   &on.drag,     &l.free};
+                     &on.bending, &on.mass,    &on.press,   &on.drag,     &l.free,      &l.own};
     Field* three[] = {&on.u, &on.v, &on.normal, &l.right, &l.residual, &l.way, &l.product, &l.sum};
     const std::size_t planes = std::size(one) + 3 * std::size(three) + 6;
     if (!l.planes.allocate(a, planes * plane) || !l.places.allocate(a, 3 * plane)) return false;
@@ -267,6 +267,7 @@ bool make_groups(Level& l, const Array<std::uint32_t>& id, std::uint32_t classes
         const std::uint32_t k = id[s];
         if (k == kNone || count[k] < 2) continue;
         std::uint32_t& filled = l.groups[start[k]];
+        l.own[s / l.cols * static_cast<Spot>(l.on.pitch) + s % l.cols] = filled == 0 ? 1.0f : 0.0f;
         l.groups[start[k] + 1 + filled++] = s / l.cols * static_cast<Spot>(l.on.pitch) + s % l.cols;
     }
     return true;
@@ -355,6 +356,7 @@ bool make_coarse(ClothImpl& c, std::uint32_t at) noexcept {
             const auto from = static_cast<Spot>(l.row_of[i] * fine.on.pitch + l.column_of[j]);
             for (int d = 0; d < 3; ++d) l.at[d][to] = fine.at[d][from];
             l.free[to] = fine.free[from];
+            l.own[to] = 1;
         }
     return true;
 }
@@ -388,25 +390,22 @@ bool make_fine(ClothImpl& c, const StateImpl& s) noexcept {
     l.cols = c.cols;
     if (!make_planes(l, c.allocator, is_curved(s))) return false;
     const std::size_t margin = static_cast<std::size_t>(l.on.pitch) + kBlock, plane = l.count + 2 * margin;
-    float** one[] = {&c.fall, &c.own, &c.pressed, &c.mobile, &c.weight, &c.firm};
+    float** one[] = {&c.fall, &c.pressed, &c.mobile, &c.weight, &c.firm};
     Field* three[] = {&c.velocity, &c.inertial, &c.gradient, &c.correction, &c.way, &c.image, &c.before};
     if (!c.planes.allocate(c.allocator, (std::size(one) + 3 * std::size(three)) * plane)) return false;
-    if (!c.places.allocate(c.allocator, 6 * plane)) return false;
+    if (!c.places.allocate(c.allocator, 3 * plane)) return false;
     float* next = c.planes.data() + margin;
     for (float** p : one) *p = std::exchange(next, next + plane);
     for (Field* t : three)
         for (float*& p : t->p) p = std::exchange(next, next + plane);
-    for (std::size_t d = 0; d < 3; ++d) {
-        c.was[d] = c.places.data() + margin + d * plane;
-        c.from[d] = c.was[d] + 3 * plane;
-    }
+    for (std::size_t d = 0; d < 3; ++d) { c.was[d] = c.places.data() + margin + d * plane; }
     const float* rest[3] = {s.rest.x, s.rest.y, s.rest.z};
     for (std::uint32_t k = 0; k < c.total; ++k) {
         const Spot to = c.spot_of(k);
         for (int d = 0; d < 3; ++d) l.at[d][to] = c.scale * double{rest[d][k]};
         c.mobile[to] = mobility_of(s, k) > 0 ? 1.0f : 0.0f;
         l.free[to] = c.mobile[to];
-        c.own[to] = s.representative(k) == k ? 1.0f : 0.0f;
+        l.own[to] = s.representative(k) == k ? 1.0f : 0.0f;
     }
     return true;
 }
@@ -425,16 +424,14 @@ bool make_copies(ClothImpl& c, const StateImpl& s, Array<std::uint32_t>& id) noe
     return true;
 }
 
-/// Mass of whole classes, and a stiffness for contacts that beats what else holds a sample.
+/// Mass of whole classes, and a stiffness for contacts that is like what bending holds a sample with.
 void weigh(ClothImpl& c) noexcept {
-    const Fabric& f = c.options.fabric;
-    const double most =
-        double{f.warp} + double{f.weft} + double{f.shear} + double{f.bending} / (c.mean_step * c.mean_step);
+    const double bends = 16 * double{c.options.fabric.bending} / (c.mean_step * c.mean_step);
     for (std::uint32_t k = 0; k < c.total; ++k) {
         double mass = 0;
         each_copy(c, k, [&](std::uint32_t s) { mass += double{c.fine().on.mass[c.spot_of(s)]}; });
         c.weight[c.spot_of(k)] = static_cast<float>(mass);
-        c.firm[c.spot_of(k)] = static_cast<float>(most);
+        c.firm[c.spot_of(k)] = static_cast<float>(bends);
     }
 }
 }  // namespace

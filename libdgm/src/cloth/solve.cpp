@@ -14,16 +14,20 @@
 namespace dgm::detail::cloth {
 namespace {
 
-constexpr std::uint32_t kSweeps = 2, kCoarseSweeps = 4, kSweepsAtTheEnd = 24;
+constexpr std::uint32_t kSweeps = 1, kCoarseSweeps = 4, kSweepsAtTheEnd = 24;
 constexpr float kBand = 16;  ///< highest eigenvalue over the lowest one that a level is to damp
 
-/// Adds what bends across seams, and the energy of the present shape where `slope` says so.
-double bend_seams(const Level& l, const Field& from, const Field& to, bool slope) noexcept {
+/// Adds what bends across seams: matrix times `from`, or with `slope` that of the shape `by` times `from` further.
+/// @return energy
+double bend_seams(const Level& l, const Field& from, const Field& to, bool slope, double by = 0) noexcept {
+    const auto place = [&](int c, Spot k) { return l.at[c][k] + (by != 0 ? by * double{from.p[c][k]} : 0); };
     double energy = 0;
     for (const SeamStencil& s : l.seams) {
         Double3 normal;
         if (slope && (s.curved[0] != 0 || s.curved[1] != 0)) {
-            const auto at = [&](int k) { return Double3{l.at[0][s.spot[k]], l.at[1][s.spot[k]], l.at[2][s.spot[k]]}; };
+            const auto at = [&](int k) {
+                return Double3{place(0, s.spot[k]), place(1, s.spot[k]), place(2, s.spot[k])};
+            };
             normal = cross(at(1) - at(2), at(3) - at(4));
             const double length = std::sqrt(dot(normal, normal));
             normal = (length > 0 ? 1 / length : 0) * normal;
@@ -33,7 +37,7 @@ double bend_seams(const Level& l, const Field& from, const Field& to, bool slope
             for (int c = 0; c < 3; ++c) {
                 double sum = slope ? -double{s.curved[line]} * n[c] : 0;
                 for (int k = 0; k < 4; ++k) {
-                    const double way = slope ? l.at[c][s.spot[k + 1]] - l.at[c][s.spot[0]]
+                    const double way = slope ? place(c, s.spot[k + 1]) - place(c, s.spot[0])
                                              : double{from.p[c][s.spot[k + 1]]} - double{from.p[c][s.spot[0]]};
                     sum += double{s.weight[line][k]} * way;
                 }
@@ -84,17 +88,18 @@ void restrict_plane(const Level& fine, const Level& coarse, const float* from, f
     }
 }
 
-/// to += interpolation of a coarse plane.
+/// to += interpolation of a coarse plane, but where samples are held.
 void interpolate_plane(const Level& fine, const Level& coarse, const float* from, float* to) noexcept {
     float* line = fine.on.scratch + kBlock;
     for (std::uint32_t i = 0; i < fine.rows; ++i) {
         sum_rows(coarse.to_row[i], from, coarse.on.pitch, line);
         float* out = to + i * fine.on.pitch;
-        for (std::uint32_t j = 0; j < fine.cols; ++j) out[j] += sum_taps(coarse.to_column[j], line);
+        const float* free = fine.free + i * fine.on.pitch;
+        for (std::uint32_t j = 0; j < fine.cols; ++j) out[j] += free[j] * sum_taps(coarse.to_column[j], line);
     }
 }
 
-/// Copies get the mean over their class, held samples 0.
+/// Copies get the mean over their class.
 void even_out(const Level& l, const Field& f) noexcept {
     for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
         for (float* p : f.p) {
@@ -103,8 +108,6 @@ void even_out(const Level& l, const Field& f) noexcept {
             sum = sum / static_cast<float>(l.groups[g]);
             for (std::uint32_t k = 1; k <= l.groups[g]; ++k) p[l.groups[g + k]] = sum;
         }
-    for (float* p : f.p)
-        for (std::size_t k = 0; k < l.count; ++k) p[k] *= l.free[k];
 }
 
 /// Mean over the fine quads in a coarse one.
@@ -199,30 +202,32 @@ struct Cycle {
     float by_dt2;
     std::uint32_t levels;
 
-    /// `count` steps of the smoother on sum, whose residual is in `residual`. `fresh`: sum is 0 so far.
+    /// `count` steps of the smoother on sum, from `residual` on. `fresh`: sum is 0 so far.
     void smooth(Level& l, std::uint32_t count, bool fresh) const noexcept {
         const float high = c.highest, low = high / kBand, middle = 0.5f * (high + low), half = 0.5f * (high - low);
         float rho = half / middle;
-        SweepJob job{l.count, l.product, l.residual, l.way, l.sum, l.inverse, 0, 1 / middle, fresh};
-        for (std::uint32_t k = 0; k < count; ++k) {
-            if (k > 0) {
-                const float next = 1 / (2 * middle / half - rho);
-                job.keep = rho * next;
-                job.step = 2 * next / half;
-                rho = next;
-                job.first = false;
-            }
-            if (k > 0 || !fresh) {
-                // Without a first product the way would be that of nothing: it begins with the whole sum.
-                apply(c, l, k > 0 ? l.way : l.sum, l.product, by_dt2);
-                if (k == 0) {
-                    c.kernels->add({l.count, 1, -1, l.right, l.product, l.residual, l.free});
-                    for (float* p : l.product.p) std::fill(p, p + l.count, 0.0f);
-                    job.keep = 0;
-                }
-            }
+        SweepJob job{
+            l.count, l.product, l.residual, l.way, l.sum, l.inverse, 0, 1 / middle, fresh ? Sweep::Begin : Sweep::GoOn};
+        c.kernels->sweep(job);
+        for (std::uint32_t k = 1; k < count; ++k) {
+            const float next = 1 / (2 * middle / half - rho);
+            job.keep = rho * next;
+            job.step = 2 * next / half;
+            rho = next;
+            job.kind = Sweep::Next;
+            apply(c, l, l.way, l.product, by_dt2);
             c.kernels->sweep(job);
         }
+    }
+    /// residual = right - matrix sum.
+    void find_residual(Level& l) const noexcept {
+        c.kernels->product({l.on, l.sum, l.residual, by_dt2, l.right, l.own, l.free});
+        if (!l.seams.empty()) {
+            for (float* p : l.product.p) std::fill(p, p + l.count, 0.0f);
+            bend_seams(l, l.sum, l.product, false);
+            c.kernels->add({l.count, 1, -1, l.residual, l.product, l.residual, l.free});
+        }
+        sum_classes(l, l.residual);
     }
 
     /// sum = about the inverse of the matrix times `right`.
@@ -233,8 +238,7 @@ struct Cycle {
         const std::uint32_t sweeps = at == 0 ? kSweeps : kCoarseSweeps;
         smooth(l, sweeps, true);
         Level& next = c.level[at + 1];
-        apply(c, l, l.way, l.product, by_dt2);
-        c.kernels->add({l.count, 1, -1, l.residual, l.product, l.residual, l.free});
+        find_residual(l);
         for (float* p : l.residual.p)  // a class counts once
             for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
                 for (std::uint32_t k = 1; k <= l.groups[g]; ++k) p[l.groups[g + k]] /= static_cast<float>(l.groups[g]);
@@ -245,6 +249,7 @@ struct Cycle {
         run(at + 1);
         for (int d = 0; d < 3; ++d) interpolate_plane(l, next, next.sum.p[d], l.sum.p[d]);
         even_out(l, l.sum);
+        find_residual(l);
         smooth(l, sweeps, false);
     }
 };
@@ -259,16 +264,21 @@ void sum_classes(const Level& l, const Field& f) noexcept {
         }
 }
 
-double evaluate(ClothImpl& c, bool energy_only) noexcept {
+double evaluate(ClothImpl& c) noexcept {
     Level& l = c.fine();
     c.kernels->edges({{l.at[0], l.at[1], l.at[2]}, l.on});
-    const double energy = c.kernels->force({l.on, c.gradient, energy_only});
-    const Field none;
-    return energy + bend_seams(l, none, energy_only ? none : c.gradient, true);
+    const double energy = c.kernels->force({l.on, c.gradient, {}, 0});
+    return energy + bend_seams(l, {}, c.gradient, true);
+}
+
+double energy_ahead(const ClothImpl& c, double by) noexcept {
+    const Level& l = c.fine();
+    const double energy = c.kernels->force({l.on, {}, c.correction, static_cast<float>(by)});
+    return energy + bend_seams(l, c.correction, {}, true, by);
 }
 
 void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept {
-    c.kernels->product({l.on, from, to, by_dt2});
+    c.kernels->product({l.on, from, to, by_dt2, {}, nullptr, nullptr});
     bend_seams(l, from, to, false);
     sum_classes(l, to);
 }
@@ -315,27 +325,37 @@ double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cyc
     Level& l = c.fine();
     const Kernels& kernels = *c.kernels;
     const Cycle cycle{c, by_dt2, levels};
-    for (float* p : c.correction.p) std::fill(p, p + l.count, 0.0f);
+    const auto inner = [&](const Field& a, const Field& b) { return kernels.inner(l.count, l.own, a, b); };
     kernels.add({l.count, -1, 0, c.gradient, c.gradient, l.right, l.free});
-    const double whole = kernels.inner(l.count, c.own, l.right, l.right);
+    const double whole = inner(l.right, l.right);
     double left = whole, before = 0;
-    for (std::uint32_t k = 0; k < cycles && left > 0; ++k) {
+    std::uint32_t done = 0;
+    bool found = false;
+    for (; done < cycles && left > 0; ++done) {
         cycle.run(0);
-        const double slope = kernels.inner(l.count, c.own, l.right, l.sum);
-        double keep = 0;
-        if (k > 0) keep = std::max(0.0, (slope - kernels.inner(l.count, c.own, c.before, l.sum)) / before);
-        kernels.add({l.count, 1, k > 0 ? static_cast<float>(keep) : 0.0f, l.sum, k > 0 ? c.way : l.sum, c.way, l.free});
+        const double slope = inner(l.right, l.sum);
+        const double keep = done == 0 ? 0 : std::max(0.0, (slope - inner(c.before, l.sum)) / before);
+        const Field& last = done == 0 ? l.sum : c.way;
+        kernels.add({l.count, 1, static_cast<float>(keep), l.sum, last, c.way, l.free});
         apply(c, l, c.way, c.image, by_dt2);
-        const double curve = kernels.inner(l.count, c.own, c.way, c.image);
-        const double first = kernels.inner(l.count, c.own, l.right, c.way);
+        const double curve = inner(c.way, c.image), first = done == 0 ? slope : inner(l.right, c.way);
         if (!(curve > 0) || !(first > 0)) break;
         const auto by = static_cast<float>(first / curve);
-        kernels.add({l.count, 1, by, c.correction, c.way, c.correction, l.free});
+        kernels.add(
+            {l.count, done == 0 ? 0.0f : 1.0f, by, done == 0 ? c.way : c.correction, c.way, c.correction, l.free});
+        found = true;
+        if (done + 1 == cycles) {
+            left = std::max(0.0, left - 2 * double{by} * inner(l.right, c.image) +
+                                     double{by} * double{by} * inner(c.image, c.image));
+            break;
+        }
         for (int d = 0; d < 3; ++d) std::copy(l.right.p[d], l.right.p[d] + l.count, c.before.p[d]);
         kernels.add({l.count, 1, -by, l.right, c.image, l.right, l.free});
-        left = kernels.inner(l.count, c.own, l.right, l.right);
+        left = inner(l.right, l.right);
         before = slope;
     }
+    if (!found)
+        for (float* p : c.correction.p) std::fill(p, p + l.count, 0.0f);
     return whole > 0 ? std::sqrt(left / whole) : 0;
 }
 

@@ -17,6 +17,8 @@ namespace {
 constexpr std::uint32_t kTile = 8;
 /// Stiffness of inertia over that of sticking, at least: a stiffer one would bear more than friction can.
 constexpr double kLoosest = 0.25;
+/// Stiffness of a contact over that of inertia.
+constexpr double kPress = 30;
 constexpr float kNew = 1e-20f;  ///< N: mark of a contact whose force is not known yet
 
 double length(Double3 v) noexcept {
@@ -120,10 +122,10 @@ void find_contacts(ClothImpl& c, double h, double friction, double part, double 
     const double keep = std::max(double{c.options.thickness}, 1e-3 * c.mean_step);
     each_near(c, part, 0.5 * double{c.options.thickness} + keep, [&](std::uint32_t sample, std::uint64_t near) {
         const Spot k = c.spot_of(sample);
-        if (c.own[k] == 0 || l.free[k] == 0) return;
+        if (l.own[k] == 0 || l.free[k] == 0) return;
         const Found f = find(c, part, c.place(k), near);
         Contact t{sample, f.obstacle, f.normal, f.gap, 0, 0, 0, {}, {}};
-        t.press = double{c.firm[k]} + double{c.weight[k]} / (h * h);
+        t.press = double{c.firm[k]} + kPress * double{c.weight[k]} / (h * h);
         t.bears = f.gap < keep && c.pressed[k] > kNew ? double{c.pressed[k]} : 0;
         if (!(f.gap < 0 || t.press * f.gap < t.bears)) {
             each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
@@ -180,11 +182,13 @@ void push_out(ClothImpl& c, double part) noexcept {
     if (c.scene.count == 0) return;
     each_near(c, part, 0.5 * double{c.options.thickness}, [&](std::uint32_t sample, std::uint64_t near) {
         const Spot k = c.spot_of(sample);
-        if (c.own[k] == 0 || l.free[k] == 0) return;
+        if (l.own[k] == 0 || l.free[k] == 0) return;
         for (int round = 0; round < 3; ++round) {  // out of one obstacle may be into another one
             const Found f = find(c, part, c.place(k), near);
-            if (!(f.gap < 0)) return;
-            const Double3 out = (1e-9 * (1 + length(c.place(k))) - f.gap) * f.normal;
+            // It stays a rounding error inside, so that the next substep knows it.
+            const double rounding = 1e-9 * (1 + length(c.place(k)));
+            if (!(f.gap < -2 * rounding)) return;
+            const Double3 out = (-rounding - f.gap) * f.normal;
             each_copy(c, sample, [&](std::uint32_t s) {
                 const Spot to = c.spot_of(s);
                 l.at[0][to] += out.x;
