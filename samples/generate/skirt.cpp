@@ -32,11 +32,13 @@ void add_rings(PolyMesh& mesh, std::uint32_t rings, std::uint32_t around) {
 
 PolyMesh make_skirt() {
     constexpr std::uint32_t kRings = 25, kAround = 72;
-    constexpr double kWaist = 12.5, kHem = 42, kDrop = 34;
+    constexpr double kWaist = 12.5, kHem = 42, kDrop = 34, kWaves = 9;
     PolyMesh mesh;
     for (std::uint32_t i = 0; i < kRings; ++i)  // from the hem up
         for (std::uint32_t j = 0; j < kAround; ++j) {
-            const double t = i / (kRings - 1.0), a = 2 * std::numbers::pi * j / kAround, r = kHem + t * (kWaist - kHem);
+            const double t = i / (kRings - 1.0), a = 2 * std::numbers::pi * j / kAround;
+            // A round cone would stand by itself: shallow waves show it where to fold.
+            const double r = (kHem + t * (kWaist - kHem)) * (1 + 0.1 * (1 - t) * math::cos(kWaves * a));
             mesh.positions.push_back({r * math::cos(a), r * math::sin(a), kDrop * (t - 1)});
         }
     add_rings(mesh, kRings, kAround);

@@ -43,6 +43,7 @@ void hang(const std::string& skirt_map, const std::string& hips_map, const std::
     dgm::ClothStep how;
     how.gravity = {0, 0, -9.81F};
     how.substeps = 4;
+    how.cycles = 2;
     how.obstacles = {&body, 1};
     how.pins = band;
 
