@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,15 @@ Box box_of(SoftBody& body) {
     return box;
 }
 
+dgm::ClothOptions denim() {
+    dgm::ClothOptions options;
+    options.metres_per_unit = 0.01;
+    options.fabric = {.warp = 800, .weft = 800, .shear = 160, .bending = 4e-5F, .density = 0.3F, .damping = 0.5F};
+    options.thickness = kThickness * 0.01F;
+    options.self_contact = true;
+    return options;
+}
+
 void drape(const std::string& sheet_map, const std::string& body_map, float stand, const std::string& picture) {
     SoftBody sheet(sheet_map), body(body_map);
     const Look cloth_look{texture_of(sheet_map), 1, 0.05F}, body_look{texture_of(body_map), 1, 0.2F};
@@ -46,12 +56,7 @@ void drape(const std::string& sheet_map, const std::string& body_map, float stan
     const dgm::Vec3 floor{shift.x + (body_box.low.x + body_box.high.x) / 2,
                           shift.y + (body_box.low.y + body_box.high.y) / 2, body_box.low.z + shift.z - stand};
 
-    dgm::ClothOptions options;
-    options.metres_per_unit = 0.01;
-    options.fabric = {.warp = 800, .weft = 800, .shear = 160, .bending = 4e-5F, .density = 0.3F, .damping = 0.5F};
-    options.thickness = kThickness * 0.01F;
-    options.self_contact = true;
-    dgm::Cloth cloth = take(dgm::Cloth::create(sheet.state(), options), "cloth");
+    dgm::Cloth cloth = take(dgm::Cloth::create(sheet.state(), denim()), "cloth");
     dgm::Obstacle things[2];
     things[0].kind = dgm::ObstacleKind::Surface;
     things[0].point = sheet.local(shift - body.local({}));
@@ -73,12 +78,10 @@ void drape(const std::string& sheet_map, const std::string& body_map, float stan
     }
     dgm::ClothReport report;
     std::uint32_t touches = 0;
-    const int* next = kPictures;
     for (int frame = 0; frame < kFrames; ++frame) {
         if (frame > 0) report = take(dgm::step(sheet.state(), cloth, how), "step");
         touches = std::max(touches, report.touches);
-        if (frame != *next) continue;
-        ++next;
+        if (std::find(std::begin(kPictures), std::end(kPictures), frame) == std::end(kPictures)) continue;
         sheet.state().update_normals();
         Scene scene;
         scene.add(below, body.triangles(), body_look);

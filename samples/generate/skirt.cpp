@@ -51,7 +51,8 @@ PolyMesh make_hips() {
     PolyMesh mesh;
     for (std::uint32_t i = 0; i < kRings; ++i)
         for (std::uint32_t j = 0; j < kAround; ++j) {
-            // From 5 degrees off the lower pole to 5 off the upper one; the waist is at z = 0, where the radius is 11.4.
+            // From 5 degrees off the lower pole to 5 off the upper one; the waist is at z = 0, where the radius is
+            // 11.4.
             const double latitude = std::numbers::pi * (i / (kRings - 1.0) - 0.5) * (170.0 / 180);
             const double a = 2 * std::numbers::pi * j / kAround, r = 16 * math::cos(latitude);
             mesh.positions.push_back({r * math::cos(a), r * math::sin(a), 20 * math::sin(latitude) - 14});

@@ -51,8 +51,8 @@ struct Fabric {
 struct ClothOptions {
     Fabric fabric;
     double metres_per_unit = 0;  ///< length of a local unit: 1e-9 .. 1e9. 0: the file's
-    /// Metres. Samples stay half of it away from obstacles, and all of it from other parts of the cloth if that is asked
-    /// for. 0 .. the mean grid step; 0 without self-contact is allowed.
+    /// Metres. Samples stay half of it away from obstacles, and all of it from other parts of the cloth if that is
+    /// asked for. 0 .. the mean grid step; 0 without self-contact is allowed.
     float thickness = 1e-3f;
     bool self_contact = false;  ///< layers of the cloth keep apart
     bool plain_loops = false;   ///< no vector instructions beyond the baseline of the platform: same bits
@@ -97,8 +97,8 @@ class Cloth {
     DGM_CLOTH_API Cloth(Cloth&& other) noexcept;
     DGM_CLOTH_API Cloth& operator=(Cloth&& other) noexcept;
     DGM_CLOTH_API ~Cloth();
-    /// Takes the present shape of the state as its place, without velocity: where it is laid out before it is let go, or
-    /// after State::reset() its rest shape.
+    /// Takes the present shape of the state as its place, without velocity: where it is laid out before it is let go,
+    /// or after State::reset() its rest shape.
     /// @return BadArgument: a state of another size. Nothing has been changed then.
     DGM_CLOTH_API Result<void> take_shape(const State& state) noexcept;
     [[nodiscard]] detail::ClothImpl* impl() const noexcept { return impl_; }
@@ -108,8 +108,8 @@ class Cloth {
     detail::ClothImpl* impl_;
 };
 
-/// Advances by one frame and writes the present shape of the state, as an elastic touch of all its samples. Normals need
-/// State::update_normals() afterwards.
+/// Advances by one frame and writes the present shape of the state, as an elastic touch of all its samples. Normals
+/// need State::update_normals() afterwards.
 ///
 /// @param tools    kinds as in tick(); Touch and Poke both press
 /// @param answers  one for each tool, or empty; forces are the mean over the frame

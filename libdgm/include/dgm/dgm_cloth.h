@@ -67,7 +67,8 @@ typedef struct dgm_cloth_report {
 
 /* Makes a cloth of `state`, whose rest shape is taken as free of stress. `options` may be NULL: all defaults;
  * `allocator` may be NULL for the C heap. The handle goes to `cloth`.
- * DGM_BAD_ARGUMENT, DGM_UNSUPPORTED (no unit, a free domain, a mask, a surface with one side, fewer than 3 x 3 samples),
+ * DGM_BAD_ARGUMENT, DGM_UNSUPPORTED (no unit, a free domain, a mask, a surface with one side, fewer than 3 x 3
+ * samples),
  * DGM_LIMIT_EXCEEDED (memory), DGM_OUT_OF_MEMORY. */
 DGM_CLOTH_API dgm_code dgm_cloth_create(const dgm_state* state, const dgm_cloth_options* options,
                                         const dgm_allocator* allocator, dgm_cloth** cloth, dgm_error* error);
@@ -75,8 +76,8 @@ DGM_CLOTH_API dgm_code dgm_cloth_create(const dgm_state* state, const dgm_cloth_
 DGM_CLOTH_API void dgm_cloth_destroy(dgm_cloth* cloth);
 /* Takes the present shape of the state as the cloth's place, without velocity. DGM_BAD_ARGUMENT: another size. */
 DGM_CLOTH_API dgm_code dgm_cloth_take_shape(dgm_cloth* cloth, const dgm_state* state, dgm_error* error);
-/* Advances `state` by one frame of `cloth` and writes its present shape. `options` may be NULL for the defaults. `tools`
- * and `answers` are arrays of tool_count elements; `answers` and `report` may be NULL. Normals need
+/* Advances `state` by one frame of `cloth` and writes its present shape. `options` may be NULL for the defaults.
+ * `tools` and `answers` are arrays of tool_count elements; `answers` and `report` may be NULL. Normals need
  * dgm_state_update_normals() afterwards.
  * DGM_BAD_ARGUMENT, DGM_UNSUPPORTED, DGM_LIMIT_EXCEEDED: nothing has been changed then. */
 DGM_CLOTH_API dgm_code dgm_cloth_step(dgm_state* state, dgm_cloth* cloth, const dgm_cloth_step_options* options,

@@ -2,9 +2,10 @@
 // libdgm/src/cloth/frame.cpp
 // Advances a cloth by one frame.
 //
-// A substep of length h begins where samples would be without new forces: x + h v, and h^2 g further as far as they fell
-// in the substep before. At rest that is x itself, so that a cloth whose forces balance does not move, however rough the
-// solver. From there Newton's method goes one step; if that leads uphill, less of it.
+// A substep of length h begins where samples would be without new forces: x + h v, and h^2 g further as far as they
+// fell
+// in the substep before. At rest that is x itself, so that a cloth whose forces balance does not move, however rough
+// the solver. From there Newton's method goes one step; if that leads uphill, less of it.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -18,7 +18,8 @@ double length(Double3 v) noexcept {
     return std::sqrt(dot(v, v));
 }
 
-/// Weights of the corners at the point of a triangle that is nearest to p (Ericson, Real-Time Collision Detection 5.1.5).
+/// Weights of the corners at the point of a triangle that is nearest to p (Ericson, Real-Time Collision Detection
+/// 5.1.5).
 struct Weights {
     double at[3];
 };

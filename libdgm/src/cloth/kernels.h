@@ -2,7 +2,8 @@
 // libdgm/src/cloth/kernels.h
 // The loops of a cloth step over rows of samples, built once per instruction set and chosen at creation.
 //
-// Planes have `pitch` floats a row, a whole number of blocks of kBlock and at least one more than there are columns, with
+// Planes have `pitch` floats a row, a whole number of blocks of kBlock and at least one more than there are columns,
+// with
 // a row of zeros before the first and after the last one. What lies past a row's end stays 0. Every value comes from
 // single correctly rounded operations in the same order whatever the number of lanes, so all variants give the same
 // bits.
@@ -126,8 +127,8 @@ struct InvertJob {
     const float* free;
 };
 
-/// residual -= product; way = keep way + step inverse residual; sum += way. Begin: way = step inverse residual, sum = way,
-/// and no product; Go on: the same, but sum += way.
+/// residual -= product; way = keep way + step inverse residual; sum += way. Begin: way = step inverse residual, sum =
+/// way, and no product; Go on: the same, but sum += way.
 enum class Sweep : std::uint8_t { Begin, GoOn, Next };
 struct SweepJob {
     std::size_t count;

@@ -408,7 +408,8 @@ static void diagonal(const DiagonalJob& job) noexcept {
     const Sheet& on = job.on;
     const std::ptrdiff_t n = on.pitch;
     clear_scratch(on);
-    // Rows 0 .. 1 of the scratch: blocks of corners (0, 0) and (1, 1); 2 .. 3 of the others; then those of the row before.
+    // Rows 0 .. 1 of the scratch: blocks of corners (0, 0) and (1, 1); 2 .. 3 of the others; then those of the row
+    // before.
     const auto part = [&](std::size_t k, std::size_t c) DGM_INLINED { return scratch_row(on, k + c / 3).p[c % 3]; };
     for (std::uint32_t i = 0; i < on.rows; ++i) {
         const std::size_t now = i % 2 == 0 ? 0 : 4, before = 4 - now;

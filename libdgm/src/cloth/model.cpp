@@ -105,8 +105,8 @@ struct Bends {
     Bend u, v;
     bool any = false;
 };
-/// Second derivative by length along `ahead - behind`, without its part along the surface. `half_side`: the other line of
-/// the grid has both neighbours, and `side` is half their difference.
+/// Second derivative by length along `ahead - behind`, without its part along the surface. `half_side`: the other line
+/// of the grid has both neighbours, and `side` is half their difference.
 Bend bend_along(Double3 ahead, Double3 behind, Double3 side, bool half_side, Double3 normal) noexcept {
     const Double3 along = 0.5 * (ahead - behind);
     const double e = dot(along, along), f = dot(along, side), g = dot(side, side), det = e * g - f * f;
@@ -281,8 +281,8 @@ bool halve(std::uint32_t fine, Array<std::uint32_t>& of, const Allocator& a) noe
     return true;
 }
 
-/// Cubic interpolation of what lies between two coarse rows, quadratic beside a border: what is smooth stays so, as plates
-/// need [Hemker 1990]. Linear ones would bend at each coarse row. `back` is the transpose.
+/// Cubic interpolation of what lies between two coarse rows, quadratic beside a border: what is smooth stays so, as
+/// plates need [Hemker 1990]. Linear ones would bend at each coarse row. `back` is the transpose.
 bool make_taps(std::uint32_t fine, const Array<std::uint32_t>& of, Array<Taps>& to, Array<Taps>& back,
                const Allocator& a) noexcept {
     const auto n = static_cast<std::uint32_t>(of.size());

@@ -4,8 +4,8 @@
 //
 // The matrix is that of the present shape: along threads it resists, across them only by tension, bending and mass. A
 // coarse level has the same quads over every second sample. Level k + 1 hands its solution down by bilinear
-// interpolation, and gets residuals by its transpose; samples of a seam share one unknown on all levels. The smoother is
-// a Chebyshev polynomial [Adams et al. 2003] of the 3 x 3 blocks' inverse times the matrix.
+// interpolation, and gets residuals by its transpose; samples of a seam share one unknown on all levels. The smoother
+// is a Chebyshev polynomial [Adams et al. 2003] of the 3 x 3 blocks' inverse times the matrix.
 #include <algorithm>
 #include <cmath>
 

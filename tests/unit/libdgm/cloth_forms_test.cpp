@@ -74,7 +74,8 @@ TEST(ClothForms, StripBetweenTwoRodsIsACatenary) {
     }
     d.run(400);
     EXPECT_NEAR(-d.mean_of_row(32).z, sag, 0.01 * sag);
-    // And at a quarter of its length: a (cosh((0.35 - x) / a) ...), by the arc length a sinh(x / a) = 0.25 from the middle.
+    // And at a quarter of its length: a (cosh((0.35 - x) / a) ...), by the arc length a sinh(x / a) = 0.25 from the
+    // middle.
     const double x = low * std::asinh(0.25 / low);
     EXPECT_NEAR(-d.mean_of_row(16).z, sag - low * (std::cosh(x / low) - 1), 0.01 * sag);
     EXPECT_NEAR(d.mean_of_row(16).x, 0.35 - x, 0.01 * 0.7);
