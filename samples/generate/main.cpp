@@ -60,17 +60,6 @@ void write_sheet(const Picture& denim, const fs::path& root) {
     report(folder / "sheet.obj", sheet);
 }
 
-void write_skirt(const Picture& denim, const Picture& satin, const fs::path& root) {
-    const fs::path folder = subfolder(root, "skirt");
-    write_colour_png(denim, folder / "colour.png");
-    write_colour_png(satin, folder / "hips.png");
-    const PolyMesh skirt = make_skirt(), hips = make_hips();
-    write_obj({{"skirt", skirt}}, material("denim", 0, 5), folder / "skirt.obj");
-    write_obj({{"hips", hips}}, {"satin", "hips.png", "", 0, 80}, folder / "hips.obj");
-    report(folder / "skirt.obj", skirt);
-    report(folder / "hips.obj", hips);
-}
-
 void write_chair(const Picture& satin, const fs::path& root) {
     const fs::path folder = subfolder(root, "chair");
     write_colour_png(satin, folder / "colour.png");
@@ -108,7 +97,6 @@ void write_all(const fs::path& root) {
     dress(stomach.mesh, denim, "denim", root);
     dress(stomach.mesh, satin, "satin", root);
     write_sheet(denim, root);
-    write_skirt(denim, satin, root);
     write_chair(satin, root);
     const fs::path fabrics = subfolder(root, "fabrics");
     write_colour_png(denim, fabrics / "denim.png");

@@ -16,12 +16,6 @@ PolyMesh make_cushion_cover();
 /// Flat square of 40 x 40 quads, one metre wide.
 PolyMesh make_sheet();
 
-/// Skirt cut as a cone, 25 x 72 vertices, open at waist (z = 0) and hem.
-PolyMesh make_skirt();
-
-/// What it hangs on: an ellipsoid around its waist. Closed, genus 0.
-PolyMesh make_hips();
-
 /// Chair seat: rounded box with a dished top and piping around it. Closed, genus 0; cloth tiles on every side.
 PolyMesh make_chair_seat();
 
