@@ -62,6 +62,8 @@ PARTS = (
     Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
     Part("libdgm/src/physics", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "c_api"), (INTRINSICS,),
          "mass and material, by multigrid; a library of its own, with its own C ABI"),
+    Part("libdgm/src/cloth", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "c_api"), (INTRINSICS,),
+         "cloth; a library of its own, with its own C ABI"),
     Part("libdgm/web", 0, RUNTIME, (), "the C ABI for scripts: plain numbers, as WebAssembly"),
     Part("formats/math", 0.5, (), (), "functions that round alike everywhere; the C library's do not"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),

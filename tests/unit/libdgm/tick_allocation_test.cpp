@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <dgm/changed.h>
+#include <dgm/cloth.h>
 #include <dgm/collide.h>
 #include <dgm/compliance.h>
 #include <dgm/contact.h>
@@ -153,6 +154,44 @@ TEST(Tick, ContactsAndSnapshotsTakeNoMemory) {
     EXPECT_EQ(after, before);
 }
 
+TEST(Tick, FramesOfClothTakeNoMemory) {
+    State state = make_state(grid_chart(33, 33, [](double i, double j) {
+        return Point{float(i / 32), float(j / 32), 0};
+    }));
+    ClothOptions options;
+    options.metres_per_unit = 1;
+    options.self_contact = true;
+    Cloth cloth = Cloth::create(state, options).value();
+    bool sound = true;
+    StepTool answers[2];
+    Obstacle plane;
+    plane.point = {0, 0, -0.1f};
+    const Pin pin{40, state.positions()[40]};
+    std::uint32_t contacts = 0;
+    const long before = g_allocations;
+    for (int k = 0; k < 100; ++k) {
+        ClothStep o;
+        o.gravity = {0, 0, -9.81f};
+        o.tool_radius = 0.1f;
+        o.obstacles = {&plane, 1};
+        if (k % 3 == 0) o.pins = {&pin, 1};
+        ToolInput in[2];
+        in[0].position = {0.5f, 0.5f, 0.2f - 0.01f * float(k % 40)};
+        in[1].tool = 1;
+        in[1].kind = ToolKind::Grasp;
+        in[1].engaged = k % 50 < 30;
+        in[1].position = {1, 0.2f, 0.01f * float(k % 50)};
+        const auto done = step(state, cloth, o, in, answers);
+        sound = sound && done.ok();
+        if (done) contacts += done.value().contacts;
+        if (k == 50) sound = sound && cloth.take_shape(state).ok();
+        state.update_normals();
+    }
+    const long after = g_allocations;
+    EXPECT_TRUE(sound);
+    EXPECT_GT(contacts, 0u);
+    EXPECT_EQ(after, before);
+}
 TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     State state = make_state(sphere_chart(33));
     PhysicsOptions options;
