@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Replays two of the paper's figures on small maps: what is drawn, what is told, what is refused.
 
-    test_figures.py PRESS_AND_PULL PINCH_SHEET POKE_AND_LET_GO DGM_BAKE SAMPLES PATHS
+    test_figures.py PRESS_AND_PULL PINCH_SHEET POKE_AND_LET_GO SWING_ORGAN LAY_ON_TABLE DGM_BAKE SAMPLES PATHS
 """
 import re
 import struct
@@ -11,8 +11,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-PRESS, PINCH, POKE, BAKE = sys.argv[1:5]
-SAMPLES, PATHS = Path(sys.argv[5]), Path(sys.argv[6])
+PRESS, PINCH, POKE, SWING, LAY, BAKE = sys.argv[1:7]
+SAMPLES, PATHS = Path(sys.argv[7]), Path(sys.argv[8])
 
 
 class Figures(unittest.TestCase):
@@ -21,9 +21,9 @@ class Figures(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
-    def bake(self, mesh, *options):
+    def bake(self, mesh, *options, size="65x65"):
         map_file = self.folder / (Path(mesh).stem + ".dgm")
-        subprocess.run([BAKE, "-q", SAMPLES / mesh, "-o", map_file, "--size", "65x65", *options], check=True,
+        subprocess.run([BAKE, "-q", SAMPLES / mesh, "-o", map_file, "--size", size, *options], check=True,
                        timeout=200)
         return map_file
 
@@ -67,6 +67,34 @@ class Figures(unittest.TestCase):
         result = self.sample(POKE, self.bake("liver/liver.obj"), PATHS / "liver_poke_and_let_go.txt", picture)
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("--unit", result.stderr)
+
+    def test_stomach_with_weight(self):
+        stomach = self.bake("stomach/stomach.obj", "--unit", "cm", "--material", "tissue", size="33x33")
+        picture = self.folder / "a.png"
+        result = self.sample(SWING, stomach, PATHS / "stomach_swung.txt", picture)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = re.fullmatch(r"4201 steps of 1 ms, strongest force ([\d.]+) N, volume kept to (\S+), (\S+) J of motion "
+                            r"at the end\n", result.stdout)
+        self.assertIsNotNone(told, result.stdout)
+        # 550 cm2 of 5 kg/m2 weigh 2.7 N; swung by 3.5 cm at 1 Hz it pulls up to three times as strongly.
+        self.assertGreater(float(told[1]), 2.7)
+        self.assertLess(float(told[1]), 9)
+        self.assertLess(float(told[2]), 1e-7)
+        self.assertLess(float(told[3]), 0.02)
+        self.assertEqual(self.size_of(picture)[0], 6 * 300)
+        result = self.sample(LAY, stomach, PATHS / "stomach_on_table.txt", picture)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        touching = [int(n) for n in re.findall(r": (\d+) samples touch", result.stdout)]
+        self.assertEqual(len(touching), 6, result.stdout)
+        self.assertEqual(touching[0], 0)  # in the air
+        self.assertGreater(touching[3], 10)  # by its own weight
+        self.assertGreater(touching[4], touching[3])  # and a ball's
+        told = re.search(r"and let be: \d+ samples touch, (\S+) J of motion\n3101 steps of 1 ms, strongest force "
+                         r"[\d.]+ N, volume kept to (\S+)\n$", result.stdout)
+        self.assertIsNotNone(told, result.stdout)
+        self.assertLess(float(told[1]), 1e-3)
+        self.assertLess(float(told[2]), 1e-7)
+        self.assertEqual(self.size_of(picture)[0], 3 * 500)
 
     def test_pressed_stomach(self):
         stomach, picture = self.bake("stomach/stomach.obj", "--method", "mvc"), self.folder / "a.png"

@@ -18,7 +18,7 @@ SYSTEM, XXHASH, PNG, STB, SECCOMP = "the operating system", "xxHash", "libpng", 
 EIGEN, CGAL, EMBREE, TBB, BOOST = "Eigen", "CGAL", "Embree", "TBB", "Boost"
 HDF5, OPENEXR, ASSIMP = "HDF5", "OpenEXR", "assimp"
 FMT, JSON, TOML, CLI11, GTEST = "fmt", "nlohmann-json", "toml++", "CLI11", "GoogleTest"
-INTRINSICS, BENCHMARK, NANOFLANN = "processor intrinsics", "Google Benchmark", "nanoflann"
+INTRINSICS, BENCHMARK, NANOFLANN, BULLET = "processor intrinsics", "Google Benchmark", "nanoflann", "Bullet"
 MESHOPT, ZLIB = "meshoptimizer", "zlib"
 
 
@@ -62,6 +62,8 @@ PARTS = (
     Part("libdgm/src/c_api", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "query"), (), "the C ABI"),
     Part("libdgm/src/physics", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "c_api"), (INTRINSICS,),
          "mass and material, by multigrid; a library of its own, with its own C ABI"),
+    Part("libdgm/src/cloth", 0, rooms("base", "rows", "file", "surface", "touch", "contact", "c_api"), (INTRINSICS,),
+         "cloth; a library of its own, with its own C ABI"),
     Part("libdgm/web", 0, RUNTIME, (), "the C ABI for scripts: plain numbers, as WebAssembly"),
     Part("formats/math", 0.5, (), (), "functions that round alike everywhere; the C library's do not"),
     Part("formats/model", 1, RUNTIME, (), "plain structs that every reader and writer speaks"),
@@ -118,7 +120,7 @@ PARTS = (
     Part("samples/support", 5, DATA + ("formats/path", "cli/render"), (), "what samples share: maps to press, pictures"),
     Part("samples", 6, DATA + ("formats/path", "cli/render", "samples/support"), (), "the paper's figures, on the runtime"),
     Part("tests", 9, ("",), (SYSTEM, XXHASH, PNG, STB, EIGEN, CGAL, EMBREE, TBB, BOOST, HDF5, OPENEXR, ASSIMP, FMT,
-                             JSON, CLI11, GTEST, BENCHMARK, NANOFLANN, MESHOPT, ZLIB), "tests may look at everything"),
+                             JSON, CLI11, GTEST, BENCHMARK, NANOFLANN, BULLET, MESHOPT, ZLIB), "tests may look at everything"),
     Part("tests/e2e/consumer", 9, RUNTIME, (), "a user's project: knows the installed runtime only"),
 )
 
@@ -126,7 +128,7 @@ LIBRARIES = (  # patterns of headers, first match wins
     (r"CGAL/", CGAL), (r"Eigen/|unsupported/Eigen/", EIGEN), (r"embree3/", EMBREE), (r"(oneapi/)?tbb/", TBB),
     (r"boost/", BOOST), (r"hdf5|H5[A-Z]?\w*\.h", HDF5), (r"OpenEXR/|Imath/|Imf|Imath|half\.h|Iex|IlmThread", OPENEXR),
     (r"assimp/", ASSIMP), (r"png(conf|libconf)?\.h", PNG), (r"stb[/_]", STB), (r"fmt/", FMT), (r"nlohmann/", JSON),
-    (r"toml\+\+/", TOML), (r"meshoptimizer\.h", MESHOPT), (r"zlib\.h", ZLIB), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
+    (r"toml\+\+/", TOML), (r"meshoptimizer\.h", MESHOPT), (r"zlib\.h", ZLIB), (r"CLI/", CLI11), (r"benchmark/", BENCHMARK), (r"nanoflann", NANOFLANN), (r"BulletSoftBody/|btBulletDynamicsCommon\.h", BULLET), (r"([a-z]*mmintrin|wasm_simd128|arm_neon)\.h", INTRINSICS),
     (r"seccomp\.h", SECCOMP), (r"g(test|mock)/", GTEST), (r"xxh(ash|3)\.h", XXHASH),
     (r"(sys|linux|net|netinet|arpa)/|(fcntl|fnmatch|unistd|poll|malloc|dirent|dlfcn|pthread|sched|signal|spawn|termios|"
      r"windows|io)\.h", SYSTEM),

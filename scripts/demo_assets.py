@@ -17,11 +17,14 @@ DRESSED = (("stomach_denim", "stomach/stomach_denim.obj", "--texture-size", "102
            ("stomach_satin", "stomach/stomach_satin.obj", "--texture-size", "1024x1024"),
            ("cushion_129", "cushion/cushion.obj", "--size", "129x129", "--texture-size", "513x513"),
            ("liver_65", "liver/liver.obj", "--size", "65x65", "--unit", "cm", "--material", "tissue"),
+           ("stomach_65", "stomach/stomach.obj", "--size", "65x65", "--unit", "cm", "--material", "tissue"),
            ("cover_129", "cushion/cover.obj", "--size", "129x129", "--texture-size", "513x513"))
 # Picture, program, map, recorded path, further maps.
 FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pull"),
            ("fig11_liver", "press_and_pull", "liver", "liver_press_and_pull"),
            ("physics_liver", "poke_and_let_go", "liver_65", "liver_poke_and_let_go"),
+           ("physics_swing", "swing_organ", "stomach_65", "stomach_swung"),
+           ("physics_table", "lay_on_table", "stomach_65", "stomach_on_table"),
            ("fig12_plane", "set_on_plane", "stomach", "table"),
            ("fig13_14_cloth", "swap_cloth", "stomach_denim", "body_in_cloth", "stomach_denim", "stomach_satin"),
            ("fig15_16_sheet", "pinch_sheet", "sheet", "sheet_pinch"),

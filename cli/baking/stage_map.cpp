@@ -17,6 +17,7 @@
 #include "baking/stages.h"
 #include "baking/time_box.h"
 #include "geometry/fit/fit.h"
+#include "geometry/fit/local_repair.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -137,24 +138,47 @@ constexpr double kInvertedPrice = 1.25;  // in rms, of fewer inverted faces
 constexpr std::uint64_t kErrorSamples = 20'000;
 constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
 
-/// Fits the chart, a second time with samples that are held firmly if faces are inverted or the fit has gained little,
-/// and keeps the fit with fewer of them, then the one with the lower error.
+/// A fitted chart and how good it is.
+struct Trial {
+    SampledChart chart;
+    std::size_t inverted;
+    double rms;
+
+    [[nodiscard]] bool beats(const Trial& other) const {
+        const double price = inverted < other.inverted   ? kInvertedPrice
+                             : inverted > other.inverted ? 1 / kInvertedPrice
+                                                         : 1;
+        return rms < price * other.rms;
+    }
+};
+
+/// Fits the chart. If faces are inverted or the fit has gained little, also with samples that are held firmly, then, if
+/// faces are inverted still, in rounds that invert none. Keeps the fit with the fewest of them, then the one with the
+/// lowest error.
 /// @return  inverted faces
 std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, const FitOptions& options,
                           const model::Progress& progress) {
-    std::optional<SampledChart> firmly;
-    if (component.positions.size() <= kMostFitted) firmly = mapped.chart;
+    const bool may_fit_again = component.positions.size() <= kMostFitted;
+    std::optional<SampledChart> start;
+    if (may_fit_again) start = mapped.chart;
     const FitReport fit = fit_chart(mapped.chart, options, progress, mapped.begun ? &*mapped.begun : nullptr);
-    const std::size_t inverted = fit.inverted;
     mapped.begun.reset();
-    if (!firmly || (inverted == 0 && fit.rms < kOrdinaryGain * fit.start_rms)) return inverted;
-    const std::size_t otherwise = fit_chart(*firmly, firm(options), progress).inverted;
-    const double rms = quick_error(component, mapped.chart, kErrorSamples).rms,
-                 rms_otherwise = quick_error(component, *firmly, kErrorSamples).rms;
-    const double price = otherwise < inverted ? kInvertedPrice : otherwise > inverted ? 1 / kInvertedPrice : 1;
-    if (!(rms_otherwise < price * rms)) return inverted;
-    mapped.chart = std::move(*firmly);
-    return otherwise;
+    if (!start || (fit.inverted == 0 && fit.rms < kOrdinaryGain * fit.start_rms)) return fit.inverted;
+    const auto measured = [&](SampledChart chart, std::size_t inverted) {
+        const double rms = quick_error(component, chart, kErrorSamples).rms;
+        return Trial{std::move(chart), inverted, rms};
+    };
+    Trial best = measured(std::move(mapped.chart), fit.inverted);
+    const auto try_fit = [&](const FitOptions& other) {
+        SampledChart chart = *start;
+        const std::size_t inverted = fit_chart(chart, other, progress).inverted;
+        Trial trial = measured(std::move(chart), inverted);
+        if (trial.beats(best) && !(other.guarded && inverted > best.inverted)) best = std::move(trial);
+    };
+    try_fit(firm(options));
+    if (best.inverted > 0 && best.inverted <= kMostAtAPrice) try_fit(guarded(options));
+    mapped.chart = std::move(best.chart);
+    return best.inverted;
 }
 
 /// Splits all quads alike that may be split either way; those at the border keep the split that the topology needs.

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "bench/bake_sweep.h"
+#include "bench/cloth_sweep.h"
 #include "bench/compare.h"
 #include "bench/interrupt.h"
 #include "bench/machine_facts.h"
@@ -41,6 +42,7 @@ constexpr tool::Example kExamples[] = {
     {"dgm-bench bake stomach.obj --compare out/bake.json", "faster, slower, better, worse, beyond the noise"},
     {"dgm-bench run stomach.dgm", "ticks, tracking, contact, levels of detail"},
     {"dgm-bench physics liver.obj", "implicit steps: time against distance from the converged step"},
+    {"dgm-bench cloth", "a hanging sheet: time of a frame against its distance from the closed form"},
     {"dgm-bench stability --families sliver,genus", "where methods start to fail, and what takes over"},
     {"dgm-bench scale --faces 10000,100000,1000000", "time and memory as meshes grow"},
 };
@@ -54,6 +56,7 @@ constexpr tool::Manual kManual{.synopsis =
                                    "dgm-bench bake [OPTIONS] [ASSET...]\n"
                                    "dgm-bench run [OPTIONS] [ASSET...]\n"
                                    "dgm-bench physics [OPTIONS] [ASSET...]\n"
+                                   "dgm-bench cloth [OPTIONS]\n"
                                    "dgm-bench stability [OPTIONS]\n"
                                    "dgm-bench scale [OPTIONS]",
                                .sections = {},
@@ -313,6 +316,7 @@ struct PhysicsCommand {
         add_assets(*app, sweep.assets, "meshes, which are baked first, or .dgm files");
         add_sides(*app, "--sizes", sweep.sizes, "samples a side of the meshes' maps")->capture_default_str();
         add_counts(*app, "--cycles", sweep.cycles, "iterations of the solver in a step", 1000);
+        add_words(*app, "--solvers", "S,...", sweep.solvers, "preconditioners: multigrid, factors");
         const tool::Group measured(*app, kWhatIsMeasured);
         measured.value("--milliseconds", "T,...", sweep.milliseconds, "lengths of a step")
             ->delimiter(',')
@@ -332,6 +336,33 @@ struct PhysicsCommand {
     }
     int run() {
         return measure_assets(common, "physics", sweep.assets, [&] { return sweep_physics(sweep, common.quiet); });
+    }
+};
+
+struct ClothCommand {
+    Common common;
+    ClothSweepOptions sweep;
+    CLI::App* app;
+
+    explicit ClothCommand(CLI::App& parent) : app(parent.add_subcommand("cloth", "hang a sheet with every choice")) {
+        add_sides(*app, "--sizes", sweep.sizes, "samples a side of the sheet's maps")->capture_default_str();
+        add_counts(*app, "--substeps", sweep.substeps, "implicit steps in a frame", 100);
+        add_counts(*app, "--cycles", sweep.cycles, "iterations of the solver in a substep", 100);
+        const tool::Group measured(*app, kWhatIsMeasured);
+        measured.value("--levels", "K,...", sweep.levels, "strides that the solver uses; 0: all")
+            ->delimiter(',')
+            ->check(CLI::Range(0, 16))
+            ->capture_default_str();
+        measured.number("--modulus", "E", sweep.modulus, "of warp and weft, N/m")
+            ->check(CLI::Range(1.0, 1e6))
+            ->capture_default_str();
+        measured.number("--frames", "N", sweep.frames, "frames of 1/60 s, of each setting")
+            ->check(CLI::Range(100, 1'000'000))
+            ->capture_default_str();
+        common.add_to(*app);
+    }
+    int run() {
+        return measure(common, "cloth", {}, [&] { return sweep_cloth(sweep, common.quiet); });
     }
 };
 
@@ -384,11 +415,13 @@ int bench_program(int argc, char** argv) {
     BakeCommand bake_command(app);
     RunCommand run_command(app);
     PhysicsCommand physics_command(app);
+    ClothCommand cloth_command(app);
     StabilityCommand stability_command(app);
     ScaleCommand scale_command(app);
     return tool::run_tool("dgm-bench", argc, argv, app, kManual, [&](std::string&) {
         if (bake_command.app->parsed()) return bake_command.run();
         if (physics_command.app->parsed()) return physics_command.run();
+        if (cloth_command.app->parsed()) return cloth_command.run();
         if (stability_command.app->parsed()) return stability_command.run();
         if (scale_command.app->parsed()) return scale_command.run();
         return run_command.run();

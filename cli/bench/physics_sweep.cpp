@@ -32,12 +32,17 @@ constexpr double kMoments[] = {0.001, 0.02, 0.06, 0.1};  ///< seconds of the pre
 
 using Points = std::vector<std::array<double, 3>>;
 
+/// How a body is simulated.
+struct Way {
+    double metres_per_unit, dt;
+    std::string solver;
+};
+
 /// A body with a ball above its highest sample.
 class Poked {
  public:
     /// With a stride, physics of every stride-th sample, shown on all.
-    Poked(const Subject& subject, double metres, double dt, std::uint32_t stride = 0)
-        : state_(subject.state()), dt_(dt) {
+    Poked(const Subject& subject, const Way& way, std::uint32_t stride = 0) : state_(subject.state()), dt_(way.dt) {
         const PointView rest = state_.rest_positions();
         std::array<double, 3> low{}, high{};
         for (std::uint32_t k = 0; k < rest.count; ++k) {
@@ -50,8 +55,9 @@ class Poked {
         }
         diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
         PhysicsOptions options;
-        options.dt = static_cast<float>(dt);
-        options.metres_per_unit = metres > 0 ? metres : kDiagonal / diagonal_;
+        options.dt = static_cast<float>(way.dt);
+        options.metres_per_unit = way.metres_per_unit > 0 ? way.metres_per_unit : kDiagonal / diagonal_;
+        options.solver = way.solver == "factors" ? Solver::Factors : Solver::Multigrid;
         if (stride != 0) make_coarse(stride);
         if (!refusal_.empty()) return;
         auto made = Physics::create(simulated(), options);
@@ -161,10 +167,10 @@ struct Moment {
 };
 using Moments = std::vector<Moment>;
 
-Moments converged_steps(const Subject& subject, double metres, double dt) {
+Moments converged_steps(const Subject& subject, const Way& way) {
     Moments out;
     for (const double seconds : kMoments) {
-        Poked body(subject, metres, dt);
+        Poked body(subject, way);
         body.press_for(seconds);
         StepReport report;
         Points moved = body.next(kConverged, report);
@@ -174,10 +180,10 @@ Moments converged_steps(const Subject& subject, double metres, double dt) {
     return out;
 }
 
-Accuracy accuracy_of(const Subject& subject, double metres, double dt, std::uint32_t cycles, const Moments& moments) {
+Accuracy accuracy_of(const Subject& subject, const Way& way, std::uint32_t cycles, const Moments& moments) {
     Accuracy worst;
     for (const Moment& m : moments) {
-        Poked body(subject, metres, dt);
+        Poked body(subject, way);
         body.press_for(m.seconds);
         StepReport report;
         const Points moved = body.next(cycles, report);
@@ -192,8 +198,8 @@ Accuracy accuracy_of(const Subject& subject, double metres, double dt, std::uint
 }
 
 /// Largest rise of kinetic plus elastic energy in a step after the ball is gone, in shares of what there was then.
-double energy_rise(const Subject& subject, double metres, double dt, std::uint32_t cycles) {
-    Poked body(subject, metres, dt);
+double energy_rise(const Subject& subject, const Way& way, std::uint32_t cycles) {
+    Poked body(subject, way);
     body.press_for(kPress);
     double first = 0, last = 0, rise = 0;
     for (std::size_t k = 0; k < kLetGo; ++k) {
@@ -206,12 +212,12 @@ double energy_rise(const Subject& subject, double metres, double dt, std::uint32
     return rise;
 }
 
-TickTimes step_times(const Subject& subject, double metres, double dt, std::uint32_t cycles, std::size_t steps,
+TickTimes step_times(const Subject& subject, const Way& way, std::uint32_t cycles, std::size_t steps,
                      std::uint32_t stride = 0) {
-    Poked body(subject, metres, dt, stride);
+    Poked body(subject, way, stride);
     // In and out, all the time in touch.
     const auto turn = [&](std::size_t k) {
-        const double t = std::fmod(static_cast<double>(k) * dt, 2 * kPress) / kPress;
+        const double t = std::fmod(static_cast<double>(k) * way.dt, 2 * kPress) / kPress;
         (void)body.go(0.1 + 0.9 * (t < 1 ? t : 2 - t), cycles);
     };
     return time_ticks(kWarmUp, steps, {}, turn);
@@ -229,8 +235,8 @@ Table step_table() {
         "the ball. Residual: force left unbalanced over that at the start of the step. Energy rise: of a step after "
         "the ball is gone, at most, over the energy then. Times are those of whole calls with the ball in touch.";
     t.columns = subject_columns(
-        {key_column("dt_ms", "step"), key_column("cycles", "cycles"), time_column("p50_us", "p50", "us"),
-         time_column("p99_us", "p99", "us"), time_column("p999_us", "p99.9", "us"),
+        {key_column("dt_ms", "step"), key_column("solver", "solver"), key_column("cycles", "cycles"),
+         time_column("p50_us", "p50", "us"), time_column("p99_us", "p99", "us"), time_column("p999_us", "p99.9", "us"),
          exact_column("error", "error", "", Sense::kLower, 1e-3),
          exact_column("force_error", "force error", "", Sense::kLower, 1e-3),
          exact_column("residual", "residual", "", Sense::kLower, 1e-3),
@@ -265,8 +271,9 @@ Table detail_table() {
 void add_detail_rows(Table& table, const Subject& subject, const PhysicsSweepOptions& options) {
     const std::uint32_t cycles = *std::max_element(options.cycles.begin(), options.cycles.end());
     for (const double ms : options.milliseconds) {
-        const double dt = ms / 1000, metres = options.metres_per_unit;
-        Poked full(subject, metres, dt);
+        const double dt = ms / 1000;
+        const Way way{options.metres_per_unit, dt, options.solvers.front()};
+        Poked full(subject, way);
         if (!full.refusal().empty()) continue;  // its row is in the other table
         const auto press = [&](Poked& body) {
             for (double t = dt; t < kPress * (1 + 1e-9); t += dt) (void)body.go(Poked::share_at(t), cycles);
@@ -278,47 +285,49 @@ void add_detail_rows(Table& table, const Subject& subject, const PhysicsSweepOpt
             SubjectRow row(table, subject);
             row.set("dt_ms", fmt::format("{:g}", ms));
             row.set("stride", std::to_string(stride));
-            Poked body(subject, metres, dt, stride);
+            Poked body(subject, way, stride);
             row.set("outcome", body.refusal().empty() ? std::string("solved") : body.refusal());
             if (body.refusal().empty()) {
                 row.set("simulated", std::to_string(body.simulated().sample_count()));
                 row.set("error", exactly(length(minus(press(body), wanted)) / length(wanted)));
                 row.set("force_error",
                         exactly(length(body.answer().force - full.answer().force) / length(full.answer().force)));
-                row.set_percentiles(step_times(subject, metres, dt, cycles, options.steps, stride));
+                row.set_percentiles(step_times(subject, way, cycles, options.steps, stride));
             }
             table.rows.push_back(row.row());
         }
     }
 }
 
-void add_rows(Run& run, const Subject& subject, const PhysicsSweepOptions& options) {
+void add_rows(Run& run, const Subject& subject, const PhysicsSweepOptions& options, const std::string& solver) {
     Table& table = run.tables.front();
     for (const double ms : options.milliseconds) {
-        const double dt = ms / 1000, metres = options.metres_per_unit;
-        if (const Poked body(subject, metres, dt); !body.refusal().empty()) {
+        const Way way{options.metres_per_unit, ms / 1000, solver};
+        if (const Poked body(subject, way); !body.refusal().empty()) {
             SubjectRow refused(table, subject);
             refused.set("dt_ms", fmt::format("{:g}", ms));
+            refused.set("solver", solver);
             refused.set("outcome", body.refusal());
             table.rows.push_back(refused.row());
             continue;
         }
-        const Moments moments = converged_steps(subject, metres, dt);
+        const Moments moments = converged_steps(subject, way);
         std::uint32_t enough = 0;
         double at_enough = 0;
         for (const std::uint32_t cycles : options.cycles) {
             stop_if_interrupted();
-            const Accuracy accuracy = accuracy_of(subject, metres, dt, cycles, moments);
-            const TickTimes times = step_times(subject, metres, dt, cycles, options.steps);
+            const Accuracy accuracy = accuracy_of(subject, way, cycles, moments);
+            const TickTimes times = step_times(subject, way, cycles, options.steps);
             SubjectRow row(table, subject);
             row.set("dt_ms", fmt::format("{:g}", ms));
+            row.set("solver", solver);
             row.set("cycles", std::to_string(cycles));
             row.set_percentiles(times);
             row.set("error", exactly(accuracy.error));
             row.set("force_error", exactly(accuracy.force_error));
             row.set("residual", exactly(accuracy.residual));
             row.set("volume_error", exactly(accuracy.volume_error));
-            row.set("energy_rise", exactly(energy_rise(subject, metres, dt, cycles)));
+            row.set("energy_rise", exactly(energy_rise(subject, way, cycles)));
             row.set("contacts", exactly(accuracy.contacts));
             row.set("outcome", std::string("solved"));
             table.rows.push_back(row.row());
@@ -327,7 +336,7 @@ void add_rows(Run& run, const Subject& subject, const PhysicsSweepOptions& optio
                 at_enough = times.p99.value;
             }
         }
-        const std::string who = fmt::format("{} {}, steps of {:g} ms: ", subject.asset, subject.grid, ms);
+        const std::string who = fmt::format("{} {}, steps of {:g} ms, {}: ", subject.asset, subject.grid, ms, solver);
         run.findings.push_back(enough == 0
                                    ? who + "none of these numbers of cycles comes within 1 % of the converged step"
                                    : who + fmt::format("{} cycles come within 1 % of the converged step, p99 {} us",
@@ -347,11 +356,12 @@ Run sweep_physics(const PhysicsSweepOptions& options, bool quiet) {
     ProgressBar bar(quiet, static_cast<double>(options.assets.size() * options.sizes.size()));
     each_subject(options.assets, options.sizes, folder.path(), options.time_limit_seconds, bar,
                  [&](const Subject& subject) {
-                     add_rows(run, subject, options);
+                     for (const std::string& solver : options.solvers) add_rows(run, subject, options, solver);
                      if (!options.strides.empty()) add_detail_rows(run.tables.back(), subject, options);
                  });
     run.settings = {
         {"sizes", fmt::format("{}", fmt::join(options.sizes, ", "))},
+        {"solvers", fmt::format("{}", fmt::join(options.solvers, ", "))},
         {"cycles", fmt::format("{}", fmt::join(options.cycles, ", "))},
         {"milliseconds a step", fmt::format("{}", fmt::join(options.milliseconds, ", "))},
         {"steps", std::to_string(options.steps)},

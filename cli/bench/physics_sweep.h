@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "bench/table.h"
@@ -14,11 +15,12 @@ struct PhysicsSweepOptions {
     std::vector<std::filesystem::path> assets;  ///< meshes, which are baked first, or .dgm files
     std::vector<std::uint32_t> sizes{33, 65, 129};
     std::vector<std::uint32_t> cycles{1, 2, 3, 5};
-    std::vector<double> milliseconds{1};  ///< lengths of a step
-    std::vector<std::uint32_t> strides;   ///< of coarse states that are shown on all samples; empty: none
-    std::size_t steps = 500;              ///< timed, of each setting
-    double metres_per_unit = 0;           ///< 0: so that the body has a diagonal of 0.15 m
-    double time_limit_seconds = 600;      ///< of a bake
+    std::vector<double> milliseconds{1};            ///< lengths of a step
+    std::vector<std::string> solvers{"multigrid"};  ///< multigrid, factors
+    std::vector<std::uint32_t> strides;             ///< of coarse states that are shown on all samples; empty: none
+    std::size_t steps = 500;                        ///< timed, of each setting
+    double metres_per_unit = 0;                     ///< 0: so that the body has a diagonal of 0.15 m
+    double time_limit_seconds = 600;                ///< of a bake
 };
 
 /// A body that refuses physics is a row that says why. @throws model::Error kInterrupted; exceptions of bakes and reads

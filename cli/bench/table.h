@@ -55,7 +55,7 @@ struct Table {
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
 struct Run {
-    std::string command;  ///< "bake", "run", "physics", "stability", "scale"
+    std::string command;  ///< "bake", "run", "physics", "cloth", "stability", "scale"
     Pairs machine, settings;
     std::vector<Table> tables;
     std::vector<std::string> findings;    ///< in words: recommendations, where methods fail, exponents

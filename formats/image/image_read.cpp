@@ -56,8 +56,8 @@ void refuse_16_bit_pnm(const EncodedImage& image, const fs::path& path) {
         throw model::Error(codes::kImageUnreadable, "a PGM or PPM picture of 16 bits: store it as PNG", path.string());
 }
 
-/// More than any format packs into a byte: PNG 8 x 1032 (deflate's longest match, of one-bit pixels), GIF 2730, JPEG 512.
-/// So a few bytes that promise a picture of gigabytes take no memory.
+/// More than any format packs into a byte: PNG 8 x 1032 (deflate's longest match, of one-bit pixels), GIF 2730, JPEG
+/// 512. So a few bytes that promise a picture of gigabytes take no memory.
 constexpr std::uint64_t kMostPixelsPerByte = 16384;
 
 void refuse_empty_promises(const EncodedImage& image, const fs::path& path) {

@@ -1,29 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/model/half.h
-// IEEE 754 binary16, by the compiler's own type (round to nearest even).
+// IEEE 754 binary16 by integers: the types that compilers have for it call functions that some of them lack.
 #pragma once
+#include <bit>
 #include <cstdint>
-#include <cstring>
 
 namespace dgm::model {
 
-#if (defined(__clang__) && __clang_major__ < 15) || (defined(__aarch64__) && !defined(__clang__) && __GNUC__ < 13)
-using Half = __fp16;  // they have _Float16 on fewer processors, or in C alone; converts alike
-#else
-__extension__ using Half = _Float16;
-#endif
+inline constexpr std::uint32_t kHalfSign = 0x8000, kHalfInfinity = 0x7C00, kHalfQuiet = 0x0200;
+inline constexpr std::uint32_t kHalfRebias = (127 - 15) << 23;  // of exponents, in the bits of a float
 
-// By memcpy: __fp16 cannot be passed to std::bit_cast.
+/// Rounds to nearest, ties to even; from 65520 on to infinity. What is not a number stays so and becomes quiet.
 [[nodiscard]] inline std::uint16_t half_bits(float value) {
-    const Half half = static_cast<Half>(value);
-    std::uint16_t bits;
-    std::memcpy(&bits, &half, sizeof bits);
-    return bits;
+    constexpr std::uint32_t kFloatInfinity = 0x7F800000, kOverflow = 0x477FF000, kLeastNormal = 0x38800000;
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    const std::uint32_t sign = bits >> 16 & kHalfSign, size = bits & ~(kHalfSign << 16);
+    const auto made = [&](std::uint32_t half) { return static_cast<std::uint16_t>(sign | half); };
+    if (size > kFloatInfinity) return made(kHalfInfinity | kHalfQuiet | (size >> 13 & 0x3FF));
+    if (size >= kOverflow) return made(kHalfInfinity);
+    if (size < kLeastNormal) {  // floats from 0.5 to 1 lie as far apart as the least halves: the sum is rounded alike
+        const float sum = std::bit_cast<float>(size) + 0.5f;
+        return made(std::bit_cast<std::uint32_t>(sum) - std::bit_cast<std::uint32_t>(0.5f));
+    }
+    return made((size - kHalfRebias + 0xFFF + (size >> 13 & 1)) >> 13);
 }
+
+/// Exact. What is not a number keeps its bits and becomes quiet.
 [[nodiscard]] inline float half_value(std::uint16_t bits) {
-    Half half;
-    std::memcpy(&half, &bits, sizeof half);
-    return static_cast<float>(half);
+    constexpr float kLeast = 0x1p-24f;
+    const std::uint32_t sign = (bits & kHalfSign) << 16, size = bits & ~kHalfSign;
+    const auto made = [&](std::uint32_t magnitude) { return std::bit_cast<float>(sign | magnitude); };
+    if (size > kHalfInfinity) return made(0x7F800000 | (size | kHalfQuiet) << 13);
+    if (size == kHalfInfinity) return made(0x7F800000);
+    if (size < 0x400) return made(std::bit_cast<std::uint32_t>(static_cast<float>(size) * kLeast));
+    return made((size << 13) + kHalfRebias);
 }
 
 inline constexpr double kHalfMax = 65504.0;

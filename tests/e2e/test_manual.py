@@ -19,7 +19,7 @@ PAGE_SECTIONS = ["EXAMPLES", "FILES", "ENVIRONMENT", "EXIT STATUS", "SEE ALSO"]
 READS_SCENES = ("dgm-bake", "dgm-info")
 COLUMNS = 100
 REPOSITORY = Path(__file__).resolve().parents[2]
-COMMANDS = {"dgm-bench": ("bake", "run", "physics", "stability", "scale")}
+COMMANDS = {"dgm-bench": ("bake", "run", "physics", "cloth", "stability", "scale")}
 
 
 class Manual(support.Folder):

@@ -90,6 +90,18 @@ void settle(FitState& fit, const Plan& plan, FitReport& report) {
     fit.matches.update(false);
 }
 
+/// @param guarded  corners of faces that it inverts go back
+/// @return  false if that does not do
+bool lower_mean_once(FitState& fit, bool guarded) {
+    std::vector<std::uint32_t> left;
+    if (guarded) left = fit.inverted.doubtful_faces(fit.matches, kEndUpright);
+    const std::vector<Vec3d> before = fit.grid.surface.positions;
+    fit.step(false);
+    fit.matches.update(false);
+    if (!guarded) return true;
+    return fit.take_back(before, [&] { return without(fit.inverted.doubtful_faces(fit.matches, kEndUpright), left); });
+}
+
 /// The rounds for the mean error. The grid lies in the best state afterwards.
 void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     const FitOptions& options = plan.options;
@@ -102,9 +114,7 @@ void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     for (int round = 0; round < options.rounds && gained + gained_before > kGainOfRounds && !fit.is_spent(); ++round) {
         plan.begin_round(round);
         if (options.split_quads && round % 2 == 0) fit.split_quads();
-        fit.step(false);
-        fit.matches.update(false);
-        kept = fit.matches.rms < fit.kept.rms;
+        kept = lower_mean_once(fit, options.guarded) && fit.matches.rms < fit.kept.rms;
         gained_before = gained;
         gained = std::max(0.0, 1 - fit.matches.rms / fit.kept.rms);
         if (!kept) {
@@ -121,6 +131,10 @@ void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
 
 /// The rounds for the mean error, then those for the largest.
 void run_rounds(FitState& fit, LocalRepair& repair, const Plan& plan, FitReport& report) {
+    if (plan.options.guarded) {
+        fit.keep();
+        repair.repair();
+    }
     lower_mean(fit, plan, report);
     if (plan.options.worst_rounds <= 0 || fit.is_spent()) return;
     repair.repair();
@@ -205,6 +219,11 @@ FitOptions best_fit() {
     return o;
 }
 
+FitOptions guarded(FitOptions options) {
+    options.guarded = true;
+    return options;
+}
+
 FitOptions firm(FitOptions options) {
     options.hold = kFirm;
     options.rounds /= 2;
@@ -236,6 +255,7 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
     plan.begin_round(options.rounds + options.worst_rounds);
     repair.repair();
     repair.repair_nearly();
+    repair.repair_at_a_price();
     if (options.on_lattice) put_on_lattice(fit);
     write_chart(fit);
     report.looked = fit.matches.looked();

@@ -36,6 +36,7 @@ struct FitOptions {
     int worst_rounds = 0;          ///< further rounds that weigh points by their error, to lower the maximum
     double worst_price_db = 0.2;   ///< loss of PSNR that those may cause
     bool split_quads = true;       ///< choose diagonals by the error
+    bool guarded = false;          ///< repair first, and undo each round where it inverts faces
     bool on_lattice = false;       ///< leave the grid's samples on the places that u16 positions have
     std::uint64_t most_looks = 0;  ///< faces that walks may look at before the fit ends; 0: most_looks_of()
     double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes 200,000 at most
@@ -46,6 +47,8 @@ struct FitOptions {
 [[nodiscard]] FitOptions best_fit();
 /// The same with samples that are held firmly, in fewer rounds.
 [[nodiscard]] FitOptions firm(FitOptions options);
+/// The same with rounds that invert no face.
+[[nodiscard]] FitOptions guarded(FitOptions options);
 /// Counted work, so that a fit ends alike everywhere: some times what ordinary charts take.
 [[nodiscard]] std::uint64_t most_looks_of(std::size_t samples);
 

@@ -16,9 +16,23 @@ namespace {
 
 constexpr double kSearchPrice = 1.5;       // in rms, of fewer inverted faces
 constexpr double kRoundingPrice = 1.03;    // in rms, of faces that rounding may invert
+constexpr double kLastPrice = 1.25;        // in rms, of fewer inverted faces when all else has failed: 2 dB
+constexpr double kLastLargest = 1.5;       // in the largest error, likewise
 constexpr double kRefitLargest = 1.02;     // largest error after refitting over before, where it is held ...
 constexpr double kRefitLargestFree = 1.3;  // ... and where it is not
 constexpr double kRefitGain = 2e-3;        // in rms, of two rounds, to go on
+
+/// Some seconds. Over walls thinner than a cell a face is upright once its middle is nearer to the wall that it stands
+/// for.
+SearchEffort long_search(double rms) {
+    // In rms, so that what is tried for one face costs no more than many others have.
+    constexpr double kUnit = 10, kLeastUnit = 1e-6;
+    SearchEffort out;
+    out.most_tries = 400'000;
+    out.unit = std::max(kUnit * rms, kLeastUnit);
+    out.lift = 0.5;
+    return out;
+}
 
 /// Members of either of two ascending lists.
 std::vector<std::uint32_t> joined(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
@@ -55,6 +69,25 @@ void LocalRepair::repair_nearly() {
     repair();
     if (fit_.kept.rms <= kRoundingPrice * before.rms || fit_.inverted.faces().size() < inverted) return;
     fit_.go_back_to(before);
+}
+
+void LocalRepair::repair_at_a_price() {
+    constexpr int kAttempts = 6;
+    nearly_ = true;
+    means_ = Means::kLongSearch;
+    for (int attempt = 0; attempt < kAttempts && !fit_.is_spent(); ++attempt) {
+        const std::size_t inverted = fit_.inverted.faces().size();
+        if (inverted == 0 || inverted > kMostAtAPrice) return;
+        const FitState::Kept before = fit_.kept;
+        patch_effort_ = kPatchEffort;
+        const bool moved = try_means(false);
+        const bool cheap =
+            fit_.kept.rms <= kLastPrice * before.rms && fit_.kept.largest <= kLastLargest * before.largest;
+        if (moved && cheap && fit_.inverted.faces().size() < inverted) continue;
+        if (moved) fit_.go_back_to(before);
+        if (means_ == Means::kDearPlaces) return;
+        means_ = means_ == Means::kLongSearch ? Means::kDearPatches : Means::kDearPlaces;
+    }
 }
 
 /// Walks end in local minima; the last faces to repair are those that the measure finds. The samples that had to move
@@ -102,11 +135,29 @@ bool LocalRepair::move_vertices() {
 /// @return  true if a sample moved
 bool LocalRepair::move_patches() {
     const std::vector<std::uint32_t> left = inverted_now();
-    if (left.empty() || !repair_by_patch(fit_.source, fit_.inverted.source_index(), fit_.upward, fit_.grid,
-                                         fit_.matches, fit_.fixed, left, patch_effort_))
+    if (left.empty() ||
+        !repair_by_patch(fit_.source, fit_.inverted.source_index(), fit_.upward, fit_.grid, fit_.matches, fit_.fixed,
+                         left, patch_effort_, is_at_a_price() ? kAnyPatch : PatchAllowance{}))
         return false;
     fit_.matches.update(false);
     return true;
+}
+
+/// The classes on the border; at a price only those that are no corners of inverted faces. The ears of a jagged border
+/// have no others.
+std::vector<char> LocalRepair::held_while_searching(const std::vector<std::uint32_t>& left) const {
+    std::vector<char> out = fit_.fixed;
+    if (is_at_a_price())
+        for (const std::uint32_t f : left)
+            for (const std::uint32_t c : fit_.grid.surface.faces[f]) out[c] = 0;
+    return out;
+}
+
+SearchEffort LocalRepair::search_effort() const {
+    if (!is_at_a_price()) return {};
+    SearchEffort out = long_search(fit_.kept.rms);
+    if (means_ == Means::kDearPlaces) out.unit = SearchEffort{}.unit;
+    return out;
 }
 
 /// Undone where it repairs no face, or makes the others pay too much for it.
@@ -114,10 +165,12 @@ bool LocalRepair::move_patches() {
 bool LocalRepair::search_places(const std::vector<std::uint32_t>& left) {
     const std::vector<Vec3d> positions = fit_.grid.surface.positions;
     const std::vector<std::uint8_t> diagonals = fit_.chart.diagonals;
-    if (!repair_by_search(fit_.source, fit_.inverted.source_index(), fit_.grid, fit_.matches, fit_.fixed, left))
+    if (!repair_by_search(fit_.source, fit_.inverted.source_index(), fit_.grid, fit_.matches,
+                          held_while_searching(left), left, search_effort()))
         return false;
     if (!fit_.flip_quads(inverted_now(), true)) fit_.matches.update(false);
-    if (inverted_now().size() < left.size() && fit_.matches.rms <= kSearchPrice * fit_.kept.rms) return true;
+    const bool cheap = is_at_a_price() || fit_.matches.rms <= kSearchPrice * fit_.kept.rms;
+    if (cheap && inverted_now().size() < left.size()) return true;
     fit_.grid.surface.positions = positions;
     fit_.chart.diagonals = diagonals;
     fit_.relink();
@@ -128,7 +181,7 @@ bool LocalRepair::search_places(const std::vector<std::uint32_t>& left) {
 /// Fits the neighbourhood of the classes that moved, while all others are held. Faces that invert again in a round have
 /// theirs held in the next.
 void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_moved) {
-    const int rounds = patches_moved ? 8 : fit_.holds_largest ? 6 : 2;
+    const int rounds = patches_moved || is_at_a_price() ? 8 : fit_.holds_largest ? 6 : 2;
     const Region near = around_moved(fit_.grid, before);
     std::vector<Freedom> freedom(before.size(), Freedom::kHeld);
     for (std::size_t c = 0; c < freedom.size(); ++c)
@@ -155,6 +208,8 @@ void LocalRepair::refit_around(const std::vector<Vec3d>& before, bool patches_mo
             fit_.grid.surface.update_normals();
             fit_.matches.update(fit_.holds_largest, near.faces);
         }
+        // What has inverted is held in the next round.
+        if (!sound && is_at_a_price()) gained = 2 * kRefitGain;
         for (std::size_t c = 0; c < held.size(); ++c)
             if (held[c]) freedom[c] = Freedom::kHeld;
     }

@@ -9,8 +9,12 @@
 #include <vector>
 
 #include "geometry/fit/fit_state.h"
+#include "geometry/fit/search_repair.h"
 
 namespace dgm::bake {
+
+/// More inverted faces mean that the source has no distinct sides: what repairs them one by one takes long and fails.
+inline constexpr std::size_t kMostAtAPrice = 100;
 
 /// Sampling and fitting leave a few inverted faces. The cheapest means come first: samples one by one
 /// (vertex_repair.h), then patches (patch_repair.h) and a search (search_repair.h), as the measure of inverted faces
@@ -25,19 +29,33 @@ class LocalRepair {
     /// The same with faces that rounding may invert. Call it last: it costs some accuracy, and rounding may invert
     /// none.
     void repair_nearly();
+    /// The last resort, where faces are inverted still: a long search in which samples may leave the source, on the
+    /// border too, then patches that may cost what they like until the faces around them are fitted again. Fewer
+    /// inverted faces may raise the error by 2 dB. If that does not do, or if there are more than kMostAtAPrice of
+    /// them, all stays as it was.
+    void repair_at_a_price();
 
  private:
+    static constexpr std::size_t kPatchEffort = 500'000;  // samples that may be moved: some seconds at most
+
+    /// The last three at a price, each dearer than the one before.
+    enum class Means { kCheap, kLongSearch, kDearPatches, kDearPlaces };
+
+    [[nodiscard]] bool is_at_a_price() const { return means_ != Means::kCheap; }
+    [[nodiscard]] SearchEffort search_effort() const;
     [[nodiscard]] std::vector<std::uint32_t> inverted_now() { return fit_.inverted.faces({}, nearly_); }
     bool try_means(bool all_means);
     bool move_vertices();
     bool move_patches();
     bool search_places(const std::vector<std::uint32_t>& left);
+    [[nodiscard]] std::vector<char> held_while_searching(const std::vector<std::uint32_t>& left) const;
     void refit_around(const std::vector<Vec3d>& before, bool patches_moved);
 
     FitState& fit_;
     std::optional<std::vector<std::uint32_t>> unrepaired_;  // inverted faces that the last repair has left
-    std::size_t patch_effort_ = 500'000;                    // samples that may be moved yet: some seconds at most
-    bool nearly_ = false;                                   // repairs faces that rounding may invert, too
+    std::size_t patch_effort_ = kPatchEffort;
+    Means means_ = Means::kCheap;
+    bool nearly_ = false;  // repairs faces that rounding may invert, too
 };
 
 }  // namespace dgm::bake

@@ -22,8 +22,6 @@ constexpr double kUpright = 0.15;  // area over that of its shape from which a f
 constexpr double kLeastEpsilon = 1e-3, kEpsilonShare = 0.2;
 constexpr double kThinnest = 0.1;  // of a shape that a face is held to: its height over its longest edge
 constexpr double kSettled = 1e-3;  // of an edge: a sweep that moves none further is the last
-constexpr double kLimit = 1.3;     // largest distance of a patch that lies flat, over the largest of all
-constexpr double kPrice = 0.1;     // most that patches add to the squared distances, of their sum
 constexpr double kProbe = 1e-3;    // of an edge: step of the differences
 
 /// The shape of a face by the products of its edges from its first corner.
@@ -94,7 +92,8 @@ std::size_t inverted_among(const LinkedSurface& grid, const ClosestPointIndex& i
 class PatchRepair {
  public:
     PatchRepair(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
-                WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::size_t& effort)
+                WeldedGrid& grid, Matches& matches, std::span<const char> fixed, std::size_t& effort,
+                const PatchAllowance& allowance)
         : source_(source),
           index_(index),
           upward_(upward),
@@ -109,9 +108,9 @@ class PatchRepair {
           point_(matches.points.size()) {
         for (const Match& m : matches.points) {
             ++first_point_[m.hit.face + 1];
-            purse_ += kPrice * m.hit.squared;
+            purse_ += allowance.squares * m.hit.squared;
         }
-        limit_ = kLimit * kLimit * (matches.largest * matches.largest);
+        limit_ = allowance.largest * allowance.largest * (matches.largest * matches.largest);
         for (std::size_t f = 0; f < grid_.faces.size(); ++f) first_point_[f + 1] += first_point_[f];
         std::vector<std::uint32_t> next(first_point_.begin(), first_point_.end() - 1);
         for (std::uint32_t k = 0; k < point_.size(); ++k) point_[next[matches.points[k].hit.face]++] = k;
@@ -340,9 +339,9 @@ class PatchRepair {
 
 bool repair_by_patch(const LinkedSurface& source, const ClosestPointIndex& index, std::span<const Vec3d> upward,
                      WeldedGrid& grid, Matches& matches, std::span<const char> fixed,
-                     std::span<const std::uint32_t> inverted, std::size_t& effort) {
+                     std::span<const std::uint32_t> inverted, std::size_t& effort, const PatchAllowance& allowance) {
     if (inverted.size() > kMostFaces) return false;
-    return PatchRepair(source, index, upward, grid, matches, fixed, effort).run(inverted);
+    return PatchRepair(source, index, upward, grid, matches, fixed, effort, allowance).run(inverted);
 }
 
 }  // namespace dgm::bake

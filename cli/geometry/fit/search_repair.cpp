@@ -19,28 +19,50 @@ namespace dgm::bake {
 namespace {
 
 constexpr int kPasses = 10, kPlainPasses = 3;
-constexpr int kTries = 120, kHeatedTries = 3000;  // places an inverted face, in one pass
-constexpr double kHeat = 0.4;                     // price that a try may cost when an annealing begins
-constexpr std::size_t kMostTries = 40'000;        // in one call: some tenths of a second
+constexpr std::array<double, kPlainPasses> kLiftShares{0.1, 0.3, 1};  // of the most, by pass
+constexpr int kTries = 120, kHeatedTries = 3000;                      // places an inverted face, in one pass
+constexpr double kHeat = 0.4;             // price that a try may cost when an annealing begins
 constexpr std::size_t kMostFaces = 1000;  // with more, the source has no distinct sides (slivers, folds onto itself)
 constexpr double kInverted = 2;           // price of an inverted face, more the further it is inverted
 constexpr double kWanted = 0.15;          // cosine from which a face counts as upright
-constexpr double kOff = 0.5;              // price of a face whose middle is a spacing away from the source
-constexpr double kCover = 3;              // price of a source vertex a spacing away from the faces that covered it
+constexpr double kOff = 0.5;              // price of a face whose middle is a unit away from the source
+constexpr double kCover = 3;              // price of a source vertex a unit away from the faces that covered it
 constexpr double kThinnest = 0.01, kThin = 0.2;  // twice the area over the longest edge squared, and its price
 constexpr double kLeastGain = 1e-4;
+
+/// Source vertices by the face of the grid that they lie over.
+using Covered = std::unordered_map<std::uint32_t, std::vector<Vec3d>>;
+
+/// Squared distance of the source vertex farthest from faces that cover it, among those over `faces`.
+double uncovered(const LinkedSurface& grid, const Covered& covered, std::span<const std::uint32_t> faces) {
+    double farthest = 0;
+    std::array<double, 3> ignored;
+    for (const std::uint32_t f : faces) {
+        const auto here = covered.find(f);
+        if (here == covered.end()) continue;
+        for (const Vec3d& p : here->second) {
+            double least = kInfinity;
+            for (const std::uint32_t g : faces)
+                least = std::min(least, closest_on_triangle(p, grid.corners(g), ignored));
+            farthest = std::max(farthest, least);
+        }
+    }
+    return farthest;
+}
 
 class SearchRepair {
  public:
     SearchRepair(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
-                 std::span<const char> fixed)
+                 std::span<const char> fixed, const SearchEffort& effort)
         : source_(source),
           index_(index),
           grid_(grid.surface),
           matches_(matches),
           fixed_(fixed),
+          effort_(effort),
           rings_(grid.rings()),
           squared_spacing_(surface_area(source) / static_cast<double>(grid.surface.positions.size())),
+          squared_unit_(std::min(squared_spacing_, effort.unit * effort.unit)),
           price_(grid_.faces.size(), {std::numeric_limits<double>::quiet_NaN(), false}) {
         for (std::size_t k = matches.area_points; k < matches.points.size(); ++k)
             covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
@@ -50,6 +72,7 @@ class SearchRepair {
         std::vector<std::uint32_t> left(inverted.begin(), inverted.end());
         bool moved = false;
         for (int pass = 0; pass < kPasses && !left.empty() && has_effort(); ++pass) {
+            lift_ = effort_.lift * kLiftShares[static_cast<std::size_t>(std::min(pass, kPlainPasses - 1))];
             reached_.clear();
             for (const std::uint32_t f : left) moved = (pass < kPlainPasses ? mend(f) : anneal(f)) || moved;
             left.insert(left.end(), reached_.begin(), reached_.end());
@@ -63,7 +86,9 @@ class SearchRepair {
     [[nodiscard]] std::uint64_t looked() const { return looked_; }
 
  private:
-    [[nodiscard]] bool has_effort() const { return tries_ < kMostTries && looked_ < Matches::kMostLooksOfRepair; }
+    [[nodiscard]] bool has_effort() const {
+        return tries_ < effort_.most_tries && looked_ < Matches::kMostLooksOfRepair;
+    }
 
     struct Price {
         double value;
@@ -101,29 +126,12 @@ class SearchRepair {
         const double thin = length(area) / (longest * longest);
         return {(inverted ? kInverted - cosine : std::max(0.0, kWanted - std::max(cosine, 0.0))) +
                     kThin * std::max(0.0, 1 - thin / kThinnest) +
-                    kOff * std::min(4.0, any.distance * any.distance / squared_spacing_),
+                    kOff * std::min(4.0, any.distance * any.distance / squared_unit_),
                 inverted};
     }
 
-    /// Squared distance of the source vertex farthest from faces that cover it, among those over `faces`.
-    [[nodiscard]] double uncovered(std::span<const std::uint32_t> faces) const {
-        double farthest = 0;
-        std::array<double, 3> ignored;
-        for (const std::uint32_t f : faces) {
-            const auto here = covered_.find(f);
-            if (here == covered_.end()) continue;
-            for (const Vec3d& p : here->second) {
-                double least = kInfinity;
-                for (const std::uint32_t g : faces)
-                    least = std::min(least, closest_on_triangle(p, grid_.corners(g), ignored));
-                farthest = std::max(farthest, least);
-            }
-        }
-        return farthest;
-    }
-
     [[nodiscard]] double total(std::span<const std::uint32_t> faces) {
-        double sum = kCover * uncovered(faces) / squared_spacing_;
+        double sum = kCover * uncovered(grid_, covered_, faces) / squared_unit_;
         for (const std::uint32_t f : faces) sum += judge(f).value;
         return sum;
     }
@@ -138,8 +146,19 @@ class SearchRepair {
         SurfaceHit hit;
     };
 
+    /// Above the place of class c, to the side that one of its faces looks to; nearer places more often.
+    [[nodiscard]] Place place_above(std::uint32_t c) {
+        const auto q = grid_.corners(ring(c)[below(ring(c).size())]);
+        const Vec3d up = normalized(cross(q[1] - q[0], q[2] - q[0]), Vec3d{});
+        const double share = uniform(), way = lift_ * std::sqrt(squared_spacing_) * (share * share);
+        const Vec3d to = grid_.positions[c] + up * way;
+        return {to, walk_to_closest(source_, to, matches_.classes[c].hit.face, &looked_)};
+    }
+
     /// Some place about class c, as far as the rim of its ring and a little beyond, on the source or on the grid.
     [[nodiscard]] Place place_about(std::uint32_t c) {
+        constexpr std::uint32_t kLifted = 3;  // one try in so many
+        if (effort_.lift > 0 && below(kLifted) == 0) return place_above(c);
         constexpr double kBeyond = 1.3;
         const auto q = grid_.corners(ring(c)[below(ring(c).size())]);
         double a = uniform(), b = uniform();
@@ -258,11 +277,14 @@ class SearchRepair {
     LinkedSurface& grid_;
     Matches& matches_;
     std::span<const char> fixed_;
+    SearchEffort effort_;
+    double lift_ = 0;  // in this pass
     WeldedGrid::Rings rings_;
     double squared_spacing_;
-    std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
-    std::vector<Price> price_;                                       // per face; NaN: not known
-    std::mt19937 random_{1};                                         // the same places each time
+    double squared_unit_;  // of the distances that are paid for
+    Covered covered_;
+    std::vector<Price> price_;  // per face; NaN: not known
+    std::mt19937 random_{1};    // the same places each time
     std::vector<std::uint32_t> affected_, reached_;
     std::vector<Price> known_;
     struct Step {
@@ -278,9 +300,10 @@ class SearchRepair {
 }  // namespace
 
 bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
-                      std::span<const char> fixed, std::span<const std::uint32_t> inverted) {
+                      std::span<const char> fixed, std::span<const std::uint32_t> inverted,
+                      const SearchEffort& effort) {
     if (inverted.size() > kMostFaces) return false;
-    SearchRepair repair(source, index, grid, matches, fixed);
+    SearchRepair repair(source, index, grid, matches, fixed, effort);
     const bool moved = repair.run(inverted);
     matches.count_looks(repair.looked());
     return moved;

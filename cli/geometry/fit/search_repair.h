@@ -2,11 +2,18 @@
 // cli/geometry/fit/search_repair.h
 // Repairs inverted faces by trying one or two samples at many places, judged by the measure itself.
 #pragma once
+#include <cstddef>
 #include <span>
 
 #include "geometry/fit/matches.h"
 
 namespace dgm::bake {
+
+struct SearchEffort {
+    std::size_t most_tries = 40'000;  ///< in one call: some tenths of a second
+    double unit = 1;  ///< distance from the source that costs a share of an inverted face, a spacing at most
+    double lift = 0;  ///< spacings of the grid by which samples may leave the source, to the side of their faces
+};
 
 /// Where `repair_by_vertex` makes no progress, because no single sample's step helps or because a walk along the source
 /// ends on the wrong sheet: samples of each inverted face and of the faces around it, alone and by twos, are tried at
@@ -16,6 +23,7 @@ namespace dgm::bake {
 /// @param index  of the source
 /// @return  true if a sample moved
 bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
-                      std::span<const char> fixed, std::span<const std::uint32_t> inverted);
+                      std::span<const char> fixed, std::span<const std::uint32_t> inverted,
+                      const SearchEffort& effort = {});
 
 }  // namespace dgm::bake

@@ -37,6 +37,8 @@ typedef struct dgm_physics_options {
     uint64_t max_bytes;     /* DGM_LIMIT_EXCEEDED if more memory is needed. 0: no limit */
     uint32_t free_volume;   /* 1: closed surfaces may change their volume */
     uint32_t plain_loops;   /* 1: no vector instructions beyond the baseline of the platform; same bits */
+    uint32_t solver;        /* 0: multigrid; 1: factors, for at most 129 x 129 samples, see physics.h */
+    uint32_t reserved;      /* 0 */
 } dgm_physics_options;
 
 /* A sample that is held at a place. */
@@ -117,6 +119,74 @@ DGM_PHYSICS_API void dgm_detail_destroy(dgm_detail* detail);
  * states, by their sizes). */
 DGM_PHYSICS_API dgm_code dgm_detail_show(dgm_detail* detail, const dgm_state* coarse, dgm_state* fine,
                                          dgm_error* error);
+
+/* Local compliances: how the body gives way near its tools, from the thread of the physics to a haptic loop. */
+typedef struct dgm_compliance dgm_compliance;
+/* What one haptic thread has of them. */
+typedef struct dgm_compliance_reader dgm_compliance_reader;
+
+/* Sizes and limits of a dgm_compliance. */
+typedef struct dgm_compliance_options {
+    uint32_t struct_size;
+    uint32_t tools;     /* 1 .. 8: tools with smaller numbers are published. 0: 1 */
+    uint32_t columns;   /* 1 .. 32: forces on a body by a tool; more samples in touch share them. 0: 16 */
+    uint32_t cycles;    /* conjugate gradients of a known column, 1 .. 1000. 0: 2 */
+    uint32_t renewed;   /* known columns of a tool computed in a frame, oldest first. 0: 4 */
+    uint64_t max_bytes; /* DGM_LIMIT_EXCEEDED if more memory is needed. 0: no limit */
+} dgm_compliance_options;
+
+/* What dgm_compliance_publish() did. */
+typedef struct dgm_compliance_report {
+    uint32_t struct_size;
+    uint32_t columns;  /* that were computed */
+    uint32_t samples;  /* near the tools */
+    uint32_t left_out; /* samples in touch that found no place: forces are too small then */
+    uint64_t frame;    /* counts publications from 1 */
+} dgm_compliance_report;
+
+/* How a reader works. */
+typedef struct dgm_compliance_reader_options {
+    uint32_t struct_size;
+    uint32_t fade; /* ticks over which a jump of the force between two frames is spread, 0 .. 1000 */
+    float damper;  /* N s/m, 0 .. 1e6: most damping while the body has given more energy than it got. 0: none */
+    float tick;    /* seconds from tick to tick, 1e-5 .. 1. 0: 1e-3 */
+} dgm_compliance_reader_options;
+
+/* Answer of dgm_compliance_tick() to a tool. */
+typedef struct dgm_compliance_answer {
+    uint32_t struct_size;
+    uint32_t contacts; /* columns that press; of a grasp 1 */
+    float force[3];    /* N, on the tool */
+    uint64_t frame;    /* by which it was answered; 0: nothing has been published */
+} dgm_compliance_answer;
+
+/* Makes memory for the compliances of `physics`, made of `state`. `options` and `allocator` may be NULL. The handle
+ * goes to `compliance`. DGM_BAD_ARGUMENT, DGM_LIMIT_EXCEEDED, DGM_OUT_OF_MEMORY. */
+DGM_PHYSICS_API dgm_code dgm_compliance_create(const dgm_state* state, const dgm_physics* physics,
+                                               const dgm_compliance_options* options, const dgm_allocator* allocator,
+                                               dgm_compliance** compliance, dgm_error* error);
+/* Releases the memory. No reader may be used any more. */
+DGM_PHYSICS_API void dgm_compliance_destroy(dgm_compliance* compliance);
+/* Publishes how the body answers each tool in its next step. Call it after dgm_physics_step(), in the same thread, with
+ * the options of the next step and the tools where they are; `report` may be NULL. No bit of `state` and of what
+ * `physics` goes on with changes. Readers are not waited for. No allocation.
+ * DGM_BAD_ARGUMENT, DGM_UNSUPPORTED, DGM_LIMIT_EXCEEDED: nothing has been published then. */
+DGM_PHYSICS_API dgm_code dgm_compliance_publish(dgm_compliance* compliance, const dgm_state* state,
+                                                dgm_physics* physics, const dgm_step_options* options,
+                                                const dgm_tool_input* tools, size_t tool_count,
+                                                dgm_compliance_report* report, dgm_error* error);
+/* Makes a reader for one haptic thread, which must not outlive `compliance`. `options` and `allocator` may be NULL. The
+ * handle goes to `reader`. DGM_BAD_ARGUMENT, DGM_OUT_OF_MEMORY. */
+DGM_PHYSICS_API dgm_code dgm_compliance_reader_create(const dgm_compliance* compliance,
+                                                      const dgm_compliance_reader_options* options,
+                                                      const dgm_allocator* allocator, dgm_compliance_reader** reader,
+                                                      dgm_error* error);
+/* Releases the memory. */
+DGM_PHYSICS_API void dgm_compliance_reader_destroy(dgm_compliance_reader* reader);
+/* Answers the forces of tools where they are now, by the newest frame: at most 64 of them. `tools` and `answers` are
+ * arrays of tool_count elements. No allocation, no locks, no waiting. DGM_BAD_ARGUMENT, DGM_LIMIT_EXCEEDED. */
+DGM_PHYSICS_API dgm_code dgm_compliance_tick(dgm_compliance_reader* reader, const dgm_tool_input* tools,
+                                             size_t tool_count, dgm_compliance_answer* answers, dgm_error* error);
 
 #ifdef __cplusplus
 }

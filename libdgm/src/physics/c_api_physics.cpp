@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/physics/c_api_physics.cpp
 // dgm_physics.h on top of physics.h.
+#include <dgm/compliance.h>
 #include <dgm/dgm_physics.h>
 #include <dgm/physics.h>
 
@@ -11,6 +12,14 @@ struct dgm_physics : dgm::c_api::Held<dgm::Physics> {
 };
 
 struct dgm_detail : dgm::c_api::Held<dgm::Detail> {
+    using Held::Held;
+};
+
+struct dgm_compliance : dgm::c_api::Held<dgm::Compliance> {
+    using Held::Held;
+};
+
+struct dgm_compliance_reader : dgm::c_api::Held<dgm::ComplianceReader> {
     using Held::Held;
 };
 
@@ -55,6 +64,15 @@ Result<dgm::StepOptions> step_options(const dgm_step_options* from, Scene& scene
     options.pins = {scene.pins, o.pin_count};
     return options;
 }
+
+Result<void> read_tools(const dgm_tool_input* tools, std::size_t count, dgm::ToolInput* in) noexcept {
+    if (tools == nullptr && count != 0) return kNull;
+    if (count > kMaxScene)
+        return dgm::Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"};
+    return get_each(tools, count, [&](std::size_t k, const dgm_tool_input& t) {
+        in[k] = {t.tool, static_cast<dgm::ToolKind>(t.kind), vec(t.position), t.lifted == 0};
+    });
+}
 }  // namespace
 
 extern "C" {
@@ -75,6 +93,7 @@ dgm_code dgm_physics_create(const dgm_state* state, const dgm_physics_options* o
     if (o.max_bytes != 0) to.max_bytes = o.max_bytes;
     to.keep_volume = o.free_volume == 0;
     to.plain_loops = o.plain_loops != 0;
+    to.solver = o.solver > 1 ? dgm::Solver{2} : dgm::Solver{static_cast<std::uint8_t>(o.solver)};
     to.allocator = a.value();
     return hand_out(dgm::Physics::create(state->value, to), a.value(), physics, error);
 }
@@ -92,18 +111,13 @@ void dgm_physics_reset(dgm_physics* physics) {
 dgm_code dgm_physics_step(dgm_state* state, dgm_physics* physics, const dgm_step_options* options,
                           const dgm_tool_input* tools, size_t tool_count, dgm_step_tool* answers,
                           dgm_step_report* report, dgm_error* error) {
-    if (state == nullptr || physics == nullptr || (tools == nullptr && tool_count != 0)) return finish(kNull, error);
-    if (tool_count > kMaxScene)
-        return finish({ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"}, error);
+    if (state == nullptr || physics == nullptr) return finish(kNull, error);
+    dgm::ToolInput in[kMaxScene];
+    if (auto r = read_tools(tools, tool_count, in); !r) return finish(r.error(), error);
     Scene scene;
     auto o = step_options(options, scene);
     if (!o) return finish(o.error(), error);
-    dgm::ToolInput in[kMaxScene];
     dgm::StepTool out[kMaxScene];
-    const auto read = get_each(tools, tool_count, [&](std::size_t k, const dgm_tool_input& t) {
-        in[k] = {t.tool, static_cast<dgm::ToolKind>(t.kind), vec(t.position), t.lifted == 0};
-    });
-    if (!read) return finish(read.error(), error);
     auto done = dgm::step(state->value, physics->value, o.value(), {in, tool_count}, {out, tool_count});
     if (!done) return finish(done.error(), error);
     for (std::size_t k = 0; answers != nullptr && k < tool_count; ++k) {
@@ -147,6 +161,72 @@ void dgm_detail_destroy(dgm_detail* detail) {
 dgm_code dgm_detail_show(dgm_detail* detail, const dgm_state* coarse, dgm_state* fine, dgm_error* error) {
     if (detail == nullptr || coarse == nullptr || fine == nullptr) return finish(kNull, error);
     return finish(detail->value.show(coarse->value, fine->value).error(), error);
+}
+
+dgm_code dgm_compliance_create(const dgm_state* state, const dgm_physics* physics,
+                               const dgm_compliance_options* options, const dgm_allocator* allocator,
+                               dgm_compliance** compliance, dgm_error* error) {
+    if (state == nullptr || physics == nullptr || compliance == nullptr) return finish(kNull, error);
+    *compliance = nullptr;
+    dgm_compliance_options o;
+    auto a = get(options, o, allocator);
+    if (!a) return finish(a.error(), error);
+    dgm::ComplianceOptions to;
+    if (o.tools != 0) to.tools = o.tools;
+    if (o.columns != 0) to.columns = o.columns;
+    if (o.cycles != 0) to.cycles = o.cycles;
+    if (o.renewed != 0) to.renewed = o.renewed;
+    if (o.max_bytes != 0) to.max_bytes = o.max_bytes;
+    to.allocator = a.value();
+    return hand_out(dgm::Compliance::create(state->value, physics->value, to), a.value(), compliance, error);
+}
+void dgm_compliance_destroy(dgm_compliance* compliance) {
+    dgm::detail::destroy(compliance);
+}
+dgm_code dgm_compliance_publish(dgm_compliance* compliance, const dgm_state* state, dgm_physics* physics,
+                                const dgm_step_options* options, const dgm_tool_input* tools, size_t tool_count,
+                                dgm_compliance_report* report, dgm_error* error) {
+    if (compliance == nullptr || state == nullptr || physics == nullptr) return finish(kNull, error);
+    dgm::ToolInput in[kMaxScene];
+    if (auto r = read_tools(tools, tool_count, in); !r) return finish(r.error(), error);
+    Scene scene;
+    auto o = step_options(options, scene);
+    if (!o) return finish(o.error(), error);
+    const auto done = compliance->value.publish(state->value, physics->value, o.value(), {in, tool_count});
+    if (!done) return finish(done.error(), error);
+    const dgm::ComplianceReport& r = done.value();
+    put(report, dgm_compliance_report{0, r.columns, r.samples, r.left_out, r.frame});
+    return finish({}, error);
+}
+dgm_code dgm_compliance_reader_create(const dgm_compliance* compliance, const dgm_compliance_reader_options* options,
+                                      const dgm_allocator* allocator, dgm_compliance_reader** reader,
+                                      dgm_error* error) {
+    if (compliance == nullptr || reader == nullptr) return finish(kNull, error);
+    *reader = nullptr;
+    dgm_compliance_reader_options o;
+    auto a = get(options, o, allocator);
+    if (!a) return finish(a.error(), error);
+    const dgm::ReaderOptions to{o.fade, o.damper, o.tick == 0 ? 1e-3f : o.tick, a.value()};
+    return hand_out(dgm::ComplianceReader::create(compliance->value, to), a.value(), reader, error);
+}
+void dgm_compliance_reader_destroy(dgm_compliance_reader* reader) {
+    dgm::detail::destroy(reader);
+}
+dgm_code dgm_compliance_tick(dgm_compliance_reader* reader, const dgm_tool_input* tools, size_t tool_count,
+                             dgm_compliance_answer* answers, dgm_error* error) {
+    if (reader == nullptr || (answers == nullptr && tool_count != 0)) return finish(kNull, error);
+    dgm::ToolInput in[kMaxScene];
+    dgm::ComplianceAnswer out[kMaxScene];
+    if (auto r = read_tools(tools, tool_count, in); !r) return finish(r.error(), error);
+    const auto done = dgm::compliance_tick(reader->value, {in, tool_count}, {out, tool_count});
+    for (std::size_t k = 0; done.ok() && k < tool_count; ++k) {
+        dgm_compliance_answer t{};
+        t.contacts = out[k].contacts;
+        t.frame = out[k].frame;
+        store(out[k].force, t.force);
+        put(element(answers, k), t);
+    }
+    return finish(done.error(), error);
 }
 
 }  // extern "C"

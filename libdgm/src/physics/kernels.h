@@ -117,6 +117,16 @@ struct VolumeJob {
     double step;
 };
 
+inline constexpr std::size_t kTileUnknowns = 16, kTileRows = 3 * kTileUnknowns, kSquare = 16;
+/// Solves with block factors, see factor.h.
+struct FactorJob {
+    std::size_t tiles;
+    const std::uint32_t *start, *row;
+    const std::int16_t* value;
+    const float *unit, *inverse;
+    float* x;  ///< right side, then solution
+};
+
 struct Kernels {
     const char* name;
     void (*sweep)(const SweepJob&) noexcept;
@@ -142,6 +152,9 @@ struct Kernels {
     /// gradient = free (gradient + forces). @return twice the inertial, then twice the foundation's energy
     void (*diagonal)(const DiagonalJob& job, double* energies) noexcept;
     double (*volume)(const VolumeJob& job) noexcept;
+    void (*solve)(const FactorJob& job) noexcept;
+    /// Of tiles: to -= a b^T; b may be given transposed.
+    void (*subtract_product)(float* to, const float* a, const float* b) noexcept;
 };
 extern const Kernels kPlainKernels;
 [[nodiscard]] const Kernels& choose_kernels(bool plain) noexcept;

@@ -25,12 +25,20 @@ constexpr int kLanes = 8;
 static DGM_INLINE Floats root(const Floats& v) {
     return static_cast<Floats>(_mm256_sqrt_ps(static_cast<__m256>(v)));
 }
+#define DGM_WIDEN
+static DGM_INLINE Floats widened(const std::int16_t* from) {
+    const __m128i s = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+    return static_cast<Floats>(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(s)));
+}
 #include "physics/kernels_impl.h"
+// Needs the former.
+#include "physics/kernels_factor.h"
 }  // namespace
 
 extern const Kernels kAvx2Kernels;
-const Kernels kAvx2Kernels{"avx2", sweep, near, quads, stretches, twist, bend,  gather,   gather_areas,
-                           add,    weigh, turn, blend, inner,     total, place, diagonal, volume};
+const Kernels kAvx2Kernels{"avx2", sweep,        near,     quads,  stretches, twist,           bend,
+                           gather, gather_areas, add,      weigh,  turn,      blend,           inner,
+                           total,  place,        diagonal, volume, solve,     subtract_product};
 
 }  // namespace dgm::detail::physics
 

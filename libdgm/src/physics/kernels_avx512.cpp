@@ -30,12 +30,20 @@ static DGM_INLINE Floats root(const Floats& v) {
 static DGM_INLINE __m512d eight_doubles(const float* from) {
     return _mm512_maskz_cvtps_pd(0xff, _mm256_loadu_ps(from));  // unmasked, GCC 12 warns of its own header
 }
+#define DGM_WIDEN
+static DGM_INLINE Floats widened(const std::int16_t* from) {
+    const __m256i s = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+    return static_cast<Floats>(_mm512_maskz_cvtepi32_ps(0xffff, _mm512_maskz_cvtepi16_epi32(0xffff, s)));
+}
 #include "physics/kernels_impl.h"
+// Needs the former.
+#include "physics/kernels_factor.h"
 }  // namespace
 
 extern const Kernels kAvx512Kernels;
-const Kernels kAvx512Kernels{"avx512", sweep, near, quads, stretches, twist, bend,  gather,   gather_areas,
-                             add,      weigh, turn, blend, inner,     total, place, diagonal, volume};
+const Kernels kAvx512Kernels{"avx512", sweep,        near,     quads,  stretches, twist,           bend,
+                             gather,   gather_areas, add,      weigh,  turn,      blend,           inner,
+                             total,    place,        diagonal, volume, solve,     subtract_product};
 
 }  // namespace dgm::detail::physics
 

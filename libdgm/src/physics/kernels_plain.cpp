@@ -21,10 +21,16 @@ static DGM_INLINE Floats root(Floats v) {
     return v;
 }
 #include "physics/kernels_impl.h"
+#ifdef DGM_NO_FACTORS
+#define DGM_FACTOR_LOOPS nullptr, nullptr
+#else
+#include "physics/kernels_factor.h"
+#define DGM_FACTOR_LOOPS solve, subtract_product
+#endif
 }  // namespace
 
-const Kernels kPlainKernels{"plain", sweep, near, quads, stretches, twist, bend,  gather,   gather_areas,
-                            add,     weigh, turn, blend, inner,     total, place, diagonal, volume};
+const Kernels kPlainKernels{"plain", sweep, near,  quads, stretches, twist, bend,     gather, gather_areas,    add,
+                            weigh,   turn,  blend, inner, total,     place, diagonal, volume, DGM_FACTOR_LOOPS};
 
 #if DGM_HAS_AVX
 extern const Kernels kAvx2Kernels, kAvx512Kernels;

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::uint32_t kAnew = 4;           ///< cycles after which the gradient is evaluated in place
 constexpr double kClose = 0.02, kFar = 0.5;  ///< of the energy from a quadratic one, in curvatures of the line
+constexpr int kSwellKept = 16;               ///< steps
 constexpr double kMended = 0.1;              ///< most of its length that a step grows or shrinks at its end
 constexpr double kFarthest = 3;              ///< of a step, in multiples of the preconditioner's
 
@@ -38,6 +39,7 @@ void hold(const PhysicsImpl& p, const Field& f) noexcept {
 }
 /// to = A^-1 from, about.
 void precondition(PhysicsImpl& p, const Field& to, const Field& from) noexcept {
+    if (p.factored()) return apply_inverse(p, to, from);
     copy(p, p.fine().r, from);
     run_cycle(p.solver);
     p.solver.kernels->weigh(p.fine().count(), to, 1, p.free, p.fine().x);
@@ -64,9 +66,16 @@ Swelling prepare_swelling(PhysicsImpl& p) noexcept {
     copy(p, p.push, p.area);
     hold(p, p.push);
     if (!p.closed || !p.options.keep_volume) return v;
-    precondition(p, p.swell, p.push);
+    // Any vector along which the volume grows will do to free directions of it, and one of some steps ago is near.
+    const bool solved = p.factored() && p.factor.swell_age != 0;
+    if (solved)
+        hold(p, p.swell);
+    else
+        precondition(p, p.swell, p.push);
+    p.factor.swell_age = p.factored() ? (p.factor.swell_age + 1) % kSwellKept : 0;
     v.response = inner(p, p.push, p.swell) / 6;
     v.on = v.response > 0;
+    if (!v.on) p.factor.swell_age = 0;
     return v;
 }
 
@@ -173,7 +182,9 @@ Move advance(PhysicsImpl& p, Search& s) noexcept {
     Potential ahead = evaluate(p);
     const double energy = ahead.elastic + ahead.inertial, after = inner(p, p.smooth, p.way), bend = after - before;
     const double off = std::fabs(energy - s.smooth - 0.5 * (before + after)), merit = s.smooth + s.contact;
-    const double most = 1e-6 * (std::fabs(s.smooth) + std::fabs(s.contact));
+    // What is unknown of the energy before the move shows as if the move were not quadratic. With factors a second
+    // cycle is often shorter than that.
+    const double most = 1e-6 * (std::fabs(s.smooth) + std::fabs(s.contact)) + (p.factored() ? p.unsure : 0);
     double step = 1;
     if (bend > 0 && off <= std::max(kFar * bend, most)) {
         copy(p, p.delta, p.before);
@@ -271,6 +282,7 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
     Search s{begin.elastic + begin.inertial, begin.contact};
     take_holds(p);
     if (!p.solver.sound) return false;
+    if (p.factored()) fit_turn(p);
     Swelling v = prepare_swelling(p);
     const double first = unbalanced(p);
     take_pressure(p, v);

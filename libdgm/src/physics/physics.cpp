@@ -38,6 +38,7 @@ bool is_dt(float dt) noexcept {
                              double{m.foundation}, double{m.density},  double{m.viscosity}};
     if (!is_valid(o.allocator)) return bad("the allocator is half empty");
     if (!is_dt(o.dt)) return bad("the time step is not in 1e-5 .. 10 s");
+    if (o.solver > (kFactors ? Solver::Factors : Solver::Multigrid)) return bad("the solver is not known here");
     if (o.metres_per_unit == 0) return unsupported("the unit is not known: set metres_per_unit or bake with --unit");
     for (std::size_t k = 0; k < kMaterialValues; ++k)
         if (!within(values[k], double{kMaterialLow[k]}, double{kMaterialHigh[k]})) return bad(kFaults[k]);
@@ -58,6 +59,8 @@ bool is_dt(float dt) noexcept {
     if (s.tables.free_domain) return unsupported("free domains have no physics yet");
     if (!s.reversed.empty()) return unsupported("a surface with one side has no physics");
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
+    if (kFactors && o.solver == Solver::Factors && s.total() > kMostFactored)
+        return Error{ErrorCode::LimitExceeded, kNoOffset, "factors are for at most 129 x 129 samples"};
     const double diagonal = diagonal_of(s) * o.metres_per_unit;
     if (!within(diagonal, 1e-6, 1e6)) return unsupported("the body's diagonal is not in 1e-6 .. 1e6 m");
     if (double{o.material->bending} > double{o.material->membrane} * diagonal * diagonal)
@@ -81,8 +84,10 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     mark_moved(s);
 }
 
-[[gnu::cold]] Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools,
-                                       std::size_t answers) noexcept {
+}  // namespace
+
+[[gnu::cold]] Result<void> physics::check_tools(const StepOptions& o, std::span<const ToolInput> tools,
+                                                std::size_t answers) noexcept {
     if (answers != 0 && answers < tools.size()) return bad("there are fewer answers than tools");
     if (tools.size() + o.obstacles.size() > Scene::kMost)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"};
@@ -99,7 +104,8 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     return {};
 }
 
-[[gnu::cold]] Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
+[[gnu::cold]] Result<void> physics::check_step(const PhysicsImpl& p, const StateImpl& s,
+                                               const StepOptions& o) noexcept {
     if (p.rows != s.tables.rows || p.cols != s.tables.cols || p.total != s.total())
         return bad("the physics was made for a state of another size");
     if (o.cycles < 1 || o.cycles > 1000) return bad("the number of cycles is not in 1 .. 1000");
@@ -111,6 +117,7 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     return {};
 }
 
+namespace {
 Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<const ToolInput> tools,
                         Scene& scene) noexcept {
     scene.count = 0;
@@ -143,8 +150,9 @@ void each_copy(const PhysicsImpl& p, std::uint32_t sample, F f) noexcept {
     for (std::uint32_t k = p.fine().sample_of[p.fine().dof_of[sample]]; k != kNone; k = p.next_copy[k]) f(k);
 }
 
-/// Marks pinned unknowns. @return false, and nothing is marked: one is pinned twice.
-bool mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
+}  // namespace
+
+bool physics::mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     const Level& l = p.fine();
     std::size_t count = 0;
     for (; count < pins.size(); ++count) {
@@ -157,12 +165,17 @@ bool mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     return false;
 }
 
+void physics::hold_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
+    for (const Pin& pin : pins) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 0; });
+}
+
+namespace {
 /// Where inertia leads, where the search starts, and pins in their new places.
 void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept {
     const Level& l = p.fine();
     const double dt = p.options.dt, by = p.scale;
     const float gravity[3] = {o.gravity.x, o.gravity.y, o.gravity.z};
-    for (const Pin& pin : o.pins) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 0; });
+    hold_pins(p, o.pins);
     double sum = 0, moving = 0;
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) {
@@ -176,6 +189,7 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     p.at_rest = 0.5 * sum / (dt * dt);
     p.energy_before = p.elastic + 0.5 * moving;
     p.driven = false;
+    if (kFactors) p.few_held = o.pins.empty();
     for (const Pin& pin : o.pins) {
         const Double3 way = by * (widen(pin.position) - widen(StateImpl::at(s.rest, pin.sample)));
         const double to[3] = {way.x, way.y, way.z};
@@ -188,7 +202,9 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     }
 }
 
-void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
+}  // namespace
+
+void physics::release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     for (const Pin& pin : pins) {
         std::uint8_t& mark = p.pinned[p.fine().dof_of[pin.sample]];
         if (mark == 1) each_copy(p, pin.sample, [&](std::uint32_t k) { p.free[k] = 1; });
@@ -196,6 +212,7 @@ void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept {
     }
 }
 
+namespace {
 /// Clears what a step writes, which may not be finite: 0 times that would not be 0.
 void forget(PhysicsImpl& p) noexcept {
     std::fill(p.moved.p[0], p.energy, 0.0f);
@@ -259,6 +276,7 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     } else {
         p.touching_count = p.grasped_count = 0;
         p.holding = 0;
+        p.factor.swell_age = 0;
         forget(p);
     }
 }
@@ -318,7 +336,8 @@ void physics::mark_moved(StateImpl& s) noexcept {
     if (auto r = detail::check_options(options); !r) return r.error();
     const detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_map(s, options); !r) return r.error();
-    if (detail::bytes_needed(s.tables.rows, s.tables.cols) > options.max_bytes)
+    const std::uint64_t bytes = detail::bytes_needed(s.tables.rows, s.tables.cols);
+    if (bytes > options.max_bytes)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "the physics would take more memory than the limit allows"};
     detail::PhysicsImpl* p = detail::create<detail::PhysicsImpl>(options.allocator, options.allocator);
     if (p == nullptr) return detail::physics::kNoMemory;
@@ -336,6 +355,10 @@ void physics::mark_moved(StateImpl& s) noexcept {
     p->dilate = static_cast<float>(e * nu / (1 - nu * nu));
     if (auto r = detail::physics::build_model(*p, s); !r) return r.error();
     detail::physics::take_step_length(*p);
+#ifndef DGM_NO_FACTORS
+    if (options.solver == Solver::Factors)
+        if (auto r = detail::physics::make_factor(*p, bytes, p->factor); !r) return r.error();
+#endif
     made.reset();
     if (!p->solver.sound)
         return Error{ErrorCode::BadArgument, kNoOffset, "the matrix of material and map is not positive definite"};
@@ -368,6 +391,7 @@ Physics::~Physics() {
         }
     p.touching_count = p.grasped_count = 0;
     p.holding = 0;
+    p.factor.swell_age = 0;
     p.elastic = p.pressure = 0;
     if (p.stretch[0] == nullptr) return;
     for (int k = 0; k < 6; ++k) std::fill_n(p.stretch[k], p.total, k % 3 == 1 ? 0.0f : 1.0f);
@@ -377,13 +401,13 @@ Result<StepReport> step(State& state, Physics& physics, const StepOptions& optio
                         std::span<StepTool> answers) noexcept {
     detail::PhysicsImpl& p = *physics.impl();
     detail::StateImpl& s = *state.impl();
-    if (auto r = detail::check_step(p, s, options); !r) return r.error();
-    if (auto r = detail::check_tools(options, tools, answers.size()); !r) return r.error();
+    if (auto r = detail::physics::check_step(p, s, options); !r) return r.error();
+    if (auto r = detail::physics::check_tools(options, tools, answers.size()); !r) return r.error();
     if (auto r = detail::make_scene(s, options, tools, p.scene[1 - p.touching_now]); !r) return r.error();
-    if (!detail::mark_pins(p, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
+    if (!detail::physics::mark_pins(p, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
     detail::begin_step(p, s, options);
     if (!detail::physics::find_touching(p, s)) {
-        detail::release_pins(p, options.pins);
+        detail::physics::release_pins(p, options.pins);
         return Error{ErrorCode::LimitExceeded, kNoOffset,
                      "obstacles are near more than twice the samples there are: use fewer"};
     }

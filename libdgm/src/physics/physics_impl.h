@@ -6,6 +6,7 @@
 
 #include "base/double3.h"
 #include "contact/contact_impl.h"
+#include "physics/factor.h"
 #include "physics/level.h"
 #include "touch/state_impl.h"
 
@@ -65,6 +66,7 @@ struct PhysicsImpl {
     double scale = 1;  ///< metres per local unit
     bool closed = false;
     physics::Multigrid solver;
+    physics::Factor factor;       ///< preconditioner instead of the multigrid, in steps of its length
     float shear = 0, dilate = 0;  ///< Lame's constants times thickness, N/m
     double rest_volume = 0;       ///< m^3
 
@@ -106,12 +108,15 @@ struct PhysicsImpl {
     float hold = 0;              ///< entry of `extra` that stands for a held sample on coarser levels
     Array<std::uint8_t> pinned;  ///< by unknown, while a step runs: 1 by a pin, 2 by a pin where it was held anyway
     bool driven = false;         ///< a pin moves in this step
+    bool few_held = true;        ///< no pins, and few samples are pressed or grasped
     double unsure = 0;           ///< of `elastic`: at most about so much below what evaluate() would find
     double energy_before = 0;    ///< kinetic and elastic, at the start of the step
     double at_rest = 0;          ///< inertial part of the potential without displacement in this step
 
     [[nodiscard]] physics::Level& fine() noexcept { return solver.level[0]; }
     [[nodiscard]] const physics::Level& fine() const noexcept { return solver.level[0]; }
+    /// Whether the factors are the preconditioner of this step: they know nothing of pins and contacts.
+    [[nodiscard]] bool factored() const noexcept { return physics::kFactors && factor.dt == options.dt && few_held; }
     [[nodiscard]] physics::Quads on() const noexcept {
         return {fine().count(), static_cast<std::ptrdiff_t>(cols), quads.data(), other, rest, moved};
     }
@@ -123,6 +128,16 @@ namespace physics {
 [[nodiscard]] Result<void> build_model(PhysicsImpl& p, const StateImpl& s) noexcept;
 /// Values of all matrices for options.dt.
 void take_step_length(PhysicsImpl& p) noexcept;
+
+/// What a step refuses: BadArgument, Unsupported, LimitExceeded.
+[[nodiscard]] Result<void> check_tools(const StepOptions& o, std::span<const ToolInput> tools,
+                                       std::size_t answers) noexcept;
+[[nodiscard]] Result<void> check_step(const PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexcept;
+/// Marks pinned unknowns. @return false, and nothing is marked: one is pinned twice.
+[[nodiscard]] bool mark_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept;
+/// Samples of marked pins are not free until they are released.
+void hold_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept;
+void release_pins(PhysicsImpl& p, std::span<const Pin> pins) noexcept;
 
 /// Parts of the potential whose minimum is the implicit step, J.
 struct Potential {

@@ -16,6 +16,8 @@ constexpr std::uint32_t kTile = 8;
 /// Conjugate gradients find the few directions with more; what a patch of contacts may do along the surface is smooth,
 /// and too stiff a matrix hides it (docs/physics.md).
 constexpr float kHeldInMatrix = 0.1f;
+/// Factors are used while fewer than one in so many unknowns are held: they do not know of it.
+constexpr std::uint32_t kFew = 16;
 
 /// Place of a sample before the step, local units.
 Double3 place(const PhysicsImpl& p, const StateImpl& s, std::uint32_t k) noexcept {
@@ -181,10 +183,14 @@ void take_holds(PhysicsImpl& p) noexcept {
     Level& l = p.fine();
     std::fill(p.pressed, p.pressed + l.grid, 0.0f);
     const Array<Touching>& list = p.touching[p.touching_now];
+    std::uint32_t count = p.grasped_count;
     for (std::uint32_t k = 0; k < p.touching_count; ++k) {
         const Touching& t = list[k];
-        if (t.multiplier > 0 || t.gap < 0) p.pressed[t.sample] += static_cast<float>(t.stiffness);
+        if (!(t.multiplier > 0 || t.gap < 0)) continue;
+        p.pressed[t.sample] += static_cast<float>(t.stiffness);
+        ++count;
     }
+    if (kFactors) p.few_held = p.few_held && count <= l.dofs / kFew;
     for (std::uint32_t k = 0; k < p.grasped_count; ++k)
         p.pressed[p.grasped[k].sample] += static_cast<float>(p.grasped[k].stiffness);
     for (std::size_t k = 0; k < l.copies.size(); k += 2) p.pressed[l.copies[k]] = p.pressed[l.copies[k + 1]];

@@ -11,6 +11,7 @@
 
 #include <dgm/asset.h>
 #include <dgm/collide.h>
+#include <dgm/compliance.h>
 #include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/physics.h>
@@ -313,26 +314,32 @@ void collide_all(const Map& map) {
 }
 
 /// A ball goes in, one sample is pinned, another is pulled, all under gravity: contacts, grasps, pressure, viscosity.
-void physics_all(const Map& map) {
+void physics_all(const Map& map, Solver solver) {
     State state = map.state();
     PhysicsOptions options;
     options.metres_per_unit = 5e-3;
     options.material = Material{};
     options.material->viscosity = 1e-3f;
     options.plain_loops = plain;
+    options.solver = solver;
+    const std::string name = map.name + (solver == Solver::Factors ? " factored physics" : " physics");
     auto made = Physics::create(state, options);
     if (!made) {
         Digest refused;
         refused.add(made.error().code);
-        return print(map.name + " physics refused", state, refused);
+        return print(name + " refused", state, refused);
     }
     Physics physics = std::move(made).value();
+    ComplianceOptions two;
+    two.tools = 2;
+    Compliance compliance = good(Compliance::create(state, physics, two), "compliance");
+    ComplianceReader reader = good(ComplianceReader::create(compliance), "reader");
     const Vec3 top = state.rest_positions()[map.contacts(state)[0]];
     const Pin pin{map.rows * map.cols / 3, state.rest_positions()[map.rows * map.cols / 3]};
     StepOptions how;
     how.tool_radius = 2;
     how.gravity = {0, 0, -9.75f};
-    how.pins = {&pin, 1};
+    if (solver == Solver::Multigrid) how.pins = {&pin, 1};
     for (int k = 0; k < 24; ++k) {
         if (k == 12 && !physics.set_dt(1.0f / 64)) sound = false;
         ToolInput tools[2];
@@ -348,8 +355,15 @@ void physics_all(const Map& map) {
         report.add(answers[0].force);
         report.add(answers[1].force);
         if (k % 4 != 3) continue;
+        const ComplianceReport p = good(compliance.publish(state, physics, how, tools), "publish");
+        for (ToolInput& t : tools) t.position = t.position + Vec3{0, 0.0625f, -0.0625f};
+        ComplianceAnswer felt[2];
+        if (!compliance_tick(reader, tools, felt)) sound = false;
+        report.add(p.columns, p.samples, felt[0].contacts, felt[1].contacts);
+        report.add(felt[0].force);
+        report.add(felt[1].force);
         state.update_normals();
-        print(map.name + " physics step " + std::to_string(k + 1), state, report);
+        print(name + " step " + std::to_string(k + 1), state, report);
     }
 }
 
@@ -384,7 +398,7 @@ int run() {
         contact_all(map, maps[4]);
         reconstruct_all(map);
         collide_all(map);
-        physics_all(map);
+        for (const Solver solver : {Solver::Multigrid, Solver::Factors}) physics_all(map, solver);
     }
     return sound ? 0 : 1;
 }

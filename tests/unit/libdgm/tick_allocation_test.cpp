@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <dgm/changed.h>
+#include <dgm/cloth.h>
 #include <dgm/collide.h>
+#include <dgm/compliance.h>
 #include <dgm/contact.h>
 #include <dgm/deform.h>
 #include <dgm/force.h>
@@ -152,10 +154,49 @@ TEST(Tick, ContactsAndSnapshotsTakeNoMemory) {
     EXPECT_EQ(after, before);
 }
 
+TEST(Tick, FramesOfClothTakeNoMemory) {
+    State state = make_state(grid_chart(33, 33, [](double i, double j) {
+        return Point{float(i / 32), float(j / 32), 0};
+    }));
+    ClothOptions options;
+    options.metres_per_unit = 1;
+    options.self_contact = true;
+    Cloth cloth = Cloth::create(state, options).value();
+    bool sound = true;
+    StepTool answers[2];
+    Obstacle plane;
+    plane.point = {0, 0, -0.1f};
+    const Pin pin{40, state.positions()[40]};
+    std::uint32_t contacts = 0;
+    const long before = g_allocations;
+    for (int k = 0; k < 100; ++k) {
+        ClothStep o;
+        o.gravity = {0, 0, -9.81f};
+        o.tool_radius = 0.1f;
+        o.obstacles = {&plane, 1};
+        if (k % 3 == 0) o.pins = {&pin, 1};
+        ToolInput in[2];
+        in[0].position = {0.5f, 0.5f, 0.2f - 0.01f * float(k % 40)};
+        in[1].tool = 1;
+        in[1].kind = ToolKind::Grasp;
+        in[1].engaged = k % 50 < 30;
+        in[1].position = {1, 0.2f, 0.01f * float(k % 50)};
+        const auto done = step(state, cloth, o, in, answers);
+        sound = sound && done.ok();
+        if (done) contacts += done.value().contacts;
+        if (k == 50) sound = sound && cloth.take_shape(state).ok();
+        state.update_normals();
+    }
+    const long after = g_allocations;
+    EXPECT_TRUE(sound);
+    EXPECT_GT(contacts, 0u);
+    EXPECT_EQ(after, before);
+}
 TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     State state = make_state(sphere_chart(33));
     PhysicsOptions options;
     options.metres_per_unit = 0.1;
+    options.solver = Solver::Factors;  // multigrid in the steps with pins and after set_dt()
     options.material = Material{};
     options.material->viscosity = 1e-3f;
     Physics physics = Physics::create(state, options).value();
@@ -167,6 +208,12 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     std::uint32_t contacts = 0;
     const State coarse = coarse_state(state, 4).value();
     Detail detail = Detail::create(state, coarse, 4).value();
+    ComplianceOptions two;
+    two.tools = 2;
+    Compliance compliance = Compliance::create(state, physics, two).value();
+    ComplianceReader reader = ComplianceReader::create(compliance).value();
+    ComplianceAnswer felt[2];
+    std::uint32_t columns = 0;
     const long before = g_allocations;
     for (int k = 0; k < 200; ++k) {
         if (k % 50 == 0) sound = sound && detail.show(coarse, state).ok();
@@ -183,6 +230,11 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
         const auto done = step(state, physics, o, in, answers);
         sound = sound && done.ok();
         if (done) contacts += done.value().contacts;
+        if (k % 10 == 0) {
+            const auto published = compliance.publish(state, physics, o, in);
+            sound = sound && published.ok() && compliance_tick(reader, in, felt).ok();
+            if (published) columns += published.value().columns;
+        }
         if (k % 20 == 0) sound = sound && physics.set_dt(k % 40 == 0 ? 1e-3f : 1e-2f).ok();
         state.update_normals();
     }
@@ -190,6 +242,7 @@ TEST(Tick, StepsOfPhysicsTakeNoMemory) {
     const long after = g_allocations;
     EXPECT_TRUE(sound);
     EXPECT_GT(contacts, 0u);
+    EXPECT_GT(columns, 0u);
     EXPECT_EQ(after, before);
 }
 

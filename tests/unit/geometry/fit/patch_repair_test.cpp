@@ -4,12 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "geometry/chart/square_chart.h"
 #include "geometry/cut/cut_graph.h"
 #include "geometry/fit/fit.h"
+#include "geometry/fit/fit_state.h"
+#include "geometry/fit/local_repair.h"
 #include "geometry/fit/search_repair.h"
 #include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
@@ -128,6 +131,26 @@ TEST(Unfold, CopiesOfASeamMoveAsOne) {
     EXPECT_NE(r.chart.positions, twisted.positions);
     for (std::size_t s = 0; s < r.chart.positions.size(); ++s)
         EXPECT_EQ(r.chart.positions[s], r.chart.positions[r.chart.representative[s]]);
+}
+
+TEST(LocalRepair, MovesWhatIsHeldAtAPriceAlone) {
+    const std::uint32_t moved = 8 * 17 + 8;
+    const auto left = [&](bool at_a_price, double way) {
+        SampledChart chart = square_chart(test::grid_sheet(40, 40), 17);
+        chart.positions[moved] += (chart.positions[moved + 1] - chart.positions[moved]) * way;
+        FitState fit(chart, l2_fit());
+        std::fill(fit.fixed.begin(), fit.fixed.end(), 1);  // as the ears of a jagged border
+        fit.matches.update(false);
+        fit.keep();
+        LocalRepair repair(fit);
+        repair.repair();
+        repair.repair_nearly();
+        if (at_a_price) repair.repair_at_a_price();
+        return fit.inverted.faces().size();
+    };
+    EXPECT_EQ(left(false, 0), 0u);
+    EXPECT_GT(left(false, 2.3), 0u);
+    EXPECT_EQ(left(true, 2.3), 0u);
 }
 
 TEST(Fit, LaysPatchesFlatThatNoSingleSampleCanMend) {

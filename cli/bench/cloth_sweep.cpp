@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/bench/cloth_sweep.cpp
+#include "bench/cloth_sweep.h"
+
+#include <dgm/cloth.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "bench/interrupt.h"
+#include "bench/machine_facts.h"
+#include "bench/run_sweep.h"
+#include "bench/runtime_error.h"
+#include "files/output_file.h"
+#include "files/temporary_folder.h"
+
+namespace dgm::bench {
+namespace {
+
+constexpr double kGravity = 9.81, kDensity = 0.2;
+
+/// A flat square of 1 m, 8 x 8 quads.
+std::string sheet_mesh() {
+    constexpr int kQuads = 8;
+    std::string out;
+    for (int i = 0; i <= kQuads; ++i)
+        for (int j = 0; j <= kQuads; ++j) out += fmt::format("v {} {} 0\n", j / double(kQuads), i / double(kQuads));
+    for (int i = 0; i < kQuads; ++i)
+        for (int j = 0; j < kQuads; ++j) {
+            const int a = i * (kQuads + 1) + j + 1, b = a + kQuads + 1;
+            out += fmt::format("f {} {} {} {}\n", a, a + 1, b + 1, b);
+        }
+    return out;
+}
+
+struct Setting {
+    std::uint32_t substeps, cycles, levels;
+};
+
+/// The sheet, held by its first row; gravity leads to the last one.
+class Hung {
+ public:
+    Hung(const Subject& subject, const ClothSweepOptions& options, const Setting& setting)
+        : state_(subject.state()), cloth_(take(Cloth::create(state_, made_of(options)))) {
+        const Vec3 way = mean_of_row(state_.rows() - 1) - mean_of_row(0);
+        length_ = std::sqrt(double{dot(way, way)});
+        down_ = static_cast<float>(1 / length_) * way;
+        for (std::uint32_t k = 0; k < state_.cols(); ++k) pins_.push_back({k, state_.rest_positions()[k]});
+        how_.substeps = setting.substeps;
+        how_.cycles = setting.cycles;
+        how_.levels = setting.levels;
+        how_.gravity = static_cast<float>(kGravity) * down_;
+        how_.pins = pins_;
+    }
+    ClothReport go() { return take(step(state_, cloth_, how_)); }
+    /// Over its length.
+    [[nodiscard]] double stretch() const {
+        return double{dot(mean_of_row(state_.rows() - 1) - mean_of_row(0), down_)} / length_ - 1;
+    }
+    [[nodiscard]] double length() const { return length_; }
+
+ private:
+    static ClothOptions made_of(const ClothSweepOptions& options) {
+        ClothOptions o;
+        const auto modulus = static_cast<float>(options.modulus);
+        o.fabric = {.warp = modulus, .weft = modulus, .shear = 0.2F * modulus, .density = static_cast<float>(kDensity)};
+        o.metres_per_unit = 1;
+        return o;
+    }
+    [[nodiscard]] Vec3 mean_of_row(std::uint32_t i) const {
+        double sum[3] = {};
+        for (std::uint32_t j = 0; j < state_.cols(); ++j) {
+            const Vec3 x = state_.positions()[i * state_.cols() + j];
+            sum[0] += double{x.x};
+            sum[1] += double{x.y};
+            sum[2] += double{x.z};
+        }
+        const double by = 1.0 / state_.cols();
+        return {static_cast<float>(by * sum[0]), static_cast<float>(by * sum[1]), static_cast<float>(by * sum[2])};
+    }
+    State state_;
+    Cloth cloth_;
+    std::vector<Pin> pins_;
+    ClothStep how_;
+    Vec3 down_;
+    double length_ = 0;
+};
+
+Table frame_table() {
+    Table t;
+    t.key = "cloth";
+    t.title = "A hanging sheet";
+    t.note =
+        "Frames of 1/60 s of a sheet that is let go where it is free of stress, held by its first row. Stretch at the "
+        "end, over the "
+        "length; exactly it is density gravity length / (2 modulus). Energy rise: the largest in a frame, of kinetic, "
+        "elastic and potential energy, over the weight times a millimetre.";
+    t.columns = subject_columns({key_column("substeps", "substeps"), key_column("cycles", "cycles"),
+                                 key_column("levels", "levels"), time_column("p50_us", "p50", "us"),
+                                 time_column("p99_us", "p99", "us"), time_column("p999_us", "p99.9", "us"),
+                                 exact_column("stretch_percent", "stretch", "%", Sense::kNone, 1e-3),
+                                 exact_column("exact_percent", "exact", "%", Sense::kNone, 1e-3),
+                                 exact_column("off_percent", "off by", "%", Sense::kLower, 1e-2),
+                                 exact_column("energy_rise", "energy rise", "", Sense::kLower, 1e-2)});
+    t.plots = {{"Error against time", "p50_us", "off_percent", "grid", "asset", true}};
+    return t;
+}
+
+void add_row(Run& run, const Subject& subject, const ClothSweepOptions& options, const Setting& setting) {
+    Table& table = run.tables.front();
+    Hung sheet(subject, options, setting);
+    double energy = 0, rise = 0;
+    bool any = false;
+    const TickTimes times = time_ticks(
+        0, options.frames, [](std::size_t) {},
+        [&](std::size_t) {
+            const ClothReport r = sheet.go();
+            const double now = r.kinetic + r.elastic + r.potential;
+            if (any) rise = std::max(rise, now - energy);
+            any = true;
+            energy = now;
+        });
+    const double exact = kDensity * kGravity * sheet.length() / (2 * options.modulus), stretch = sheet.stretch();
+    SubjectRow row(table, subject);
+    row.set("substeps", std::to_string(setting.substeps));
+    row.set("cycles", std::to_string(setting.cycles));
+    row.set("levels", setting.levels == 0 ? std::string("all") : std::to_string(setting.levels));
+    row.set_percentiles(times);
+    row.set("stretch_percent", exactly(100 * stretch));
+    row.set("exact_percent", exactly(100 * exact));
+    row.set("off_percent", exactly(100 * std::fabs(stretch - exact)));
+    row.set("energy_rise", exactly(rise / (kDensity * kGravity * 1e-3)));
+    table.rows.push_back(row.row());
+    run.findings.push_back(fmt::format(
+        "{}, {} substeps, {} cycles, {} levels: p50 {} us a frame, stretch {:.4f} %, exactly {:.4f} %", subject.grid,
+        setting.substeps, setting.cycles, setting.levels == 0 ? "all" : std::to_string(setting.levels),
+        three_digits(times.median.value), 100 * stretch, 100 * exact));
+}
+}  // namespace
+
+Run sweep_cloth(const ClothSweepOptions& options, bool quiet) {
+    Run run;
+    run.command = "cloth";
+    run.machine = machine_facts();
+    run.tables = {frame_table()};
+    const formats::TemporaryFolder folder("dgm-bench");
+    const std::filesystem::path mesh = folder.path() / "sheet.obj";
+    formats::write_output(mesh, sheet_mesh());
+    ProgressBar bar(quiet, static_cast<double>(options.sizes.size()));
+    each_subject({mesh}, options.sizes, folder.path(), options.time_limit_seconds, bar, [&](const Subject& subject) {
+        for (const std::uint32_t levels : options.levels)
+            for (const std::uint32_t substeps : options.substeps)
+                for (const std::uint32_t cycles : options.cycles) {
+                    stop_if_interrupted();
+                    add_row(run, subject, options, {substeps, cycles, levels});
+                }
+    });
+    run.settings = {{"sizes", fmt::format("{}", fmt::join(options.sizes, ", "))},
+                    {"substeps", fmt::format("{}", fmt::join(options.substeps, ", "))},
+                    {"cycles", fmt::format("{}", fmt::join(options.cycles, ", "))},
+                    {"levels", fmt::format("{}; 0: all", fmt::join(options.levels, ", "))},
+                    {"frames", std::to_string(options.frames)},
+                    {"modulus", fmt::format("{:g} N/m, shear a fifth of it", options.modulus)},
+                    {"sheet", "1 m, 0.2 kg"},
+                    {"spread", "95 % interval for another run's median (Student's t on logarithms, at least 2 %)"}};
+    return run;
+}
+
+}  // namespace dgm::bench

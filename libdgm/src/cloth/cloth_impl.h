@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/cloth/cloth_impl.h
+// Memory of a Cloth. Lengths are metres, forces newtons; fields hold the same bits at all copies of a class.
+#pragma once
+#include <dgm/cloth.h>
+
+#include "base/double3.h"
+#include "cloth/kernels.h"
+#include "contact/contact_impl.h"
+#include "touch/state_impl.h"
+
+namespace dgm::detail {
+
+namespace cloth {
+
+inline constexpr std::uint32_t kMostLevels = 16;
+inline constexpr std::uint32_t kMostScene = 64;
+inline constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the cloth"};
+
+/// Where a sample is in the planes of a level, from that of sample (0, 0) on.
+using Spot = std::uint32_t;
+
+/// Bending across a seam: the stencils of a class, of samples on both sides.
+struct SeamStencil {
+    Spot spot[5];  ///< the sample itself first; then u up, u down, v up, v down
+    float weight[2][4];
+    float bending, curved[2];
+};
+
+/// A weighted sum of rows or columns.
+struct Taps {
+    static constexpr std::uint32_t kMost = 8;
+    std::uint32_t count = 0, at[kMost] = {};
+    float weight[kMost] = {};
+    void add(std::uint32_t index, float by) noexcept {
+        at[count] = index;
+        weight[count++] = by;
+    }
+};
+
+/// One stride of the map.
+struct Level {
+    std::uint32_t rows = 0, cols = 0;
+    std::size_t count = 0;  ///< floats from sample (0, 0) to the end of the last row
+    Array<float> planes;
+    Array<double> places;
+    double* at[3] = {};  ///< where samples are
+    Sheet on;
+    Array<std::uint8_t> touched;
+    Array<float> scratch;
+    Blocks inverse;
+    Field right, residual, way, product, sum;
+    float* free = nullptr;        ///< 1, or 0: held, and past the ends of rows
+    float* own = nullptr;         ///< 1, at copies 0
+    Array<std::uint8_t> clamped;  ///< by sample: held with its neighbour on the finest level, a bit a way
+    Array<std::uint32_t> groups;  ///< size of a class, its spots, and so on
+    Array<SeamStencil> seams;
+    Array<std::uint32_t> row_of, column_of;  ///< on the level before
+    Array<Taps> to_row, to_column;           ///< by row or column of the level before: how it is interpolated
+    Array<Taps> from_rows, from_columns;     ///< the transpose, by row or column here
+};
+
+/// A sample and the obstacle that it is nearest to.
+struct Contact {
+    std::uint32_t sample;
+    std::uint32_t obstacle;  ///< place in the scene
+    Double3 normal;
+    double gap;       ///< at the start of the substep
+    double press;     ///< stiffness, N/m
+    double bears;     ///< force at the start of the substep, N
+    double drag = 0;  ///< stiffness against sliding, N/m
+    Double3 pull;     ///< force of friction at its start, N
+    Double3 slid;     ///< way along the obstacle before the substep's own solution
+};
+
+/// Obstacles and tools of a frame, checked.
+struct Scene {
+    Shape shapes[kMostScene];
+    std::uint32_t tool[kMostScene] = {};  ///< place among the tools, or kNone
+    Double3 way[kMostScene];              ///< of a tool in this frame, local units
+    std::uint32_t count = 0;
+};
+
+/// Where an obstacle is.
+struct Placed {
+    ObstacleKind kind;
+    const StateImpl* surface;
+    std::uint64_t moved;  ///< of a surface: how often it was written
+    double numbers[23];
+};
+
+/// A sample that moves with a tool.
+struct Held {
+    Spot spot;
+    std::uint32_t sample, tool;
+    Double3 offset;  ///< metres
+};
+
+/// A sample and a triangle of the same cloth that may meet in this frame.
+struct Meeting {
+    Spot spot, corner[3];
+    float side;  ///< +1 or -1: on which side of the triangle the sample stays
+};
+
+}  // namespace cloth
+
+struct ClothImpl {
+    explicit ClothImpl(const Allocator& a) noexcept : allocator(a) {}
+    Allocator allocator;
+    ClothOptions options;
+    const cloth::Kernels* kernels = nullptr;
+    std::uint32_t rows = 0, cols = 0, total = 0, levels = 0;
+    double scale = 1;      ///< metres per local unit
+    double mean_step = 0;  ///< metres
+    cloth::Level level[cloth::kMostLevels];
+    float highest = 3.2f;  ///< bound of the eigenvalues of inverse blocks times matrix
+
+    Array<float> planes;
+    Array<double> places;
+    double* was[3] = {};  ///< at the start of the substep
+    cloth::Field velocity, inertial, gradient, correction, way, image, before;
+    float* fall = nullptr;           ///< share of gravity that a sample followed in the substep before
+    float* pressed = nullptr;        ///< N: force of the contact of the substep before
+    float* mobile = nullptr;         ///< 0: the layer `contact` holds it
+    float* weight = nullptr;         ///< kg: of the whole class
+    float* firm = nullptr;           ///< N/m: stiffness of contacts
+    Array<std::uint32_t> next_copy;  ///< by sample: the next one of its class, a ring; itself if there is none
+    Array<std::uint8_t> pinned;      ///< by sample, while a frame runs
+    Array<cloth::Contact> contacts;
+    std::uint32_t contact_count = 0;
+    cloth::Scene scene;
+    cloth::Placed placed[cloth::kMostScene];  ///< in the frame before
+    std::uint32_t placed_count = 0;
+    Array<cloth::Held> held;
+    std::uint32_t held_count = 0;
+    std::uint64_t holding = 0;  ///< bit by tool number
+    Vec3 tool_before[cloth::kMostScene];
+    std::uint64_t known = 0;  ///< tools whose place before is known
+    Array<cloth::Meeting> meetings;
+    std::uint32_t meeting_count = 0;
+    double elastic = 0, kinetic = 0, moment[3] = {};  ///< J, J, kg m: at the end of the frame before
+
+    [[nodiscard]] cloth::Level& fine() noexcept { return level[0]; }
+    [[nodiscard]] const cloth::Level& fine() const noexcept { return level[0]; }
+    [[nodiscard]] cloth::Spot spot_of(std::uint32_t sample) const noexcept {
+        return sample / cols * static_cast<std::uint32_t>(level[0].on.pitch) + sample % cols;
+    }
+    [[nodiscard]] Double3 place(cloth::Spot k) const noexcept {
+        return {level[0].at[0][k], level[0].at[1][k], level[0].at[2][k]};
+    }
+};
+
+namespace cloth {
+
+[[nodiscard]] inline Double3 at(const Field& f, Spot k) noexcept {
+    return {double{f.p[0][k]}, double{f.p[1][k]}, double{f.p[2][k]}};
+}
+inline void put(const Field& f, Spot k, Double3 v) noexcept {
+    f.p[0][k] = static_cast<float>(v.x);
+    f.p[1][k] = static_cast<float>(v.y);
+    f.p[2][k] = static_cast<float>(v.z);
+}
+template <class F>
+void each_copy(const ClothImpl& c, std::uint32_t sample, F f) noexcept {
+    std::uint32_t k = sample;
+    do {
+        f(k);
+        k = c.next_copy[k];
+    } while (k != sample);
+}
+
+/// Planes and rest shapes of all strides. @return OutOfMemory.
+[[nodiscard]] Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept;
+/// Every copy gets the sum over its class.
+void sum_classes(const Level& l, const Field& f) noexcept;
+/// gradient = slope of membrane and bending at level[0].at. @return their energy
+double evaluate(ClothImpl& c) noexcept;
+/// Their energy `by` times the correction further, after evaluate().
+[[nodiscard]] double energy_ahead(const ClothImpl& c, double by) noexcept;
+/// to = matrix from, summed over classes.
+void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept;
+/// Coarse shapes, contacts and diagonal blocks of the matrix at level[0].at.
+void prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept;
+/// correction = what conjugate gradients find for `gradient` (negative right side). @return residual left over that at
+/// the start, 0 .. 1
+double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cycles) noexcept;
+
+/// Lists contacts at level[0].at, with stiffness and friction, and marks them on the sheet. part: of the frame, at the
+/// end of the substep; share: that the substep is of it.
+void find_contacts(ClothImpl& c, double h, double friction, double part, double share) noexcept;
+/// Adds their slope to `gradient`. @return their energy
+double press(ClothImpl& c) noexcept;
+/// Their energy where the correction, times `by`, has been added.
+[[nodiscard]] double pressed_energy(const ClothImpl& c, double by) noexcept;
+/// Notes the forces that the solution left.
+void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexcept;
+/// Moves samples that are still beyond out of obstacles.
+void push_out(ClothImpl& c, double part) noexcept;
+/// Where an obstacle of the scene is after a part of the frame.
+[[nodiscard]] Probe probe_at(const ClothImpl& c, std::uint32_t obstacle, double part, Double3 local) noexcept;
+
+/// Lists samples and triangles of the cloth that may meet within `reach` metres.
+void find_meetings(ClothImpl& c, const StateImpl& s, double reach) noexcept;
+/// Moves them apart. @return how many
+std::uint32_t keep_apart(ClothImpl& c, double friction) noexcept;
+
+}  // namespace cloth
+}  // namespace dgm::detail

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/cloth/itself.cpp
+// Keeps the layers of a cloth apart.
+//
+// Once a frame the box pyramid of the state tells which tiles are near each other, and these which samples are near
+// which triangles. Tiles side by side whose normals all lie within a right angle cannot touch, so smooth cloth costs
+// next to nothing [Volino, Magnenat-Thalmann 1994]. In each substep samples that are nearer than the thickness, or on
+// the wrong side, are pushed out, and the triangle the other way, by their masses.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/cloth_impl.h"
+
+namespace dgm::detail::cloth {
+namespace {
+
+double length(Double3 v) noexcept {
+    return std::sqrt(dot(v, v));
+}
+
+/// Weights of the corners at the point of a triangle that is nearest to p (Ericson, Real-Time Collision Detection
+/// 5.1.5).
+struct Weights {
+    double at[3];
+};
+Weights nearest(Double3 p, Double3 a, Double3 b, Double3 c) noexcept {
+    const Double3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+    const double d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
+                 d6 = dot(ac, cp);
+    if (d1 <= 0 && d2 <= 0) return {{1, 0, 0}};
+    if (d3 >= 0 && d4 <= d3) return {{0, 1, 0}};
+    if (d6 >= 0 && d5 <= d6) return {{0, 0, 1}};
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) return {{1 - d1 / (d1 - d3), d1 / (d1 - d3), 0}};
+    if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) return {{1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)}};
+    const double e = d4 - d3, f = d5 - d6, sum = va + vb + vc;
+    if (va <= 0 && e >= 0 && f >= 0 && e + f > 0) return {{0, f / (e + f), e / (e + f)}};
+    if (!(sum > 0)) return {{1, 0, 0}};
+    return {{va / sum, vb / sum, vc / sum}};
+}
+
+/// Normals of the quads in a tile of 8 x 8: their mean, and the cosine of the widest angle to it.
+struct Cone {
+    Double3 axis;
+    double cosine = -1;
+};
+Cone cone_of(const ClothImpl& c, std::uint32_t i0, std::uint32_t j0) noexcept {
+    const std::uint32_t i1 = std::min(i0 + kTileQuads, c.rows - 1), j1 = std::min(j0 + kTileQuads, c.cols - 1);
+    Double3 all[kTileQuads * kTileQuads], sum;
+    std::uint32_t count = 0;
+    for (std::uint32_t i = i0; i < i1; ++i)
+        for (std::uint32_t j = j0; j < j1; ++j) {
+            const Spot k = c.spot_of(i * c.cols + j);
+            const auto n = static_cast<Spot>(c.fine().on.pitch);
+            const Double3 v = cross(c.place(k + n + 1) - c.place(k), c.place(k + 1) - c.place(k + n));
+            const double size = length(v);
+            if (!(size > 0)) continue;
+            all[count] = (1 / size) * v;
+            sum = sum + all[count++];
+        }
+    Cone out;
+    const double size = length(sum);
+    if (!(size > 0)) return out;
+    out.axis = (1 / size) * sum;
+    out.cosine = 1;
+    for (std::uint32_t k = 0; k < count; ++k) out.cosine = std::min(out.cosine, dot(out.axis, all[k]));
+    return out;
+}
+
+/// All normals of both lie within a right angle of each other.
+bool are_smooth(const Cone& a, const Cone& b) noexcept {
+    // cos(x + y + z) > 0 for x + y + z < 90 degrees, of three angles below 90 each.
+    if (!(a.cosine > 0.5) || !(b.cosine > 0.5)) return false;
+    const double sine_a = std::sqrt(std::max(0.0, 1 - a.cosine * a.cosine));
+    const double sine_b = std::sqrt(std::max(0.0, 1 - b.cosine * b.cosine));
+    const double both = a.cosine * b.cosine - sine_a * sine_b;  // cosine of the sum
+    const double between = dot(a.axis, b.axis);
+    return both > 0 && between > 0 && between * between > 1 - both * both;
+}
+
+struct Span {
+    Double3 low, high;
+};
+Span span_of(std::initializer_list<Double3> points) noexcept {
+    Span s{*points.begin(), *points.begin()};
+    for (const Double3& p : points) {
+        s.low = {std::min(s.low.x, p.x), std::min(s.low.y, p.y), std::min(s.low.z, p.z)};
+        s.high = {std::max(s.high.x, p.x), std::max(s.high.y, p.y), std::max(s.high.z, p.z)};
+    }
+    return s;
+}
+bool is_within(Double3 p, const Span& s, double reach) noexcept {
+    return p.x > s.low.x - reach && p.y > s.low.y - reach && p.z > s.low.z - reach && p.x < s.high.x + reach &&
+           p.y < s.high.y + reach && p.z < s.high.z + reach;
+}
+bool do_meet(const Box& a, const Box& b, float reach) noexcept {
+    for (int d = 0; d < 3; ++d)
+        if (!(a.low[d] <= b.high[d] + reach && b.low[d] <= a.high[d] + reach)) return false;
+    return true;
+}
+
+/// A search of one tile's samples among the triangles of other tiles.
+class Search {
+ public:
+    Search(ClothImpl& c, const StateImpl& s, double reach) noexcept : c_(c), s_(s), reach_(reach) {}
+
+    void run() noexcept {
+        const Pyramid& y = s_.now_boxes;
+        const auto local = static_cast<float>(reach_ / c_.scale);
+        for (std::uint32_t a = 0; a < y.rows[0] * y.cols[0]; ++a) {
+            const Box& box = y.boxes[y.start[0] + a];
+            const Cone mine = cone(a);
+            each_tile(
+                y, [&](const Box& b) { return do_meet(box, b, local); },
+                [&](std::uint32_t b) {
+                    if (are_beside(a, b) && are_smooth(mine, a == b ? mine : cone(b))) return;
+                    pair(a, b);
+                });
+        }
+    }
+
+ private:
+    [[nodiscard]] Cone cone(std::uint32_t tile) const noexcept {
+        const std::uint32_t across = s_.now_boxes.cols[0];
+        return cone_of(c_, tile / across * kTileQuads, tile % across * kTileQuads);
+    }
+    [[nodiscard]] bool are_beside(std::uint32_t a, std::uint32_t b) const noexcept {
+        const std::uint32_t n = s_.now_boxes.cols[0];
+        const auto apart = [](std::uint32_t x, std::uint32_t y) { return x > y ? x - y : y - x; };
+        return apart(a / n, b / n) <= 1 && apart(a % n, b % n) <= 1;
+    }
+    /// Samples of tile a against quads of tile b.
+    void pair(std::uint32_t a, std::uint32_t b) noexcept {
+        const std::uint32_t n = s_.now_boxes.cols[0], m = s_.now_boxes.rows[0];
+        // The samples of a tile; the last row and column belong to the last tiles.
+        const std::uint32_t r0 = a / n * kTileQuads, s0 = a % n * kTileQuads;
+        const Rect own{r0, a / n + 1 == m ? c_.rows - 1 : r0 + kTileQuads - 1, s0,
+                       a % n + 1 == n ? c_.cols - 1 : s0 + kTileQuads - 1};
+        const std::uint32_t i0 = b / n * kTileQuads, j0 = b % n * kTileQuads;
+        const Box& box = s_.now_boxes.boxes[b];
+        const Span whole{c_.scale * Double3{box.low[0], box.low[1], box.low[2]},
+                         c_.scale * Double3{box.high[0], box.high[1], box.high[2]}};
+        for (std::uint32_t i = own.i0; i <= own.i1; ++i)
+            for (std::uint32_t j = own.j0; j <= own.j1; ++j) {
+                const Spot k = c_.spot_of(i * c_.cols + j);
+                if (c_.fine().own[k] == 0 || !is_within(c_.place(k), whole, reach_)) continue;
+                for (std::uint32_t r = i0; r < std::min(i0 + kTileQuads, c_.rows - 1); ++r)
+                    for (std::uint32_t s = j0; s < std::min(j0 + kTileQuads, c_.cols - 1); ++s) quad(i, j, k, r, s);
+            }
+    }
+    void quad(std::uint32_t i, std::uint32_t j, Spot k, std::uint32_t r, std::uint32_t s) noexcept {
+        const auto n = static_cast<Spot>(c_.fine().on.pitch);
+        const Spot q = c_.spot_of(r * c_.cols + s);
+        const Double3 x = c_.place(k);
+        const Double3 at[4] = {c_.place(q), c_.place(q + n), c_.place(q + 1), c_.place(q + n + 1)};
+        if (!is_within(x, span_of({at[0], at[1], at[2], at[3]}), reach_)) return;
+        if (is_neighbour(i, j, r, s)) return;
+        constexpr int kCorners[2][3] = {{0, 1, 3}, {0, 3, 2}};
+        const Spot spots[4] = {q, q + n, q + 1, q + n + 1};
+        for (const auto& t : kCorners) {
+            const Double3 &a = at[t[0]], &b = at[t[1]], &c = at[t[2]];
+            const Weights w = nearest(x, a, b, c);
+            const Double3 way = x - (w.at[0] * a + w.at[1] * b + w.at[2] * c);
+            if (!(dot(way, way) < reach_ * reach_) || c_.meeting_count == c_.meetings.size()) continue;
+            const float side = dot(way, cross(b - a, c - a)) < 0 ? -1.0f : 1.0f;
+            c_.meetings[c_.meeting_count++] = {k, {spots[t[0]], spots[t[1]], spots[t[2]]}, side};
+        }
+    }
+    /// So near on the grid, over seams too, that it is always near.
+    [[nodiscard]] bool is_neighbour(std::uint32_t i, std::uint32_t j, std::uint32_t r, std::uint32_t s) const noexcept {
+        const auto near = [&](std::uint32_t a, std::uint32_t b) {
+            return a + 2 >= r && a <= r + 3 && b + 2 >= s && b <= s + 3;
+        };
+        if (near(i, j)) return true;
+        // A sample within two steps of it that has a copy may be near the quad.
+        for (std::uint32_t a = i < 2 ? 0 : i - 2; a <= std::min(i + 2, c_.rows - 1); ++a)
+            for (std::uint32_t b = j < 2 ? 0 : j - 2; b <= std::min(j + 2, c_.cols - 1); ++b) {
+                const std::uint32_t first = a * c_.cols + b;
+                for (std::uint32_t k = c_.next_copy[first]; k != first; k = c_.next_copy[k])
+                    if (near(k / c_.cols, k % c_.cols)) return true;
+            }
+        return false;
+    }
+
+    ClothImpl& c_;
+    const StateImpl& s_;
+    double reach_;
+};
+
+void move(ClothImpl& c, Spot k, Double3 way) noexcept {
+    const auto pitch = static_cast<Spot>(c.fine().on.pitch);
+    each_copy(c, k / pitch * c.cols + k % pitch, [&](std::uint32_t s) {
+        const Spot to = c.spot_of(s);
+        c.fine().at[0][to] += way.x;
+        c.fine().at[1][to] += way.y;
+        c.fine().at[2][to] += way.z;
+    });
+}
+
+/// Way that a sample has gone in the substep.
+Double3 gone(const ClothImpl& c, Spot k) noexcept {
+    return c.place(k) - Double3{c.was[0][k], c.was[1][k], c.was[2][k]};
+}
+
+bool part_from(ClothImpl& c, const Meeting& m, double friction) noexcept {
+    const Double3 x = c.place(m.spot), a = c.place(m.corner[0]), b = c.place(m.corner[1]), d = c.place(m.corner[2]);
+    const Weights w = nearest(x, a, b, d);
+    const Double3 way = x - (w.at[0] * a + w.at[1] * b + w.at[2] * d), n = cross(b - a, d - a);
+    const double size = length(n), distance = length(way), thickness = double{c.options.thickness};
+    if (!(size > 0)) return false;
+    const double height = double{m.side} / size * dot(n, way);
+    const bool inside = w.at[0] > 0 && w.at[1] > 0 && w.at[2] > 0;
+    // Beside the triangle only nearness counts: which side that is, its neighbours know.
+    if (inside ? !(height < thickness) : !(distance < thickness && height > 0.5 * distance)) return false;
+    const Double3 out = inside ? (double{m.side} / size) * n : (1 / distance) * way;
+    const double lack = thickness - (inside ? height : distance);
+    const auto ease = [&](Spot k) { return double{c.fine().free[k]} / double{c.weight[k]}; };
+    double give = ease(m.spot);
+    for (int k = 0; k < 3; ++k) give += w.at[k] * w.at[k] * ease(m.corner[k]);
+    if (!(give > 0)) return false;
+    Double3 slid = gone(c, m.spot);
+    for (int k = 0; k < 3; ++k) slid = slid - w.at[k] * gone(c, m.corner[k]);
+    slid = slid - dot(slid, out) * out;
+    const double rubbed = length(slid), back = rubbed > 0 ? std::min(1.0, friction * lack / rubbed) : 0;
+    const Double3 push = (1 / give) * (lack * out - back * slid);
+    move(c, m.spot, ease(m.spot) * push);
+    for (int k = 0; k < 3; ++k) move(c, m.corner[k], (-w.at[k] * ease(m.corner[k])) * push);
+    return true;
+}
+}  // namespace
+
+void find_meetings(ClothImpl& c, const StateImpl& s, double reach) noexcept {
+    c.meeting_count = 0;
+    Search(c, s, reach).run();
+}
+
+std::uint32_t keep_apart(ClothImpl& c, double friction) noexcept {
+    std::uint32_t first = 0;
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+        std::uint32_t count = 0;
+        for (std::uint32_t k = 0; k < c.meeting_count; ++k)
+            count += part_from(c, c.meetings[k], round == 0 ? friction : 0) ? 1 : 0;
+        if (round == 0) first = count;
+        if (count == 0) break;
+    }
+    return first;
+}
+
+}  // namespace dgm::detail::cloth

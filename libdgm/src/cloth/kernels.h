@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/cloth/kernels.h
+// The loops of a cloth step over rows of samples, built once per instruction set and chosen at creation.
+//
+// Planes have `pitch` floats a row, a whole number of blocks of kBlock and at least one more than there are columns,
+// with
+// a row of zeros before the first and after the last one. What lies past a row's end stays 0. Every value comes from
+// single correctly rounded operations in the same order whatever the number of lanes, so all variants give the same
+// bits.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace dgm::detail::cloth {
+
+inline constexpr std::size_t kBlock = 16;
+
+/// Three planes, one a coordinate.
+struct Field {
+    float* p[3] = {};
+};
+
+/// Symmetric 3 x 3 blocks: xx, yy, zz, xy, xz, yz.
+struct Blocks {
+    float* p[6] = {};
+};
+
+/// Stiffness of the cloth for one unit of area of rest: N/m.
+struct Moduli {
+    float warp, weft, cross, shear;
+};
+
+/// Shape of one level, and what it resists. Quad (i, j) has the samples (i, j), (i + 1, j), (i, j + 1) and
+/// (i + 1, j + 1) as corners; u leads along columns from row to row, v along rows. Planes start at sample (0, 0).
+struct Sheet {
+    std::uint32_t rows = 0, cols = 0;
+    std::ptrdiff_t pitch = 0;
+    Moduli moduli{};
+    Field u, v;  ///< edges of the present shape: x(i + 1, j) - x(i, j) and x(i, j + 1) - x(i, j), metres
+    /// Quads: the inverse of the mean rest edges in the rest plane, [q11 q12; 0 q22], the area times the painted
+    /// stiffness (0: no quad), and the parts of the rest quad's twist along its mean edges.
+    float *q11 = nullptr, *q12 = nullptr, *q22 = nullptr, *area = nullptr, *twist_u = nullptr, *twist_v = nullptr;
+    float *s1 = nullptr, *s2 = nullptr;              ///< quads: tension that stiffens them across, N/m
+    float *square1 = nullptr, *square2 = nullptr;    ///< quads: squared stretch, of the finest ones on the mean
+    float *tension1 = nullptr, *tension2 = nullptr;  ///< coarse quads: s1 and s2 of the finest ones on the mean
+    float* saddle = nullptr;  ///< quads: the rest of the rest quad's twist, along its normal, metres; null: flat
+    /// Samples: a stencil along u and one along v, whose values are the curvature of that line of the grid times the
+    /// normal. Along u: u_up (x(i + 1, j) - x) + u_down (x(i - 1, j) - x) + u_side (x(i, j + 1) - x(i, j - 1)).
+    float *u_up = nullptr, *u_down = nullptr, *u_side = nullptr;
+    float *v_up = nullptr, *v_down = nullptr, *v_side = nullptr;
+    float *u_curved = nullptr, *v_curved = nullptr;  ///< samples: their values at rest along the normal; null: flat
+    float* bending = nullptr;                        ///< samples: bending stiffness times area
+    float plate = 0;                                 ///< bending stiffness, N m: quads against twist
+    float* mass = nullptr;                           ///< kg
+    Field normal;                                    ///< of contacts
+    float *press = nullptr, *drag = nullptr;         ///< stiffness of contacts along and across their normals, N/m
+    std::uint8_t* touched = nullptr;                 ///< rows: some sample has a contact
+    float* scratch = nullptr;                        ///< kScratchRows rows
+};
+inline constexpr std::size_t kScratchRows = 48;
+
+/// u, v = edges of doubles, as floats.
+struct EdgesJob {
+    const double* at[3];
+    Sheet on;
+};
+
+/// gradient of membrane and bending; s1, s2, square1, square2 of the sheet; energy. With `ahead` that of the shape `by`
+/// times this way further, and nothing is written.
+struct ForceJob {
+    Sheet on;
+    Field gradient;
+    Field ahead;
+    float by;
+};
+
+/// to = (mass by_dt2 + contacts + membrane + bending) from. Samples' own parts: copies of a class add up. With `right`:
+/// to = free (own right - that).
+struct ProductJob {
+    Sheet on;
+    Field from, to;
+    float by_dt2;
+    Field right;
+    const float *own, *free;
+};
+
+/// at = start = at + free (h v + fall h^2 g), was = at before, inertial = free (fall - 1) h^2 g.
+/// @return sum of mass |free (h v + h^2 g)|^2
+struct StartJob {
+    std::size_t count;
+    double* at[3];
+    double* was[3];
+    Field velocity, inertial;
+    const float *fall, *free, *mass;
+    double h, gravity[3];
+};
+/// v = slow (at - was) / h; fall = its change along gravity, over gravity, in 0 .. 1.
+struct FinishJob {
+    std::size_t count;
+    const double* at[3];
+    const double* was[3];
+    Field velocity;
+    float* fall;
+    const float* mass;
+    double by_h, slow, direction[3];  ///< gravity / (h |gravity|^2)
+    double kinetic, moment[3];        ///< answers: of mass v^2, mass at
+};
+/// at += by way.
+struct MoveJob {
+    std::size_t count;
+    double* at[3];
+    Field way;
+    double by;
+};
+
+/// Diagonal blocks of the same matrix, samples' own parts.
+struct DiagonalJob {
+    Sheet on;
+    Blocks to;
+    float by_dt2;
+};
+
+/// Blocks become their inverses times `free`.
+struct InvertJob {
+    std::size_t count;
+    Blocks of;
+    const float* free;
+};
+
+/// residual -= product; way = keep way + step inverse residual; sum += way. Begin: way = step inverse residual, sum =
+/// way, and no product; Go on: the same, but sum += way.
+enum class Sweep : std::uint8_t { Begin, GoOn, Next };
+struct SweepJob {
+    std::size_t count;
+    Field product, residual, way, sum;
+    Blocks inverse;
+    float keep, step;
+    Sweep kind;
+};
+
+/// to = a x + b y, times free.
+struct AddJob {
+    std::size_t count;
+    float a, b;
+    Field x, y, to;
+    const float* free;
+};
+
+struct Kernels {
+    const char* name;
+    void (*edges)(const EdgesJob&) noexcept;
+    double (*force)(const ForceJob&) noexcept;
+    void (*product)(const ProductJob&) noexcept;
+    void (*diagonal)(const DiagonalJob&) noexcept;
+    void (*invert)(const InvertJob&) noexcept;
+    void (*sweep)(const SweepJob&) noexcept;
+    void (*add)(const AddJob&) noexcept;
+    double (*start)(const StartJob&) noexcept;
+    void (*finish)(FinishJob&) noexcept;
+    void (*move)(const MoveJob&) noexcept;
+    /// s1, s2 of a coarse level. Where the fine quads of a coarse one stretch in many directions, their mean stretch is
+    /// less than theirs; what is lost resists in all directions, which is no less than what they do.
+    void (*stiffen)(const Sheet&) noexcept;
+    /// Sum of own a . b over samples.
+    double (*inner)(std::size_t count, const float* own, const Field& a, const Field& b) noexcept;
+};
+[[nodiscard]] const Kernels& choose_kernels(bool plain) noexcept;
+
+}  // namespace dgm::detail::cloth

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/cloth/touching.cpp
+// Contacts of a substep with obstacles and tools, and their friction.
+//
+// An augmented Lagrangian: a sample that the substep would put into an obstacle bears the force of the substep before,
+// and a spring along the normal brings it to the border; their sum is the force of the next substep. So a sample that
+// lies still needs nothing new. Friction: if the force that would hold a sample in place is at most mu times what it
+// bears, that force holds it; else one of that size opposes the way.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/cloth_impl.h"
+
+namespace dgm::detail::cloth {
+namespace {
+
+constexpr std::uint32_t kTile = 8;
+/// Stiffness of inertia over that of sticking, at least: a stiffer one would bear more than friction can.
+constexpr double kLoosest = 0.25;
+/// Stiffness of a contact over that of inertia.
+constexpr double kPress = 30;
+constexpr float kNew = 1e-20f;  ///< N: mark of a contact whose force is not known yet
+
+double length(Double3 v) noexcept {
+    return std::sqrt(dot(v, v));
+}
+
+/// Calls f(sample, spot) for samples in tiles that are within `margin` metres of some obstacle.
+template <class F>
+void each_near(const ClothImpl& c, double part, double margin, F f) noexcept {
+    for (std::uint32_t i0 = 0; i0 < c.rows; i0 += kTile)
+        for (std::uint32_t j0 = 0; j0 < c.cols; j0 += kTile) {
+            const std::uint32_t i1 = std::min(i0 + kTile, c.rows), j1 = std::min(j0 + kTile, c.cols);
+            double low[3], high[3];
+            for (int d = 0; d < 3; ++d) {
+                low[d] = high[d] = c.fine().at[d][c.spot_of(i0 * c.cols + j0)];
+                for (std::uint32_t i = i0; i < i1; ++i)
+                    for (std::uint32_t j = j0; j < j1; ++j) {
+                        const double x = c.fine().at[d][c.spot_of(i * c.cols + j)];
+                        low[d] = std::min(low[d], x);
+                        high[d] = std::max(high[d], x);
+                    }
+            }
+            const Double3 l{low[0], low[1], low[2]}, h{high[0], high[1], high[2]}, middle = 0.5 * (l + h);
+            const double radius = 0.5 * length(h - l) + margin;
+            std::uint64_t near = 0;
+            for (std::uint32_t o = 0; o < c.scene.count; ++o) {
+                const Shape& shape = c.scene.shapes[o];
+                const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
+                const double distance = c.scale * probe_at(c, o, part, (1 / c.scale) * middle).distance;
+                const double beyond = limited ? std::fabs(distance) - c.scale * shape.reach : distance;
+                if (!(beyond > radius)) near |= std::uint64_t{1} << o;
+            }
+            if (near == 0) continue;
+            for (std::uint32_t i = i0; i < i1; ++i)
+                for (std::uint32_t j = j0; j < j1; ++j) f(i * c.cols + j, near);
+        }
+}
+
+struct Found {
+    std::uint32_t obstacle = kNone;
+    double gap = 1e300;
+    Double3 normal;
+};
+/// The obstacle that a place is deepest in, or nearest to.
+Found find(const ClothImpl& c, double part, Double3 x, std::uint64_t near) noexcept {
+    Found out;
+    const Double3 local = (1 / c.scale) * x;
+    for (; near != 0; near &= near - 1) {
+        const auto o = static_cast<std::uint32_t>(__builtin_ctzll(near));
+        const Probe p = probe_at(c, o, part, local);
+        const double gap = c.scale * p.distance - 0.5 * double{c.options.thickness};
+        if (!(gap < out.gap)) continue;
+        const Double3 way = p.distance < 0 ? p.nearest - local : local - p.nearest;
+        const double size = length(way);
+        const Shape& shape = c.scene.shapes[o];
+        const Double3 other = shape.kind == ObstacleKind::Plane ? shape.normal : Double3{0, 0, 1};
+        out = {o, gap, size > 1e-12 * (1 + length(local)) ? (1 / size) * way : other};
+    }
+    return out;
+}
+
+/// How far the obstacle of a contact goes in the substep, metres.
+Double3 way_of(const ClothImpl& c, std::uint32_t obstacle, double share) noexcept {
+    return (c.scale * share) * c.scene.way[obstacle];
+}
+
+void add_friction(ClothImpl& c, Contact& t, Spot k, double by_dt2, double friction, Double3 moved) noexcept {
+    const Double3 force = Double3{} - at(c.gradient, k);
+    const Double3 start = c.place(k) - Double3{c.was[0][k], c.was[1][k], c.was[2][k]} - moved;
+    const auto flat = [&](Double3 v) { return v - dot(v, t.normal) * t.normal; };
+    t.slid = flat(start);
+    const double bears = c.pressed[k] > kNew ? double{c.pressed[k]} : std::max(0.0, -dot(force, t.normal));
+    const Double3 wanted = flat(force) + (by_dt2 * double{c.weight[k]}) * t.slid;
+    const double size = length(wanted), most = friction * bears;
+    if (size > most) {
+        t.pull = (-most / size) * wanted;
+        return;
+    }
+    t.pull = Double3{} - wanted;
+    t.drag = std::min(size / kLoosest, most) * (size > 0 ? by_dt2 * double{c.weight[k]} / size : 0);
+}
+}  // namespace
+
+Probe probe_at(const ClothImpl& c, std::uint32_t obstacle, double part, Double3 local) noexcept {
+    const Double3 back = (1 - part) * c.scene.way[obstacle];
+    Probe p = probe(c.scene.shapes[obstacle], local + back);
+    p.nearest = p.nearest - back;
+    return p;
+}
+
+void find_contacts(ClothImpl& c, double h, double friction, double part, double share) noexcept {
+    Level& l = c.fine();
+    for (std::uint32_t k = 0; k < c.contact_count; ++k) {
+        const Spot s = c.spot_of(c.contacts[k].sample);
+        l.on.press[s] = l.on.drag[s] = 0;
+        put(l.on.normal, s, {});
+    }
+    std::fill(l.on.touched, l.on.touched + l.rows, std::uint8_t{0});
+    c.contact_count = 0;
+    if (c.scene.count == 0) return;
+    const double keep = std::max(double{c.options.thickness}, 1e-3 * c.mean_step);
+    each_near(c, part, 0.5 * double{c.options.thickness} + keep, [&](std::uint32_t sample, std::uint64_t near) {
+        const Spot k = c.spot_of(sample);
+        if (l.own[k] == 0 || l.free[k] == 0) return;
+        const Found f = find(c, part, c.place(k), near);
+        Contact t{sample, f.obstacle, f.normal, f.gap, 0, 0, 0, {}, {}};
+        t.press = double{c.firm[k]} + kPress * double{c.weight[k]} / (h * h);
+        t.bears = f.gap < keep && c.pressed[k] > kNew ? double{c.pressed[k]} : 0;
+        if (!(f.gap < 0 || t.press * f.gap < t.bears)) {
+            each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
+            return;
+        }
+        add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f.obstacle, share));
+        put(l.on.normal, k, t.normal);
+        l.on.press[k] = static_cast<float>(t.press);
+        l.on.drag[k] = static_cast<float>(t.drag);
+        l.on.touched[k / static_cast<Spot>(l.on.pitch)] = 1;
+        c.contacts[c.contact_count++] = t;
+    });
+}
+
+double press(ClothImpl& c) noexcept {
+    for (std::uint32_t n = 0; n < c.contact_count; ++n) {
+        const Contact& t = c.contacts[n];
+        const Double3 slope = (t.press * t.gap - t.bears) * t.normal + t.drag * t.slid - t.pull;
+        each_copy(c, t.sample,
+                  [&](std::uint32_t s) { put(c.gradient, c.spot_of(s), at(c.gradient, c.spot_of(s)) + slope); });
+    }
+    return pressed_energy(c, 0);
+}
+
+double pressed_energy(const ClothImpl& c, double by) noexcept {
+    double energy = 0;
+    for (std::uint32_t n = 0; n < c.contact_count; ++n) {
+        const Contact& t = c.contacts[n];
+        const Double3 d = by * at(c.correction, c.spot_of(t.sample));
+        const double gap = t.gap + dot(t.normal, d);
+        const Double3 slid = t.slid + d - dot(t.normal, d) * t.normal;
+        energy += 0.5 * t.press * gap * gap + 0.5 * t.drag * dot(slid, slid) - dot(t.pull + t.bears * t.normal, d);
+    }
+    return energy;
+}
+
+void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexcept {
+    for (std::uint32_t n = 0; n < c.contact_count; ++n) {
+        const Contact& t = c.contacts[n];
+        const Spot k = c.spot_of(t.sample);
+        const Double3 d = at(c.correction, k);
+        const double bears = std::max(0.0, t.bears - t.press * (t.gap + dot(t.normal, d)));
+        each_copy(c, t.sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = static_cast<float>(bears); });
+        const std::uint32_t tool = c.scene.tool[t.obstacle];
+        if (!(bears > 0) || tool >= answers.size()) continue;
+        const Double3 rubs = t.pull - t.drag * (t.slid + d - dot(t.normal, d) * t.normal);
+        answers[tool].force = answers[tool].force - narrow(share * (bears * t.normal + rubs));
+        ++answers[tool].contacts;
+    }
+}
+
+void push_out(ClothImpl& c, double part) noexcept {
+    const Level& l = c.fine();
+    if (c.scene.count == 0) return;
+    each_near(c, part, 0.5 * double{c.options.thickness}, [&](std::uint32_t sample, std::uint64_t near) {
+        const Spot k = c.spot_of(sample);
+        if (l.own[k] == 0 || l.free[k] == 0) return;
+        for (int round = 0; round < 3; ++round) {  // out of one obstacle may be into another one
+            const Found f = find(c, part, c.place(k), near);
+            // It stays a rounding error inside, so that the next substep knows it.
+            const double rounding = 1e-9 * (1 + length(c.place(k)));
+            if (!(f.gap < -2 * rounding)) return;
+            const Double3 out = (-rounding - f.gap) * f.normal;
+            each_copy(c, sample, [&](std::uint32_t s) {
+                const Spot to = c.spot_of(s);
+                l.at[0][to] += out.x;
+                l.at[1][to] += out.y;
+                l.at[2][to] += out.z;
+                c.pressed[to] = std::max(c.pressed[to], kNew);
+            });
+        }
+    });
+}
+
+}  // namespace dgm::detail::cloth

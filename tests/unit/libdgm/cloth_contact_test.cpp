@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/libdgm/cloth_contact_test.cpp
+// Cloth against obstacles, tools and itself.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth_shapes.h"
+
+namespace dgm::test {
+namespace {
+
+using detail::Double3;
+
+Obstacle plane(Vec3 point, Vec3 normal) {
+    Obstacle o;
+    o.point = point;
+    o.normal = normal;
+    return o;
+}
+Obstacle ball(Vec3 centre, float radius) {
+    Obstacle o;
+    o.kind = ObstacleKind::Sphere;
+    o.point = centre;
+    o.radius = radius;
+    return o;
+}
+
+/// How far a sheet slides down a plane of this slope in half a second, half a second after it was laid there, and its
+/// acceleration.
+struct Slid {
+    double way, acceleration;
+};
+Slid slid(double slope, float friction) {
+    const double s = slope / std::sqrt(1 + slope * slope), c = s / slope;
+    ClothOptions o;
+    o.fabric.damping = 0;
+    // Its thickness keeps it half a millimetre above the plane.
+    Drape d(grid_chart(17, 17,
+                       [=](double i, double j) {
+                           const double along = i / 16, across = j / 16;
+                           return Point{float(along * c + 0.0005 * s), float(across), float(-along * s + 0.0005 * c)};
+                       }),
+            o);
+    const Obstacle table = plane({0, 0, 0}, {float(s), 0, float(c)});
+    d.how.obstacles = {&table, 1};
+    d.how.friction = friction;
+    const auto place = [&] { return d.mean_of_row(8).x * c - d.mean_of_row(8).z * s; };
+    double at[3];
+    for (double& x : at) {
+        d.run(&x == at ? 30 : 15);
+        x = place();
+    }
+    return {at[2] - at[0], (at[2] - 2 * at[1] + at[0]) / (0.25 * 0.25)};
+}
+TEST(ClothContact, HoldsBelowTheAngleOfFriction) {
+    EXPECT_LT(slid(0.28, 0.3f).way, 1e-5);
+    EXPECT_LT(slid(0.45, 0.5f).way, 1e-5);
+}
+TEST(ClothContact, SlidesAsCoulombSaysBeyondIt) {
+    for (const auto& [slope, friction] : {std::pair{0.5, 0.3f}, std::pair{0.35, 0.3f}, std::pair{0.5, 0.0f}}) {
+        const double cosine = 1 / std::sqrt(1 + slope * slope);
+        const double exact = double{kG} * cosine * (slope - double{friction});
+        EXPECT_NEAR(slid(slope, friction).acceleration, exact, 0.01 * exact) << slope << ' ' << friction;
+    }
+}
+
+TEST(ClothContact, SheetFallsOnABallAndStaysOutside) {
+    ClothOptions o;
+    Drape d(grid_chart(33, 33,
+                       [](double i, double j) {
+                           return Point{float(i / 32 - 0.5), float(j / 32 - 0.5), 0.3f};
+                       }),
+            o);
+    const Obstacle things[] = {ball({0, 0, 0}, 0.25f), plane({0, 0, -0.4f}, {0, 0, 1})};
+    d.how.obstacles = things;
+    d.how.friction = 0.5f;
+    for (int k = 0; k < 180; ++k) {
+        const ClothReport r = d.run(1);
+        if (k > 60) { EXPECT_GT(r.contacts, 20u); }
+        for (std::uint32_t s = 0; s < 33 * 33; ++s) {
+            const Vec3 x = d.state.positions()[s];
+            EXPECT_GT(std::sqrt(dot(x, x)), 0.25f + 0.00049f);
+            EXPECT_GT(x.z, -0.4f + 0.00049f);
+        }
+    }
+    // It hangs down all around, and lies close to the ball on top.
+    EXPECT_LT(d.at(0, 16).z, 0.05);
+    EXPECT_NEAR(d.at(16, 16).z, 0.2505, 0.003);
+}
+
+TEST(ClothContact, EveryKindOfObstacleBearsIt) {
+    State seat = make_state(closed_chart(33, [](std::array<double, 3> n) {
+        return std::array<double, 3>{0.3 * n[0], 0.3 * n[1], 0.1 * n[2]};
+    }));
+    Obstacle box;
+    box.kind = ObstacleKind::Box;
+    box.half = {0.3f, 0.3f, 0.1f};
+    Obstacle capsule = ball({-0.2f, 0, 0}, 0.1f);
+    capsule.kind = ObstacleKind::Capsule;
+    capsule.end = {0.2f, 0, 0};
+    Obstacle surface;
+    surface.kind = ObstacleKind::Surface;
+    surface.surface = &seat;
+    for (const Obstacle& thing : {ball({0, 0, -0.1f}, 0.2f), plane({0, 0, 0.1f}, {0, 0, 1}), box, capsule, surface}) {
+        Drape d(grid_chart(17, 17, [](double i, double j) {
+            return Point{float(i / 32 - 0.25), float(j / 32 - 0.25), 0.12f};
+        }));
+        d.how.obstacles = {&thing, 1};
+        d.how.friction = 1;
+        for (int k = 0; k < 60; ++k) {
+            d.run(1);
+            for (std::uint32_t s = 0; s < 17 * 17; ++s)
+                EXPECT_GT(obstacle_distance(thing, d.state.positions()[s]).value().distance, 0.00045f)
+                    << int(thing.kind);
+        }
+        EXPECT_NEAR(d.at(8, 8).z, 0.1005, 0.004) << int(thing.kind);
+    }
+}
+
+TEST(ClothContact, WeightIsOnTheTable) {
+    // A tool of large radius as table: what it feels is the weight of the cloth.
+    Drape d(grid_chart(17, 17, [](double i, double j) {
+        return Point{float(i / 160 - 0.05), float(j / 160 - 0.05), 0.001f};
+    }));
+    ToolInput tool{.position = {0, 0, -1}};
+    StepTool answer;
+    d.how.tool_radius = 1;
+    d.how.friction = 5;
+    for (int k = 0; k < 120; ++k) {
+        auto r = step(d.state, d.cloth, d.how, {&tool, 1}, {&answer, 1});
+        ASSERT_TRUE(r.ok());
+    }
+    EXPECT_NEAR(answer.force.z, -0.2 * double{kG} * 0.01, 0.01 * 0.2 * double{kG} * 0.01);
+    EXPECT_NEAR(answer.force.x, 0, 1e-4);
+}
+
+TEST(ClothContact, GraspLiftsAndLetsGo) {
+    Drape d(sheet_chart(17, 17, 0.2, 0.2));
+    const Obstacle table = plane({0, 0, -0.0005f}, {0, 0, 1});
+    d.how.obstacles = {&table, 1};
+    d.how.tool_radius = 0.02f;
+    ToolInput tool{.tool = 3, .kind = ToolKind::Grasp, .position = {0.1f, 0.1f, 0}};
+    for (int k = 0; k < 60; ++k) {
+        tool.position.z = 0.005f * float(k);
+        ASSERT_TRUE(step(d.state, d.cloth, d.how, {&tool, 1}).ok());
+    }
+    EXPECT_NEAR(d.at(8, 8).z, 0.295, 1e-4);
+    EXPECT_LT(d.at(0, 0).z, 0.29);
+    tool.engaged = false;
+    for (int k = 0; k < 120; ++k) ASSERT_TRUE(step(d.state, d.cloth, d.how, {&tool, 1}).ok());
+    EXPECT_LT(d.at(8, 8).z, 0.1);
+}
+
+/// Edges of the grid that pass through triangles of it, without a shared sample.
+int crossings(const State& state) {
+    const auto n = state.cols(), m = state.rows();
+    const auto at = [&](std::uint32_t i, std::uint32_t j) { return detail::widen(state.positions()[i * n + j]); };
+    int count = 0;
+    for (std::uint32_t i = 0; i + 1 < m; ++i)
+        for (std::uint32_t j = 0; j + 1 < n; ++j)
+            for (int t = 0; t < 2; ++t) {
+                const Double3 a = at(i, j), b = t == 0 ? at(i + 1, j) : at(i + 1, j + 1),
+                              c = t == 0 ? at(i + 1, j + 1) : at(i, j + 1);
+                const Double3 normal = cross(b - a, c - a);
+                for (std::uint32_t r = 0; r < m; ++r)
+                    for (std::uint32_t s = 0; s < n; ++s) {
+                        if (r + 1 >= i && r <= i + 2 && s + 1 >= j && s <= j + 2) continue;
+                        for (int way = 0; way < 2; ++way) {
+                            const std::uint32_t r2 = r + (way == 0), s2 = s + (way == 1);
+                            if (r2 >= m || s2 >= n || (r2 >= i && r2 <= i + 1 && s2 >= j && s2 <= j + 1)) continue;
+                            const Double3 p = at(r, s), q = at(r2, s2);
+                            const double d = dot(normal, p - a), e = dot(normal, q - a);
+                            if ((d > 0) == (e > 0)) continue;
+                            const Double3 x = p + (d / (d - e)) * (q - p);
+                            if (dot(cross(b - a, x - a), normal) > 0 && dot(cross(c - b, x - b), normal) > 0 &&
+                                dot(cross(a - c, x - c), normal) > 0)
+                                ++count;
+                        }
+                    }
+            }
+    return count;
+}
+TEST(ClothContact, StripThatFoldsOnATableDoesNotCrossItself) {
+    ClothOptions o;
+    o.self_contact = true;
+    o.thickness = 4e-3f;
+    o.fabric.bending = 2e-5f;
+    // It stands on its end, bent a little, and falls.
+    Drape d(grid_chart(49, 13,
+                       [](double i, double j) {
+                           return Point{float(0.01 * std::sin(i / 8)), float(0.1 * j / 12), float(0.4 - 0.4 * i / 48)};
+                       }),
+            o);
+    const Obstacle table = plane({0, 0, -0.01f}, {0, 0, 1});
+    d.how.obstacles = {&table, 1};
+    d.how.friction = 0.6f;
+    d.how.substeps = 4;
+    std::uint32_t touches = 0;
+    for (int k = 0; k < 150; ++k) {
+        touches = std::max(touches, d.run(1).touches);
+        if (k % 10 == 9) { EXPECT_EQ(crossings(d.state), 0) << k; }
+    }
+    EXPECT_GT(touches, 10u);
+    double top = -1;
+    for (std::uint32_t i = 0; i < 49; ++i) top = std::max(top, d.mean_of_row(i).z);
+    EXPECT_LT(top, 0.2) << "it lies";
+}
+
+}  // namespace
+}  // namespace dgm::test
