@@ -129,7 +129,7 @@ struct ClothImpl {
     Array<cloth::Contact> contacts;
     std::uint32_t contact_count = 0;
     cloth::Scene scene;
-    cloth::Placed placed[cloth::kMostScene];  ///< in the frame before
+    cloth::Placed placed[cloth::kMostScene] = {};  ///< in the frame before
     std::uint32_t placed_count = 0;
     Array<cloth::Held> held;
     std::uint32_t held_count = 0;

@@ -61,7 +61,7 @@ static DGM_INLINE void pull_up(const FactorJob& job, std::size_t column) {
         }
 #pragma GCC unroll 16
         for (std::size_t t = 0; t < kTogether; ++t) {
-            float a[kSquare];
+            float a[kSquare] = {};
 #pragma GCC unroll 4
             for (std::size_t c = 0; c < kPieces; ++c) store(a + c * kWide, sum[t][c]);
             x[k + t] = x[k + t] - ((((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7]))) +
