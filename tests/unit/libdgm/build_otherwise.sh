@@ -24,8 +24,9 @@ if ! "$cxx" "$@" "$work/try.cpp" -o "$work/try" 2>/dev/null || ! run "$work/try"
 fi
 set -- "$@" -O1 -fPIC -Wall -Wextra -Wshadow -Wconversion -Werror
 for file in "$source"/libdgm/src/*/*.cpp; do
+  object=$(basename "$(dirname "$file")")_$(basename "$file" .cpp).o  # two folders have files of one name
   "$cxx" "$@" -std=c++20 -fno-exceptions -fno-rtti -fvisibility=hidden -idirafter "$xxhash" -I "$source/libdgm/include" -I "$source/libdgm/src" \
-    -c "$file" -o "$work/$(basename "$file" .cpp).o"
+    -c "$file" -o "$work/$object"
 done
 "$cxx" "$@" -shared -Wl,--no-undefined -Wl,--version-script="$source/libdgm/libdgm.map" "$work"/*.o -o "$work/libdgm.so"
 "$c" "$@" -std=c99 -I "$source/libdgm/include" "$source/tests/e2e/consumer/consumer.c" -L "$work" -ldgm -lm -o "$work/consumer"
