@@ -59,7 +59,7 @@ bool within(double v, double low, double high) noexcept {
 /// Upper bound of what build_model() takes, measured on grids of 9 x 9 to 257 x 257.
 [[gnu::cold]] std::uint64_t bytes_needed(std::uint32_t rows, std::uint32_t cols, bool self_contact) noexcept {
     const std::uint64_t pitch = (cols + kBlock) / kBlock * kBlock, plane = (rows + 2) * pitch + 2 * kBlock;
-    const std::uint64_t fine = plane * (4 * (53 + 27) + 8 * 9), all = fine + fine / 2 + plane * 40;
+    const std::uint64_t fine = plane * (4 * (54 + 27) + 8 * 9), all = fine + fine / 2 + plane * 40;
     return all + std::uint64_t{rows} * cols * (self_contact ? 320 : 240) + 400 * pitch + 65536;
 }
 

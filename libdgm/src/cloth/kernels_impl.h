@@ -90,7 +90,7 @@ static void edges(const EdgesJob& job) noexcept {
 
 /// Rest shape and present shape of quads side by side.
 struct Quad {
-    Floats q11, q12, q22, area, twist_u, twist_v;
+    Floats q11, q12, q22, area, uneven, twist_u, twist_v;
     V3 f1, f2;  ///< deformation gradient, along u and across
 };
 /// Edges of the present shape, or of one further on.
@@ -118,6 +118,7 @@ static DGM_INLINE Quad make_quad(const Sheet& on, std::ptrdiff_t s, const V3& u,
     q.q12 = load(on.q12 + s);
     q.q22 = load(on.q22 + s);
     q.area = load(on.area + s);
+    q.uneven = load(on.uneven + s);
     q.twist_u = load(on.twist_u + s);
     q.twist_v = load(on.twist_v + s);
     q.f1 = q.q11 * u;
@@ -252,14 +253,14 @@ static DGM_INLINE void stress_row(const ForceJob& job, std::uint32_t i, Doubles&
         const Floats e1 = 0.5f * (dot(k.f1, k.f1) - 1), e2 = 0.5f * (dot(k.f2, k.f2) - 1), e3 = dot(k.f1, k.f2);
         const Floats t1 = m.warp * e1 + m.cross * e2, t2 = m.cross * e1 + m.weft * e2, t3 = m.shear * e3;
         const Floats g1 = k.q11 * dot(k.f1, h), g2 = k.q22 * dot(k.f2, h);
-        const Floats w1 = (m.warp / 12) * g1, w2 = (m.weft / 12) * g2;
+        const Floats w1 = k.uneven * ((m.warp / 12) * g1), w2 = k.uneven * ((m.weft / 12) * g2);
         V3 t = h;  // what bends the plate
         if (on.saddle != nullptr) {
             const V3 n = cross(u, v);
             const Floats length = root(dot(n, n));
             t = t - (length > 0 ? load(on.saddle + s) / length : Floats{}) * n;
         }
-        const Floats plate = (2 * on.plate) * ((k.q11 * k.q11) * (k.q22 * k.q22));
+        const Floats plate = k.uneven * ((2 * on.plate) * ((k.q11 * k.q11) * (k.q22 * k.q22)));
         store(line.p[0] + j, k.area * ((((t1 * e1 + t2 * e2) + t3 * e3) + (w1 * g1 + w2 * g2)) + plate * dot(t, t)));
         if (kAhead) continue;
         const Floats across = t3 > 0 ? t3 : -t3;
@@ -339,7 +340,7 @@ static DGM_INLINE void stiff_row(const ProductJob& job, std::uint32_t i) {
         const V3 p1 = k.area * ((t1 * k.f1 + t3 * k.f2) + s1 * d1), p2 = k.area * ((t2 * k.f2 + t3 * k.f1) + s2 * d2);
         const Floats w1 = (m.warp * z1) * dot(k.f1, dh), w2 = (m.weft * z2) * dot(k.f2, dh);
         const Floats across = (s1 * z1 + s2 * z2) + (24 * on.plate) * (z1 * z2);
-        const V3 r = (k.area * (1.0f / 12)) * ((w1 * k.f1 + w2 * k.f2) + across * dh);
+        const V3 r = ((k.uneven * k.area) * (1.0f / 12)) * ((w1 * k.f1 + w2 * k.f2) + across * dh);
         hand_out(to, j, (k.q11 * p1 + k.q12 * p2) - k.twist_u * r, k.q22 * p2 - k.twist_v * r, r);
     }
 }
@@ -384,8 +385,10 @@ static DGM_INLINE Sym outer(const V3& a) {
 static DGM_INLINE void add_to(Sym& to, const Floats& by, const Sym& from) {
     for (int k = 0; k < 6; ++k) to.v[k] += by * from.v[k];
 }
-/// Block of the corners whose displacement changes the columns of the gradient by c1 and c2 times itself.
-static DGM_INLINE Sym corner_block(const Sheet& on, const Quad& k, const Floats& c1, const Floats& c2,
+/// Block of the two opposite corners whose displacement changes the columns of the gradient by c1 and c2 times itself,
+/// up to sign. Their shares of the twist are 1 + t/2 and 1 - t/2: the larger one counts for both. In a quad of
+/// thin triangles it may be 20; blocks without it would let the smoother grow what it should damp.
+static DGM_INLINE Sym corner_block(const Sheet& on, const Quad& k, const Floats& c1, const Floats& c2, const Floats& t,
                                    std::ptrdiff_t s) {
     const Moduli& m = on.moduli;
     Sym sum{};
@@ -394,11 +397,14 @@ static DGM_INLINE Sym corner_block(const Sheet& on, const Quad& k, const Floats&
     add_to(sum, all(m.weft - m.cross), outer(b));
     add_to(sum, all(m.cross), outer(a + b));
     add_to(sum, all(m.shear), outer(c2 * k.f1 + c1 * k.f2));
+    const Floats turn = t > 0 ? t : -t;
+    const Floats share = turn > 1e-4f ? 1 + 0.5f * turn : all(1), weight = k.uneven * (share * share);
     const Floats z1 = k.q11 * k.q11 * (1.0f / 12), z2 = k.q22 * k.q22 * (1.0f / 12);
-    add_to(sum, m.warp * z1, outer(k.f1));
-    add_to(sum, m.weft * z2, outer(k.f2));
+    add_to(sum, weight * (m.warp * z1), outer(k.f1));
+    add_to(sum, weight * (m.weft * z2), outer(k.f2));
     const Floats s1 = load(on.s1 + s), s2 = load(on.s2 + s);
-    const Floats same = ((c1 * c1 + z1) * s1 + (c2 * c2 + z2) * s2) + (288 * on.plate) * (z1 * z2);
+    const Floats same =
+        ((c1 * c1 + weight * z1) * s1 + (c2 * c2 + weight * z2) * s2) + weight * ((288 * on.plate) * (z1 * z2));
     for (int c = 0; c < 3; ++c) sum.v[c] += same;
     for (Floats& v : sum.v) v = k.area * v;
     return sum;
@@ -419,8 +425,8 @@ static void diagonal(const DiagonalJob& job) noexcept {
             if (i + 1 < on.rows) {
                 V3 u, v;
                 const Quad k = load_quad(on, s, u, v);
-                plus = corner_block(on, k, 0.5f * k.q11, 0.5f * (k.q12 + k.q22), s);
-                minus = corner_block(on, k, 0.5f * k.q11, 0.5f * (k.q12 - k.q22), s);
+                plus = corner_block(on, k, 0.5f * k.q11, 0.5f * (k.q12 + k.q22), k.twist_u + k.twist_v, s);
+                minus = corner_block(on, k, 0.5f * k.q11, 0.5f * (k.q12 - k.q22), k.twist_u - k.twist_v, s);
             }
             for (std::size_t c = 0; c < 6; ++c) {
                 store(part(now, c) + j, plus.v[c]);

@@ -16,6 +16,8 @@ namespace dgm::detail::cloth {
 namespace {
 
 constexpr double kThin = 1e-4;  ///< height over length below which a quad counts as none
+constexpr double kSteep = 4;    ///< largest weight of a stencil over that of a grid of squares
+constexpr double kConvex = 2;   ///< largest share of a corner in the twist of a convex quad
 
 double length(Double3 v) noexcept {
     return std::sqrt(dot(v, v));
@@ -33,10 +35,10 @@ bool make_planes(Level& l, const Allocator& a, bool curved) noexcept {
     on.pitch = static_cast<std::ptrdiff_t>(pitch);
     l.count = l.rows * pitch;
     const std::size_t margin = pitch + kBlock, plane = l.count + 2 * margin;
-    float** one[] = {&on.q11,     &on.q12,     &on.q22,     &on.area,     &on.twist_u,  &on.twist_v,  &on.s1,
-                     &on.s2,      &on.square1, &on.square2, &on.u_up,     &on.u_down,   &on.v_up,     &on.v_down,
-                     &on.u_side,  &on.v_side,  &on.saddle,  &on.u_curved, &on.v_curved, &on.tension1, &on.tension2,
-                     &on.bending, &on.mass,    &on.press,   &on.drag,     &l.free,      &l.own};
+    float** one[] = {&on.q11,      &on.q12,     &on.q22,     &on.area,    &on.uneven,   &on.twist_u,  &on.twist_v,
+                     &on.s1,       &on.s2,      &on.square1, &on.square2, &on.u_up,     &on.u_down,   &on.v_up,
+                     &on.v_down,   &on.u_side,  &on.v_side,  &on.saddle,  &on.u_curved, &on.v_curved, &on.tension1,
+                     &on.tension2, &on.bending, &on.mass,    &on.press,   &on.drag,     &l.free,      &l.own};
     Field* three[] = {&on.u, &on.v, &on.normal, &l.right, &l.residual, &l.way, &l.product, &l.sum};
     const std::size_t planes = std::size(one) + 3 * std::size(three) + 6;
     if (!l.planes.allocate(a, planes * plane) || !l.places.allocate(a, 3 * plane)) return false;
@@ -86,6 +88,8 @@ double measure_quads(Level& l, double density) noexcept {
             on.twist_u[k] = static_cast<float>((dot(h, e1) - beta * along) / lu);
             on.twist_v[k] = static_cast<float>(beta);
             on.area[k] = static_cast<float>(area);
+            const double share = 1 + 0.5 * (std::fabs(double{on.twist_u[k]}) + std::fabs(double{on.twist_v[k]}));
+            on.uneven[k] = static_cast<float>(std::min(1.0, kConvex * kConvex / (share * share)));
             if (on.saddle != nullptr) on.saddle[k] = static_cast<float>(dot(h, cross(u, v)) / (lu * height));
             total += area;
             for (const Spot s : {k, k + n, k + 1, k + n + 1}) on.mass[s] += static_cast<float>(density * area / 4);
@@ -104,6 +108,7 @@ struct Bend {
 struct Bends {
     Bend u, v;
     bool any = false;
+    double part = 1;  ///< of the bending stiffness
 };
 /// Second derivative by length along `ahead - behind`, without its part along the surface. `half_side`: the other line
 /// of the grid has both neighbours, and `side` is half their difference.
@@ -130,6 +135,11 @@ Bends bend_at(const Level& l, const Around& near) noexcept {
     if (up && down) out.u = bend_along(way(2, 1), way(0, 1), v, right && left, n);
     if (right && left) out.v = bend_along(way(1, 2), way(1, 0), u, up && down, n);
     out.any = (up && down) || (right && left);
+    // Where the lines of the grid nearly meet, weights are as large as the angle is small.
+    const double natural = kSteep * (1 / e + 1 / g);
+    for (const Bend& b : {out.u, out.v})
+        for (const double w : {b.up, b.down, b.side})
+            if (std::fabs(w) > natural) out.part = std::min(out.part, natural / w * (natural / w));
     return out;
 }
 
@@ -212,7 +222,7 @@ bool measure_bending(Level& l, const Array<std::uint32_t>& id, const Fabric& f, 
                 const double by = double{f.bending} / double{f.density};
                 if (classes.of(k) == kNone) {
                     const Bends b = bend_at(l, near);
-                    if (round == 1 && b.any) put_stencil(l, k, b, by * double{l.on.mass[k]});
+                    if (round == 1 && b.any) put_stencil(l, k, b, b.part * by * double{l.on.mass[k]});
                     continue;
                 }
                 Spot copy = kNone;
@@ -224,7 +234,7 @@ bool measure_bending(Level& l, const Array<std::uint32_t>& id, const Fabric& f, 
                 }
                 if (copies < 2) {
                     const Bends b = bend_at(l, near);
-                    if (round == 1 && b.any) put_stencil(l, k, b, by * double{l.on.mass[k]});
+                    if (round == 1 && b.any) put_stencil(l, k, b, b.part * by * double{l.on.mass[k]});
                     continue;
                 }
                 if (copy == kNone || !sew(l, classes, copy, near)) continue;
@@ -240,7 +250,7 @@ bool measure_bending(Level& l, const Array<std::uint32_t>& id, const Fabric& f, 
                     const double along[8] = {b.u.up,   b.u.down,  b.u.side, -b.u.side,
                                              b.v.side, -b.v.side, b.v.up,   b.v.down};
                     for (int w = 0; w < 8; ++w) s.weight[w / 4][w % 4] = static_cast<float>(along[w]);
-                    s.bending = static_cast<float>(by * (double{l.on.mass[k]} + double{l.on.mass[copy]}));
+                    s.bending = static_cast<float>(b.part * by * (double{l.on.mass[k]} + double{l.on.mass[copy]}));
                     s.curved[0] = static_cast<float>(b.u.curved);
                     s.curved[1] = static_cast<float>(b.v.curved);
                 }
