@@ -10,6 +10,7 @@
 #include <string>
 
 #include <dgm/asset.h>
+#include <dgm/cloth.h>
 #include <dgm/collide.h>
 #include <dgm/compliance.h>
 #include <dgm/contact.h>
@@ -367,6 +368,47 @@ void physics_all(const Map& map, Solver solver) {
     }
 }
 
+/// Falls on a ball, one sample pinned, another pulled, rubbing on the ball and on itself.
+void cloth_all(const Map& map) {
+    State state = map.state();
+    ClothOptions options;
+    options.metres_per_unit = 5e-3;
+    options.self_contact = true;
+    options.plain_loops = plain;
+    auto made = Cloth::create(state, options);
+    if (!made) {
+        Digest refused;
+        refused.add(made.error().code);
+        return print(map.name + " cloth refused", state, refused);
+    }
+    Cloth cloth = std::move(made).value();
+    const PointView rest = state.rest_positions();
+    const std::uint32_t pulled = map.contacts(state)[0], held = map.rows * map.cols / 3;
+    const Pin pin{held, rest[held]};
+    Obstacle ball;
+    ball.kind = ObstacleKind::Sphere;
+    ball.point = rest[map.rows * map.cols / 2] + Vec3{0, 0, -3.25f};
+    ball.radius = 3;
+    ClothStep how;
+    how.gravity = {0, 0, -9.75f};
+    how.tool_radius = 1;
+    how.obstacles = {&ball, 1};
+    how.pins = {&pin, 1};
+    for (int k = 0; k < 12; ++k) {
+        how.cycles = k < 6 ? 1 : 3;
+        ToolInput tool;
+        tool.kind = ToolKind::Grasp;
+        tool.position = rest[pulled] + Vec3{0.25f * static_cast<float>(k), 0, 0.125f};
+        StepTool answer;
+        const ClothReport r = good(step(state, cloth, how, {&tool, 1}, {&answer, 1}), "cloth");
+        Digest report;
+        report.add(r.kinetic, r.elastic, r.potential, r.residual, r.contacts, r.touches, r.clamped, answer.contacts);
+        report.add(answer.force);
+        state.update_normals();
+        print(map.name + " cloth frame " + std::to_string(k + 1), state, report);
+    }
+}
+
 void print_math() {
     Digest values;
     for (int k = -40000; k <= 40000; ++k) {
@@ -399,6 +441,7 @@ int run() {
         reconstruct_all(map);
         collide_all(map);
         for (const Solver solver : {Solver::Multigrid, Solver::Factors}) physics_all(map, solver);
+        cloth_all(map);
     }
     return sound ? 0 : 1;
 }
