@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Replays two of the paper's figures on small maps: what is drawn, what is told, what is refused.
 
-    test_figures.py PRESS_AND_PULL PINCH_SHEET POKE_AND_LET_GO SWING_ORGAN LAY_ON_TABLE DGM_BAKE SAMPLES PATHS
+    test_figures.py PRESS_AND_PULL PINCH_SHEET POKE_AND_LET_GO SWING_ORGAN LAY_ON_TABLE DRAPE_CLOTH DGM_BAKE SAMPLES PATHS
 """
 import re
 import struct
@@ -11,8 +11,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-PRESS, PINCH, POKE, SWING, LAY, BAKE = sys.argv[1:7]
-SAMPLES, PATHS = Path(sys.argv[7]), Path(sys.argv[8])
+PRESS, PINCH, POKE, SWING, LAY, DRAPE, BAKE = sys.argv[1:8]
+SAMPLES, PATHS = Path(sys.argv[8]), Path(sys.argv[9])
 
 
 class Figures(unittest.TestCase):
@@ -67,6 +67,21 @@ class Figures(unittest.TestCase):
         result = self.sample(POKE, self.bake("liver/liver.obj"), PATHS / "liver_poke_and_let_go.txt", picture)
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("--unit", result.stderr)
+
+    def test_sheet_on_a_seat(self):
+        options = ("--domain", "square", "--unit", "cm")
+        sheet = self.bake("sheet/sheet.obj", *options, size="33x33")
+        seat = self.bake("chair/seat.obj", *options, size="33x33")
+        picture = self.folder / "a.png"
+        result = self.sample(DRAPE, sheet, seat, picture, "40")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = re.fullmatch(r"150 frames; at the end (\d+) samples bear, (\S+) J of motion, \d+ places kept apart at most, "
+                            r"([\d.]+) cm deep\n", result.stdout)
+        self.assertIsNotNone(told, result.stdout)
+        self.assertGreater(int(told[1]), 50)
+        self.assertLess(float(told[2]), 1e-3)  # a sheet of 0.1 kg that fell by 10 cm had 0.1 J
+        self.assertLess(float(told[3]), 0.1)
+        self.assertEqual(self.size_of(picture)[0], 3 * 480)
 
     def test_stomach_with_weight(self):
         stomach = self.bake("stomach/stomach.obj", "--unit", "cm", "--material", "tissue", size="33x33")

@@ -18,6 +18,7 @@ DRESSED = (("stomach_denim", "stomach/stomach_denim.obj", "--texture-size", "102
            ("cushion_129", "cushion/cushion.obj", "--size", "129x129", "--texture-size", "513x513"),
            ("liver_65", "liver/liver.obj", "--size", "65x65", "--unit", "cm", "--material", "tissue"),
            ("stomach_65", "stomach/stomach.obj", "--size", "65x65", "--unit", "cm", "--material", "tissue"),
+           ("sheet_65", "sheet/sheet.obj", "--size", "65x65", "--domain", "square", "--unit", "cm"),
            ("cover_129", "cushion/cover.obj", "--size", "129x129", "--texture-size", "513x513"))
 # Picture, program, map, recorded path, further maps.
 FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pull"),
@@ -30,6 +31,8 @@ FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pul
            ("fig15_16_sheet", "pinch_sheet", "sheet", "sheet_pinch"),
            ("fig17_seat", "sit_on_cushion", "seat", "ball_on_seat"),
            ("fig17_cover", "sit_on_cushion", "cushion_129", "ball_on_cushion", "cover_129"))
+# Sheets that fall: picture, sheet, body, further arguments.
+DRAPES = (("cloth_cushion", "sheet_65", "cushion_129"), ("cloth_seat", "sheet_65", "seat", "40"))
 PATHS = Path(__file__).resolve().parent.parent / "samples/paths"
 # Pages to touch: name and maps; the first one is shown first.
 PAGES = (("organs", "stomach", "liver"), ("fabrics", "stomach", "stomach_denim", "stomach_satin"),
@@ -108,6 +111,9 @@ def replay_figures(build, bake, out):
     for picture, program, name, path, *more in FIGURES:
         code = run(build / "samples" / program, map_of(name, out), PATHS / f"{path}.txt", folder / f"{picture}.png",
                    *(map_of(m, out) for m in more))
+        worst = worst or code
+    for picture, sheet, body, *more in DRAPES:
+        code = run(build / "samples/drape_cloth", map_of(sheet, out), map_of(body, out), folder / f"{picture}.png", *more)
         worst = worst or code
     return worst
 

@@ -42,7 +42,7 @@ constexpr tool::Example kExamples[] = {
     {"dgm-bench bake stomach.obj --compare out/bake.json", "faster, slower, better, worse, beyond the noise"},
     {"dgm-bench run stomach.dgm", "ticks, tracking, contact, levels of detail"},
     {"dgm-bench physics liver.obj", "implicit steps: time against distance from the converged step"},
-    {"dgm-bench cloth", "a hanging sheet: time of a frame against its distance from the closed form"},
+    {"dgm-bench cloth --sizes 65,257", "a hanging sheet: time of a frame against its distance from the closed form"},
     {"dgm-bench stability --families sliver,genus", "where methods start to fail, and what takes over"},
     {"dgm-bench scale --faces 10000,100000,1000000", "time and memory as meshes grow"},
 };
