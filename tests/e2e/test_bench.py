@@ -171,7 +171,7 @@ class Bench(Folder):
     def test_physics_comes_nearer_with_every_cycle(self):
         said = self.bench("physics", Path(SAMPLES) / "stomach" / "stomach.obj", SHEET, "--sizes", "17", "--cycles", "1,3,20",
                           "--milliseconds", "1,10", "--steps", "100", "-o", "out").stdout
-        self.assertRegex(said, r"stomach\.obj 17x17, steps of 1 ms: \d+ cycles come within 1 % of the converged step, p99 ")
+        self.assertRegex(said, r"stomach\.obj 17x17, steps of 1 ms, multigrid: \d+ cycles come within 1 % of the converged step, p99 ")
         self.assertEqual(self.names(self.folder / "out"),
                          ["physics-facts.csv", "physics.csv", "physics.html", "physics.json"])
         rows = self.rows(self.read("out/physics.json"), "physics")

@@ -46,7 +46,7 @@ class Packages(support.Folder):
     def test_three_packages_each_with_its_own_files(self):
         self.assertEqual(sorted(self.files), ["dgm-tools", "libdgm-dev", "libdgm0"])
         runtime, development, tools = (self.contents(p) for p in ("libdgm0", "libdgm-dev", "dgm-tools"))
-        libraries = ("libdgm.so.0", "libdgm_physics.so.0")
+        libraries = ("libdgm.so.0", "libdgm_cloth.so.0", "libdgm_physics.so.0")
         self.assertEqual([n for n in runtime if "/doc/" not in n and not Path(n).name.startswith(libraries)], [])
         self.assertTrue(any(n.endswith("libdgm.so.0") for n in runtime))
         for name in ("usr/include/dgm/dgm.h", "usr/include/dgm/state.h"):
