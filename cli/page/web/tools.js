@@ -199,6 +199,7 @@ class Hand {
     for (const stroke of [...this.strokes]) this.end(stroke);
     this.done = [];
     for (const body of this.scene.bodies) {
+      this.lift(body); // a path may end with a grasp
       dgm.touch_reset(body.handle);
       dgm.touch_normals(body.handle);
     }
