@@ -38,8 +38,8 @@ struct Sheet {
     Moduli moduli{};
     Field u, v;  ///< edges of the present shape: x(i + 1, j) - x(i, j) and x(i, j + 1) - x(i, j), metres
     /// Quads: the inverse of the mean rest edges in the rest plane, [q11 q12; 0 q22], the area times the painted
-    /// stiffness (0: no quad), how much of it resists uneven strain, 0 .. 1, and the parts of the rest quad's twist along
-    /// its mean edges.
+    /// stiffness (0: no quad), how much of it resists uneven strain, 0 .. 1, and the parts of the rest quad's twist
+    /// along its mean edges.
     float *q11 = nullptr, *q12 = nullptr, *q22 = nullptr, *area = nullptr, *uneven = nullptr;
     float *twist_u = nullptr, *twist_v = nullptr;
     float *s1 = nullptr, *s2 = nullptr;              ///< quads: tension that stiffens them across, N/m
