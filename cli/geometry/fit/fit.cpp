@@ -24,9 +24,11 @@ constexpr double kGainOfRounds = 3e-3;  // in rms, of two rounds, to go on: 0.03
 constexpr std::size_t kLargeGrid = 30'000;
 constexpr double kFarOff = 0.15;                          // of the largest error: faces that the rounds for it work on
 constexpr double kSureGain = 0.6;                         // in rms; ordinary charts reach 0.2
+constexpr double kInvertedPrice = 1.25;                   // in rms, of faces that a fit inverts
 constexpr double kRepairPrice = 1.5, kRepairLargest = 3;  // in rms and in the largest error, of fewer inverted faces
-// In rms, where no more than one in so many is left: a tree of tubes keeps 10 of 1,159 at 1.63.
-constexpr double kFewInvertedPrice = 2;
+// The same where no more than one in so many is left: a tree of tubes keeps 10 of 1,159 at 1.63 in rms, a Schwarz
+// lantern 0 of 1,185 at 1.02 and 3.6.
+constexpr double kFewInvertedPrice = 2, kFewInvertedLargest = 5;
 constexpr std::size_t kFewInverted = 20;
 constexpr std::uint64_t kFewSamples = 20'000;
 // The hardest shapes measured, at 65 x 65, take 14,000 faces a sample; 190,000 are allowed there.
@@ -190,17 +192,19 @@ bool is_worse_than(Placement& start, FitState& fit) {
     const SurfaceError before = quick_error(mesh, fit.chart, kFewSamples);
     const TriMesh surface_before = fit.chart.surface();
     swap_placement(fit.chart, start);
-    if (!(before.rms < after.rms)) return false;
     if (kFewInvertedPrice * before.rms < after.rms) return true;
+    const std::size_t are = fit.inverted.faces().size();
+    if (are == 0 && !(before.rms < after.rms)) return false;
     const ClosestPointIndex& source = fit.inverted.source_index();
     const std::size_t were =
-                          find_turned_faces(source, surface_before, kTurnedTie, 0, fit.grid.surface.either_side).size(),
-                      are = fit.inverted.faces().size();
-    if (are >= were) return true;
+        find_turned_faces(source, surface_before, kTurnedTie, 0, fit.grid.surface.either_side).size();
+    // A small gain is not worth faces that it inverts.
+    if (are > were) return before.rms < kInvertedPrice * after.rms;
+    if (are == were) return before.rms < after.rms;
     // Repairs may cost something where so many faces were inverted that the start's figures mean little.
-    const double price = after.hausdorff > kRepairLargest * before.hausdorff ? 1
-                         : kFewInverted * are <= were                        ? kFewInvertedPrice
-                                                                             : kRepairPrice;
+    const bool few_left = kFewInverted * are <= were;
+    const double largest = few_left ? kFewInvertedLargest : kRepairLargest;
+    const double price = after.hausdorff > largest * before.hausdorff ? 1 : few_left ? kFewInvertedPrice : kRepairPrice;
     return before.rms * price < after.rms;
 }
 
