@@ -190,6 +190,14 @@ class CallFilter {
     std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter_;
 };
 
+/// Conditions on an argument of a call, counted from 0. libseccomp's macros for them are compound literals of C.
+scmp_arg_cmp equals(unsigned argument, scmp_datum_t value) {
+    return {argument, SCMP_CMP_EQ, value, 0};
+}
+scmp_arg_cmp masked_equals(unsigned argument, scmp_datum_t mask, scmp_datum_t value) {
+    return {argument, SCMP_CMP_MASKED_EQ, mask, value};
+}
+
 /// Empty if nothing but the lists above is left; else why not.
 std::string restrict_calls(bool writes, bool threads) {
     CallFilter filter;
@@ -199,19 +207,19 @@ std::string restrict_calls(bool writes, bool threads) {
     } else {
         constexpr auto kChanging =
             static_cast<scmp_datum_t>((O_ACCMODE | O_CREAT | O_TRUNC | O_TMPFILE) & ~O_DIRECTORY);
-        filter.allow(SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kChanging, O_RDONLY));
-        filter.allow(SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, kChanging, O_RDONLY));
+        filter.allow(SCMP_SYS(openat), masked_equals(2, kChanging, O_RDONLY));
+        filter.allow(SCMP_SYS(open), masked_equals(1, kChanging, O_RDONLY));
     }
     if (threads) {
         filter.allow(kThreading);
         constexpr auto kThread = static_cast<scmp_datum_t>(CLONE_THREAD);
-        filter.allow(SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, kThread, kThread));
+        filter.allow(SCMP_SYS(clone), masked_equals(0, kThread, kThread));
         filter.refuse(SCMP_SYS(clone3), ENOSYS);  // its flags are out of sight: the C library takes clone() instead
-        filter.allow(SCMP_SYS(prctl), SCMP_A0(SCMP_CMP_EQ, PR_SET_NAME));
+        filter.allow(SCMP_SYS(prctl), equals(0, PR_SET_NAME));
     }
     // abort() and the like, which signal the process itself.
-    filter.allow(SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, static_cast<scmp_datum_t>(getpid())));
-    filter.allow(SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_EQ, 0), SCMP_A2(SCMP_CMP_EQ, 0));  // reading one's own
+    filter.allow(SCMP_SYS(tgkill), equals(0, static_cast<scmp_datum_t>(getpid())));
+    filter.allow(SCMP_SYS(prlimit64), equals(0, 0), equals(2, 0));  // reading one's own
     const int error = filter.load();
     return error == 0 ? std::string() : failed("there is no list of system calls", error);
 }
