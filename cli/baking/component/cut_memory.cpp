@@ -80,7 +80,7 @@ CutMemory::Candidates CutMemory::similar(const CutSearchOptions& options, bool c
 Attempt<CutSearchResult> CutMemory::best_of(const Candidates& candidates, const TriMesh& component,
                                             const CutSearchOptions& options, const model::Progress& progress) {
     if (candidates.size() == 1 && options.rings > 0) {  // there is one way to lay it
-        const Found only = candidates.front();
+        const Found& only = candidates.front();
         CutSearchResult out = *only.cut;
         out.shares = only.shares;
         return out;
