@@ -171,12 +171,12 @@ void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOp
     if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
     search.rings = search.measured ? kMeasuredRings : kRings;
     search.stars = 0;
-    const Attempt<CutSearchResult> cut =
+    const Attempt<CutMemory::Cut> cut =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!cut && task.rings == RingUse::kOnly) contest.fail(cut.error());
-    if (!cut || cut->rms > kFarRing * rms) return;
+    if (!cut || (*cut)->rms > kFarRing * rms) return;
     Contest rings(task.component, CutKind::kRing);
-    const SquareMaps maps(task, options, *cut, progress);
+    const SquareMaps maps(task, options, **cut, progress);
     maps.enter(Method::kStretch, rings);
     maps.challenge(Method::kStretch, rings);
     contest.meet(std::move(rings), options.fit != Fit::kSample, progress);
@@ -222,10 +222,11 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     CutSearchOptions search = cut_options(task.size, options);
     if (task.rings == RingUse::kOnly) return try_ring(task, options, search, kInfinity, cuts, contest, progress);
     search.only_simplified = contest.has_best() && contest.best_psnr() > poor_psnr(task.size);
-    const Attempt<CutSearchResult> cut =
+    const Attempt<CutMemory::Cut> found =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
-    if (!cut) contest.fail(cut.error());
-    if (cut) {
+    if (!found) contest.fail(found.error());
+    const CutSearchResult* const cut = found ? found->get() : nullptr;
+    if (cut != nullptr) {
         const bool star = any && cut->shares == BorderShares::kEqualArms;
         const Method method = star ? Method::kSphere : any ? Method::kStretch : options.method;
         const SquareMaps maps(task, options, *cut, progress);
