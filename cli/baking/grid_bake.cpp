@@ -34,6 +34,8 @@ Fitted map_and_fit(PreparedAsset& asset, GridSize largest, CutUse use) {
     Mapped mapped = map_grid(asset, largest, use);
     const BakeOptions& options = asset.options;
     const bool searched = options.auto_samples || options.max_error || options.budget_bytes;
+    // Finer grids search their own cuts. Those of a dense source take as much room as the source itself.
+    if (!searched) asset.cuts = std::vector<CutMemory>(asset.cuts.size());
     return asset.log.run("fit", [&](const model::Progress& progress) {
         Fitted fitted = fit_source(asset.source, std::move(mapped), options, asset.u16, progress);
         if (searched) return fitted;  // a search counts on the sizes that it asks for

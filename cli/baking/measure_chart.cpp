@@ -44,9 +44,9 @@ MeasuredChart measure_chart(const TriMesh& component, const SampledChart& chart,
     report.source_faces = component.faces.size();
     report.seam_gap = reconstruction.seam_gap;
     report.cut_length = chart.cut_length * frame.diagonal;
-    report.cut_exposure = seam_exposure(chart.disk, component,
+    report.cut_exposure = seam_exposure(*chart.disk, component,
                                         static_cast<int>(std::max(kLeastSeamPoints, kSeamPoints * measuring.share)));
-    report.map = measure_map(chart.disk.mesh.positions, chart.disk.mesh.faces, chart.uv);
+    report.map = measure_map(chart.disk->mesh.positions, chart.disk->mesh.faces, chart.uv);
     std::size_t used = 0;
     for (std::size_t s = 0; s < chart.grid_count(); ++s) used += chart.on_surface(s);
     report.utilisation = static_cast<double>(used) / static_cast<double>(chart.grid_count());

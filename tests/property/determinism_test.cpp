@@ -35,7 +35,7 @@ Outcome bake_with(std::size_t threads, const TriMesh& mesh) {
     options.max_extremities = 5;
     const CutSearchResult cut = search_cut(component, options, {});
     const auto layers = [&](const SampledChart& chart) {
-        const SampleGrid fine = rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
+        const SampleGrid fine = rasterize(chart.disk->mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
         return make_layers({chart, repaired.frame, choose_frame(repaired.frame, chart, false), {}, fine, std::nullopt},
                            {})
             .chart;

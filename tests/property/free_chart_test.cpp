@@ -144,7 +144,7 @@ TEST(FreeChart, IsLaidOutBesideItselfWhereItWouldOverlap) {
         ASSERT_NO_FATAL_FAILURE(test::expect_bijective(chart));
         ASSERT_NO_FATAL_FAILURE(test::expect_topology(chart, mesh));
         // On the circle, where it starts from, the stretch is above 2.
-        EXPECT_LT(measure_map(chart.disk.mesh.positions, chart.disk.mesh.faces, chart.uv).stretch_l2, 1.5) << method;
+        EXPECT_LT(measure_map(chart.disk->mesh.positions, chart.disk->mesh.faces, chart.uv).stretch_l2, 1.5) << method;
     }
 }
 
@@ -211,7 +211,7 @@ TEST(FreeChartLayers, KnowTheStrip) {
     const RepairedMesh repaired = repair(bowl());
     const SampledChart chart = chart_of(repaired.components.at(0), 25, 30, "arap");
     const StoredFrame stored = choose_frame(repaired.frame, chart, false);
-    const SampleGrid fine = rasterize(chart.disk.mesh.faces, chart.uv, 49, 59);
+    const SampleGrid fine = rasterize(chart.disk->mesh.faces, chart.uv, 49, 59);
     const MaterialImages images;
     ChartLayers out = make_layers({chart, repaired.frame, stored, images, fine, std::nullopt}, {});
     const auto layer = [&](const char* name) -> model::Layer& {

@@ -62,6 +62,23 @@ std::vector<Named> surfaces() {
             {"slit", test::slit_sheet(10, 0.001)}};
 }
 
+TEST(LaidDisk, GivesTheChartsOfADiskLaidForEach) {
+    const TriMesh mesh = component(test::torus(1, 0.4, 32, 16));
+    CutGraph cut(mesh);
+    cut.cut_to_disk();
+    const Disk disk = cut.open();
+    const LaidDisk laid = lay_disk(disk, 33, 33, 2);
+    for (const Levelling levelling : {Levelling::kCurvature, Levelling::kDirections}) {
+        const auto method = make_stretch_parameterizer(8, levelling);
+        const SampledChart shared = make_square_chart(laid, *method, {}),
+                           own = make_square_chart(disk, 33, 33, 2, *method, {});
+        EXPECT_EQ(&*shared.disk, &*laid.disk);
+        EXPECT_EQ(shared.uv, own.uv);
+        EXPECT_EQ(shared.positions, own.positions);
+        EXPECT_EQ(shared.representative, own.representative);
+    }
+}
+
 class SquareChart : public testing::TestWithParam<Named> {};
 
 TEST_P(SquareChart, IsOneToOneAndWatertight) {

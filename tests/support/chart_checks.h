@@ -26,14 +26,14 @@ inline std::vector<Face> welded_faces(const bake::SampledChart& chart) {
 
 /// One to one: every face counter-clockwise by exact sign, and together they fill what the border encloses.
 inline void expect_bijective(const bake::SampledChart& chart) {
-    const auto& faces = chart.disk.mesh.faces;
-    ASSERT_EQ(chart.uv.size(), chart.disk.mesh.positions.size());
+    const auto& faces = chart.disk->mesh.faces;
+    ASSERT_EQ(chart.uv.size(), chart.disk->mesh.positions.size());
     double filled = 0, enclosed = 0;
     for (const Face& f : faces) {
         ASSERT_GT(bake::orient2d(chart.uv[f[0]], chart.uv[f[1]], chart.uv[f[2]]), 0);
         filled += 0.5 * cross(chart.uv[f[1]] - chart.uv[f[0]], chart.uv[f[2]] - chart.uv[f[0]]);
     }
-    for (std::uint32_t h : chart.disk.border())
+    for (std::uint32_t h : chart.disk->border())
         enclosed += 0.5 * cross(chart.uv[bake::origin(faces, h)], chart.uv[bake::target(faces, h)]);
     EXPECT_NEAR(filled, enclosed, 1e-9);
     if (chart.domain == layout::Domain::kSquare) { EXPECT_NEAR(filled, 1, 1e-9); }
@@ -49,8 +49,8 @@ inline void expect_classes(const bake::SampledChart& chart) {
         ASSERT_LE(rep, s);
         ASSERT_EQ(chart.representative[rep], rep);
         ASSERT_EQ(chart.positions[s], chart.positions[rep]);
-        ASSERT_LT(chart.samples[s].face, chart.disk.mesh.faces.size());
-        ASSERT_LT(length(bake::position_at(chart.disk.mesh, chart.samples[s]) - chart.positions[s]), 1e-9);
+        ASSERT_LT(chart.samples[s].face, chart.disk->mesh.faces.size());
+        ASSERT_LT(length(bake::position_at(chart.disk->mesh, chart.samples[s]) - chart.positions[s]), 1e-9);
     }
 }
 

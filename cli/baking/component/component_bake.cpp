@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "baking/methods.h"
@@ -66,10 +67,13 @@ std::unique_ptr<Parameterizer> square_parameterizer(Method method, const BakeOpt
                                       std::move(memory));
 }
 
-SampledChart square_chart(GridSize size, Method method, const Parameterizer& parameterizer, const CutSearchResult& cut,
-                          const model::Progress& progress) {
-    SampledChart chart =
-        make_square_chart(cut.disk, size.rows, size.cols, cut.rotation, parameterizer, progress, cut.shares);
+LaidDisk laid_on(GridSize size, const CutSearchResult& cut) {
+    return lay_disk(cut.disk, size.rows, size.cols, cut.rotation, cut.shares);
+}
+
+SampledChart square_chart(const LaidDisk& laid, Method method, const Parameterizer& parameterizer,
+                          const CutSearchResult& cut, const model::Progress& progress) {
+    SampledChart chart = make_square_chart(laid, parameterizer, progress);
     chart.method = name_of(method);
     chart.cut_length = cut.cut_length;
     return chart;
@@ -133,7 +137,7 @@ class SquareMaps {
     void enter(Method method, Contest& contest) const {
         contest.enter(method, [&] {
             SampledChart chart =
-                square_chart(task_.size, method, *square_parameterizer(method, options_, memory_), cut_, progress_);
+                square_chart(laid(), method, *square_parameterizer(method, options_, memory_), cut_, progress_);
             memory_->map = chart.uv;
             return chart;
         });
@@ -154,7 +158,11 @@ class SquareMaps {
  private:
     [[nodiscard]] SampledChart directed(Method method) const {
         const auto parameterizer = make_stretch_parameterizer(kNewtonSteps, Levelling::kDirections, memory_);
-        return square_chart(task_.size, method, *parameterizer, cut_, progress_);
+        return square_chart(laid(), method, *parameterizer, cut_, progress_);
+    }
+    [[nodiscard]] const LaidDisk& laid() const {
+        if (!laid_) laid_ = laid_on(task_.size, cut_);
+        return *laid_;
     }
 
     const ComponentTask& task_;
@@ -162,6 +170,7 @@ class SquareMaps {
     const CutSearchResult& cut_;
     const model::Progress& progress_;
     std::shared_ptr<StretchMemory> memory_;
+    mutable std::optional<LaidDisk> laid_;  ///< all maps share it
 };
 
 /// Unrolls a ring between opposite sides of the square, beside the charts in `contest`.
@@ -171,12 +180,12 @@ void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOp
     if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
     search.rings = search.measured ? kMeasuredRings : kRings;
     search.stars = 0;
-    const Attempt<CutSearchResult> cut =
+    const Attempt<CutMemory::Cut> cut =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!cut && task.rings == RingUse::kOnly) contest.fail(cut.error());
-    if (!cut || cut->rms > kFarRing * rms) return;
+    if (!cut || (*cut)->rms > kFarRing * rms) return;
     Contest rings(task.component, CutKind::kRing);
-    const SquareMaps maps(task, options, *cut, progress);
+    const SquareMaps maps(task, options, **cut, progress);
     maps.enter(Method::kStretch, rings);
     maps.challenge(Method::kStretch, rings);
     contest.meet(std::move(rings), options.fit != Fit::kSample, progress);
@@ -222,10 +231,11 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     CutSearchOptions search = cut_options(task.size, options);
     if (task.rings == RingUse::kOnly) return try_ring(task, options, search, kInfinity, cuts, contest, progress);
     search.only_simplified = contest.has_best() && contest.best_psnr() > poor_psnr(task.size);
-    const Attempt<CutSearchResult> cut =
+    const Attempt<CutMemory::Cut> found =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
-    if (!cut) contest.fail(cut.error());
-    if (cut) {
+    if (!found) contest.fail(found.error());
+    const CutSearchResult* const cut = found ? found->get() : nullptr;
+    if (cut != nullptr) {
         const bool star = any && cut->shares == BorderShares::kEqualArms;
         const Method method = star ? Method::kSphere : any ? Method::kStretch : options.method;
         const SquareMaps maps(task, options, *cut, progress);
@@ -245,8 +255,9 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     if (contest.failed(Method::kSphere))
         contest.enter(Method::kStretch, [&] {
             search.stars = 0;
-            return square_chart(task.size, Method::kStretch, *square_parameterizer(Method::kStretch, options),
-                                search_cut(task.component, search, progress), progress);
+            const CutSearchResult other = search_cut(task.component, search, progress);
+            return square_chart(laid_on(task.size, other), Method::kStretch,
+                                *square_parameterizer(Method::kStretch, options), other, progress);
         });
     if (may_be_free && !contest.tried(Method::kArap) && (!contest.has_best() || free_may_help(task, contest)))
         arap(contest.has_best() ? free_tools(kSecondRounds) : free_tools());

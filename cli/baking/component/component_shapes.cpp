@@ -31,9 +31,9 @@ constexpr int kLongestRing = 8;              // 16:1
 double free_chart_aspect(const SampledChart& chart) {
     // Partial derivatives S_s, S_t as [Sander 2001], squared, times the surface area of the face.
     double along_rows = 0, along_cols = 0;
-    for (std::size_t f = 0; f < chart.disk.mesh.faces.size(); ++f) {
-        const Face& face = chart.disk.mesh.faces[f];
-        const auto q = chart.disk.mesh.corners(f);
+    for (std::size_t f = 0; f < chart.disk->mesh.faces.size(); ++f) {
+        const Face& face = chart.disk->mesh.faces[f];
+        const auto q = chart.disk->mesh.corners(f);
         const Vec2d a = chart.uv[face[0]], b = chart.uv[face[1]], c = chart.uv[face[2]];
         const double twice = cross(b - a, c - a);
         if (!(twice > 0)) continue;

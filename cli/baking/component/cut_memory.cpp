@@ -77,13 +77,14 @@ CutMemory::Candidates CutMemory::similar(const CutSearchOptions& options, bool c
     return out;
 }
 
-Attempt<CutSearchResult> CutMemory::best_of(const Candidates& candidates, const TriMesh& component,
-                                            const CutSearchOptions& options, const model::Progress& progress) {
+Attempt<CutMemory::Cut> CutMemory::best_of(const Candidates& candidates, const TriMesh& component,
+                                           const CutSearchOptions& options, const model::Progress& progress) {
     if (candidates.size() == 1 && options.rings > 0) {  // there is one way to lay it
         const Found& only = candidates.front();
+        if (only.cut->shares == only.shares) return only.cut;
         CutSearchResult out = *only.cut;
         out.shares = only.shares;
-        return out;
+        return std::make_shared<const CutSearchResult>(std::move(out));
     }
     const double shrink = std::min(1.0, (kLongest - 1.0) / (std::max(options.m, options.n) - 1.0));
     const auto shrunk = [&](std::uint32_t full) {
@@ -123,37 +124,36 @@ Attempt<CutSearchResult> CutMemory::best_of(const Candidates& candidates, const 
     out.rotation = best_laying.rotation;
     if (grid.m != wanted.m || grid.n != wanted.n) out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
     found_.push_back({wanted.m, wanted.n, out.rotation, out.shares, true, best->cut});
-    return out;
+    return std::make_shared<const CutSearchResult>(std::move(out));
 }
 
-CutSearchResult CutMemory::fresh(const TriMesh& component, const CutSearchOptions& options,
-                                 const model::Progress& progress) {
+CutMemory::Cut CutMemory::fresh(const TriMesh& component, const CutSearchOptions& options,
+                                const model::Progress& progress) {
     for (const Found& f : found_)
         if (!f.chosen && f.m == options.m && f.n == options.n && faces_loops(f.shares) == (options.rings > 0))
-            return *f.cut;
+            return f.cut;
     const auto cut = std::make_shared<const CutSearchResult>(search_cut(component, options, progress));
     found_.push_back({options.m, options.n, cut->rotation, cut->shares, false, cut});
-    return *cut;
+    return cut;
 }
 
-CutSearchResult CutMemory::search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
-                                  const model::Progress& progress) {
+CutMemory::Cut CutMemory::search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
+                                 const model::Progress& progress) {
     if (use == CutUse::kSearch) return fresh(component, options, progress);
     // Those chosen before, then those found; where none of them fits this grid, it needs a cut of its own.
     if (use == CutUse::kReuse)
         for (const bool chosen : {true, false}) {
             const Candidates known = similar(options, chosen);
             if (known.empty()) continue;
-            if (Attempt<CutSearchResult> best = best_of(known, component, options, progress)) return std::move(*best);
+            if (Attempt<Cut> best = best_of(known, component, options, progress)) return std::move(*best);
         }
-    CutSearchResult own = fresh(component, options, progress);
+    Cut own = fresh(component, options, progress);
     Candidates known = similar(options, true);
     if (use == CutUse::kBest && known.empty()) known = similar(options, false);
     std::erase_if(known, [&](const Found& f) { return !f.chosen && f.m == options.m && f.n == options.n; });
     if (use != CutUse::kBest || known.empty()) return own;
-    const auto shared = std::make_shared<const CutSearchResult>(std::move(own));
-    known.push_back({options.m, options.n, shared->rotation, shared->shares, false, shared});
-    Attempt<CutSearchResult> best = best_of(known, component, options, progress);
+    known.push_back({options.m, options.n, own->rotation, own->shares, false, own});
+    Attempt<Cut> best = best_of(known, component, options, progress);
     if (!best) throw best.error();
     return std::move(*best);
 }

@@ -22,12 +22,14 @@ enum class CutUse {
 /// for one grid stays chosen for similar grids of its aspect.
 class CutMemory {
  public:
+    using Cut = std::shared_ptr<const CutSearchResult>;  ///< not null; the memory and its users share one
+
     /// search_cut for options.m x options.n, or a cut that was found before, as `use` says; remembers the cuts that it
     /// finds. Cuts are compared by measured error on a grid of at most 257 a side, those of rings (options.rings) and
     /// others each among themselves.
     /// @throws as search_cut
-    [[nodiscard]] CutSearchResult search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
-                                         const model::Progress& progress);
+    [[nodiscard]] Cut search(const TriMesh& component, const CutSearchOptions& options, CutUse use,
+                             const model::Progress& progress);
 
  private:
     struct Found {
@@ -35,15 +37,14 @@ class CutMemory {
         std::uint32_t rotation;  ///< on that grid
         BorderShares shares;
         bool chosen;  ///< by comparison
-        std::shared_ptr<const CutSearchResult> cut;
+        Cut cut;
     };
     using Candidates = std::vector<Found>;
     [[nodiscard]] Candidates similar(const CutSearchOptions& options, bool chosen) const;
     /// The best of `candidates` on the grid; the first one's error if none has a valid map there.
-    [[nodiscard]] Attempt<CutSearchResult> best_of(const Candidates& candidates, const TriMesh& component,
-                                                   const CutSearchOptions& options, const model::Progress& progress);
-    [[nodiscard]] CutSearchResult fresh(const TriMesh& component, const CutSearchOptions& options,
-                                        const model::Progress& progress);
+    [[nodiscard]] Attempt<Cut> best_of(const Candidates& candidates, const TriMesh& component,
+                                       const CutSearchOptions& options, const model::Progress& progress);
+    [[nodiscard]] Cut fresh(const TriMesh& component, const CutSearchOptions& options, const model::Progress& progress);
 
     std::vector<Found> found_;
 };

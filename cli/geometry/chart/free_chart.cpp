@@ -389,7 +389,7 @@ SampledChart make_free_chart(const TriMesh& component, std::uint32_t m, std::uin
     SampledChart moved = chart_without_overlap(std::move(last->disk), m, n, method, tools, progress, *failure);
     moved.cut_length = last->cut_length;
     const auto stretch = [](const SampledChart& c) {
-        return measure_map(c.disk.mesh.positions, c.disk.mesh.faces, c.uv).stretch_l2;
+        return measure_map(c.disk->mesh.positions, c.disk->mesh.faces, c.uv).stretch_l2;
     };
     return chart && stretch(*chart) <= stretch(moved) ? std::move(*chart) : moved;
 }

@@ -101,7 +101,7 @@ void choose_diagonals(SampledChart& chart, const SampleGrid& centres) {
                 diagonal =
                     squared(chart.positions[b] - chart.positions[d]) < squared(chart.positions[a] - chart.positions[c]);
             } else {
-                const Vec3d truth = position_at(chart.disk.mesh, centre);
+                const Vec3d truth = position_at(chart.disk->mesh, centre);
                 diagonal = squared((chart.positions[b] + chart.positions[d]) * 0.5 - truth) <
                            squared((chart.positions[a] + chart.positions[c]) * 0.5 - truth);
             }
@@ -151,9 +151,9 @@ Lattice lattice_around(const SampledChart& chart) {
 
 std::size_t count_folded(const SampledChart& chart) {
     std::vector<Vec3d> normals;  // of the source, not normalised
-    normals.reserve(chart.disk.mesh.faces.size());
-    for (std::size_t f = 0; f < chart.disk.mesh.faces.size(); ++f) {
-        const auto q = chart.disk.mesh.corners(f);
+    normals.reserve(chart.disk->mesh.faces.size());
+    for (std::size_t f = 0; f < chart.disk->mesh.faces.size(); ++f) {
+        const auto q = chart.disk->mesh.corners(f);
         normals.push_back(cross(q[1] - q[0], q[2] - q[0]));
     }
     const std::vector<Face> faces = chart.faces();
@@ -174,7 +174,7 @@ void place_samples(SampledChart& chart) {
         if (rep != s)
             chart.positions[s] = chart.positions[rep];  // a representative is lower than its copies
         else if (chart.samples[s].face != kNone)
-            chart.positions[s] = position_at(chart.disk.mesh, chart.samples[s]);
+            chart.positions[s] = position_at(chart.disk->mesh, chart.samples[s]);
     }
 }
 

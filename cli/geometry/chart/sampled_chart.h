@@ -9,7 +9,7 @@
 
 #include <dgm/layout.h>
 
-#include "geometry/cut/disk.h"
+#include "geometry/cut/shared_disk.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/metrics/surface_error.h"
 #include "geometry/resample/rasterize.h"
@@ -31,7 +31,7 @@ struct SampledChart {
     std::uint32_t m = 0, n = 0;
     layout::Domain domain = layout::Domain::kSquare;
     std::string method;
-    Disk disk;                                  ///< split as the border needed it
+    SharedDisk disk;                            ///< split as the border needed it
     std::vector<Vec2d> uv;                      ///< the map, per vertex of `disk`
     std::vector<SurfaceSample> samples;         ///< where each sample lies; face kNone off the surface
     std::vector<Vec3d> positions;               ///< normalised frame; copies of a class are equal to the bit

@@ -184,8 +184,8 @@ namespace {
 
 /// Samples the map of `chart`, and places and splits the quads.
 void sample_map(SampledChart& chart, const SquareBorder& border) {
-    check_map(chart.disk, chart.uv, chart.method);
-    const SampleGrid fine = rasterize(chart.disk.mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
+    check_map(*chart.disk, chart.uv, chart.method);
+    const SampleGrid fine = rasterize(chart.disk->mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
     if (fine.missing > 0)
         throw model::Error(model::codes::kMapInvalid,
                            chart.method + ": " + std::to_string(fine.missing) + " grid points are covered by no face");
@@ -212,15 +212,24 @@ void sample_map(SampledChart& chart, const SquareBorder& border) {
 
 }  // namespace
 
+LaidDisk lay_disk(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation, BorderShares shares) {
+    SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
+    return {m, n, std::move(disk), std::move(border)};
+}
+
 SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                const Parameterizer& method, const model::Progress& progress, BorderShares shares) {
-    const SquareBorder border = lay_square_border(disk, m, n, rotation, shares);
+    return make_square_chart(lay_disk(std::move(disk), m, n, rotation, shares), method, progress);
+}
+
+SampledChart make_square_chart(const LaidDisk& laid, const Parameterizer& method, const model::Progress& progress) {
+    const auto& [m, n, disk, border] = laid;
     SampledChart chart;
     chart.m = m;
     chart.n = n;
     chart.method = method.name();
-    chart.disk = std::move(disk);
-    const DiskView view{chart.disk.mesh.positions, chart.disk.mesh.faces, border.vertices, border.uv,
+    chart.disk = disk;
+    const DiskView view{chart.disk->mesh.positions, chart.disk->mesh.faces, border.vertices, border.uv,
                         (m - 1.0) / (n - 1.0)};
     chart.uv = method.solve(view, progress);
     sample_map(chart, border);

@@ -3,6 +3,7 @@
 // A disk on the whole square (docs/design.md section 2.4).
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,6 +22,19 @@ namespace dgm::bake {
 [[nodiscard]] SampledChart make_square_chart(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                              const Parameterizer& method, const model::Progress& progress,
                                              BorderShares shares = BorderShares::kByLength);
+
+/// A disk whose border is laid around an m x n grid, for the maps of several methods.
+struct LaidDisk {
+    std::uint32_t m, n;
+    SharedDisk disk;
+    SquareBorder border;
+};
+/// @throws model::Error as lay_square_border
+[[nodiscard]] LaidDisk lay_disk(Disk disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
+                                BorderShares shares = BorderShares::kByLength);
+/// As above, once the border is laid. The chart shares the disk.
+[[nodiscard]] SampledChart make_square_chart(const LaidDisk& laid, const Parameterizer& method,
+                                             const model::Progress& progress);
 
 /// What a map by stretch is levelled to, which decides where the samples are dense.
 enum class Levelling {

@@ -57,7 +57,7 @@ Trial CutTrials::measured(Disk disk, std::uint32_t rotation, BorderShares shares
     if (!holds_topology(welded_topology(chart), topology_))
         throw model::Error(model::codes::kGridTooSmall, "the grid does not hold the topology of the cut");
     const double rms = quick_error(component_, chart, options_.samples).rms;
-    return {rms, rotation, std::move(chart.disk), std::move(chart.uv)};
+    return {rms, rotation, *chart.disk, std::move(chart.uv)};
 }
 
 }  // namespace dgm::bake

@@ -48,8 +48,8 @@ Query query_at(const SampledChart& chart, std::uint32_t r, std::uint32_t c, std:
 SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
     constexpr double kMinCosine = 0.3;  // as ClosestPointIndex::query_preferring
     SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
-    const TriMesh& mesh = chart.disk.mesh;
-    const LinkedSurface source = link_source(chart.disk);
+    const TriMesh& mesh = chart.disk->mesh;
+    const LinkedSurface source = link_source(*chart.disk);
     const double slack = 0.25 * std::sqrt(surface_area(source) / static_cast<double>(chart.grid_count()));
     // A walk from the sample beside the point ends close by, or the index tells; over a source finer than the grid a
     // walk would stop at the first bump.

@@ -186,7 +186,7 @@ void swap_placement(SampledChart& chart, Placement& other) {
 /// Measures the chart as it is and as it was against all faces of the source: walks between matches flatter a map that
 /// folds.
 bool is_worse_than(Placement& start, FitState& fit) {
-    const TriMesh& mesh = fit.chart.disk.mesh;
+    const TriMesh& mesh = fit.chart.disk->mesh;
     const SurfaceError after = quick_error(mesh, fit.chart, kFewSamples);
     swap_placement(fit.chart, start);
     const SurfaceError before = quick_error(mesh, fit.chart, kFewSamples);

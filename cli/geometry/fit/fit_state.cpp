@@ -27,7 +27,7 @@ FitState::FitState(SampledChart& fitted, const FitOptions& options)
       most_looks(options.most_looks != 0 ? options.most_looks : most_looks_of(fitted.grid_count())),
       holds_largest(options.worst_rounds > 0),
       damping(options.hold.damping),
-      source(link_source(fitted.disk)),
+      source(link_source(*fitted.disk)),
       grid(fitted),
       matches(fitted, source, grid, point_count(fitted, options), options.hold),
       fixed(grid.on_border),

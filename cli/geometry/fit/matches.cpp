@@ -103,7 +103,7 @@ Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const W
 
 /// Each point starts on the quad that the map puts it on.
 void Matches::spread(const SampledChart& chart, std::size_t count) {
-    const TriMesh& mesh = chart.disk.mesh;
+    const TriMesh& mesh = chart.disk->mesh;
     const auto add = [&](const Vec3d& position, std::uint32_t face, double weight) {
         points.push_back({position, {face, 0, {}}, weight});
     };
@@ -112,7 +112,7 @@ void Matches::spread(const SampledChart& chart, std::size_t count) {
     area_points = points.size();
     std::vector<char> seen(source_.positions.size(), 0);
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-        const std::uint32_t point = chart.disk.weld[v];
+        const std::uint32_t point = chart.disk->weld[v];
         if (!seen[point]) {
             seen[point] = 1;
             add(mesh.positions[v], grid_.face_at(chart, chart.uv[v]), kVertexWeight);

@@ -103,7 +103,7 @@ std::uint32_t WeldedGrid::face_at(const SampledChart& chart, const Vec2d& uv) co
 }
 
 std::uint32_t WeldedGrid::face_at(const SampledChart& chart, const SurfaceSample& at) const {
-    const Face& v = chart.disk.mesh.faces[at.face];
+    const Face& v = chart.disk->mesh.faces[at.face];
     return face_at(chart, chart.uv[v[0]] * at.b[0] + chart.uv[v[1]] * at.b[1] + chart.uv[v[2]] * at.b[2]);
 }
 

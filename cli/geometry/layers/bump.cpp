@@ -21,7 +21,7 @@ std::vector<double> heights_over_grid(const LayerInput& in, const StoredPosition
                                       const StoredNormals& normals, const SampleGrid& at, std::uint32_t rows,
                                       std::uint32_t cols) {
     const SampledChart& chart = in.chart;
-    const TriMesh& mesh = chart.disk.mesh;
+    const TriMesh& mesh = chart.disk->mesh;
     std::vector<double> height(std::size_t{rows} * cols, 0.0);
     for (std::uint32_t i = 0; i < rows; ++i)
         for (std::uint32_t j = 0; j < cols; ++j) {
@@ -51,7 +51,7 @@ std::vector<double> heights_over_grid(const LayerInput& in, const StoredPosition
 
 /// Adds the height maps of the materials; returns the largest height.
 double add_height_maps(const LayerInput& in, const SampleGrid& at, std::span<double> height) {
-    const TriMesh& mesh = in.chart.disk.mesh;
+    const TriMesh& mesh = in.chart.disk->mesh;
     // -bm is the height from black to white in source units; at 1, MTL's default, the file does not say: 1 % of the
     // diagonal.
     const auto full_range = [&](double bm) { return bm == 1 ? 0.01 * in.frame.diagonal : bm; };
@@ -88,7 +88,7 @@ double bump_scale(double diagonal, double largest) {
 model::Layer make_bump(const LayerInput& in, const StoredPositions& positions, const StoredNormals& normals,
                        std::span<const MatchedPoint> points) {
     const SampledChart& chart = in.chart;
-    const TriMesh& mesh = chart.disk.mesh;
+    const TriMesh& mesh = chart.disk->mesh;
     const std::uint32_t rows = in.bump_size ? in.bump_size->first : in.fine.m,
                         cols = in.bump_size ? in.bump_size->second : in.fine.n;
     const bool same = rows == in.fine.m && cols == in.fine.n;

@@ -69,7 +69,7 @@ model::Layer make_deformation(const SampledChart& chart, std::span<const Vec3d> 
     model::Layer layer = empty_layer(model::layers::kDeformation, model::ElementType::kF32, {chart.m, chart.n, 4});
     const auto out = values<float>(layer);
     const Tangents tangents(chart, local);
-    const auto& alpha = chart.disk.mesh.corner_colours;
+    const auto& alpha = chart.disk->mesh.corner_colours;
     const bool painted = std::any_of(alpha.begin(), alpha.end(), [](model::Rgba8 c) { return c.a != 255; });
     for (std::uint32_t i = 0; i < chart.m; ++i)
         for (std::uint32_t j = 0; j < chart.n; ++j) {

@@ -70,8 +70,8 @@ BumpRows rows_of(const LayerInput& in, std::span<const MatchedPoint> points, con
         if (strip) continue;
         const Vec2d at = grid_coordinates(chart, p);
         const TexelTaps taps = texel_taps(at.x * down, at.y * across, rows, cols);
-        const double h =
-            height_over(grid, normalized(normal), local_position(in, p.at), normal_of_face(chart.disk.mesh, p.at.face));
+        const double h = height_over(grid, normalized(normal), local_position(in, p.at),
+                                     normal_of_face(chart.disk->mesh, p.at.face));
         GridRow<1>& row = out.equations.emplace_back();
         row.value[0] = h;
         for (std::size_t k = 0; k < 4; ++k) {

@@ -29,7 +29,7 @@ void fit_normals(const LayerInput& in, std::span<const MatchedPoint> points, Sto
     const SampledChart& chart = in.chart;
     if (points.empty()) return;
     std::vector<Vec3d> truth(points.size());
-    for (std::size_t k = 0; k < points.size(); ++k) truth[k] = source_normal(chart.disk.mesh, points[k].at);
+    for (std::size_t k = 0; k < points.size(); ++k) truth[k] = source_normal(chart.disk->mesh, points[k].at);
     std::vector<Vec3d> n = normals.decoded;
     double error = normal_deviation(points, truth, n);
     bool better = false;

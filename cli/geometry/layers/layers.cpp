@@ -109,7 +109,7 @@ void weigh_bump(const LayerInput& in, const StoredPositions& positions, std::vec
     for (std::size_t k = 0; k < points.size(); k += stride) {
         const MatchedPoint& p = points[k];
         const auto [stored, fine] = bump->both(p.face, {p.b[0], p.b[1], p.b[2]});
-        const Vec3d truth = source_normal(in.chart.disk.mesh, p.at);
+        const Vec3d truth = source_normal(in.chart.disk->mesh, p.at);
         if (fine == Vec3d{} || truth == Vec3d{}) continue;
         along += dot(fine - stored, truth - stored);
         square += dot(fine - stored, fine - stored);

@@ -59,9 +59,9 @@ model::OctahedralCode sample_code(const SampledChart& chart, std::size_t sample,
 
 StoredNormals store_normals(const LayerInput& in) {
     const SampledChart& chart = in.chart;
-    const TriMesh& mesh = chart.disk.mesh;
+    const TriMesh& mesh = chart.disk->mesh;
     // Over the welded surface, so that the two sides of a cut agree.
-    std::vector<Vec3d> welded = vertex_areas(chart.disk);
+    std::vector<Vec3d> welded = vertex_areas(*chart.disk);
     for (Vec3d& n : welded) n = normalized(n, Vec3d{});
     StoredNormals out;
     const std::size_t grid = chart.grid_count(), extra = chart.samples.size() - grid;

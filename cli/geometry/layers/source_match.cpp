@@ -49,7 +49,7 @@ class FacingSearch {
 }  // namespace
 
 Vec3d local_position(const LayerInput& in, const SurfaceSample& at) {
-    Vec3d p = position_at(in.chart.disk.mesh, at);
+    Vec3d p = position_at(in.chart.disk->mesh, at);
     // source - offset, without forming a large source coordinate first
     for (int k = 0; k < 3; ++k) p[k] = (in.frame.centre[k] - in.stored.offset[k]) + in.frame.diagonal * p[k];
     return p;
@@ -93,7 +93,7 @@ class Matching {
           faces_(in.chart.faces()),
           grid_(weld_stored(in.chart, positions.local)),
           slack_(0.25 * in.frame.diagonal *
-                 std::sqrt(surface_area(in.chart.disk.mesh) / static_cast<double>(in.chart.grid_count()))),
+                 std::sqrt(surface_area(in.chart.disk->mesh) / static_cast<double>(in.chart.grid_count()))),
           points_(spread_.size()),
           open_(spread_.size(), 0) {}
 
@@ -126,7 +126,7 @@ class Matching {
             const std::uint32_t start = start_of(k, hint);
             if (start == kNone) continue;
             const SurfaceHit hit = search.from(local_position(in_, spread_[k]),
-                                               normal_of_face(in_.chart.disk.mesh, spread_[k].face), start, slack_);
+                                               normal_of_face(in_.chart.disk->mesh, spread_[k].face), start, slack_);
             if (hit.face != kNone) match(k, hit.face, hit.b);
         }
     }
@@ -163,7 +163,7 @@ class Matching {
             for (std::size_t k = chunk * kChunk; k < std::min(count, (chunk + 1) * kChunk); ++k) {
                 if (spread_[k].face != last) {
                     last = spread_[k].face;
-                    normal = normal_of_face(in_.chart.disk.mesh, last);
+                    normal = normal_of_face(in_.chart.disk->mesh, last);
                 }
                 visit(k, local_position(in_, spread_[k]), normal, hint);
             }
@@ -195,7 +195,7 @@ class Matching {
 
 std::vector<MatchedPoint> match_source(const LayerInput& in, const StoredPositions& positions, std::size_t count) {
     constexpr std::size_t kMany = 100;  // one in so many is worth an index
-    std::vector<SurfaceSample> spread = spread_by_area(in.chart.disk.mesh, count);
+    std::vector<SurfaceSample> spread = spread_by_area(in.chart.disk->mesh, count);
     if (spread.empty()) return {};
     Matching matching(in, positions, std::move(spread));
     matching.walk();

@@ -22,7 +22,7 @@ std::uint8_t to_byte(double x) {
 
 /// Colour of a point of the disk by its corner attributes and material.
 Rgba8 colour_at(const LayerInput& in, const SurfaceSample& at) {
-    const TriMesh& mesh = in.chart.disk.mesh;
+    const TriMesh& mesh = in.chart.disk->mesh;
     const std::uint32_t material = mesh.face_materials.empty() ? kNone : mesh.face_materials[at.face];
     if (material < in.images.colour.size() && in.images.colour[material] && !mesh.corner_uvs.empty()) {
         Vec2d uv;
@@ -43,7 +43,7 @@ Rgba8 colour_at(const LayerInput& in, const SurfaceSample& at) {
 }
 
 bool has_colour(const LayerInput& in) {
-    const TriMesh& mesh = in.chart.disk.mesh;
+    const TriMesh& mesh = in.chart.disk->mesh;
     if (in.images.fabric || !mesh.corner_colours.empty()) return true;
     for (std::uint32_t material : mesh.face_materials)
         if (material < mesh.materials.size() &&
@@ -86,7 +86,7 @@ std::optional<model::Layer> make_texture(const LayerInput& in, std::span<const M
     const bool same = rows == in.fine.m && cols == in.fine.n;
     const SampleGrid own = same        ? SampleGrid{}
                            : in.fitted ? closest_samples(in.chart, rows, cols)
-                                       : rasterize(in.chart.disk.mesh.faces, in.chart.uv, rows, cols);
+                                       : rasterize(in.chart.disk->mesh.faces, in.chart.uv, rows, cols);
     const SampleGrid& grid = same ? in.fine : own;
     std::vector<char> covered(grid.samples.size(), 0);
     for (std::size_t t = 0; t < grid.samples.size(); ++t) {

@@ -73,6 +73,11 @@ constexpr double kTiny = 1e-4;       ///< longest edge, in diagonals, of a trian
 constexpr double kCrowdSide = 1e-3;  ///< of the cube that holds its middle, in diagonals
 constexpr std::size_t kCrowd = 64;   ///< least triangles of one
 
+/// Zero for a triangle without area. Made anew for each that is asked about: stored, it would take 24 bytes a face.
+Vec3d unit_normal_of(const Triangle& t) {
+    return normalized(cross(t.b - t.a, t.c - t.a), {});
+}
+
 struct Search {
     const Triangle* triangles = nullptr;
     const Piece* pieces = nullptr;
@@ -80,7 +85,7 @@ struct Search {
     Vec3d point;       // normalised frame
     double reach = 0;  // largest coordinate of point, at least 1: what the float slack is relative to
     Nearest nearest;
-    const Vec3d* unit_normals = nullptr;  // null: every face may match
+    bool facing = false;  // else every face may match
     Vec3d direction;
     double min_cosine = 0;
 
@@ -88,8 +93,8 @@ struct Search {
     bool visit(std::uint32_t index) {
         const Triangle& tri = triangles[index];
         if (plane_is_farther(tri, point, nearest.squared)) return false;
-        if (unit_normals != nullptr) {
-            const Vec3d& n = unit_normals[index];
+        if (facing) {
+            const Vec3d n = unit_normal_of(tri);
             if ((n.x == 0 && n.y == 0 && n.z == 0) || !(dot(n, direction) > min_cosine)) return false;
         }
         Vec3d q;
@@ -195,7 +200,6 @@ RTCDevice device() {
 
 struct ClosestPointIndex::Impl {
     std::vector<Triangle> triangles;
-    std::vector<Vec3d> unit_normals;
     std::vector<Piece> pieces;
     std::vector<BoxTree> crowds;
     Held held{};
@@ -244,7 +248,6 @@ struct ClosestPointIndex::Impl {
 
     void add_triangles(std::span<const Vec3d> positions, std::span<const Face> faces) {
         triangles.reserve(faces.size());
-        unit_normals.reserve(faces.size());
         triangle_of_face.assign(faces.size(), kNone);
         for (std::size_t f = 0; f < faces.size(); ++f) {
             if (!usable(positions, faces[f])) continue;
@@ -268,7 +271,6 @@ struct ClosestPointIndex::Impl {
             tri.swap_ca = i < k;
             triangle_of_face[f] = static_cast<std::uint32_t>(triangles.size());
             triangles.push_back(tri);
-            unit_normals.push_back(normalized(cross(ab, ac), {}));
         }
     }
 
@@ -325,6 +327,7 @@ struct ClosestPointIndex::Impl {
         std::vector<char> apart = gather_crowds();
         const int most = std::clamp(static_cast<int>(kMostPieces / triangles.size()), 1, kMaxPieces);
         gather_needles(most, apart);
+        pieces.reserve(pieces.size() + triangles.size());
         for (std::uint32_t t = 0; t < triangles.size(); ++t) {
             if (apart[t]) continue;
             const int count = piece_count(triangles[t], most);
@@ -397,7 +400,7 @@ ClosestPoint ClosestPointIndex::query_facing(const Vec3d& point, const Vec3d& no
     // Wider by more than the rounding of the frame, so that the limit itself is found.
     const double reach = limit * impl_->to_unit * (1 + 1e-6) + 1e-12;
     search.nearest.squared = reach * reach;
-    search.unit_normals = impl_->unit_normals.data();
+    search.facing = true;
     search.direction = normal;
     search.min_cosine = min_cosine;
     return impl_->run(search, point, hint);
@@ -413,7 +416,7 @@ double ClosestPointIndex::diagonal() const {
 
 Vec3d ClosestPointIndex::unit_normal(std::uint32_t face) const {
     const std::uint32_t triangle = impl_->triangle_of_face[face];
-    return triangle == kNone ? Vec3d{} : impl_->unit_normals[triangle];
+    return triangle == kNone ? Vec3d{} : unit_normal_of(impl_->triangles[triangle]);
 }
 
 ClosestPoint ClosestPointIndex::query_preferring(const Vec3d& point, const Vec3d& normal, double slack,

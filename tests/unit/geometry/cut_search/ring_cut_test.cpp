@@ -110,13 +110,13 @@ TEST(RingChart, ATubeUnrollsExactly) {
     const double height = 3, side = 2 * std::sin(kPi / around);
     const TriMesh mesh = test::tube(1, 1, height, around, 12);
     const SampledChart chart = ring_chart(mesh, 33, 25);
-    for (const Face& f : chart.disk.mesh.faces)
+    for (const Face& f : chart.disk->mesh.faces)
         for (int k = 0; k < 3; ++k) {
             const std::uint32_t a = f[k], b = f[(k + 1) % 3];
             const model::Vec2d d = chart.uv[b] - chart.uv[a];
             const double flat = std::hypot(d.x * around * side, d.y * height),
                          other = std::hypot(d.y * around * side, d.x * height);
-            const double edge = length(chart.disk.mesh.positions[b] - chart.disk.mesh.positions[a]);
+            const double edge = length(chart.disk->mesh.positions[b] - chart.disk->mesh.positions[a]);
             EXPECT_NEAR(std::min(std::abs(flat - edge), std::abs(other - edge)), 0, 1e-4);
         }
     EXPECT_LT(quick_error(mesh, chart, 20'000).hausdorff, 1e-5);

@@ -49,7 +49,7 @@ TEST(BorderRails, StopsSlideAlongTheBorderAndEndAtACorner) {
     EXPECT_TRUE(rails.has_moved(k));
     EXPECT_FALSE(rails.has_moved(c.class_at(4, 0)));
     EXPECT_FALSE(rails.has_moved(c.class_at(4, 4))) << "it is not on the border";
-    EXPECT_NEAR(length(position_at(c.chart.disk.mesh, rails.sample(k)) - (at + along * 0.04)), 0, 1e-12);
+    EXPECT_NEAR(length(position_at(c.chart.disk->mesh, rails.sample(k)) - (at + along * 0.04)), 0, 1e-12);
     rails.set_places(places);
     EXPECT_FALSE(rails.has_moved(k));
     EXPECT_EQ(rails.places(), places);

@@ -190,7 +190,7 @@ TEST(Matches, SettleOnTheLegThatIsCloser) {
             strip.faces.push_back({a, d, b});
         }
     const Case c = square_case(strip, 33);
-    const LinkedSurface source = link_source(c.chart.disk);
+    const LinkedSurface source = link_source(*c.chart.disk);
     const ClosestPointIndex index(source.positions, source.faces);
     WeldedGrid grid(c.chart);
     Matches matches(c.chart, source, grid, 1000);
@@ -222,7 +222,7 @@ struct Sheet {
 
     explicit Sheet(std::uint32_t side)
         : made(square_case(test::grid_sheet(side - 1, side - 1), side)),
-          source(link_source(made.chart.disk)),
+          source(link_source(*made.chart.disk)),
           grid(made.chart),
           matches(made.chart, source, grid, 1000),
           rails(made.chart, source, grid),
@@ -366,7 +366,7 @@ TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
         std::swap(c.chart.positions[16 * 33 + j], c.chart.positions[17 * 33 + j]);
     ASSERT_GT(inward_faces(c.chart), 8);
     const auto search = [&](std::span<const char> held) {
-        const LinkedSurface source = link_source(c.chart.disk);
+        const LinkedSurface source = link_source(*c.chart.disk);
         const ClosestPointIndex index(source.positions, source.faces);
         WeldedGrid grid(c.chart);
         Matches matches(c.chart, source, grid, 1000);
@@ -475,7 +475,7 @@ TEST(Fit, RealBordersSlideAlongThemselves) {
                 double least = INFINITY;
                 for (const auto& [a, b] : source) least = std::min(least, to_segment(p, a, b));
                 ASSERT_LT(least, 1e-12);
-                ASSERT_LT(length(position_at(fitted.disk.mesh, fitted.samples[s]) - p), 1e-12);
+                ASSERT_LT(length(position_at(fitted.disk->mesh, fitted.samples[s]) - p), 1e-12);
                 moved += p != c.chart.positions[s];
             }
         EXPECT_GT(moved, 10u);
@@ -524,7 +524,7 @@ TEST(Fit, ClosestSamplesOfAnUnfittedChartLieOnItsSamples) {
     EXPECT_EQ(grid.missing, 0u);
     for (std::uint32_t i = 0; i < 17; ++i)
         for (std::uint32_t j = 0; j < 17; ++j) {
-            const Vec3d p = position_at(c.chart.disk.mesh, grid.samples[std::size_t{2 * i} * 33 + 2 * j]);
+            const Vec3d p = position_at(c.chart.disk->mesh, grid.samples[std::size_t{2 * i} * 33 + 2 * j]);
             EXPECT_LT(length(p - c.chart.positions[i * 17 + j]), 1e-9);
         }
 }

@@ -142,7 +142,7 @@ TEST(WeldedGrid, CopiesAreOneClassAndMoveAsOne) {
 
 TEST(Matches, OfALiftedGridAreAllAsFarAsItWasLifted) {
     const SampledChart chart = fit_test::flat_chart(9, 12);
-    const LinkedSurface source = link_source(chart.disk);
+    const LinkedSurface source = link_source(*chart.disk);
     WeldedGrid grid(chart);
     Matches matches(chart, source, grid, 500);
     EXPECT_EQ(matches.area_points, 500u);

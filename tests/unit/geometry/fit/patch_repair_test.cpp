@@ -63,7 +63,7 @@ struct Result {
 /// @param held  all classes, or the source's border alone
 Result unfolded(const SampledChart& chart, bool held) {
     Result out{chart};
-    const LinkedSurface source = link_source(chart.disk);
+    const LinkedSurface source = link_source(*chart.disk);
     const ClosestPointIndex index(source.positions, source.faces);
     const auto turned = [&](const LinkedSurface& surface) {
         TriMesh mesh;

@@ -21,8 +21,8 @@ SampledChart sheet_chart(std::uint32_t side, std::uint32_t cells, Height height)
     SampledChart chart;
     chart.m = chart.n = side;
     chart.disk = CutGraph(mesh).open();
-    for (const Vec3d& p : chart.disk.mesh.positions) chart.uv.push_back({p.x, p.y});
-    chart.samples = rasterize(chart.disk.mesh.faces, chart.uv, side, side).samples;
+    for (const Vec3d& p : chart.disk->mesh.positions) chart.uv.push_back({p.x, p.y});
+    chart.samples = rasterize(chart.disk->mesh.faces, chart.uv, side, side).samples;
     chart.representative.resize(chart.samples.size());
     std::iota(chart.representative.begin(), chart.representative.end(), 0U);
     chart.diagonals.assign(std::size_t{side - 1} * (side - 1), 0);

@@ -127,7 +127,7 @@ double rms_degrees(const LayerInput& in, const std::vector<MatchedPoint>& points
     for (const MatchedPoint& p : points) {
         Vec3d n;
         for (std::size_t k = 0; k < 3; ++k) n += normals[p.sample[k]] * p.b[k];
-        const Vec3d truth = source_normal(in.chart.disk.mesh, p.at);
+        const Vec3d truth = source_normal(in.chart.disk->mesh, p.at);
         const double angle = std::atan2(length(cross(n, truth)), dot(n, truth));
         sum += angle * angle;
     }
@@ -233,7 +233,8 @@ double colour_error(const LayerInput& in, const std::vector<MatchedPoint>& point
             texel_taps(at.x * (rows - 1) / (in.chart.m - 1), at.y * (cols - 1) / (in.chart.n - 1), rows, cols);
         double red = 0, truth = 0;
         for (std::size_t k = 0; k < 4; ++k) red += taps.weight[k] * rgba[4 * taps.texel[k]];
-        for (std::size_t k = 0; k < 3; ++k) truth += p.at.b[k] * in.chart.disk.mesh.corner_colours[3 * p.at.face + k].r;
+        for (std::size_t k = 0; k < 3; ++k)
+            truth += p.at.b[k] * in.chart.disk->mesh.corner_colours[3 * p.at.face + k].r;
         sum += (red - truth) * (red - truth);
     }
     return std::sqrt(sum / static_cast<double>(points.size()));
@@ -242,7 +243,7 @@ double colour_error(const LayerInput& in, const std::vector<MatchedPoint>& point
 TEST(FitTexture, BeatsSampledColoursAndDoesNotRing) {
     // Stripes of 60 and 200, four to three texels: samples of them are a moire, their means are grey.
     Bench b = patch(13, 13, [](double x, double y) { return Vec3d{3 * x, 3 * y, 0}; });
-    TriMesh& mesh = b.chart.disk.mesh;
+    TriMesh& mesh = b.chart.disk.own().mesh;
     for (const Face& f : mesh.faces)
         for (std::uint32_t v : f) {
             const auto stripe = static_cast<std::uint8_t>(std::lround(mesh.positions[v].x * 8) % 2 == 0 ? 60 : 200);

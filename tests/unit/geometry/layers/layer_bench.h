@@ -43,9 +43,9 @@ struct Bench {
     b.chart.method = "by hand";
     b.chart.disk = CutGraph(mesh).open();  // nothing is cut; corners are found in face order, so vertices move
     std::vector<Vec2d> uv(b.chart.uv.size());
-    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] = b.chart.uv[b.chart.disk.weld[v]];
+    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] = b.chart.uv[b.chart.disk->weld[v]];
     b.chart.uv = uv;
-    b.fine = rasterize(b.chart.disk.mesh.faces, uv, 2 * m - 1, 2 * n - 1);
+    b.fine = rasterize(b.chart.disk->mesh.faces, uv, 2 * m - 1, 2 * n - 1);
     b.chart.samples = coarsen(b.fine, m, n);
     for (std::uint32_t s = 0; s < b.chart.samples.size(); ++s) b.chart.representative.push_back(s);
     place_samples(b.chart);
@@ -68,7 +68,7 @@ struct Bench {
     b.chart =
         make_square_chart(disk, m, n, candidate_rotations(disk, m, n, 1).front(), *make_stretch_parameterizer(0), {});
     b.stored = choose_frame(b.frame, b.chart, quantised);
-    b.fine = rasterize(b.chart.disk.mesh.faces, b.chart.uv, 2 * m - 1, 2 * n - 1);
+    b.fine = rasterize(b.chart.disk->mesh.faces, b.chart.uv, 2 * m - 1, 2 * n - 1);
     return b;
 }
 

@@ -72,7 +72,7 @@ TEST(Tables, DiagonalsFollowTheSurface) {
 TEST(TextureLayer, TwoColouredPicture) {
     const model::Rgba8 red{255, 0, 0, 255}, blue{0, 0, 255, 255}, green{0, 255, 0, 255};
     Bench b = patch(9, 9, [](double x, double y) { return Vec3d{x, y, 0}; });
-    auto& mesh = b.chart.disk.mesh;
+    auto& mesh = b.chart.disk.own().mesh;
     EXPECT_FALSE(make_texture(b.input())) << "no colours, no layer";
     test::paint_positions(mesh);  // texture coordinates (x, y), v up
     mesh.face_materials.assign(mesh.faces.size(), 0);
@@ -97,7 +97,7 @@ TEST(TextureLayer, TwoColouredPicture) {
 
 TEST(TextureLayer, VertexColoursAreInterpolatedAndOpaque) {
     Bench b = patch(5, 5, [](double x, double y) { return Vec3d{x, y, 0}; });
-    auto& mesh = b.chart.disk.mesh;
+    auto& mesh = b.chart.disk.own().mesh;
     for (const Face& f : mesh.faces)
         for (std::uint32_t v : f) {
             const Vec3d p = mesh.positions[v];
@@ -119,7 +119,7 @@ TEST(TextureLayer, VertexColoursAreInterpolatedAndOpaque) {
 
 TEST(TextureLayer, MaterialColourAndFabric) {
     Bench b = patch(5, 5, [](double x, double y) { return Vec3d{x, y, 0}; });
-    auto& mesh = b.chart.disk.mesh;
+    auto& mesh = b.chart.disk.own().mesh;
     mesh.materials.resize(2);
     mesh.materials[1].diffuse = {10, 20, 30, 255};
     b.images.colour.resize(2);

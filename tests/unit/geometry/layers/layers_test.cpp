@@ -123,9 +123,9 @@ TEST(NormalLayer, UnitAndRadialOnABall) {
 TEST(NormalLayer, TheSourcesOwnNormalsWin) {
     Bench b = patch(5, 5, [](double x, double y) { return Vec3d{x, y, 0}; });
     const Vec3d own = normalized(Vec3d{1, 2, 3});
-    b.chart.disk.mesh.corner_normals.assign(3 * b.chart.disk.mesh.faces.size(), own);
+    b.chart.disk.own().mesh.corner_normals.assign(3 * b.chart.disk->mesh.faces.size(), own);
     for (const Vec3d& n : store_normals(b.input()).decoded) EXPECT_LT(length(n - own), 1e-4);
-    b.chart.disk.mesh.corner_normals.assign(3 * b.chart.disk.mesh.faces.size(), Vec3d{});  // "none"
+    b.chart.disk.own().mesh.corner_normals.assign(3 * b.chart.disk->mesh.faces.size(), Vec3d{});  // "none"
     for (const Vec3d& n : store_normals(b.input()).decoded) EXPECT_LT(length(n - Vec3d{0, 0, 1}), 1e-4);
 }
 
@@ -255,7 +255,7 @@ TEST(DeformationLayer, CylinderAcrossItsSeam) {
 
 TEST(DeformationLayer, StiffnessIsPaintedThroughAlpha) {
     Bench b = patch(5, 3, [](double x, double y) { return Vec3d{x, y, 0}; });
-    auto& mesh = b.chart.disk.mesh;
+    auto& mesh = b.chart.disk.own().mesh;
     for (const Face& f : mesh.faces)
         for (std::uint32_t v : f) {
             const double x = mesh.positions[v].x;
@@ -339,7 +339,7 @@ TEST(BumpLayer, TinyAssetsKeepTheirRelief) {
         return Vec3d{r * std::cos(0.5 * kPi * x), r * std::sin(0.5 * kPi * x), 0.2 * r * y};
     });
     b.frame.diagonal = 1;
-    for (Vec3d& p : b.chart.disk.mesh.positions) p = p / 2e-9;
+    for (Vec3d& p : b.chart.disk.own().mesh.positions) p = p / 2e-9;
     b.frame.diagonal = 2e-9;
     place_samples(b.chart);
     const model::Layer layer = make_bump(b.input(), store_positions(b.input()), store_normals(b.input()));
