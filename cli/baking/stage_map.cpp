@@ -152,9 +152,9 @@ struct Trial {
     }
 };
 
-/// Fits the chart. If faces are inverted or the fit has gained little, also with samples that are held firmly, then, if
-/// faces are inverted still, in rounds that invert none. Keeps the fit with the fewest of them, then the one with the
-/// lowest error.
+/// Fits the chart. If faces are inverted or the fit has gained little of what there was to gain, also with samples that
+/// are held firmly, then, if faces are inverted still, in rounds that invert none. Keeps the fit with the fewest of
+/// them, then the one with the lowest error.
 /// @return  inverted faces
 std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, const FitOptions& options,
                           const model::Progress& progress) {
@@ -163,7 +163,8 @@ std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, con
     if (may_fit_again) start = mapped.chart;
     const FitReport fit = fit_chart(mapped.chart, options, progress, mapped.begun ? &*mapped.begun : nullptr);
     mapped.begun.reset();
-    if (!start || (fit.inverted == 0 && fit.rms < kOrdinaryGain * fit.start_rms)) return fit.inverted;
+    const bool good = fit.was_exact || fit.rms < kOrdinaryGain * fit.start_rms;
+    if (!start || (fit.inverted == 0 && good)) return fit.inverted;
     const auto measured = [&](SampledChart chart, std::size_t inverted) {
         const double rms = quick_error(component, chart, kErrorSamples).rms;
         return Trial{std::move(chart), inverted, rms};

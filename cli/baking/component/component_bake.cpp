@@ -37,6 +37,11 @@ constexpr double kExactPsnr = 200;  // what is left is rounding
 // A free chart beside a square one must not take longer than all the rest: it gets few cuts.
 constexpr int kSecondRounds = 2;
 
+/// Nothing can have a smaller error than the best chart so far.
+bool is_exact(const Contest& contest) {
+    return contest.has_best() && contest.best_psnr() > kExactPsnr;
+}
+
 double samples_of(GridSize size) {
     return static_cast<double>(size.rows) * size.cols;
 }
@@ -151,7 +156,7 @@ class SquareMaps {
     void challenge(Method method, Contest& contest) const {
         const bool levelled = !options_.ablates("newton") && !options_.ablates("curvature");
         if (options_.method != Method::kAuto || !levelled || options_.ablates("directions")) return;
-        if (!contest.has_best() || contest.best_method() != method) return;
+        if (!contest.has_best() || contest.best_method() != method || is_exact(contest)) return;
         contest.challenge([&] { return directed(method); }, options_.fit != Fit::kSample, progress_);
     }
 
@@ -177,7 +182,7 @@ class SquareMaps {
 /// @param search  of the cut that those have, whose error was `rms`; infinity: they have none
 void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOptions search, double rms,
               CutMemory& cuts, Contest& contest, const model::Progress& progress) {
-    if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
+    if (is_exact(contest)) return;
     search.rings = search.measured ? kMeasuredRings : kRings;
     search.stars = 0;
     const Attempt<CutMemory::Cut> cut =
@@ -198,7 +203,7 @@ void try_other_cuts(const ComponentTask& task, const BakeOptions& options, const
                     const CutSearchResult& first, Contest& contest, const model::Progress& progress) {
     if (options.fit != Fit::kBest || options.method != Method::kAuto || options.ablates("other-cuts")) return;
     if (task.use != CutUse::kSearch) return;
-    if (!contest.has_best() || contest.best_psnr() > kExactPsnr || search.measured) return;
+    if (!contest.has_best() || is_exact(contest) || search.measured) return;
     if (contest.best_method() != Method::kStretch || task.component.faces.size() > kMostFacesCutAgain) return;
     if (first.shares != BorderShares::kByLength) return;
     if (const Topology found = measure_topology(task.component); found.genus == 0 && found.boundary_loops > 0) return;
@@ -226,7 +231,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // A flat panel full of needles has a chart without error, and none that stretches it costs less than minutes.
     if (may_be_free && flat_needle_map(task.component.positions, task.component.faces)) {
         arap(free_tools());
-        if (contest.has_best() && contest.best_psnr() > kExactPsnr) return;
+        if (is_exact(contest)) return;
     }
     CutSearchOptions search = cut_options(task.size, options);
     if (task.rings == RingUse::kOnly) return try_ring(task, options, search, kInfinity, cuts, contest, progress);
@@ -246,7 +251,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     const bool may_unroll = task.rings == RingUse::kTried && (any || options.method == Method::kStretch);
     if (may_unroll && is_ring(task.component))
         try_ring(task, options, search, cut ? cut->rms : kInfinity, cuts, contest, progress);
-    if (!any) return;
+    if (!any || is_exact(contest)) return;
     // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
     // cloth above all.
     const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();

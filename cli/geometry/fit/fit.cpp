@@ -252,7 +252,8 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
     fit.matches.update(false);
     report.start_rms = begun != nullptr ? begun->start_rms : fit.matches.rms;
     report.start_hausdorff = fit.matches.largest;
-    if (fit.largest() < kExact)
+    report.was_exact = fit.largest() < kExact;
+    if (report.was_exact)
         fit.keep();
     else
         run_rounds(fit, repair, plan, report);

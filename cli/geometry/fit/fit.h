@@ -58,6 +58,7 @@ struct FitReport {
     int rounds = 0;            ///< rounds whose result was kept
     std::size_t inverted = 0;  ///< faces against the source (metrics/turned_faces.h)
     std::uint64_t looked = 0;  ///< faces that walks have looked at
+    bool was_exact = false;    ///< nothing was left to fit, but for rounding
     bool ended_early = false;  ///< at the bound of its work, with the best state so far
 };
 

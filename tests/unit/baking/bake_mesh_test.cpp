@@ -314,5 +314,22 @@ TEST(BakeMesh, AFlatPanelOfNeedlesIsItsOwnChart) {
     EXPECT_GT(result.report.charts[0].candidates[0].psnr, 200);
 }
 
+// Soups have thousands of such charts.
+TEST(BakeMesh, TriesNothingBesideAChartWithoutError) {
+    model::TriMesh soup;
+    for (std::uint32_t k = 0; k < 12; ++k) {
+        const double x = 3.0 * k;
+        soup.positions.insert(soup.positions.end(), {{x, 0, 0.1 * k}, {x + 1, 0.2, 0}, {x + 0.3, 0.9, 0.5}});
+        soup.faces.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+    }
+    const BakeResult result = bake_mesh({.mesh = soup, .name = "soup"}, small_grid());
+    ASSERT_EQ(result.report.charts.size(), 12u);
+    for (const ChartReport& chart : result.report.charts) {
+        EXPECT_EQ(chart.candidates.size(), 1u) << "other maps were tried";
+        EXPECT_EQ(chart.method, "stretch");
+        EXPECT_GT(chart.candidates[0].psnr, 200);
+    }
+}
+
 }  // namespace
 }  // namespace dgm::bake
