@@ -48,8 +48,9 @@ struct Fabric {
     friend bool operator==(const Fabric&, const Fabric&) = default;
 };
 
-/// What the layer `material` of the file says (`dgm-bake --material denim`), the same in all directions: warp = weft =
-/// membrane / (1 - nu^2), cross = nu warp, shear = (1 - nu) warp / 2. Damping is that of a Fabric. Empty: it names none.
+/// What the layer `material` of the file says (`dgm-bake --material denim`), the same in all directions:
+/// warp = weft = membrane / (1 - nu^2), cross = nu warp, shear = (1 - nu) warp / 2. Damping is that of a Fabric.
+/// Empty: it names none.
 [[nodiscard]] DGM_CLOTH_API std::optional<Fabric> stored_fabric(const State& state) noexcept;
 
 /// How a Cloth is made.
