@@ -168,6 +168,27 @@ class Bench(Folder):
         self.assertAlmostEqual(recorded["hit_share"], below, delta=0.1)
         self.assertEqual(recorded["wrong_nearest"], 0)
 
+    def test_cloth_hangs_as_the_closed_form_says(self):
+        arguments = ("cloth", "--sizes", "17,33", "--substeps", "1,2", "--cycles", "1", "--frames", "100")
+        said = self.bench(*arguments, "--levels", "0,1", "-o", "out").stdout
+        self.assertRegex(said, r"33x33, 1 substeps, 1 cycles, all levels: p50 [\d.]+ us a frame, stretch 0\.0049 %, exactly 0\.0049 %")
+        self.assertEqual(self.names(self.folder / "out"), ["cloth-facts.csv", "cloth.csv", "cloth.html", "cloth.json"])
+        rows = self.rows(self.read("out/cloth.json"), "cloth")
+        self.assertEqual([(row["grid"], row["substeps"], row["levels"]) for row in rows],
+                         [(grid, h, k) for grid in ("17x17", "33x33") for k in ("all", "1") for h in ("1", "2")])
+        for row in rows:
+            self.assertAlmostEqual(row["exact_percent"], 100 * 0.2 * 9.81 / (2 * 20000), delta=1e-9)
+            self.assertLess(row["off_percent"], 1e-4, "a thousandth of the 0.1 % that are asked for")
+            self.assertGreater(row["off_percent"], 0)
+            self.assertLess(row["energy_rise"], 1e-4)
+            self.assertGreater(row["p50_us"]["median"], 0)
+        self.bench(*arguments, "--modulus", "200", "-o", "soft")
+        for row in self.rows(self.read("soft/cloth.json"), "cloth"):
+            self.assertAlmostEqual(row["exact_percent"], 0.4905, delta=1e-6)
+            self.assertLess(row["off_percent"], 0.005)
+        for wrong in (("--cycles", "0"), ("--modulus", "0"), ("--frames", "99"), ("--sizes", "2")):
+            self.assertIn("DGM6001", self.bench("cloth", *wrong, code=1).stderr)
+
     def test_physics_comes_nearer_with_every_cycle(self):
         said = self.bench("physics", Path(SAMPLES) / "stomach" / "stomach.obj", SHEET, "--sizes", "17", "--cycles", "1,3,20",
                           "--milliseconds", "1,10", "--steps", "100", "-o", "out").stdout

@@ -9,6 +9,7 @@
 // balance exactly, whatever the number of cycles.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <dgm/allocator.h>
@@ -46,6 +47,11 @@ struct Fabric {
     float damping = 0.5f;   ///< 1/s, 0 .. 1e6: air takes so much of the velocity
     friend bool operator==(const Fabric&, const Fabric&) = default;
 };
+
+/// What the layer `material` of the file says (`dgm-bake --material denim`), the same in all directions:
+/// warp = weft = membrane / (1 - nu^2), cross = nu warp, shear = (1 - nu) warp / 2. Damping is that of a Fabric.
+/// Empty: it names none.
+[[nodiscard]] DGM_CLOTH_API std::optional<Fabric> stored_fabric(const State& state) noexcept;
 
 /// How a Cloth is made.
 struct ClothOptions {

@@ -21,12 +21,12 @@ extern "C" {
 /* Stencils of all strides, velocities and place of one cloth. */
 typedef struct dgm_cloth dgm_cloth;
 
-/* Fabric of a dgm_cloth. SI units. What is 0 is what is written below. */
+/* Fabric of a dgm_cloth. SI units. What is 0 is what the layer `material` says; without one, what is written below. */
 typedef struct dgm_cloth_options {
     uint32_t struct_size;
     float warp;             /* N/m along columns of the map, 1e-3 .. 1e9. 0: 2000 */
     float weft;             /* N/m along rows, 1e-3 .. 1e9. 0: 2000 */
-    float cross;            /* N/m, at most 0.95 sqrt(warp weft) */
+    float cross;            /* N/m, at most 0.95 sqrt(warp weft). 0: none; negative: none, whatever the layer says */
     float shear;            /* N/m, 1e-6 .. 1e9. 0: 400 */
     float bending;          /* N m, up to 1e9. 0: 1e-5; negative: none */
     float density;          /* kg/m^2, 1e-6 .. 1e6. 0: 0.2 */

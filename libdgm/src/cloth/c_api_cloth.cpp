@@ -66,8 +66,8 @@ dgm_code dgm_cloth_create(const dgm_state* state, const dgm_cloth_options* optio
     auto a = get(options, o, allocator);
     if (!a) return finish(a.error(), error);
     dgm::ClothOptions to;
-    const dgm::Fabric usual;
-    to.fabric = {number(o.warp, usual.warp),      number(o.weft, usual.weft),       o.cross,
+    const dgm::Fabric usual = dgm::stored_fabric(state->value).value_or(dgm::Fabric{});
+    to.fabric = {number(o.warp, usual.warp),      number(o.weft, usual.weft),       number(o.cross, usual.cross),
                  number(o.shear, usual.shear),    number(o.bending, usual.bending), number(o.density, usual.density),
                  number(o.damping, usual.damping)};
     to.metres_per_unit = o.metres_per_unit;

@@ -136,6 +136,19 @@ bool mark_pins(ClothImpl& c, std::span<const Pin> pins) noexcept {
 }  // namespace
 }  // namespace detail
 
+[[gnu::cold]] std::optional<Fabric> stored_fabric(const State& state) noexcept {
+    const float(&m)[kMaterialValues] = state.impl()->material;  // unit, membrane, Poisson's ratio, bending, ...
+    if (!(m[5] > 0)) return std::nullopt;
+    const float warp = m[1] / (1 - m[2] * m[2]);
+    Fabric f;
+    f.warp = f.weft = warp;
+    f.cross = m[2] * warp;
+    f.shear = 0.5f * (1 - m[2]) * warp;
+    f.bending = m[3];
+    f.density = m[5];
+    return f;
+}
+
 [[gnu::cold]] Result<Cloth> Cloth::create(const State& state, const ClothOptions& asked) noexcept {
     ClothOptions options = asked;
     const detail::StateImpl& s = *state.impl();
@@ -186,14 +199,8 @@ Result<ClothReport> step(State& state, Cloth& cloth, const ClothStep& options, s
     detail::cloth::Scene& scene = c.scene;
     if (auto r = detail::make_scene(c, s, options, tools, scene); !r) return r.error();
     if (!detail::mark_pins(c, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
-    if (c.options.self_contact) {  // brings the boxes of the state up to date
-        Obstacle itself;
-        itself.kind = ObstacleKind::Surface;
-        itself.surface = &state;
-        static_cast<void>(detail::make_shape(itself));
-    }
     state.release();  // touches of tick() end; the boxes stay those of the cloth
-    return detail::cloth::run_frame(c, s, options, tools, answers);
+    return detail::cloth::run_frame(c, state, options, tools, answers);
 }
 
 }  // namespace dgm

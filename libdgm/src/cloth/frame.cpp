@@ -24,6 +24,8 @@ struct Frame {
     std::span<StepTool> answers;
     double h;
     std::uint32_t levels;
+    StateImpl& state;
+    const Obstacle& itself;
 };
 
 template <class F>
@@ -145,10 +147,50 @@ double potential_of(const ClothImpl& c, Vec3 g) noexcept {
     return -(double{g.x} * c.moment[0] + double{g.y} * c.moment[1] + double{g.z} * c.moment[2]);
 }
 
+void write_shape(const ClothImpl& c, StateImpl& s) noexcept {
+    const double by = 1 / c.scale;
+    float* to[3] = {s.now.x, s.now.y, s.now.z};
+    for (int d = 0; d < 3; ++d)
+        for (std::uint32_t i = 0; i < c.rows; ++i) {
+            const double* from = c.fine().at[d] + i * c.fine().on.pitch;
+            for (std::uint32_t j = 0; j < c.cols; ++j) to[d][i * c.cols + j] = static_cast<float>(by * from[j]);
+        }
+    const Rect whole = s.whole();
+    const auto mark = [&](RectList& list) {
+        list.clear();
+        list.rects[0] = whole;
+        list.count = 1;
+    };
+    ++s.moved;
+    s.changes.note(whole);
+    mark(s.elastic);
+    mark(s.now_boxes.dirty);
+    mark(s.normal_dirty);
+}
+
+double largest_speed(const ClothImpl& c) noexcept {
+    double most = 0;
+    each_sample(c, [&](Spot k) {
+        const Double3 v = at(c.velocity, k);
+        most = std::max(most, dot(v, v));
+    });
+    return std::sqrt(most);
+}
+
+/// Lists which parts of the cloth may meet in a substep.
+void look_around(ClothImpl& c, const Frame& f) noexcept {
+    write_shape(c, f.state);
+    static_cast<void>(make_shape(f.itself));  // brings the boxes of the state up to date
+    const double speed = largest_speed(c) + f.h * std::sqrt(double{dot(f.o.gravity, f.o.gravity)});
+    const double most = double{c.options.thickness} + 2 * c.mean_step;
+    find_meetings(c, f.state, std::min(most, double{c.options.thickness} + 2 * f.h * speed));
+}
+
 /// One substep. @return false: numbers that are not finite
 bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& report) noexcept {
     const auto by_dt2 = static_cast<float>(1 / (f.h * f.h));
     const double part = double(number + 1) / f.o.substeps;
+    if (c.options.self_contact) look_around(c, f);
     const double unmoved = c.elastic + begin(c, f, 1.0 / (f.o.substeps - number));
     double elastic = evaluate(c), before = elastic + inertia(c, 0, double{by_dt2});
     // Inertia may lead uphill, as from a stretched shape into its mirror image.
@@ -220,27 +262,6 @@ void take_hold(ClothImpl& c, const Frame& f) noexcept {
     c.holding = wanted;
 }
 
-void write_shape(const ClothImpl& c, StateImpl& s) noexcept {
-    const double by = 1 / c.scale;
-    float* to[3] = {s.now.x, s.now.y, s.now.z};
-    for (int d = 0; d < 3; ++d)
-        for (std::uint32_t i = 0; i < c.rows; ++i) {
-            const double* from = c.fine().at[d] + i * c.fine().on.pitch;
-            for (std::uint32_t j = 0; j < c.cols; ++j) to[d][i * c.cols + j] = static_cast<float>(by * from[j]);
-        }
-    const Rect whole = s.whole();
-    const auto mark = [&](RectList& list) {
-        list.clear();
-        list.rects[0] = whole;
-        list.count = 1;
-    };
-    ++s.moved;
-    s.changes.note(whole);
-    mark(s.elastic);
-    mark(s.now_boxes.dirty);
-    mark(s.normal_dirty);
-}
-
 /// Which samples are held in this frame.
 void mark_free(ClothImpl& c) noexcept {
     for (std::uint32_t k = 0; k < c.total; ++k) {
@@ -278,14 +299,6 @@ bool is_left_alone(ClothImpl& c, const ClothStep& o) noexcept {
     return alone;
 }
 
-double largest_speed(const ClothImpl& c) noexcept {
-    double most = 0;
-    each_sample(c, [&](Spot k) {
-        const Double3 v = at(c.velocity, k);
-        most = std::max(most, dot(v, v));
-    });
-    return std::sqrt(most);
-}
 }  // namespace
 
 void place_at(ClothImpl& c, const ConstPlanes& shape) noexcept {
@@ -310,21 +323,20 @@ void place_at(ClothImpl& c, const ConstPlanes& shape) noexcept {
     }
 }
 
-ClothReport run_frame(ClothImpl& c, StateImpl& s, const ClothStep& o, std::span<const ToolInput> tools,
+ClothReport run_frame(ClothImpl& c, State& state, const ClothStep& o, std::span<const ToolInput> tools,
                       std::span<StepTool> answers) noexcept {
     const std::uint32_t levels = o.levels == 0 ? c.levels : std::min(o.levels, c.levels);
-    const Frame f{o, tools, answers, double{o.dt} / o.substeps, levels};
+    StateImpl& s = *state.impl();
+    Obstacle itself;
+    itself.kind = ObstacleKind::Surface;
+    itself.surface = &state;
+    const Frame f{o, tools, answers, double{o.dt} / o.substeps, levels, s, itself};
     for (StepTool& a : answers) a = {};
     ClothReport report;
     take_hold(c, f);
     for (std::uint32_t k = 0; k < c.held_count; ++k)
         each_copy(c, c.held[k].sample, [&](std::uint32_t copy) { c.pinned[copy] = 2; });
     mark_free(c);
-    if (c.options.self_contact) {
-        const double speed = largest_speed(c) + double{o.dt} * std::sqrt(double{dot(o.gravity, o.gravity)});
-        const double most = double{c.options.thickness} + 2 * c.mean_step;
-        find_meetings(c, s, std::min(most, double{c.options.thickness} + 2 * double{o.dt} * speed));
-    }
     const bool alone = is_left_alone(c, o);
     const double energy = c.kinetic + c.elastic + potential_of(c, o.gravity);
     for (std::uint32_t k = 0; k < o.substeps; ++k)

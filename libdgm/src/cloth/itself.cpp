@@ -2,9 +2,9 @@
 // libdgm/src/cloth/itself.cpp
 // Keeps the layers of a cloth apart.
 //
-// Once a frame the box pyramid of the state tells which tiles are near each other, and these which samples are near
+// In each substep the box pyramid of the state tells which tiles are near each other, and these which samples are near
 // which triangles. Tiles side by side whose normals all lie within a right angle cannot touch, so smooth cloth costs
-// next to nothing [Volino, Magnenat-Thalmann 1994]. In each substep samples that are nearer than the thickness, or on
+// next to nothing [Volino, Magnenat-Thalmann 1994]. At its end samples that are nearer than the thickness, or on
 // the wrong side, are pushed out, and the triangle the other way, by their masses.
 #include <algorithm>
 #include <cmath>
@@ -154,7 +154,7 @@ class Search {
         const Double3 x = c_.place(k);
         const Double3 at[4] = {c_.place(q), c_.place(q + n), c_.place(q + 1), c_.place(q + n + 1)};
         if (!is_within(x, span_of({at[0], at[1], at[2], at[3]}), reach_)) return;
-        if (is_neighbour(i, j, r, s)) return;
+        if (is_neighbour(i, j, r, s, 2) && (is_neighbour(i, j, r, s, 1) || is_near_at_rest(i, j, r, s))) return;
         constexpr int kCorners[2][3] = {{0, 1, 3}, {0, 3, 2}};
         const Spot spots[4] = {q, q + n, q + 1, q + n + 1};
         for (const auto& t : kCorners) {
@@ -166,15 +166,27 @@ class Search {
             c_.meetings[c_.meeting_count++] = {k, {spots[t[0]], spots[t[1]], spots[t[2]]}, side};
         }
     }
-    /// So near on the grid, over seams too, that it is always near.
-    [[nodiscard]] bool is_neighbour(std::uint32_t i, std::uint32_t j, std::uint32_t r, std::uint32_t s) const noexcept {
+    /// Two steps off on uneven maps.
+    [[nodiscard]] bool is_near_at_rest(std::uint32_t i, std::uint32_t j, std::uint32_t r,
+                                       std::uint32_t s) const noexcept {
+        const std::uint32_t first = r * c_.cols + s;
+        const double near = 1.5 * double{c_.options.thickness} / c_.scale;
+        for (const std::uint32_t k : {first, first + 1, first + c_.cols, first + c_.cols + 1}) {
+            const Double3 way = widen(StateImpl::at(s_.rest, k)) - widen(StateImpl::at(s_.rest, i * c_.cols + j));
+            if (dot(way, way) < near * near) return true;
+        }
+        return false;
+    }
+    /// Within so many steps on the grid, over seams too.
+    [[nodiscard]] bool is_neighbour(std::uint32_t i, std::uint32_t j, std::uint32_t r, std::uint32_t s,
+                                    std::uint32_t steps) const noexcept {
         const auto near = [&](std::uint32_t a, std::uint32_t b) {
-            return a + 2 >= r && a <= r + 3 && b + 2 >= s && b <= s + 3;
+            return a + steps >= r && a <= r + steps + 1 && b + steps >= s && b <= s + steps + 1;
         };
         if (near(i, j)) return true;
-        // A sample within two steps of it that has a copy may be near the quad.
-        for (std::uint32_t a = i < 2 ? 0 : i - 2; a <= std::min(i + 2, c_.rows - 1); ++a)
-            for (std::uint32_t b = j < 2 ? 0 : j - 2; b <= std::min(j + 2, c_.cols - 1); ++b) {
+        // A sample within these steps of it that has a copy may be near the quad.
+        for (std::uint32_t a = i < steps ? 0 : i - steps; a <= std::min(i + steps, c_.rows - 1); ++a)
+            for (std::uint32_t b = j < steps ? 0 : j - steps; b <= std::min(j + steps, c_.cols - 1); ++b) {
                 const std::uint32_t first = a * c_.cols + b;
                 for (std::uint32_t k = c_.next_copy[first]; k != first; k = c_.next_copy[k])
                     if (near(k / c_.cols, k % c_.cols)) return true;

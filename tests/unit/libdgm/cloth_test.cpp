@@ -213,6 +213,37 @@ TEST(Cloth, RestsToTheBitWhereNothingActs) {
     for (std::size_t k = 0; k < now.size(); ++k) EXPECT_NEAR(now[k], before[k], 1e-6);
 }
 
+TEST(Cloth, TakesTheFabricOfTheFile) {
+    ChartSpec chart = sheet_chart(9, 9, 100, 100);
+    const std::vector<float> denim{1e-2f, 9000, 0.25f, 4e-5f, 7, 0.45f, 2e-3f};
+    chart.add("material", ElementType::kF32, {denim.size()}, denim);
+    const State state = make_state(chart);
+    const std::optional<Fabric> found = stored_fabric(state);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_FLOAT_EQ(found->warp, 9600);
+    EXPECT_FLOAT_EQ(found->weft, 9600);
+    EXPECT_FLOAT_EQ(found->cross, 2400);
+    EXPECT_FLOAT_EQ(found->shear, 3600);
+    EXPECT_EQ(found->bending, 4e-5f);
+    EXPECT_EQ(found->density, 0.45f);
+    EXPECT_EQ(found->damping, Fabric{}.damping);
+    // It hangs as that fabric does: rho g L^2 / 2 over the membrane's modulus, since its sides are free.
+    ClothOptions o;
+    o.fabric = *found;
+    o.thickness = 0;
+    Drape d(sheet_chart(33, 9, 1, 0.1), o);
+    d.how.gravity = {kG, 0, 0};
+    d.pin_rows(0, 1);
+    d.run(100);
+    const double exact = 0.45 * double{kG} / (2 * 9000);
+    EXPECT_NEAR(d.mean_of_row(32).x - 1, exact, 0.03 * exact);
+    ChartSpec unit_only = sheet_chart(9, 9, 100, 100);
+    unit_only.add("material", ElementType::kF32, {1}, std::vector<float>{1e-2f});
+    EXPECT_FALSE(stored_fabric(make_state(unit_only)).has_value());
+    EXPECT_FALSE(stored_fabric(make_state(sheet_chart(9, 9, 1, 1))).has_value());
+    EXPECT_TRUE(Cloth::create(make_state(unit_only), {}).ok());
+}
+
 TEST(Cloth, BadOptionsAreRefusedByName) {
     const State state = make_state(sheet_chart(9, 9, 1, 1));
     const auto code = [&](auto change) {
