@@ -99,7 +99,7 @@ class Poked {
     [[nodiscard]] State& simulated() { return coarse_ ? *coarse_ : state_; }
     /// The ball goes in, step by step, for so long.
     void press_for(double seconds) {
-        const auto steps = static_cast<std::size_t>(seconds / dt_ + 0.5);
+        const auto steps = static_cast<std::size_t>(std::lround(seconds / dt_));
         for (std::size_t k = 1; k < steps; ++k) (void)go(share_at(static_cast<double>(k) * dt_), kOnTheWay);
         time_ = static_cast<double>(std::max<std::size_t>(steps, 1)) * dt_;
     }

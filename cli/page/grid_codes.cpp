@@ -9,6 +9,7 @@ namespace dgm::page {
 
 void code_grid(std::span<std::byte> bytes, std::uint32_t rows, std::uint32_t cols) {
     const std::size_t n = cols, count = std::size_t{rows} * n * 3;
+    if (count == 0) return;
     std::vector<std::uint16_t> q(count);
     std::memcpy(q.data(), bytes.data(), 2 * count);
     for (std::size_t k = 0; k < count; ++k) {

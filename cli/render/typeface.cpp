@@ -38,7 +38,7 @@ double lay_out(std::string_view text, float scale, const Place& place) {
     double x = 0;
     int before = 0;
     for (const char c : text) {
-        const int letter = c < ' ' || c > '~' ? '?' : c;
+        const int letter = c < ' ' || c > '~' ? '?' : static_cast<unsigned char>(c);
         int advance = 0, bearing = 0;
         stbtt_GetCodepointHMetrics(&font(), letter, &advance, &bearing);
         if (before != 0) x += double{scale} * stbtt_GetCodepointKernAdvance(&font(), before, letter);

@@ -62,7 +62,7 @@ std::vector<std::uint32_t> faces_in_reach(const LinkedSurface& surface, const st
         for (int x = cell(from.x, 0); x <= cell(to.x, 0); ++x)
             for (int y = cell(from.y, 1); y <= cell(to.y, 1); ++y)
                 for (int z = cell(from.z, 2); z <= cell(to.z, 2); ++z)
-                    if (body(static_cast<std::size_t>((x * kCells + y) * kCells + z))) return true;
+                    if (body((std::size_t(x) * kCells + std::size_t(y)) * kCells + std::size_t(z))) return true;
         return false;
     };
     std::vector<char> reached(std::size_t{kCells} * kCells * kCells, 0);
@@ -246,6 +246,7 @@ void Matches::settle_farthest(const ClosestPointIndex& source_index) {
     // Few points are far off, and only faces within reach of them can be nearer.
     const std::vector<std::uint32_t> number = faces_in_reach(grid, points, limit);
     std::vector<Face> in_reach;
+    in_reach.reserve(number.size());
     for (const std::uint32_t f : number) in_reach.push_back(grid.faces[f]);
     const ClosestPointIndex grid_index(grid.positions, in_reach);
     for (std::size_t which = 0; which < lists.size(); ++which) {
