@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // formats/image/image_read.cpp
+#include <algorithm>
 #include <climits>
 #include <cstdio>
 #include <memory>
@@ -56,6 +57,26 @@ void refuse_16_bit_pnm(const EncodedImage& image, const fs::path& path) {
         throw model::Error(codes::kImageUnreadable, "a PGM or PPM picture of 16 bits: store it as PNG", path.string());
 }
 
+/// stb sums up the digits of the three numbers at the head of a PGM or PPM picture as an int, however many there are.
+bool has_long_number(std::string_view file) {
+    constexpr std::size_t kMostDigits = 9;
+    if (!file.starts_with("P5") && !file.starts_with("P6")) return false;
+    constexpr std::string_view kSpace = " \t\n\v\f\r", kDigits = "0123456789";
+    std::size_t at = 2;
+    for (int number = 0; number < 3; ++number) {
+        at = file.find_first_not_of(kSpace, at);
+        while (at < file.size() && file[at] == '#') {
+            at = file.find_first_of("\n\r", at);
+            at = at < file.size() ? file.find_first_not_of(kSpace, at) : file.size();
+        }
+        if (at >= file.size()) return false;
+        const std::size_t end = std::min(file.find_first_not_of(kDigits, at), file.size());
+        if (end - at > kMostDigits) return true;
+        at = end;
+    }
+    return false;
+}
+
 /// More than any format packs into a byte: PNG 8 x 1032 (deflate's longest match, of one-bit pixels), GIF 2730, JPEG
 /// 512. So a few bytes that promise a picture of gigabytes take no memory.
 constexpr std::uint64_t kMostPixelsPerByte = 16384;
@@ -96,6 +117,9 @@ EncodedImage load(const model::PictureFile& picture) {
     out.file =
         picture.bytes ? picture.bytes : std::make_shared<const std::string>(RegularFile(path).read_text(kMaxFileBytes));
     check_file_size(out.file->size(), path);
+    if (has_long_number(*out.file))
+        throw model::Error(codes::kImageUnreadable, "a PGM or PPM picture whose head has a number of over 9 digits",
+                           path.string());
     if (out.size() == 0 || stbi_info_from_memory(out.bytes(), out.size(), &out.width, &out.height, &out.channels) == 0)
         unreadable(path);
     constexpr int kLimit = static_cast<int>(kMaxImageSide);

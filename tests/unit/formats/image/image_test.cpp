@@ -127,6 +127,8 @@ TEST(ImageFiles, BadOnesHaveTheirCodes) {
     for (const char* head : {"P5 2 1 65535\n", "P6 2 1 65535\n"})  // of 16 bits
         EXPECT_EQ(read(head + std::string(12, '\x40')), codes::kImageUnreadable.number);
     EXPECT_EQ(read("P5 2 1 255\n@@"), 0);
+    EXPECT_EQ(read("P5 # long\n2 000000001 255\n@@"), 0);
+    EXPECT_EQ(read("P6 2 # long\n2222222222222222 255\n@@"), codes::kImageUnreadable.number);  // more than an int
     const auto bytes = encode_png(random_image(50, 50));
     const std::string png(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     EXPECT_EQ(read(png.substr(0, 500)), codes::kImageUnreadable.number);
