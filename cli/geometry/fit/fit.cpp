@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/fit/edge_snap.h"
 #include "geometry/fit/fit_state.h"
 #include "geometry/fit/lattice_snap.h"
 #include "geometry/fit/local_repair.h"
@@ -22,6 +23,8 @@ constexpr double kStartUpright = 0.2;   // cosine to the source below which face
 constexpr double kGainOfRounds = 3e-3;  // in rms, of two rounds, to go on: 0.03 dB
 // Samples from which on the rounds for the largest error leave alone what is not near it.
 constexpr std::size_t kLargeGrid = 30'000;
+// Facets of the source a face of the grid, up to which samples go to its edges: beyond, none of many is worth more.
+constexpr double kFacets = 2.5, kFacetsOfLargeGrid = 0.4;
 constexpr double kFarOff = 0.15;                          // of the largest error: faces that the rounds for it work on
 constexpr double kSureGain = 0.6;                         // in rms; ordinary charts reach 0.2
 constexpr double kInvertedPrice = 1.25;                   // in rms, of faces that a fit inverts
@@ -131,13 +134,51 @@ void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     fit.matches.update(false);
 }
 
+/// Samples go to edges that the rounds have left faces across, and a few rounds follow. The grid lies in the best state
+/// afterwards.
+void snap_and_lower_mean(FitState& fit, FitReport& report) {
+    constexpr int kRounds = 3;
+    fit.rest();
+    if (!snap_to_edges(fit)) return;
+    const auto keep_if_better = [&] {
+        if (!(fit.matches.rms < fit.kept.rms)) return;
+        fit.keep();
+        ++report.rounds;
+    };
+    keep_if_better();
+    for (int round = 0; round < kRounds && !fit.is_spent(); ++round) {
+        (void)lower_mean_once(fit, false);
+        keep_if_better();
+    }
+    fit.restore();
+    fit.matches.update(false);
+}
+
+/// The rounds for the mean error, with snaps to the source's edges before and after them.
+void lower_mean_with_snaps(FitState& fit, const Plan& plan, FitReport& report) {
+    constexpr double kGainOfSnap = 0.97;  // in rms, of one, to go on
+    // On large grids each snap takes as long as all rounds of a source of many facets, and gains little there.
+    const double facets = plan.options.worst_rounds > 0 || !is_large(fit.grid) ? kFacets : kFacetsOfLargeGrid;
+    const bool snaps = plan.options.snaps > 0 && plan.options.split_quads && facets_per_face(fit) <= facets;
+    if (snaps) {
+        fit.split_quads();
+        (void)snap_to_edges(fit);
+    }
+    lower_mean(fit, plan, report);
+    for (int snap = 0; snaps && snap + 1 < plan.options.snaps && !fit.is_spent(); ++snap) {
+        const double before = fit.kept.rms;
+        snap_and_lower_mean(fit, report);
+        if (fit.kept.rms > kGainOfSnap * before) break;
+    }
+}
+
 /// The rounds for the mean error, then those for the largest.
 void run_rounds(FitState& fit, LocalRepair& repair, const Plan& plan, FitReport& report) {
     if (plan.options.guarded) {
         fit.keep();
         repair.repair();
     }
-    lower_mean(fit, plan, report);
+    lower_mean_with_snaps(fit, plan, report);
     if (plan.options.worst_rounds <= 0 || fit.is_spent()) return;
     repair.repair();
     settle(fit, plan, report);
@@ -213,6 +254,7 @@ bool is_worse_than(Placement& start, FitState& fit) {
 FitOptions l2_fit() {
     FitOptions o;
     o.rounds = 11;
+    o.snaps = 2;
     return o;
 }
 
@@ -220,11 +262,13 @@ FitOptions best_fit() {
     FitOptions o;
     o.rounds = 20;
     o.worst_rounds = 8;
+    o.snaps = 4;
     return o;
 }
 
 FitOptions guarded(FitOptions options) {
     options.guarded = true;
+    options.snaps = 0;
     return options;
 }
 

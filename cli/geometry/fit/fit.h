@@ -35,6 +35,7 @@ struct FitOptions {
     int rounds = 3;                ///< matches, one least-squares step, diagonals
     int worst_rounds = 0;          ///< further rounds that weigh points by their error, to lower the maximum
     double worst_price_db = 0.2;   ///< loss of PSNR that those may cause
+    int snaps = 0;                 ///< times that samples go to the source's edges, between rounds (edge_snap.h)
     bool split_quads = true;       ///< choose diagonals by the error
     bool guarded = false;          ///< repair first, and undo each round where it inverts faces
     bool on_lattice = false;       ///< leave the grid's samples on the places that u16 positions have
@@ -42,7 +43,8 @@ struct FitOptions {
     double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes 200,000 at most
 };
 
-/// `l2`: a few rounds, for the mean error. `best`: more of them, then rounds for the largest error.
+/// `l2`: a few rounds, for the mean error. `best`: more of them, then rounds for the largest error. Both put samples on
+/// edges of the source.
 [[nodiscard]] FitOptions l2_fit();
 [[nodiscard]] FitOptions best_fit();
 /// The same with samples that are held firmly, in fewer rounds.
