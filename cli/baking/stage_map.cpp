@@ -126,10 +126,13 @@ Attempt<ComponentResult> bake_one(const Repaired& source, const MapRequest& requ
     return bake_component(task, options, cuts[c], progress);
 }
 
-FitOptions fit_options(const BakeOptions& options, bool u16) {
+/// @param charts  of the asset, which share the effort of repairs
+FitOptions fit_options(const BakeOptions& options, bool u16, std::size_t charts) {
+    constexpr std::size_t kEffortOfAsset = 4 * kPatchEffort, kLeastEffort = 10'000;
     FitOptions out = options.fit == Fit::kBest ? best_fit() : l2_fit();
     out.split_quads = !options.ablates("diagonals");
     out.on_lattice = u16;
+    out.patch_effort = std::clamp(kEffortOfAsset / std::max<std::size_t>(charts, 1), kLeastEffort, kPatchEffort);
     return out;
 }
 
@@ -220,7 +223,7 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
     Fitted out{std::move(mapped.charts), {}};
     if (options.fit == Fit::kSample) return out;
     out.inverted.resize(out.charts.size());
-    const FitOptions fit = fit_options(options, u16);
+    const FitOptions fit = fit_options(options, u16, out.charts.size());
     for_each_component(out.charts.size(), part_of(progress, "fit", 0, 1),
                        [&](std::size_t c, const model::Progress& part) {
                            out.inverted[c] = fit_component(source.components[c], out.charts[c], fit, part);
@@ -231,7 +234,7 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
 Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted fitted, const BakeOptions& options,
                        bool u16, std::span<CutMemory> cuts, const model::Progress& progress) {
     const std::vector<GridSize> full = full_sizes(source, request);
-    const FitOptions fit = fit_options(options, u16);
+    const FitOptions fit = fit_options(options, u16, fitted.charts.size());
     std::uint64_t left = kRefinedSamples * request.largest.rows * request.largest.cols;
     for (std::size_t c = 0; c < fitted.inverted.size(); ++c) {
         GridSize size{fitted.charts[c].chart.m, fitted.charts[c].chart.n};

@@ -147,7 +147,8 @@ class Files(support.Folder):
     def test_folder_that_disappears(self):
         """The output's folder is removed while the bake runs."""
         (self.folder / "out").mkdir()
-        process = subprocess.Popen([support.BAKE, "ball.obj", "-o", "out/ball.dgm", "--size", "129"], cwd=self.folder,
+        process = subprocess.Popen([support.BAKE, "ball.obj", "-o", "out/ball.dgm", "--size", "257",
+                                    "--fit", "best"], cwd=self.folder,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.stderr.close)
         deadline = time.monotonic() + 60

@@ -291,7 +291,7 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
         swap_placement(chart, from);
     }
     FitState fit(chart, options);
-    LocalRepair repair(fit);
+    LocalRepair repair(fit, options.patch_effort);
     FitReport report;
     fit.matches.update(false);
     report.start_rms = begun != nullptr ? begun->start_rms : fit.matches.rms;

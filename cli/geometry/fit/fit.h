@@ -30,6 +30,9 @@ struct Hold {
 inline constexpr Hold kLoose{1e-4, 0.25, 0.2};
 inline constexpr Hold kFirm{1e-3, 0.5, 1};
 
+/// Samples that repairs of patches may move: some seconds at most.
+inline constexpr std::size_t kPatchEffort = 500'000;
+
 struct FitOptions {
     Hold hold = kLoose;
     int rounds = 3;                ///< matches, one least-squares step, diagonals
@@ -40,7 +43,8 @@ struct FitOptions {
     bool guarded = false;          ///< repair first, and undo each round where it inverts faces
     bool on_lattice = false;       ///< leave the grid's samples on the places that u16 positions have
     std::uint64_t most_looks = 0;  ///< faces that walks may look at before the fit ends; 0: most_looks_of()
-    double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes 200,000 at most
+    std::size_t patch_effort = kPatchEffort;  ///< of a repair of inverted faces, and of each attempt of the last resort
+    double points_per_sample = 8;             ///< source points a grid sample, but 24 where that makes 200,000 at most
 };
 
 /// `l2`: a few rounds, for the mean error. `best`: more of them, then rounds for the largest error. Both put samples on

@@ -79,7 +79,7 @@ void LocalRepair::repair_at_a_price() {
         const std::size_t inverted = fit_.inverted.faces().size();
         if (inverted == 0 || inverted > kMostAtAPrice) return;
         const FitState::Kept before = fit_.kept;
-        patch_effort_ = kPatchEffort;
+        patch_effort_ = most_patch_effort_;
         const bool moved = try_means(false);
         const bool cheap =
             fit_.kept.rms <= kLastPrice * before.rms && fit_.kept.largest <= kLastLargest * before.largest;

@@ -22,7 +22,9 @@ inline constexpr std::size_t kMostAtAPrice = 100;
 class LocalRepair {
  public:
     /// @param fit  must outlive the object
-    explicit LocalRepair(FitState& fit) : fit_(fit) {}
+    /// @param patch_effort  FitOptions::patch_effort
+    explicit LocalRepair(FitState& fit, std::size_t patch_effort = kPatchEffort)
+        : fit_(fit), most_patch_effort_(patch_effort), patch_effort_(patch_effort) {}
 
     /// Repairs inverted faces where others do not invert for them; fit.kept and fit.matches follow.
     void repair();
@@ -36,8 +38,6 @@ class LocalRepair {
     void repair_at_a_price();
 
  private:
-    static constexpr std::size_t kPatchEffort = 500'000;  // samples that may be moved: some seconds at most
-
     /// The last three at a price, each dearer than the one before.
     enum class Means { kCheap, kLongSearch, kDearPatches, kDearPlaces };
 
@@ -52,8 +52,9 @@ class LocalRepair {
     void refit_around(const std::vector<Vec3d>& before, bool patches_moved);
 
     FitState& fit_;
+    std::size_t most_patch_effort_;
     std::optional<std::vector<std::uint32_t>> unrepaired_;  // inverted faces that the last repair has left
-    std::size_t patch_effort_ = kPatchEffort;
+    std::size_t patch_effort_;
     Means means_ = Means::kCheap;
     bool nearly_ = false;  // repairs faces that rounding may invert, too
 };

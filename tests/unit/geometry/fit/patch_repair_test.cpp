@@ -17,6 +17,7 @@
 #include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/repair/repair.h"
+#include "sheet_chart.h"
 #include "support/meshes.h"
 
 namespace dgm::bake {
@@ -151,6 +152,21 @@ TEST(LocalRepair, MovesWhatIsHeldAtAPriceAlone) {
     EXPECT_EQ(left(false, 0), 0u);
     EXPECT_GT(left(false, 2.3), 0u);
     EXPECT_EQ(left(true, 2.3), 0u);
+}
+
+TEST(PatchRepair, StopsOnceItsEffortIsSpent) {
+    SampledChart twisted = square_chart(test::grid_sheet(40, 40), 17);
+    twist(twisted, 8 * 17 + 8, {0, 0, 1});
+    for (const std::size_t effort : {std::size_t{0}, kPatchEffort}) {
+        fit_test::FitCase c(twisted);
+        std::size_t left = effort;
+        const std::vector<std::uint32_t> inverted = c.fit.inverted.faces();
+        EXPECT_EQ(repair_by_patch(c.fit.source, c.fit.inverted.source_index(), c.fit.upward, c.fit.grid, c.fit.matches,
+                                  c.fit.fixed, inverted, left, {}),
+                  effort > 0);
+        EXPECT_EQ(c.fit.inverted.faces().empty(), effort > 0);
+        EXPECT_EQ(left<effort, effort> 0);
+    }
 }
 
 TEST(Fit, LaysPatchesFlatThatNoSingleSampleCanMend) {
