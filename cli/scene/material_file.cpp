@@ -38,6 +38,7 @@ float number_of(const TomlNode& node, std::size_t key, const fs::path& file) {
 
 Material material_of(const TomlNode& root, const fs::path& file) {
     std::vector<std::string> known;
+    known.reserve(std::size(bake::kMaterialKeys));
     for (const bake::MaterialKey& row : bake::kMaterialKeys) known.emplace_back(row.name);
     for (std::size_t k = 0; k < root.keys.size(); ++k)
         if (std::find(known.begin(), known.end(), root.keys[k]) == known.end())

@@ -232,6 +232,7 @@ void read_wishes(Table& table, SceneAsset& asset, const fs::path& folder) {
         asset.material_file.clear();
         if (asset.material) return;
         std::vector<std::string> words;
+        words.reserve(std::size(bake::kMaterialNames));
         for (const auto& row : bake::kMaterialNames) words.emplace_back(row.name);
         if (!text.ends_with(".toml")) say(tool::unknown_word("material", text, words) + ", or name a .toml file");
         asset.material_file = (folder / text).lexically_normal();

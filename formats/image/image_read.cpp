@@ -204,7 +204,8 @@ const ImageReader& image_reader_here() {
 }
 
 void set_image_reader(ImageReader reader) {
-    image_reader() = reader.image ? std::move(reader) : image_reader_here();
+    if (!reader.image) reader = image_reader_here();
+    image_reader() = std::move(reader);
 }
 
 }  // namespace dgm::formats

@@ -132,7 +132,7 @@ CutMemory::Cut CutMemory::fresh(const TriMesh& component, const CutSearchOptions
     for (const Found& f : found_)
         if (!f.chosen && f.m == options.m && f.n == options.n && faces_loops(f.shares) == (options.rings > 0))
             return f.cut;
-    const auto cut = std::make_shared<const CutSearchResult>(search_cut(component, options, progress));
+    auto cut = std::make_shared<const CutSearchResult>(search_cut(component, options, progress));
     found_.push_back({options.m, options.n, cut->rotation, cut->shares, false, cut});
     return cut;
 }
