@@ -122,8 +122,8 @@ class Invariance(support.Folder):
     def test_frames_and_orders(self):
         (self.folder / "in").mkdir()
         # Bent, since on a symmetric body rounding alone decides between equal ways.
-        shapes = {name: hard.bent(mesh) for name, mesh in (("ball", meshes.icosphere(2)), ("ring", meshes.torus(20, 12)),
-                                                           ("sheet", meshes.sheet(12)), ("band", meshes.moebius(40, 8)))}
+        shapes = {name: hard.bent(mesh) for name, mesh in (("ball", meshes.icosphere(3)), ("ring", meshes.torus(40, 24)),
+                                                           ("sheet", meshes.sheet(24)), ("band", meshes.moebius(80, 16)))}
         variants = {
             "as_is": lambda m: m,
             "scale_2^30": lambda m: hard.moved(m, scale=2.0 ** 30),
