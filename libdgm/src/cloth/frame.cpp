@@ -155,17 +155,7 @@ void write_shape(const ClothImpl& c, StateImpl& s) noexcept {
             const double* from = c.fine().at[d] + i * c.fine().on.pitch;
             for (std::uint32_t j = 0; j < c.cols; ++j) to[d][i * c.cols + j] = static_cast<float>(by * from[j]);
         }
-    const Rect whole = s.whole();
-    const auto mark = [&](RectList& list) {
-        list.clear();
-        list.rects[0] = whole;
-        list.count = 1;
-    };
-    ++s.moved;
-    s.changes.note(whole);
-    mark(s.elastic);
-    mark(s.now_boxes.dirty);
-    mark(s.normal_dirty);
+    s.touch_all();
 }
 
 double largest_speed(const ClothImpl& c) noexcept {

@@ -18,7 +18,6 @@
 
 namespace dgm {
 namespace detail {
-using physics::mark_moved;
 namespace {
 
 constexpr Error unsupported(const char* message) noexcept {
@@ -340,7 +339,7 @@ Result<void> Detail::show(const State& coarse, State& fine) noexcept {
             f.now.y[k] = to.y;
             f.now.z[k] = to.z;
         }
-    mark_moved(f);
+    f.touch_all();
     return {};
 }
 

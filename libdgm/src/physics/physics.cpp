@@ -81,7 +81,7 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     const float* rest[3] = {s.rest.x, s.rest.y, s.rest.z};
     for (int c = 0; c < 3; ++c)
         for (std::uint32_t k = 0; k < p.total; ++k) to[c][k] = static_cast<float>(double{rest[c][k]} + by * p.at[c][k]);
-    mark_moved(s);
+    s.touch_all();
 }
 
 }  // namespace
@@ -304,20 +304,6 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
     }
 }
 }  // namespace
-
-void physics::mark_moved(StateImpl& s) noexcept {
-    const Rect whole = s.whole();
-    const auto mark = [&](RectList& list) {
-        list.clear();
-        list.rects[0] = whole;
-        list.count = 1;
-    };
-    ++s.moved;
-    s.changes.note(whole);
-    mark(s.elastic);
-    mark(s.now_boxes.dirty);
-    mark(s.normal_dirty);
-}
 }  // namespace detail
 
 [[gnu::cold]] StoredMaterial stored_material(const State& state) noexcept {

@@ -180,8 +180,6 @@ struct Drift {
 /// Minimises the potential from `delta` on. @return false: nothing lower was found, or numbers overflowed.
 [[nodiscard]] bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept;
 
-/// Notes that all samples of a state were written, as an elastic touch.
-void mark_moved(StateImpl& s) noexcept;
 /// Volume of rest + at + delta + step * way, m^3.
 [[nodiscard]] double volume_of(const PhysicsImpl& p, const Field& delta, double step, const Field* way) noexcept;
 /// to_class = sum over its copies.

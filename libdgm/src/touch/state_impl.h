@@ -116,6 +116,17 @@ struct StateImpl : Surface {
         base_boxes.dirty.add(where);
         ++base_version;
     }
+    /// Notes that all samples were written, as an elastic touch.
+    void touch_all() noexcept {
+        const Rect all = whole();
+        ++moved;
+        changes.note(all);
+        for (RectList* list : {&elastic, &now_boxes.dirty, &normal_dirty}) {
+            list->clear();
+            list->rects[0] = all;
+            list->count = 1;
+        }
+    }
 };
 
 /// now = base wherever it may differ.

@@ -25,7 +25,7 @@ void move(State& state, F f) {
         s.now.y[k] = static_cast<float>(x[1]);
         s.now.z[k] = static_cast<float>(x[2]);
     }
-    detail::physics::mark_moved(s);
+    s.touch_all();
 }
 struct Pair {
     State fine, coarse;
@@ -133,7 +133,7 @@ TEST_P(DetailOf, WhatIsNotMovedKeepsItsBits) {
     detail::StateImpl& c = *p.coarse.impl();
     const std::uint32_t i = c.tables.rows / 2, j = c.tables.cols / 2;
     c.now.z[i * c.tables.cols + j] += 3;
-    detail::physics::mark_moved(c);
+    c.touch_all();
     p.show();
     const std::uint32_t reach = 2 * GetParam();
     EXPECT_GT(p.unlike_rest(), 0u);
