@@ -46,13 +46,10 @@ class EdgeSnap {
  private:
     void deal_points();
     void find_flips();
-    [[nodiscard]] unsigned diagonal(std::uint32_t cell) const {
-        return cells_.is_quad(cell) ? fit_.chart.diagonals[cells_.quad(cell)] : 0;
-    }
     [[nodiscard]] std::array<Vec3d, 3> corners(const Face& classes) const {
         return {positions_[classes[0]], positions_[classes[1]], positions_[classes[2]]};
     }
-    [[nodiscard]] bool is_worth_trying(std::uint32_t c, double mean) const;
+    [[nodiscard]] bool is_worth_trying(std::uint32_t c) const;
     [[nodiscard]] std::vector<Offer> best_places(const std::vector<std::uint32_t>& classes);
     [[nodiscard]] Offer best_place(std::uint32_t c, RingError& ring) const;
     std::size_t take(const std::vector<std::uint32_t>& classes, const std::vector<Offer>& offers);
@@ -75,13 +72,13 @@ EdgeSnap::EdgeSnap(FitState& fit)
       positions_(fit.grid.surface.positions),
       cells_(fit.chart, fit.grid),
       settled_(positions_.size(), 0),
-      surroundings_{fit.source, cells_, positions_, fit.chart.diagonals, fit.matches, points_, may_flip_, 0} {
+      surroundings_{fit.source, cells_, positions_, fit.matches, points_, may_flip_, 0} {
     deal_points();
     find_flips();
     edges_.emplace(fit, std::sqrt(mean_), spacing_);
 }
 
-/// Some of the area-uniform points, and the source's vertices where they are not more than these.
+/// Some of the area-uniform points, and the source's vertices where they are fewer than half as many.
 void EdgeSnap::deal_points() {
     const Matches& matches = fit_.matches;
     const std::size_t enough = kPointsPerClass * positions_.size();
@@ -106,10 +103,10 @@ void EdgeSnap::find_flips() {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> wanted;
     may_flip_.assign(cells_.size(), 0);
     for (std::uint32_t cell = 0; cell < cells_.size() && cells_.is_quad(cell); ++cell)
-        ++wanted[cells_.ends(cell, 1 - diagonal(cell))];
+        ++wanted[cells_.ends(cell, 1 - cells_.diagonal(cell))];
     const auto& edges = fit_.grid.edges;
     for (std::uint32_t cell = 0; cell < cells_.size() && cells_.is_quad(cell); ++cell) {
-        const auto ends = cells_.ends(cell, 1 - diagonal(cell));
+        const auto ends = cells_.ends(cell, 1 - cells_.diagonal(cell));
         may_flip_[cell] =
             ends.first != ends.second && wanted[ends] == 1 && !std::binary_search(edges.begin(), edges.end(), ends);
     }
@@ -120,14 +117,14 @@ bool EdgeSnap::run() {
     for (int sweep = 0; sweep < kSweeps && !fit_.is_spent(); ++sweep) {
         std::vector<std::uint32_t> tried;
         for (std::uint32_t c = 0; c < positions_.size(); ++c)
-            if (is_worth_trying(c, mean_)) tried.push_back(c);
+            if (is_worth_trying(c)) tried.push_back(c);
         if (take(tried, best_places(tried)) == 0) break;
         any = true;
     }
     return any;
 }
 
-bool EdgeSnap::is_worth_trying(std::uint32_t c, double mean) const {
+bool EdgeSnap::is_worth_trying(std::uint32_t c) const {
     const auto around = cells_.around(c);
     if (fit_.fixed[c] || settled_[c] || !edges_->has_any(c) || around.size() > RingPlace::kMostCells) return false;
     double sum = 0;
@@ -137,7 +134,7 @@ bool EdgeSnap::is_worth_trying(std::uint32_t c, double mean) const {
         for (const std::uint32_t k : points_[cell])
             sum += fit_.matches.points[k].weight * fit_.matches.points[k].hit.squared;
     }
-    return sum > kWorth * mean * static_cast<double>(count);
+    return sum > kWorth * mean_ * static_cast<double>(count);
 }
 
 /// Of each class, while all others stay.
@@ -216,7 +213,7 @@ void EdgeSnap::deal_again(std::span<const std::uint32_t> around) {
     for (const std::uint32_t cell : around) {
         all.insert(all.end(), points_[cell].begin(), points_[cell].end());
         points_[cell].clear();
-        const CellFaces of = cells_.faces(cell, diagonal(cell));
+        const CellFaces of = cells_.faces(cell, cells_.diagonal(cell));
         for (int f = 0; f < of.count; ++f) faces.emplace_back(cell, corners(of.faces[f]));
     }
     std::array<double, 3> ignored{};

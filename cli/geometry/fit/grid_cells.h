@@ -34,6 +34,10 @@ class GridCells {
     [[nodiscard]] bool is_quad(std::uint32_t cell) const { return cell < quads_.size(); }
     /// Of chart.diagonals. The cell is a quad.
     [[nodiscard]] std::uint32_t quad(std::uint32_t cell) const { return quads_[cell]; }
+    /// How the chart splits it now; 0 if it is no quad.
+    [[nodiscard]] unsigned diagonal(std::uint32_t cell) const {
+        return is_quad(cell) ? chart_.diagonals[quads_[cell]] : 0;
+    }
     /// Empty if the cell is no quad and `diagonal` is not 0.
     [[nodiscard]] CellFaces faces(std::uint32_t cell, unsigned diagonal) const;
     /// The classes that a diagonal of a quad joins, lower first.

@@ -20,8 +20,7 @@ void RingError::set_split(std::uint32_t c, const Vec3d& position, std::size_t k,
         std::array<Vec3d, 3>& q = split.corners[f];
         for (int v = 0; v < 3; ++v) q[v] = of.faces[f][v] == c ? position : around_.positions[of.faces[f][v]];
         split.normals[f] = cross(q[1] - q[0], q[2] - q[0]);
-        const Vec3d a = q[1] - q[0], b = q[2] - q[1], d = q[0] - q[2];
-        const double longest = std::max({dot(a, a), dot(b, b), dot(d, d)});
+        const double longest = longest_edge_squared(q);
         split.thickness = std::min(split.thickness, longest > 0 ? length(split.normals[f]) / longest : 0);
     }
     if (!(split.thickness >= thickness)) split.count = 0;
@@ -126,8 +125,7 @@ RingPlace RingError::present(std::uint32_t c, RingBounds& bounds) {
     cells_ = around_.cells.around(c);
     RingPlace out{around_.positions[c], 0, {}};
     for (std::size_t k = 0; k < cells_.size(); ++k) {
-        const bool is_quad = around_.cells.is_quad(cells_[k]);
-        const unsigned d = is_quad ? around_.diagonals[around_.cells.quad(cells_[k])] : 0;
+        const unsigned d = around_.cells.diagonal(cells_[k]);
         out.diagonals[k] = static_cast<std::uint8_t>(d);
         set_split(c, out.position, k, d, -1);
         splits_[k][1 - d].count = 0;
@@ -168,8 +166,7 @@ bool RingError::choose(const RingBounds& bounds, double limit, RingPlace& place)
 bool RingError::measure(std::uint32_t c, const RingBounds& bounds, double limit, RingPlace& place) {
     cells_ = around_.cells.around(c);
     for (std::size_t k = 0; k < cells_.size(); ++k) {
-        const bool is_quad = around_.cells.is_quad(cells_[k]);
-        const unsigned old = is_quad ? around_.diagonals[around_.cells.quad(cells_[k])] : 0;
+        const unsigned old = around_.cells.diagonal(cells_[k]);
         for (unsigned d = 0; d < 2; ++d) {
             set_split(c, place.position, k, d, bounds.thickness);
             if (d != old && !around_.may_flip[cells_[k]]) splits_[k][d].count = 0;

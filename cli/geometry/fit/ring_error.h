@@ -30,8 +30,7 @@ struct RingBounds {
 struct RingSurroundings {
     const LinkedSurface& source;
     const GridCells& cells;
-    const std::vector<Vec3d>& positions;         ///< per class
-    const std::vector<std::uint8_t>& diagonals;  ///< of the chart
+    const std::vector<Vec3d>& positions;  ///< per class
     const Matches& matches;
     const std::vector<std::vector<std::uint32_t>>& points;  ///< per cell: matches.points over it
     const std::vector<char>& may_flip;                      ///< per cell

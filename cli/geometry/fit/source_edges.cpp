@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/mesh/triangle.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -31,9 +33,9 @@ std::pair<Vec3d, Vec3d> SourceEdges::ends(std::uint32_t half_edge) const {
 
 Vec3d SourceEdges::foot(std::uint32_t half_edge, const Vec3d& from) const {
     const auto [a, b] = ends(half_edge);
-    const Vec3d along = b - a;
-    const double squared = dot(along, along), t = squared > 0 ? dot(from - a, along) / squared : 0;
-    return t <= 0 ? a : t >= 1 ? b : a + along * t;
+    double t = 0;
+    closest_on_segment(from, a, b - a, t);
+    return t <= 0 ? a : t >= 1 ? b : a + (b - a) * t;
 }
 
 std::vector<Vec3d> SourceEdges::places(std::uint32_t c, const Vec3d& from) const {

@@ -27,7 +27,7 @@ struct WeldedGrid {
     void link(const SampledChart& chart);
     /// First face of the quad that a place of the map falls in, kNone where no quad is drawn.
     [[nodiscard]] std::uint32_t face_at(const SampledChart& chart, const Vec2d& uv) const;
-    /// The same where the map puts a point of chart.disk->
+    /// The same where the map puts a point of chart.disk.
     [[nodiscard]] std::uint32_t face_at(const SampledChart& chart, const SurfaceSample& at) const;
     /// Every sample takes the position of its class.
     void write_positions(SampledChart& chart) const;

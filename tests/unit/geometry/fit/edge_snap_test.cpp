@@ -103,9 +103,8 @@ TEST(RingError, OfALiftedSheetIsTheSquareOfTheLift) {
         points[cells.cell_of(c.fit.matches.points[k].hit.face)].push_back(k);
     const std::vector<char> may_flip(cells.size(), 1);
     constexpr double kPerArea = 7;
-    const RingSurroundings around{c.fit.source,      cells,         c.fit.grid.surface.positions,
-                                  c.chart.diagonals, c.fit.matches, points,
-                                  may_flip,          kPerArea};
+    const RingSurroundings around{c.fit.source, cells,   c.fit.grid.surface.positions, c.fit.matches, points,
+                                  may_flip,     kPerArea};
     RingError ring(around);
     const std::uint32_t at = c.class_at(4, 4);
     RingBounds bounds;
