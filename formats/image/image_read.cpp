@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <climits>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <span>
@@ -20,7 +21,10 @@
 #define STBI_NO_STDIO
 #define STBI_NO_HDR
 #define STBI_MAX_DIMENSIONS 16384
+// stb copies the empty chunk of a PNG to a null pointer, which memcpy() must not be given even for no bytes.
+#define memcpy(to, from, count) ((count) > 0 ? std::memcpy(to, from, static_cast<std::size_t>(count)) : (to))
 #include <stb_image.h>
+#undef memcpy
 
 namespace dgm::formats {
 namespace {
