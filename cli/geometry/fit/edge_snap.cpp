@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -100,15 +99,19 @@ void EdgeSnap::deal_points() {
 
 /// A quad may be split the other way where the welded surface has no such edge, and no other quad asks for it.
 void EdgeSnap::find_flips() {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> wanted;
+    std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>> wanted;
     may_flip_.assign(cells_.size(), 0);
     for (std::uint32_t cell = 0; cell < cells_.size() && cells_.is_quad(cell); ++cell)
-        ++wanted[cells_.ends(cell, 1 - cells_.diagonal(cell))];
-    const auto& edges = fit_.grid.edges;
-    for (std::uint32_t cell = 0; cell < cells_.size() && cells_.is_quad(cell); ++cell) {
-        const auto ends = cells_.ends(cell, 1 - cells_.diagonal(cell));
-        may_flip_[cell] =
-            ends.first != ends.second && wanted[ends] == 1 && !std::binary_search(edges.begin(), edges.end(), ends);
+        wanted.emplace_back(cells_.ends(cell, 1 - cells_.diagonal(cell)), cell);
+    std::sort(wanted.begin(), wanted.end());
+    auto edge = fit_.grid.edges.begin();
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+        const auto& [ends, cell] = wanted[k];
+        while (edge != fit_.grid.edges.end() && *edge < ends) ++edge;
+        const bool is_edge = edge != fit_.grid.edges.end() && *edge == ends;
+        const bool alone =
+            (k == 0 || wanted[k - 1].first != ends) && (k + 1 == wanted.size() || wanted[k + 1].first != ends);
+        may_flip_[cell] = ends.first != ends.second && alone && !is_edge;
     }
 }
 
