@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "geometry/mesh/half_edges.h"
+#include "geometry/metrics/same_places.h"
 #include "geometry/spatial/closest_point.h"
 #include "math/portable.h"
 #include "model/codes.h"
@@ -174,6 +175,13 @@ std::vector<Sample> border_samples(const TriMesh& mesh, std::uint64_t at_most) {
     return samples;
 }
 
+std::vector<Vec3d> points_of(const std::vector<Sample>& samples) {
+    std::vector<Vec3d> out;
+    out.reserve(samples.size());
+    for (const Sample& s : samples) out.push_back(s.point);
+    return out;
+}
+
 /// Interpolated corner normal, or the face's; zero if there is none.
 Vec3d normal_at(const TriMesh& mesh, std::size_t face, const double (&bary)[3], bool use_corners) {
     if (use_corners) {
@@ -230,9 +238,20 @@ class Direction {
                 done += end - begin;
             }
         };
+        // Where thousands of charts meet at one edge, each place is asked about once: many faces are as near to it.
+        const auto run_places = [&](const std::vector<Sample>& samples, std::span<double> out) {
+            const std::vector<std::uint32_t> first = first_at_same_place(points_of(samples));
+            std::vector<Sample> asked;
+            for (std::uint32_t k = 0; k < samples.size(); ++k)
+                if (first[k] == k) asked.push_back(samples[k]);
+            std::vector<double> answers(asked.size());
+            run(asked, answers, false);
+            for (std::size_t k = 0, next = 0; k < samples.size(); ++k)
+                out[k] = first[k] == k ? answers[next++] : out[first[k]];
+        };
         run(surface, squared, with_normals_);
-        run(vertices, vertex_squared, false);
-        run(border, border_squared, false);
+        run_places(vertices, vertex_squared);
+        run_places(border, border_squared);
 
         OneSided result;
         result.samples = total;

@@ -36,7 +36,7 @@ BoxTree::BoxTree(std::span<const Triangle> triangles, std::vector<std::uint32_t>
     for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
         fill(triangles, n);
         const Node node = nodes_[n];
-        if (of == Of::kNeedles) strips_.push_back(strip_of(triangles, node));
+        if (of != Of::kCrowd) strips_.push_back(strip_of(triangles, node, of));
         if (node.is_point || node.end - node.begin <= kLeaf) continue;
         const int axis = longest_axis(triangles, node);
         const std::uint32_t middle = (node.begin + node.end) / 2;
@@ -77,11 +77,12 @@ int BoxTree::longest_axis(std::span<const Triangle> triangles, const Node& node)
     return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
-BoxTree::Strip BoxTree::strip_of(std::span<const Triangle> triangles, const Node& node) const {
+BoxTree::Strip BoxTree::strip_of(std::span<const Triangle> triangles, const Node& node, Of of) const {
     Vec3d sum;
     for (std::uint32_t k = node.begin; k < node.end; ++k) {
-        const Vec3d height = height_of(triangles[members_[k]]);
-        sum += dot(sum, height) < 0 ? -height : height;
+        const Triangle& q = triangles[members_[k]];
+        const Vec3d way = of == Of::kNeedles ? height_of(q) : normalized(q.normal, {});
+        sum += dot(sum, way) < 0 ? -way : way;
     }
     Strip out{normalized(sum, {}), 0, 0};
     if (out.across == Vec3d{}) return out;
@@ -94,6 +95,32 @@ BoxTree::Strip BoxTree::strip_of(std::span<const Triangle> triangles, const Node
             out.high = std::max(out.high, dot(corner, out.across));
         }
     }
+    return out;
+}
+
+std::vector<std::uint32_t> crossing_facets(std::span<const Triangle> triangles, const std::vector<char>& apart) {
+    constexpr double kLargeBox = 1.0 / 4096, kManyBoxes = 64, kNeedle = 32;  // needles are taken to pieces
+    BoxTree::Box whole{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+    for (const Triangle& q : triangles)
+        for (const Vec3d& corner : {q.a, q.b, q.c}) extend(whole, corner);
+    std::vector<std::uint32_t> out;
+    double boxes = 0;  // in which a point lies on average
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        const Triangle& q = triangles[t];
+        const std::array<Vec3d, 3> corners = from_longest_edge(q);
+        const Vec3d edge = corners[1] - corners[0];
+        if (apart[t] || dot(edge, edge) > kNeedle * length(q.normal)) continue;
+        BoxTree::Box box{q.a, q.a};
+        extend(box, q.b);
+        extend(box, q.c);
+        double share = 1;
+        for (int k = 0; k < 3; ++k)
+            if (whole.high[k] > whole.low[k]) share *= (box.high[k] - box.low[k]) / (whole.high[k] - whole.low[k]);
+        if (!(share > kLargeBox)) continue;
+        boxes += share;
+        out.push_back(t);
+    }
+    if (!(boxes > kManyBoxes)) out.clear();
     return out;
 }
 

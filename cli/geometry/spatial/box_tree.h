@@ -21,7 +21,8 @@ namespace dgm::bake {
 
 class BoxTree {
  public:
-    enum class Of { kCrowd, kNeedles };
+    /// Facets: large ones that cross the axes, whose boxes are nearly empty.
+    enum class Of { kCrowd, kNeedles, kFacets };
     struct Box {
         model::Vec3d low, high;
     };
@@ -75,7 +76,7 @@ class BoxTree {
 
     /// Where the corners of a node lie along a direction.
     struct Strip {
-        model::Vec3d across;  ///< unit, at right angles to the mean needle; zero if there is none
+        model::Vec3d across;  ///< unit, at right angles to the mean needle or facet; zero if there is none
         double low = 0, high = 0;
 
         /// How far p lies beside it; negative inside.
@@ -104,12 +105,18 @@ class BoxTree {
         return gap > 0 ? std::max(squared, gap * gap) : squared;
     }
     void fill(std::span<const Triangle> triangles, std::uint32_t node);
-    [[nodiscard]] Strip strip_of(std::span<const Triangle> triangles, const Node& node) const;
+    [[nodiscard]] Strip strip_of(std::span<const Triangle> triangles, const Node& node, Of of) const;
     [[nodiscard]] int longest_axis(std::span<const Triangle> triangles, const Node& node) const;
 
     std::vector<std::uint32_t> members_;
     std::vector<Node> nodes_;
-    std::vector<Strip> strips_;  ///< one a node for needles, else none
+    std::vector<Strip> strips_;  ///< one a node for needles and facets, else none
 };
+
+/// Triangles whose boxes share much of the whole's, if a point lies in so many of them that a hierarchy of boxes would
+/// look at most for each point: pages that meet at a spine, beams across a hall. Else none.
+/// @param apart  marks those that are left out
+[[nodiscard]] std::vector<std::uint32_t> crossing_facets(std::span<const Triangle> triangles,
+                                                         const std::vector<char>& apart);
 
 }  // namespace dgm::bake

@@ -293,9 +293,7 @@ struct ClosestPointIndex::Impl {
             if (static_cast<std::size_t>(last - first) >= kCrowd) {
                 std::vector<std::uint32_t> members;
                 for (auto k = first; k != last; ++k) members.push_back(k->second);
-                for (const std::uint32_t t : members) crowded[t] = 1;
-                pieces.push_back({0, 0, 1, static_cast<std::uint32_t>(crowds.size())});
-                crowds.emplace_back(triangles, std::move(members), BoxTree::Of::kCrowd);
+                set_apart(std::move(members), BoxTree::Of::kCrowd, crowded);
             }
             first = last;
         }
@@ -318,15 +316,22 @@ struct ClosestPointIndex::Impl {
             covered += face_of_box(to - from);
         }
         if (!(covered > kManyOverlap * most * face_of_box(high - low))) return;
-        for (const std::uint32_t t : needles) apart[t] = 1;
+        set_apart(std::move(needles), BoxTree::Of::kNeedles, apart);
+    }
+
+    /// Triangles in a hierarchy of their own, unless there are none.
+    void set_apart(std::vector<std::uint32_t> members, BoxTree::Of of, std::vector<char>& apart) {
+        if (members.empty()) return;
+        for (const std::uint32_t t : members) apart[t] = 1;
         pieces.push_back({0, 0, 1, static_cast<std::uint32_t>(crowds.size())});
-        crowds.emplace_back(triangles, std::move(needles), BoxTree::Of::kNeedles);
+        crowds.emplace_back(triangles, std::move(members), of);
     }
 
     void build() {
         std::vector<char> apart = gather_crowds();
         const int most = std::clamp(static_cast<int>(kMostPieces / triangles.size()), 1, kMaxPieces);
         gather_needles(most, apart);
+        set_apart(crossing_facets(triangles, apart), BoxTree::Of::kFacets, apart);
         pieces.reserve(pieces.size() + triangles.size());
         for (std::uint32_t t = 0; t < triangles.size(); ++t) {
             if (apart[t]) continue;

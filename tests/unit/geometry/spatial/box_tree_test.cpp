@@ -190,6 +190,95 @@ TEST(ClosestPointIndex, AnswersOverFansOfNeedlesAsASearchOfAllFacesDoes) {
         }
 }
 
+/// Rectangles of two triangles that meet at one edge, as the pages of a book at its spine.
+Sheet book(std::uint32_t pages) {
+    Sheet out;
+    out.positions = {{0, 0, 0}, {0, 0, 1}};
+    for (std::uint32_t k = 0; k < pages; ++k) {
+        const double angle = 6.283185307179586 * k / pages;
+        const auto v = static_cast<std::uint32_t>(out.positions.size());
+        out.positions.push_back({std::cos(angle), std::sin(angle), 1});
+        out.positions.push_back({std::cos(angle), std::sin(angle), 0});
+        out.faces.push_back({0, 1, v});
+        out.faces.push_back({0, v, v + 1});
+    }
+    return out;
+}
+
+/// On pages, away from the spine.
+std::vector<Vec3d> points_by_pages(std::uint32_t pages) {
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> u(0, 1);
+    std::vector<Vec3d> out(300);
+    for (Vec3d& p : out) {
+        const double angle = 6.283185307179586 * std::floor(u(random) * pages) / pages, radius = 0.1 + 0.85 * u(random);
+        p = {radius * std::cos(angle), radius * std::sin(angle), u(random)};
+    }
+    return out;
+}
+
+TEST(BoxTree, FindsTheNearestOfManyPagesAfterAFewLooks) {
+    constexpr std::uint32_t kPages = 4000;
+    const Sheet sheet = book(kPages);
+    std::vector<Triangle> triangles;
+    for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
+    const std::vector<std::uint32_t> members = crossing_facets(triangles, std::vector<char>(triangles.size()));
+    EXPECT_GT(members.size(), triangles.size() * 9 / 10) << "but for pages along the axes, whose boxes are flat";
+    const BoxTree boxes(triangles, members, BoxTree::Of::kCrowd), facets(triangles, members, BoxTree::Of::kFacets);
+    std::size_t looks[2] = {0, 0};
+    for (const Vec3d& p : points_by_pages(kPages)) {
+        const Nearest expected = nearest_of_all(triangles, p);
+        Nearest found[2];
+        for (const int k : {0, 1}) {
+            const auto look = [&](std::uint32_t t) {
+                ++looks[k];
+                Vec3d q;
+                std::array<double, 3> b{};
+                const double squared = triangle_distance(triangles[t], p, q, b);
+                if (squared < found[k].squared || (squared == found[k].squared && triangles[t].face < found[k].face))
+                    found[k] = {squared, triangles[t].face, t, q, b};
+            };
+            look(expected.face);  // as a hint: the face of the point before it is near
+            (k == 0 ? boxes : facets).search(p, 2, found[k], look);
+        }
+        ASSERT_EQ(found[1].face, found[0].face);
+        ASSERT_EQ(found[1].squared, found[0].squared);
+    }
+    EXPECT_LE(looks[1], 300 * 100U) << "of 8,000 each";
+    EXPECT_GE(looks[0], 10 * looks[1]) << "boxes alone would do, and this tests nothing";
+}
+
+TEST(BoxTree, LeavesOrdinarySurfacesToTheirBoxes) {
+    const Sheet sheet = crowd(1);
+    std::vector<Triangle> triangles;
+    for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
+    EXPECT_TRUE(crossing_facets(triangles, std::vector<char>(triangles.size())).empty());
+    for (std::uint32_t f = 0; f < 40; ++f) triangles[f] = triangle_of(book(40), f);
+    EXPECT_TRUE(crossing_facets(triangles, std::vector<char>(triangles.size())).empty()) << "few cross";
+}
+
+TEST(ClosestPointIndex, AnswersOverPagesAsASearchOfAllFacesDoes) {
+    const Sheet sheet = book(3000);
+    const ClosestPointIndex index(sheet.positions, sheet.faces);
+    EXPECT_LT(index.pieces(), 600U) << "most have a hierarchy of their own";
+    std::uint32_t hint = ClosestPointIndex::kNoFace;
+    std::vector<Vec3d> points = points_by_pages(3000);
+    points.push_back({0, 0, 0.4});  // on the spine
+    points.push_back({0, 0, 0});
+    for (const Vec3d& p : points) {
+        const ClosestPoint found = index.query(p, hint), again = index.query(p);
+        hint = found.face;
+        EXPECT_EQ(found.face, again.face) << "a hint never changes the result";
+        double least = kInfinity;
+        for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) {
+            Vec3d q;
+            std::array<double, 3> b{};
+            least = std::min(least, triangle_distance(triangle_of(sheet, f), p, q, b));
+        }
+        ASSERT_NEAR(found.distance, std::sqrt(least), 1e-12);
+    }
+}
+
 /// Half a million needles side by side, as in the border strip of a comb's chart: sixteen pieces of each took 2 GB.
 TEST(ClosestPointIndex, HoldsAsManyPiecesAsItCanAfford) {
     for (const std::uint32_t count : {1'000U, 600'000U}) {
