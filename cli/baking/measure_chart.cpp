@@ -13,8 +13,9 @@
 namespace dgm::bake {
 namespace {
 
-// Nobody looks at one chart of thousands: a chart gets its share of the points, but at least these.
-constexpr double kLeastSamples = 2000, kLeastTops = 8, kLeastSeamPoints = 64;
+// Nobody looks at one chart of thousands: a chart gets its share of the points, but ChartMeasuring::least, and of these
+// at least so many.
+constexpr double kLeastTops = 8, kLeastSeamPoints = 64;
 
 /// Six times the signed volume.
 double six_volume(const TriMesh& mesh) {
@@ -61,7 +62,7 @@ MeasuredChart measure_chart(const TriMesh& component, const SampledChart& chart,
     report.turned_faces = count_turned_faces(component, map, &index, faces_beside_reversed(reconstruction));
     SurfaceErrorOptions sampling;
     sampling.samples =
-        static_cast<std::uint64_t>(std::max(kLeastSamples, static_cast<double>(measuring.samples) * measuring.share));
+        std::max(measuring.least, static_cast<std::uint64_t>(static_cast<double>(measuring.samples) * measuring.share));
     sampling.tops = static_cast<std::size_t>(std::max(kLeastTops, kSurfaceTops * measuring.share));
     sampling.source_index = &index;
     if (bump) sampling.shading = [&](std::uint32_t face, const double(&b)[3]) { return bump->at(face, b); };

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "baking/bake_report.h"
+#include "baking/chart_effort.h"
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/repair/repair.h"
 #include "model/map_set.h"
@@ -14,6 +15,7 @@ namespace dgm::bake {
 
 struct ChartMeasuring {
     std::uint64_t samples = kSurfaceSamples;  ///< of the whole asset, each way
+    std::uint64_t least = kLeastMeasured;     ///< of a chart, each way
     double share = 1;                         ///< of the asset's area, which decides how closely the chart is looked at
 };
 

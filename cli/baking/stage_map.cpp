@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "baking/chart_effort.h"
 #include "baking/component/component_bake.h"
 #include "baking/component/component_loop.h"
 #include "baking/component/component_sizes.h"
@@ -120,25 +121,33 @@ Attempt<ComponentResult> bake_one(const Repaired& source, const MapRequest& requ
                                   const model::Progress& progress) {
     ComponentTask task{source.components[c], size, most, request.use, RingUse::kTried};
     if (!request.rings.empty()) task.rings = request.rings[c];
+    task.trial_samples = chart_effort(source.components.size(), 1).trial_samples;
     Attempt<ComponentResult> out = bake_component(task, options, cuts[c], progress);
     if (out || task.rings != RingUse::kOnly) return out;
     task.rings = RingUse::kTried;
     return bake_component(task, options, cuts[c], progress);
 }
 
-/// @param charts  of the asset, which share the effort of repairs
-FitOptions fit_options(const BakeOptions& options, bool u16, std::size_t charts) {
-    constexpr std::size_t kEffortOfAsset = 4 * kPatchEffort, kLeastEffort = 10'000;
-    FitOptions out = options.fit == Fit::kBest ? best_fit() : l2_fit();
+/// The effort of each of the charts.
+ChartEffort effort_of(std::span<const ComponentResult> charts) {
+    std::size_t samples = 0, largest = 1;
+    for (const ComponentResult& c : charts) {
+        samples += c.chart.grid_count();
+        largest = std::max(largest, c.chart.grid_count());
+    }
+    return chart_effort(charts.size(), static_cast<double>(samples) / static_cast<double>(largest));
+}
+
+FitOptions fit_options(const BakeOptions& options, bool u16, const ChartEffort& effort) {
+    FitOptions out = with_effort(options.fit == Fit::kBest ? best_fit() : l2_fit(), effort);
     out.split_quads = !options.ablates("diagonals");
     out.on_lattice = u16;
-    out.patch_effort = std::clamp(kEffortOfAsset / std::max<std::size_t>(charts, 1), kLeastEffort, kPatchEffort);
     return out;
 }
 
-constexpr double kOrdinaryGain = 0.35;   // in rms; crowded maps of wrinkled cloth may gain little
-constexpr double kInvertedPrice = 1.25;  // in rms, of fewer inverted faces
-constexpr std::uint64_t kErrorSamples = 20'000;
+constexpr double kOrdinaryGain = 0.35;        // in rms; crowded maps of wrinkled cloth may gain little
+constexpr double kInvertedPrice = 1.25;       // in rms, of fewer inverted faces
+constexpr std::size_t kHopeless = 8;          // more than one inverted face to so many samples
 constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
 
 /// A fitted chart and how good it is.
@@ -160,16 +169,18 @@ struct Trial {
 /// them, then the one with the lowest error.
 /// @return  inverted faces
 std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, const FitOptions& options,
-                          const model::Progress& progress) {
+                          std::uint64_t trial_samples, const model::Progress& progress) {
     const bool may_fit_again = component.positions.size() <= kMostFitted;
     std::optional<SampledChart> start;
     if (may_fit_again) start = mapped.chart;
     const FitReport fit = fit_chart(mapped.chart, options, progress, mapped.begun ? &*mapped.begun : nullptr);
     mapped.begun.reset();
     const bool good = fit.was_exact || fit.rms < kOrdinaryGain * fit.start_rms;
-    if (!start || (fit.inverted == 0 && good)) return fit.inverted;
+    // Where so many are, limbs have no room, and another fit takes as long and has as many.
+    const bool hopeless = kHopeless * fit.inverted > mapped.chart.grid_count();
+    if (!start || (fit.inverted == 0 && good) || hopeless) return fit.inverted;
     const auto measured = [&](SampledChart chart, std::size_t inverted) {
-        const double rms = quick_error(component, chart, kErrorSamples).rms;
+        const double rms = quick_error(component, chart, trial_samples).rms;
         return Trial{std::move(chart), inverted, rms};
     };
     Trial best = measured(std::move(mapped.chart), fit.inverted);
@@ -223,18 +234,20 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
     Fitted out{std::move(mapped.charts), {}};
     if (options.fit == Fit::kSample) return out;
     out.inverted.resize(out.charts.size());
-    const FitOptions fit = fit_options(options, u16, out.charts.size());
-    for_each_component(out.charts.size(), part_of(progress, "fit", 0, 1),
-                       [&](std::size_t c, const model::Progress& part) {
-                           out.inverted[c] = fit_component(source.components[c], out.charts[c], fit, part);
-                       });
+    const ChartEffort effort = effort_of(out.charts);
+    const FitOptions fit = fit_options(options, u16, effort);
+    for_each_component(
+        out.charts.size(), part_of(progress, "fit", 0, 1), [&](std::size_t c, const model::Progress& part) {
+            out.inverted[c] = fit_component(source.components[c], out.charts[c], fit, effort.trial_samples, part);
+        });
     return out;
 }
 
 Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted fitted, const BakeOptions& options,
                        bool u16, std::span<CutMemory> cuts, const model::Progress& progress) {
     const std::vector<GridSize> full = full_sizes(source, request);
-    const FitOptions fit = fit_options(options, u16, fitted.charts.size());
+    const ChartEffort effort = effort_of(fitted.charts);
+    const FitOptions fit = fit_options(options, u16, effort);
     std::uint64_t left = kRefinedSamples * request.largest.rows * request.largest.cols;
     for (std::size_t c = 0; c < fitted.inverted.size(); ++c) {
         GridSize size{fitted.charts[c].chart.m, fitted.charts[c].chart.n};
@@ -245,7 +258,8 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
             left -= samples;
             Attempt<ComponentResult> finer = bake_one(source, request, c, size, full[c], options, cuts, progress);
             if (!finer) break;
-            const std::size_t inverted = fit_component(source.components[c], *finer, fit, progress);
+            const std::size_t inverted =
+                fit_component(source.components[c], *finer, fit, effort.trial_samples, progress);
             if (inverted >= fitted.inverted[c]) continue;
             fitted.charts[c] = std::move(*finer);
             fitted.inverted[c] = inverted;

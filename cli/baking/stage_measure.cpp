@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "baking/chart_effort.h"
 #include "baking/component/component_loop.h"
 #include "baking/measure_chart.h"
 #include "baking/stage_log.h"
@@ -63,10 +64,11 @@ Measured measure_layers(const Repaired& source, const Fitted& fitted, const Laye
                         const model::Progress& progress) {
     const std::size_t count = fitted.charts.size(), parts = count > 1 ? 2 : 1;  // the charts, the whole
     const std::vector<double> shares = shares_of(source.areas);
+    const std::uint64_t least = chart_effort(count, 1).measured_samples;
     std::vector<MeasuredChart> measured(count);
     for_each_component(count, part_of(progress, "measure", 0, parts), [&](std::size_t c, const model::Progress& part) {
         measured[c] = measure_chart(source.components[c], fitted.charts[c].chart, layered.charts[c], source.frame,
-                                    {samples, shares[c]}, part);
+                                    {samples, least, shares[c]}, part);
         for (const Candidate& candidate : fitted.charts[c].candidates)
             measured[c].report.candidates.push_back(report_of(candidate));
     });

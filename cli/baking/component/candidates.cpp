@@ -22,7 +22,6 @@ constexpr double kGain = 0.99;  // a later candidate must be 1 % better, and the
 // Of trial fits along different cuts: one that was 2 % better lost 1.3 dB in the end, 5 to 24 % better ones won.
 constexpr double kGainOfOtherCut = 0.97;
 constexpr double kExact = 1e-10;  // normalised units
-constexpr std::uint64_t kSamples = 20'000;
 // With two vertices of the source to a sample the error before the fit tells which chart has the lower one after it;
 // with one, 1.2 dB do.
 constexpr std::size_t kVerticesToTell = 2;
@@ -112,7 +111,7 @@ void Contest::judge(Candidate candidate, const std::function<SampledChart()>& ma
         MeasuredCandidate out{make(), {}};
         if (!topology_) topology_ = measure_topology(component_);
         check_topology(*topology_, out.chart);
-        out.error = quick_error(component_, out.chart, kSamples);
+        out.error = quick_error(component_, out.chart, samples_);
         return out;
     });
     if (made) {

@@ -3,6 +3,7 @@
 // Compares the charts that several methods make of one component, by measured error.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "baking/attempt.h"
 #include "baking/bake_options.h"
 #include "baking/bake_report.h"
+#include "baking/chart_effort.h"
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/fit/fit.h"
 
@@ -53,7 +55,9 @@ class Contest {
  public:
     /// `component` must outlive it.
     /// @param cut  of its charts
-    explicit Contest(const TriMesh& component, CutKind cut = CutKind::kFirst) : component_(component), cut_(cut) {}
+    /// @param samples  points on each surface with which charts are measured
+    explicit Contest(const TriMesh& component, CutKind cut = CutKind::kFirst, std::uint64_t samples = kTrialSamples)
+        : component_(component), cut_(cut), samples_(samples) {}
 
     /// Makes a chart and measures it. The chart must have the component's topology. A failure is recorded.
     /// @param directed  its samples follow the directions of curvature
@@ -99,6 +103,7 @@ class Contest {
 
     const TriMesh& component_;
     CutKind cut_;
+    std::uint64_t samples_;
     std::vector<Candidate> candidates_;
     std::optional<Entry> best_;
     std::optional<model::Error> failure_;

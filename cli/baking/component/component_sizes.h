@@ -3,6 +3,7 @@
 // Shares the samples of an asset among its components.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -10,8 +11,15 @@
 
 namespace dgm::bake {
 
-/// Grid of a component: `full` for the largest one, for others the same spacing of samples, but not under 17 a side.
-[[nodiscard]] GridSize component_size(GridSize full, double area, double largest_area);
+/// Samples a side that every grid has at least, and where there are so many grids that these come to more than all may
+/// have and to more than 425,000: most of such parts are a few faces each. With layers below 100 bytes HDF5 looks for room
+/// among all gaps of a file, for each of its structures: thousands of grids of 9 x 9 took minutes to write.
+inline constexpr std::uint32_t kLeastSide = 17, kLeastSideOfMany = 11;
+
+/// Grid of a component: `full` for the largest one, for others the same spacing of samples, but not under `least` a
+/// side.
+[[nodiscard]] GridSize component_size(GridSize full, double area, double largest_area,
+                                      std::uint32_t least = kLeastSide);
 
 /// component_size() of every component; `full` as above, one each. The grids of all but the largest are smaller where
 /// they would hold more than 10 times its samples: a soup of a hundred pieces as large as each other is not worth a

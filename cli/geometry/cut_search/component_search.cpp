@@ -21,7 +21,7 @@ namespace dgm::bake {
 namespace {
 
 constexpr double kExact = 1e-10;                    // normalised units
-constexpr int kMostLimbs = 640, kLimbsATrial = 16;  // joined while no map was found; a trial after so many
+constexpr int kMostLimbs = 640, kLimbsATrial = 16;  // joined while no map was found; a trial after so many, or fewer
 constexpr double kGain = 0.99;                      // a trial must lower the error by 1 % to count
 // The prediction does not see that the fit reaches less beside a seam, above all where there are more samples than
 // vertices. A cut longer by the diagonal must be worth so much of the error's logarithm. 0.15 takes tips off limbs.
@@ -97,6 +97,13 @@ std::vector<std::vector<std::uint32_t>> dead_ends(const CutGraph& cut, std::size
     return out;
 }
 
+/// A body with hundreds of limbs has no map until most of them are cut: while there is none, the more limbs are joined,
+/// the more are joined before the next trial.
+bool is_worth_a_trial(int limbs) {
+    constexpr int kShare = 4;
+    return limbs % std::clamp(limbs / kShare, 1, kLimbsATrial) == 0;
+}
+
 /// The best cut so far, and the trials of others.
 class ComponentSearch {
  public:
@@ -167,8 +174,7 @@ class ComponentSearch {
         out_.rms = score_ = kInfinity;
         int idle = 0;
         for (int k = 0; k <= options_.max_extremities || (!best_ && k <= kMostLimbs); ++k) {
-            // A body with hundreds of limbs has no map until most of them are cut: most trials would fail.
-            const bool tried = k <= options_.max_extremities || k % kLimbsATrial == 0;
+            const bool tried = k <= options_.max_extremities ? best_ || is_worth_a_trial(k) : k % kLimbsATrial == 0;
             const Trial trial = tried ? attempt(cut, std::nullopt) : Trial{};
             if (score(cut, trial) < kGain * score_) {
                 idle = 0;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/chart/sampled_chart.h"
+#include "geometry/fit/fit_work.h"
 #include "model/progress.h"
 
 namespace dgm::bake {
@@ -30,9 +31,6 @@ struct Hold {
 inline constexpr Hold kLoose{1e-4, 0.25, 0.2};
 inline constexpr Hold kFirm{1e-3, 0.5, 1};
 
-/// Samples that repairs of patches may move: some seconds at most.
-inline constexpr std::size_t kPatchEffort = 500'000;
-
 struct FitOptions {
     Hold hold = kLoose;
     int rounds = 3;                ///< matches, one least-squares step, diagonals
@@ -44,7 +42,8 @@ struct FitOptions {
     bool on_lattice = false;       ///< leave the grid's samples on the places that u16 positions have
     std::uint64_t most_looks = 0;  ///< faces that walks may look at before the fit ends; 0: most_looks_of()
     std::size_t patch_effort = kPatchEffort;  ///< of a repair of inverted faces, and of each attempt of the last resort
-    double points_per_sample = 8;             ///< source points a grid sample, but 24 where that makes 200,000 at most
+    double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes points_of_small at most
+    std::size_t points_of_small = kPointsOfSmall;
 };
 
 /// `l2`: a few rounds, for the mean error. `best`: more of them, then rounds for the largest error. Both put samples on

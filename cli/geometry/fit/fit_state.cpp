@@ -17,7 +17,8 @@ constexpr double kMomentum = 0.85, kRamp = 3;
 
 std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
     const double samples = static_cast<double>(chart.grid_count()), wanted = options.points_per_sample * samples;
-    return static_cast<std::size_t>(std::max(wanted, std::min(200'000.0, 3 * wanted)));
+    return static_cast<std::size_t>(
+        std::max(wanted, std::min(static_cast<double>(options.points_of_small), 3 * wanted)));
 }
 
 }  // namespace

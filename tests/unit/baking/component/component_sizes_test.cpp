@@ -41,12 +41,23 @@ TEST(ComponentSizes, ManyShareTenTimesTheLargest) {
     }
 }
 
-/// 5000 grids of 17 x 17 are more than 10 of 257 x 257 samples.
+/// 1000 grids of 17 x 17 are more than 10 of 65 x 65 samples.
 TEST(ComponentSizes, TheLeastGridsMayComeToMore) {
-    const std::vector<double> areas(5000, 1);
-    const std::vector<GridSize> sizes = component_sizes(std::vector<GridSize>(5000, GridSize{257, 257}), areas, 0);
-    EXPECT_EQ(sizes[0].rows, 257u);
+    const std::vector<double> areas(1000, 1);
+    const std::vector<GridSize> sizes = component_sizes(std::vector<GridSize>(1000, GridSize{65, 65}), areas, 0);
+    EXPECT_EQ(sizes[0].rows, 65u);
     for (std::size_t c = 1; c < sizes.size(); ++c) ASSERT_EQ(sizes[c].rows, 17u);
+}
+
+/// 10,000 grids of 17 x 17 are three million samples.
+TEST(ComponentSizes, ThousandsHaveSmallerOnes) {
+    for (const std::uint32_t side : {33u, 65u, 257u}) {
+        const std::vector<double> areas(10'000, 1);
+        const std::vector<GridSize> sizes =
+            component_sizes(std::vector<GridSize>(areas.size(), GridSize{side, side}), areas, 0);
+        EXPECT_EQ(sizes[0].rows, side);
+        for (std::size_t c = 1; c < sizes.size(); ++c) ASSERT_EQ(sizes[c], (GridSize{11, 11}));
+    }
 }
 
 }  // namespace

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// cli/geometry/fit/fit_work.h
+// What one fit may cost where nothing says otherwise.
+#pragma once
+#include <cstddef>
+
+namespace dgm::bake {
+
+/// Source points of a small grid, up to three times as many a sample as a large one has.
+inline constexpr std::size_t kPointsOfSmall = 200'000;
+/// Samples that repairs of patches may move: some seconds at most.
+inline constexpr std::size_t kPatchEffort = 500'000;
+
+}  // namespace dgm::bake
