@@ -116,7 +116,7 @@ class ComponentSearch {
         } else if (!options_.only_stars) {
             augment(first_cut());
             if (!best_) throw *trials_.failure();
-            drop_branches();
+            if (out_.extremities <= options_.max_extremities) drop_branches();  // few of hundreds matter little
             try_rotations();
         }
         if (options_.rings == 0 && options_.stars > 0 && !(best_ && out_.rms < kExact)) try_stars();
