@@ -273,6 +273,16 @@ def with_values(mesh, values):
     return [values.get(k, v) for k, v in enumerate(vertices)], faces
 
 
+def soup(count, size=0.1, seed=1):
+    """Loose triangles, up to `size` wide, anywhere in a cube."""
+    draw = random.Random(seed)
+    vertices = []
+    for _ in range(count):
+        middle = [draw.random() for _ in range(3)]
+        vertices += [tuple(x + size * (draw.random() - 0.5) for x in middle) for _ in range(3)]
+    return vertices, [(3 * k, 3 * k + 1, 3 * k + 2) for k in range(count)]
+
+
 def book(pages=3):
     """Squares that share one edge: no surface there."""
     vertices, faces = [(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)], []

@@ -44,8 +44,8 @@ BAKED = {
     "two_bodies_at_one_edge": (lambda: hard.cubes([(0, 0, 0), (1, 1, 0)], 2), 70, None),
 }
 
-# Surfaces close to themselves, and a body with many limbs: for scripts/hard-cases, which bounds time and memory. Too long for
-# every run of the tests.
+# Surfaces close to themselves, a body with many limbs, and charts by the thousand: for scripts/hard-cases, which bounds time and
+# memory. Too long for every run of the tests.
 CLOSE = {
     **{f"{name}_{gap:g}": (lambda make=make, gap=gap: thin.double_wall(make(), gap))
        for name, make in (("cup", thin.cup), ("cup_of_needles", lambda: thin.cup(sides=1000, needles=True)),
@@ -58,4 +58,7 @@ CLOSE = {
        for copies in (2, 20) for gap in (0, 1e-9, 1e-6, 1e-3)},
     "tree_128_ends": lambda: hard.tree(7),
     "tree_256_ends": lambda: hard.tree(8),
+    "soup_1000": lambda: hard.soup(1000),
+    "soup_10000": lambda: hard.soup(10000),
+    "pages_5000": lambda: hard.book(5000),
 }

@@ -74,6 +74,24 @@ class Hard(support.Folder):
                         self.assertEqual(c["map_topology"][key], c["source_topology"][key])
         self.assert_valid(BAKED)
 
+    def test_charts_by_the_thousand(self):
+        """All together are bounded: beyond some 1,470 charts the least grid has fewer samples."""
+        (self.folder / "in").mkdir()
+        shapes = {"soup": hard.soup(1600), "pages": hard.book(1600)}
+        for name, mesh in shapes.items():
+            meshes.write_obj(self.folder / "in" / f"{name}.obj", mesh)
+        assets = self.report(["in", "-o", "out", "--size", "33", "--time-limit", "200"], 0)
+        for name in shapes:
+            report = assets[f"{name}.obj"]["report"]
+            with self.subTest(mesh=name, psnr=report["error"]["psnr"]):
+                charts = report["charts"]
+                self.assertEqual(len(charts), 1600)
+                self.assertEqual(min(c["rows"] for c in charts), 11)
+                self.assertLessEqual(sum(c["rows"] * c["cols"] for c in charts), 425_000)
+                self.assertGreaterEqual(report["error"]["psnr"], 140)
+                self.assertEqual(sum(c["turned_faces"] for c in charts), 0)
+        self.assert_valid(shapes)
+
     def test_refused(self):
         (self.folder / "in").mkdir()
         expected = {}

@@ -3,6 +3,7 @@
 #include "geometry/cut_search/component_search.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -21,7 +22,7 @@ namespace dgm::bake {
 namespace {
 
 constexpr double kExact = 1e-10;                    // normalised units
-constexpr int kMostLimbs = 640, kLimbsATrial = 16;  // joined while no map was found; a trial after so many, or fewer
+constexpr int kMostLimbs = 640;                     // joined while no map was found
 constexpr double kGain = 0.99;                      // a trial must lower the error by 1 % to count
 // The prediction does not see that the fit reaches less beside a seam, above all where there are more samples than
 // vertices. A cut longer by the diagonal must be worth so much of the error's logarithm. 0.15 takes tips off limbs.
@@ -97,13 +98,6 @@ std::vector<std::vector<std::uint32_t>> dead_ends(const CutGraph& cut, std::size
     return out;
 }
 
-/// A body with hundreds of limbs has no map until most of them are cut: while there is none, the more limbs are joined,
-/// the more are joined before the next trial.
-bool is_worth_a_trial(int limbs) {
-    constexpr int kShare = 4;
-    return limbs % std::clamp(limbs / kShare, 1, kLimbsATrial) == 0;
-}
-
 /// The best cut so far, and the trials of others.
 class ComponentSearch {
  public:
@@ -174,7 +168,7 @@ class ComponentSearch {
         out_.rms = score_ = kInfinity;
         int idle = 0;
         for (int k = 0; k <= options_.max_extremities || (!best_ && k <= kMostLimbs); ++k) {
-            const bool tried = k <= options_.max_extremities ? best_ || is_worth_a_trial(k) : k % kLimbsATrial == 0;
+            const bool tried = best_ || is_worth_a_trial(k);
             const Trial trial = tried ? attempt(cut, std::nullopt) : Trial{};
             if (score(cut, trial) < kGain * score_) {
                 idle = 0;
@@ -315,6 +309,12 @@ class ComponentSearch {
 };
 
 }  // namespace
+
+bool is_worth_a_trial(int limbs) {
+    constexpr unsigned kMostBetween = 16;
+    const auto joined = static_cast<unsigned>(limbs);
+    return joined % std::clamp(std::bit_floor(joined / 4), 1u, kMostBetween) == 0;
+}
 
 double length_of_cut(const Disk& disk) {
     double total = 0;

@@ -17,6 +17,10 @@ struct ComponentCut {
 /// Half width of the surroundings in which paths are pulled straight, in mean edges of the mesh searched.
 inline constexpr double kStraightReach = 1;
 
+/// Whether a cut is tried while no map was found: a body with hundreds of limbs has none until most of them are cut.
+/// The more limbs are joined to it, the more are joined before the next trial, up to 16.
+[[nodiscard]] bool is_worth_a_trial(int limbs);
+
 /// Length of the cut that opened a disk.
 [[nodiscard]] double length_of_cut(const Disk& disk);
 
