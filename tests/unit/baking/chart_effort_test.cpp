@@ -44,6 +44,7 @@ TEST(ChartEffort, TheWorkOfAllIsBounded) {
         }
     }
     EXPECT_EQ(with_effort(l2_fit(), chart_effort(20, 10)).rounds, 6);
+    EXPECT_EQ(with_effort(l2_fit(), chart_effort(20, 10)).snaps, l2_fit().snaps) << "a snap less costs 2 dB";
     EXPECT_EQ(with_effort(l2_fit(), chart_effort(20, 10)).worst_rounds, 0) << "nothing that was not asked for";
 }
 
