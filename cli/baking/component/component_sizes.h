@@ -12,8 +12,8 @@
 namespace dgm::bake {
 
 /// Samples a side that every grid has at least, and where there are so many grids that these come to more than all may
-/// have and to more than 425,000: most of such parts are a few faces each. With layers below 100 bytes HDF5 looks for room
-/// among all gaps of a file, for each of its structures: thousands of grids of 9 x 9 took minutes to write.
+/// have and to more than 425,000: most of such parts are a few faces each. With layers below 100 bytes HDF5 looks for
+/// room among all gaps of a file, for each of its structures: thousands of grids of 9 x 9 took minutes to write.
 inline constexpr std::uint32_t kLeastSide = 17, kLeastSideOfMany = 11;
 
 /// Grid of a component: `full` for the largest one, for others the same spacing of samples, but not under `least` a

@@ -21,9 +21,9 @@
 namespace dgm::bake {
 namespace {
 
-constexpr double kExact = 1e-10;                    // normalised units
-constexpr int kMostLimbs = 640;                     // joined while no map was found
-constexpr double kGain = 0.99;                      // a trial must lower the error by 1 % to count
+constexpr double kExact = 1e-10;  // normalised units
+constexpr int kMostLimbs = 640;   // joined while no map was found
+constexpr double kGain = 0.99;    // a trial must lower the error by 1 % to count
 // The prediction does not see that the fit reaches less beside a seam, above all where there are more samples than
 // vertices. A cut longer by the diagonal must be worth so much of the error's logarithm. 0.15 takes tips off limbs.
 constexpr double kSeamCost = 0.08;

@@ -182,6 +182,19 @@ std::vector<Vec3d> points_of(const std::vector<Sample>& samples) {
     return out;
 }
 
+/// Calls run(samples, answers, false) for one sample at each place, and gives the others its answer: where thousands of
+/// charts meet at one edge, thousands of faces are as near to it.
+template <class Run>
+void run_places(const std::vector<Sample>& samples, std::span<double> out, const Run& run) {
+    const std::vector<std::uint32_t> first = first_at_same_place(points_of(samples));
+    std::vector<Sample> asked;
+    for (std::uint32_t k = 0; k < samples.size(); ++k)
+        if (first[k] == k) asked.push_back(samples[k]);
+    std::vector<double> answers(asked.size());
+    run(asked, answers, false);
+    for (std::size_t k = 0, next = 0; k < samples.size(); ++k) out[k] = first[k] == k ? answers[next++] : out[first[k]];
+}
+
 /// Interpolated corner normal, or the face's; zero if there is none.
 Vec3d normal_at(const TriMesh& mesh, std::size_t face, const double (&bary)[3], bool use_corners) {
     if (use_corners) {
@@ -238,20 +251,9 @@ class Direction {
                 done += end - begin;
             }
         };
-        // Where thousands of charts meet at one edge, each place is asked about once: many faces are as near to it.
-        const auto run_places = [&](const std::vector<Sample>& samples, std::span<double> out) {
-            const std::vector<std::uint32_t> first = first_at_same_place(points_of(samples));
-            std::vector<Sample> asked;
-            for (std::uint32_t k = 0; k < samples.size(); ++k)
-                if (first[k] == k) asked.push_back(samples[k]);
-            std::vector<double> answers(asked.size());
-            run(asked, answers, false);
-            for (std::size_t k = 0, next = 0; k < samples.size(); ++k)
-                out[k] = first[k] == k ? answers[next++] : out[first[k]];
-        };
         run(surface, squared, with_normals_);
-        run_places(vertices, vertex_squared);
-        run_places(border, border_squared);
+        run_places(vertices, vertex_squared, run);
+        run_places(border, border_squared, run);
 
         OneSided result;
         result.samples = total;

@@ -39,9 +39,7 @@ TEST(ChartEffort, TheWorkOfAllIsBounded) {
         EXPECT_LE(charts * effort.points_of_small, std::max<std::uint64_t>(20 * kPointsOfSmall, charts));
         EXPECT_LE(charts * effort.patch_effort, std::max<std::uint64_t>(4 * kPatchEffort, charts * 10'000));
         // Samples times rounds.
-        if (charts >= 20) {
-            EXPECT_LE(10 * effort.rounds, 5.01);
-        }
+        if (charts >= 20) { EXPECT_LE(10 * effort.rounds, 5.01); }
     }
     EXPECT_EQ(with_effort(l2_fit(), chart_effort(20, 10)).rounds, 6);
     EXPECT_EQ(with_effort(l2_fit(), chart_effort(20, 10)).snaps, l2_fit().snaps) << "a snap less costs 2 dB";

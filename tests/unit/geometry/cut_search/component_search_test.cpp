@@ -17,12 +17,8 @@ TEST(ComponentSearch, TriesFewCutsWhileThereIsNoMap) {
         EXPECT_LE(4 * (limbs - last), std::max(limbs, 4)) << "a quarter more than are needed, at most";
         last = limbs;
         ++tried;
-        if (limbs < 8) {
-            EXPECT_EQ(tried, limbs + 1);
-        }
-        if (limbs == 40) {
-            EXPECT_LE(tried, 20);
-        }
+        if (limbs < 8) { EXPECT_EQ(tried, limbs + 1); }
+        if (limbs == 40) { EXPECT_LE(tried, 20); }
     }
     EXPECT_EQ(last, 640);
     EXPECT_LE(tried, 60);
