@@ -27,17 +27,6 @@ struct SeamStencil {
     float bending, curved[2];
 };
 
-/// A weighted sum of rows or columns.
-struct Taps {
-    static constexpr std::uint32_t kMost = 8;
-    std::uint32_t count = 0, at[kMost] = {};
-    float weight[kMost] = {};
-    void add(std::uint32_t index, float by) noexcept {
-        at[count] = index;
-        weight[count++] = by;
-    }
-};
-
 /// One stride of the map.
 struct Level {
     std::uint32_t rows = 0, cols = 0;
@@ -56,6 +45,7 @@ struct Level {
     Array<std::uint32_t> groups;  ///< size of a class, its spots, and so on
     Array<SeamStencil> seams;
     Array<std::uint32_t> row_of, column_of;  ///< on the level before
+    std::uint32_t even = 0;                  ///< columns that are at twice their index on the level before
     Array<Taps> to_row, to_column;           ///< by row or column of the level before: how it is interpolated
     Array<Taps> from_rows, from_columns;     ///< the transpose, by row or column here
 };
@@ -125,7 +115,8 @@ struct ClothImpl {
     float* weight = nullptr;         ///< kg: of the whole class
     float* firm = nullptr;           ///< N/m: stiffness of contacts
     Array<std::uint32_t> next_copy;  ///< by sample: the next one of its class, a ring; itself if there is none
-    Array<std::uint8_t> pinned;      ///< by sample, while a frame runs
+    bool held_anew = true;  ///< samples are held that were free when coarse levels got `free`, or the other way round
+    Array<std::uint8_t> pinned;  ///< by sample, while a frame runs
     Array<cloth::Contact> contacts;
     std::uint32_t contact_count = 0;
     cloth::Scene scene;
@@ -179,8 +170,9 @@ double evaluate(ClothImpl& c) noexcept;
 [[nodiscard]] double energy_ahead(const ClothImpl& c, double by) noexcept;
 /// to = matrix from, summed over classes.
 void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept;
-/// Coarse shapes, contacts and diagonal blocks of the matrix at level[0].at.
-void prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept;
+/// Coarse shapes, contacts and diagonal blocks of the matrix at level[0].at; there right = - gradient, and what the
+/// smoother begins with. @return right . right
+double prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept;
 /// correction = what conjugate gradients find for `gradient` (negative right side). @return residual left over that at
 /// the start, 0 .. 1
 double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cycles) noexcept;

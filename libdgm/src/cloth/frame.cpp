@@ -194,7 +194,6 @@ bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& re
     find_contacts(c, f.h, double{f.o.friction}, part, 1.0 / f.o.substeps);
     before += press(c);
     if (!std::isfinite(before)) return false;
-    prepare(c, by_dt2, f.levels);
     report.residual = solve(c, by_dt2, f.levels, f.o.cycles);
     c.elastic = go(c, before, double{by_dt2}, elastic);
     end_contacts(c, f.answers, 1.0 / f.o.substeps);
@@ -254,9 +253,13 @@ void take_hold(ClothImpl& c, const Frame& f) noexcept {
 
 /// Which samples are held in this frame.
 void mark_free(ClothImpl& c) noexcept {
-    for (std::uint32_t k = 0; k < c.total; ++k) {
-        const Spot s = c.spot_of(k);
-        c.fine().free[s] = c.pinned[k] != 0 ? 0.0f : c.mobile[s];
+    for (std::uint32_t i = 0; i < c.rows; ++i) {
+        const Spot row = i * static_cast<Spot>(c.fine().on.pitch);
+        for (std::uint32_t j = 0; j < c.cols; ++j) {
+            const float now = c.pinned[i * c.cols + j] != 0 ? 0.0f : c.mobile[row + j];
+            c.held_anew = c.held_anew || now != c.fine().free[row + j];
+            c.fine().free[row + j] = now;
+        }
     }
 }
 

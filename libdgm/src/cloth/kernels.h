@@ -30,13 +30,25 @@ struct Moduli {
     float warp, weft, cross, shear;
 };
 
+/// A weighted sum of rows or columns.
+struct Taps {
+    static constexpr std::uint32_t kMost = 8;
+    std::uint32_t count = 0, at[kMost] = {};
+    float weight[kMost] = {};
+    void add(std::uint32_t index, float by) noexcept {
+        at[count] = index;
+        weight[count++] = by;
+    }
+};
+
 /// Shape of one level, and what it resists. Quad (i, j) has the samples (i, j), (i + 1, j), (i, j + 1) and
 /// (i + 1, j + 1) as corners; u leads along columns from row to row, v along rows. Planes start at sample (0, 0).
 struct Sheet {
     std::uint32_t rows = 0, cols = 0;
     std::ptrdiff_t pitch = 0;
     Moduli moduli{};
-    Field u, v;  ///< edges of the present shape: x(i + 1, j) - x(i, j) and x(i, j + 1) - x(i, j), metres
+    Field u, v;    ///< edges of the present shape: x(i + 1, j) - x(i, j) and x(i, j + 1) - x(i, j), metres
+    Field f1, f2;  ///< quads: deformation gradient, along u and across
     /// Quads: the inverse of the mean rest edges in the rest plane, [q11 q12; 0 q22], the area times the painted
     /// stiffness (0: no quad), how much of it resists uneven strain, 0 .. 1, and the parts of the rest quad's twist
     /// along its mean edges.
@@ -76,14 +88,24 @@ struct ForceJob {
     float by;
 };
 
-/// to = (mass by_dt2 + contacts + membrane + bending) from. Samples' own parts: copies of a class add up. With `right`:
-/// to = free (own right - that).
+/// product = (mass by_dt2 + contacts + membrane + bending) from. Samples' own parts: copies of a class add up.
+enum class Product : std::uint8_t {
+    Whole,     ///< to = product
+    Residual,  ///< to = free (own right - product)
+    Polish,    ///< from = sum: residual = free (right - product), way = step inverse residual, sum += way
+    Smooth,    ///< from = way: residual -= product, way = keep way + step inverse residual, sum += way
+    Curve,     ///< dots = from . product, from . right, right . product, product . product
+};
 struct ProductJob {
     Sheet on;
-    Field from, to;
+    Product kind;
     float by_dt2;
-    Field right;
+    Field from, to, right, residual, sum;
+    Field way;  ///< Polish, Smooth: null if neither it nor the residual is needed any more
+    Blocks inverse;
+    float keep, step;
     const float *own, *free;
+    double* dots;
 };
 
 /// at = start = at + free (h v + fall h^2 g), was = at before, inertial = free (fall - 1) h^2 g.
@@ -115,29 +137,33 @@ struct MoveJob {
     double by;
 };
 
-/// Diagonal blocks of the same matrix, samples' own parts.
-struct DiagonalJob {
-    Sheet on;
-    Blocks to;
-    float by_dt2;
-};
-
-/// Blocks become their inverses times `free`.
+/// Blocks become their inverses times `free`; with a gradient right = - free gradient, sum = step inverse right.
+/// @return with a gradient the sum of own right . right
 struct InvertJob {
     std::size_t count;
     Blocks of;
-    const float* free;
+    const float *free, *own;
+    Field gradient, right, sum;
+    float step;
+};
+/// Diagonal blocks of the same matrix, samples' own parts, which are then inverted `at_once` or later; and f1, f2.
+struct DiagonalJob {
+    Sheet on;
+    float by_dt2;
+    bool at_once;
+    InvertJob invert;
 };
 
-/// residual -= product; way = keep way + step inverse residual; sum += way. Begin: way = step inverse residual, sum =
-/// way, and no product; Go on: the same, but sum += way.
+/// residual -= product; way = keep way + step inverse residual; sum += way. Begin: residual = right, way = step inverse
+/// residual, sum = way, and no product; Go on: the same from a residual, but sum += way.
 enum class Sweep : std::uint8_t { Begin, GoOn, Next };
 struct SweepJob {
     std::size_t count;
-    Field product, residual, way, sum;
+    Field right, product, residual, way, sum;
     Blocks inverse;
     float keep, step;
     Sweep kind;
+    bool keeps;  ///< residual and way are needed further on
 };
 
 /// to = a x + b y, times free.
@@ -148,18 +174,39 @@ struct AddJob {
     const float* free;
 };
 
+/// Interpolation from a level to the next finer one, and its transpose. The first `even` columns of the coarse one are at
+/// twice their index.
+struct TransferJob {
+    const Sheet *fine, *coarse;
+    std::uint32_t even;
+    const Taps *rows, *columns;  ///< by row and column of what is written
+    Field from, to;
+    const float* free;  ///< of what is written; restrict: may be null
+    int planes;
+};
+/// u, v, tension1, tension2, square1, square2 of a coarse level from those of the finer one.
+struct ThinJob {
+    const Sheet *fine, *coarse;
+    std::uint32_t even;
+    const std::uint32_t *rows, *columns;  ///< on the finer level
+    const float *tension1, *tension2;     ///< of the finer one
+};
+
 struct Kernels {
     const char* name;
     void (*edges)(const EdgesJob&) noexcept;
     double (*force)(const ForceJob&) noexcept;
     void (*product)(const ProductJob&) noexcept;
-    void (*diagonal)(const DiagonalJob&) noexcept;
-    void (*invert)(const InvertJob&) noexcept;
+    double (*diagonal)(const DiagonalJob&) noexcept;
+    double (*invert)(const InvertJob&) noexcept;
     void (*sweep)(const SweepJob&) noexcept;
     void (*add)(const AddJob&) noexcept;
     double (*start)(const StartJob&) noexcept;
     void (*finish)(FinishJob&) noexcept;
     void (*move)(const MoveJob&) noexcept;
+    void (*restrict_to)(const TransferJob&) noexcept;
+    void (*interpolate_to)(const TransferJob&) noexcept;  ///< adds
+    void (*thin)(const ThinJob&) noexcept;
     /// s1, s2 of a coarse level. Where the fine quads of a coarse one stretch in many directions, their mean stretch is
     /// less than theirs; what is lost resists in all directions, which is no less than what they do.
     void (*stiffen)(const Sheet&) noexcept;

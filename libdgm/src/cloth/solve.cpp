@@ -14,7 +14,7 @@
 namespace dgm::detail::cloth {
 namespace {
 
-constexpr std::uint32_t kSweeps = 1, kCoarseSweeps = 4, kSweepsAtTheEnd = 24;
+constexpr std::uint32_t kSweeps[] = {1, 2, 4}, kSweepsAtTheEnd = 24;  // by level, the last of them below
 constexpr float kBand = 16;  ///< highest eigenvalue over the lowest one that a level is to damp
 
 /// Adds what bends across seams: matrix times `from`, or with `slope` that of the shape `by` times `from` further.
@@ -53,6 +53,20 @@ double bend_seams(const Level& l, const Field& from, const Field& to, bool slope
     return energy;
 }
 
+/// What bends across seams, in the diagonal blocks.
+void add_seams(const Level& l) noexcept {
+    for (const SeamStencil& s : l.seams)
+        for (int d = 0; d < 3; ++d)
+            for (const auto& weight : s.weight) {
+                float middle = 0;
+                for (int w = 0; w < 4; ++w) {
+                    l.inverse.p[d][s.spot[w + 1]] += s.bending * weight[w] * weight[w];
+                    middle += weight[w];
+                }
+                l.inverse.p[d][s.spot[0]] += s.bending * middle * middle;
+            }
+}
+
 void sum_blocks(const Level& l, const Blocks& of) noexcept {
     for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
         for (float* p : of.p) {
@@ -62,41 +76,12 @@ void sum_blocks(const Level& l, const Blocks& of) noexcept {
         }
 }
 
-/// line = weighted sum of rows.
-void sum_rows(const Taps& t, const float* from, std::ptrdiff_t pitch, float* line) noexcept {
-    for (std::uint32_t k = 0; k < t.count; ++k) {
-        const float *row = from + static_cast<std::ptrdiff_t>(t.at[k]) * pitch, by = t.weight[k];
-        if (k == 0)
-            for (std::ptrdiff_t j = 0; j < pitch; ++j) line[j] = by * row[j];
-        else
-            for (std::ptrdiff_t j = 0; j < pitch; ++j) line[j] += by * row[j];
-    }
-}
-float sum_taps(const Taps& t, const float* line) noexcept {
-    float sum = 0;
-    for (std::uint32_t k = 0; k < t.count; ++k) sum += t.weight[k] * line[t.at[k]];
-    return sum;
-}
-
-/// to = transpose of the interpolation, of one plane.
-void restrict_plane(const Level& fine, const Level& coarse, const float* from, float* to) noexcept {
-    float* line = fine.on.scratch + kBlock;
-    for (std::uint32_t i = 0; i < coarse.rows; ++i) {
-        sum_rows(coarse.from_rows[i], from, fine.on.pitch, line);
-        float* out = to + i * coarse.on.pitch;
-        for (std::uint32_t j = 0; j < coarse.cols; ++j) out[j] = sum_taps(coarse.from_columns[j], line);
-    }
-}
-
-/// to += interpolation of a coarse plane, but where samples are held.
-void interpolate_plane(const Level& fine, const Level& coarse, const float* from, float* to) noexcept {
-    float* line = fine.on.scratch + kBlock;
-    for (std::uint32_t i = 0; i < fine.rows; ++i) {
-        sum_rows(coarse.to_row[i], from, coarse.on.pitch, line);
-        float* out = to + i * fine.on.pitch;
-        const float* free = fine.free + i * fine.on.pitch;
-        for (std::uint32_t j = 0; j < fine.cols; ++j) out[j] += free[j] * sum_taps(coarse.to_column[j], line);
-    }
+/// to = transpose of the interpolation.
+void restrict_to(const ClothImpl& c, std::uint32_t at, const Field& from, const Field& to, const float* free,
+                 int planes = 3) noexcept {
+    const Level &fine = c.level[at], &coarse = c.level[at + 1];
+    c.kernels->restrict_to({&fine.on, &coarse.on, coarse.even, coarse.from_rows.data(), coarse.from_columns.data(),
+                            from, to, free, planes});
 }
 
 /// Copies get the mean over their class.
@@ -110,22 +95,9 @@ void even_out(const Level& l, const Field& f) noexcept {
         }
 }
 
-/// Mean over the fine quads in a coarse one.
-void average_quads(const Level& fine, const Level& coarse, const float* from, float* to) noexcept {
-    for (std::uint32_t i = 0; i + 1 < coarse.rows; ++i) {
-        const std::ptrdiff_t n = fine.on.pitch;
-        const float* first = from + coarse.row_of[i] * n;
-        const float* second = coarse.row_of[i + 1] - coarse.row_of[i] == 2 ? first + n : first;
-        float* out = to + i * coarse.on.pitch;
-        for (std::uint32_t j = 0; j + 1 < coarse.cols; ++j) {
-            const std::uint32_t a = coarse.column_of[j], b = coarse.column_of[j + 1] - 1;
-            out[j] = 0.25f * ((first[a] + first[b]) + (second[a] + second[b]));
-        }
-    }
-}
-
 /// Contacts of a level as those of the next one: normals by stiffness; where they differ, all directions are held.
-void take_contacts(const Level& fine, const Level& l) noexcept {
+void take_contacts(const ClothImpl& c, std::uint32_t level) noexcept {
+    const Level &fine = c.level[level - 1], &l = c.level[level];
     const bool any = std::any_of(fine.touched.begin(), fine.touched.end(), [](std::uint8_t t) { return t != 0; });
     const Sheet &f = fine.on, &on = l.on;
     std::fill(on.touched, on.touched + l.rows, std::uint8_t{0});
@@ -133,12 +105,10 @@ void take_contacts(const Level& fine, const Level& l) noexcept {
     std::fill(on.drag, on.drag + l.count, 0.0f);
     if (!any) return;
     // `product` and `way` of the fine level are free now.
-    for (int c = 0; c < 3; ++c) {
-        for (std::size_t k = 0; k < fine.count; ++k) fine.product.p[c][k] = f.press[k] * f.normal.p[c][k];
-        restrict_plane(fine, l, fine.product.p[c], on.normal.p[c]);
-    }
-    restrict_plane(fine, l, f.press, on.press);
-    restrict_plane(fine, l, f.drag, on.drag);
+    for (int d = 0; d < 3; ++d)
+        for (std::size_t k = 0; k < fine.count; ++k) fine.product.p[d][k] = f.press[k] * f.normal.p[d][k];
+    restrict_to(c, level - 1, fine.product, on.normal, nullptr);
+    restrict_to(c, level - 1, {{f.press, f.drag}}, {{on.press, on.drag}}, nullptr, 2);
     for (std::uint32_t i = 0; i < l.rows; ++i)
         for (std::uint32_t j = 0; j < l.cols; ++j) {
             const auto k = static_cast<Spot>(i * on.pitch + j);
@@ -174,6 +144,18 @@ void find_clamps(ClothImpl& c, std::uint32_t at) noexcept {
             if (at > 0) bits |= c.level[at - 1].clamped[l.row_of[i] * c.level[at - 1].cols + l.column_of[j]];
         }
 }
+/// What is held, on all levels.
+void hold(ClothImpl& c) noexcept {
+    for (std::uint32_t k = 0; k < c.levels; ++k) {
+        Level& l = c.level[k];
+        for (std::uint32_t i = 0; k > 0 && i < l.rows; ++i)
+            for (std::uint32_t j = 0; j < l.cols; ++j) {
+                const Level& fine = c.level[k - 1];
+                l.free[i * l.on.pitch + j] = fine.free[l.row_of[i] * fine.on.pitch + l.column_of[j]];
+            }
+        find_clamps(c, k);
+    }
+}
 /// Beside a clamped sample a coarse level bends as if it were mirrored there.
 void add_clamps(Level& l, float density) noexcept {
     const Sheet& on = l.on;
@@ -197,31 +179,94 @@ void add_clamps(Level& l, float density) noexcept {
         }
 }
 
+/// No sample has copies, and nothing bends across seams: rows can be used as they come.
+bool is_whole(const Level& l) noexcept {
+    return l.groups.empty() && l.seams.empty();
+}
+
+/// Steps of the smoother, one after the other: way = keep way + step inverse residual.
+struct Chebyshev {
+    float middle, half, rho, keep = 0, step;
+    explicit Chebyshev(const ClothImpl& c) noexcept {
+        const float high = c.highest, low = high / kBand;
+        middle = 0.5f * (high + low);
+        half = 0.5f * (high - low);
+        rho = half / middle;
+        step = 1 / middle;
+    }
+    void go_on() noexcept {
+        const float next = 1 / (2 * middle / half - rho);
+        keep = rho * next;
+        step = 2 * next / half;
+        rho = next;
+    }
+};
+
 struct Cycle {
     ClothImpl& c;
     float by_dt2;
     std::uint32_t levels;
 
-    /// `count` steps of the smoother on sum, from `residual` on. `fresh`: sum is 0 so far.
-    void smooth(Level& l, std::uint32_t count, bool fresh) const noexcept {
-        const float high = c.highest, low = high / kBand, middle = 0.5f * (high + low), half = 0.5f * (high - low);
-        float rho = half / middle;
-        SweepJob job{
-            l.count, l.product, l.residual, l.way, l.sum, l.inverse, 0, 1 / middle, fresh ? Sweep::Begin : Sweep::GoOn};
-        c.kernels->sweep(job);
+    /// `count` steps of the smoother on sum, from 0 if `fresh`. begun: the first of them was done.
+    void smooth(Level& l, std::uint32_t count, bool fresh, bool begun = false) const noexcept {
+        const bool whole = is_whole(l);
+        Chebyshev by(c);
+        const auto sweep = [&](Sweep kind, bool keeps) {
+            c.kernels->sweep({l.count, l.right, l.product, l.residual, l.way, l.sum, l.inverse, by.keep, by.step, kind,
+                              keeps || !whole});
+        };
+        const auto multiply = [&](Product kind, const Field& from, bool keeps) {
+            c.kernels->product({l.on,
+                                kind,
+                                by_dt2,
+                                from,
+                                {},
+                                l.right,
+                                l.residual,
+                                l.sum,
+                                keeps ? l.way : Field{},
+                                l.inverse,
+                                by.keep,
+                                by.step,
+                                l.own,
+                                l.free,
+                                nullptr});
+        };
+        if (fresh) {
+            if (!begun) sweep(Sweep::Begin, count > 1);
+        } else if (whole) {
+            multiply(Product::Polish, l.sum, count > 1);
+        } else {
+            find_residual(l);
+            sweep(Sweep::GoOn, true);
+        }
         for (std::uint32_t k = 1; k < count; ++k) {
-            const float next = 1 / (2 * middle / half - rho);
-            job.keep = rho * next;
-            job.step = 2 * next / half;
-            rho = next;
-            job.kind = Sweep::Next;
-            apply(c, l, l.way, l.product, by_dt2);
-            c.kernels->sweep(job);
+            by.go_on();
+            if (whole) {
+                multiply(Product::Smooth, l.way, k + 1 < count);
+            } else {
+                apply(c, l, l.way, l.product, by_dt2);
+                sweep(Sweep::Next, true);
+            }
         }
     }
     /// residual = right - matrix sum.
     void find_residual(Level& l) const noexcept {
-        c.kernels->product({l.on, l.sum, l.residual, by_dt2, l.right, l.own, l.free});
+        c.kernels->product({l.on,
+                            Product::Residual,
+                            by_dt2,
+                            l.sum,
+                            l.residual,
+                            l.right,
+                            {},
+                            {},
+                            {},
+                            {},
+                            0,
+                            0,
+                            l.own,
+                            l.free,
+                            nullptr});
         if (!l.seams.empty()) {
             for (float* p : l.product.p) std::fill(p, p + l.count, 0.0f);
             bend_seams(l, l.sum, l.product, false);
@@ -230,26 +275,23 @@ struct Cycle {
         sum_classes(l, l.residual);
     }
 
-    /// sum = about the inverse of the matrix times `right`.
-    void run(std::uint32_t at) const noexcept {
+    /// sum = about the inverse of the matrix times `right`. begun: sum is what the smoother begins with.
+    void run(std::uint32_t at, bool begun = false) const noexcept {
         Level& l = c.level[at];
-        for (int d = 0; d < 3; ++d) std::copy(l.right.p[d], l.right.p[d] + l.count, l.residual.p[d]);
         if (at + 1 == levels) return smooth(l, kSweepsAtTheEnd, true);
-        const std::uint32_t sweeps = at == 0 ? kSweeps : kCoarseSweeps;
-        smooth(l, sweeps, true);
+        const std::uint32_t sweeps = kSweeps[std::min(at, 2U)];
+        smooth(l, sweeps, true, begun);
         Level& next = c.level[at + 1];
         find_residual(l);
         for (float* p : l.residual.p)  // a class counts once
             for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
                 for (std::uint32_t k = 1; k <= l.groups[g]; ++k) p[l.groups[g + k]] /= static_cast<float>(l.groups[g]);
-        for (int d = 0; d < 3; ++d) restrict_plane(l, next, l.residual.p[d], next.right.p[d]);
+        restrict_to(c, at, l.residual, next.right, next.free);
         sum_classes(next, next.right);
-        for (float* p : next.right.p)
-            for (std::size_t k = 0; k < next.count; ++k) p[k] *= next.free[k];
         run(at + 1);
-        for (int d = 0; d < 3; ++d) interpolate_plane(l, next, next.sum.p[d], l.sum.p[d]);
+        c.kernels->interpolate_to(
+            {&l.on, &next.on, next.even, next.to_row.data(), next.to_column.data(), next.sum, l.sum, l.free, 3});
         even_out(l, l.sum);
-        find_residual(l);
         smooth(l, sweeps, false);
     }
 };
@@ -278,75 +320,81 @@ double energy_ahead(const ClothImpl& c, double by) noexcept {
 }
 
 void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept {
-    c.kernels->product({l.on, from, to, by_dt2, {}, nullptr, nullptr});
+    c.kernels->product({l.on, Product::Whole, by_dt2, from, to, {}, {}, {}, {}, {}, 0, 0, nullptr, nullptr, nullptr});
     bend_seams(l, from, to, false);
     sum_classes(l, to);
 }
 
-void prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept {
-    for (std::uint32_t k = 0; k < levels; ++k) {
+double prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept {
+    if (c.held_anew) hold(c);
+    c.held_anew = false;
+    for (std::uint32_t k = 1; k < levels; ++k) {
         Level& l = c.level[k];
-        if (k > 0) {
-            const Level& fine = c.level[k - 1];
-            for (std::uint32_t i = 0; i < l.rows; ++i)
-                for (std::uint32_t j = 0; j < l.cols; ++j) {
-                    const auto to = static_cast<Spot>(i * l.on.pitch + j);
-                    const auto from = static_cast<Spot>(l.row_of[i] * fine.on.pitch + l.column_of[j]);
-                    for (int d = 0; d < 3; ++d) l.at[d][to] = fine.at[d][from];
-                    l.free[to] = fine.free[from];
-                }
-            c.kernels->edges({{l.at[0], l.at[1], l.at[2]}, l.on});
-            average_quads(fine, l, k == 1 ? fine.on.s1 : fine.on.tension1, l.on.tension1);
-            average_quads(fine, l, k == 1 ? fine.on.s2 : fine.on.tension2, l.on.tension2);
-            average_quads(fine, l, fine.on.square1, l.on.square1);
-            average_quads(fine, l, fine.on.square2, l.on.square2);
-            c.kernels->stiffen(l.on);
-            take_contacts(fine, l);
-        }
-        find_clamps(c, k);
-        if (k > 0) add_clamps(l, c.options.fabric.density);
-        c.kernels->diagonal({l.on, l.inverse, by_dt2});
-        for (const SeamStencil& s : l.seams)
-            for (int d = 0; d < 3; ++d)
-                for (const auto& weight : s.weight) {
-                    float middle = 0;
-                    for (int w = 0; w < 4; ++w) {
-                        l.inverse.p[d][s.spot[w + 1]] += s.bending * weight[w] * weight[w];
-                        middle += weight[w];
-                    }
-                    l.inverse.p[d][s.spot[0]] += s.bending * middle * middle;
-                }
-        sum_blocks(l, l.inverse);
-        c.kernels->invert({l.count, l.inverse, l.free});
+        const Sheet& fine = c.level[k - 1].on;
+        c.kernels->thin({&fine, &l.on, l.even, l.row_of.data(), l.column_of.data(), k == 1 ? fine.s1 : fine.tension1,
+                         k == 1 ? fine.s2 : fine.tension2});
+        c.kernels->stiffen(l.on);
+        take_contacts(c, k);
+        add_clamps(l, c.options.fabric.density);
     }
+    double whole = 0;
+    for (std::uint32_t k = 0; k < levels; ++k) {  // from here on coarse levels have no edges any more
+        Level& l = c.level[k];
+        InvertJob invert{l.count, l.inverse, l.free, l.own, {}, {}, {}, 0};
+        if (k == 0) {
+            invert.gradient = c.gradient;
+            invert.right = l.right;
+            invert.sum = l.sum;
+            invert.step = Chebyshev(c).step;
+        }
+        double square = c.kernels->diagonal({l.on, by_dt2, is_whole(l), invert});
+        if (!is_whole(l)) {
+            add_seams(l);
+            sum_blocks(l, l.inverse);
+            square = c.kernels->invert(invert);
+        }
+        if (k == 0) whole = square;
+    }
+    return whole;
 }
 
 double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cycles) noexcept {
+    const double whole = prepare(c, by_dt2, levels);
     Level& l = c.fine();
     const Kernels& kernels = *c.kernels;
     const Cycle cycle{c, by_dt2, levels};
     const auto inner = [&](const Field& a, const Field& b) { return kernels.inner(l.count, l.own, a, b); };
-    kernels.add({l.count, -1, 0, c.gradient, c.gradient, l.right, l.free});
-    const double whole = inner(l.right, l.right);
     double left = whole, before = 0;
-    std::uint32_t done = 0;
     bool found = false;
-    for (; done < cycles && left > 0; ++done) {
-        cycle.run(0);
-        const double slope = inner(l.right, l.sum);
-        const double keep = done == 0 ? 0 : std::max(0.0, (slope - inner(c.before, l.sum)) / before);
-        const Field& last = done == 0 ? l.sum : c.way;
-        kernels.add({l.count, 1, static_cast<float>(keep), l.sum, last, c.way, l.free});
-        apply(c, l, c.way, c.image, by_dt2);
-        const double curve = inner(c.way, c.image), first = done == 0 ? slope : inner(l.right, c.way);
-        if (!(curve > 0) || !(first > 0)) break;
-        const auto by = static_cast<float>(first / curve);
-        kernels.add(
-            {l.count, done == 0 ? 0.0f : 1.0f, by, done == 0 ? c.way : c.correction, c.way, c.correction, l.free});
+    for (std::uint32_t done = 0; done < cycles && left > 0; ++done) {
+        cycle.run(0, done == 0 && levels > 1);
+        const bool first = done == 0, last = done + 1 == cycles;
+        const Field& way = first && last ? l.sum : c.way;
+        double slope = 0;
+        if (!last || !first) {
+            slope = inner(l.right, l.sum);
+            const double keep = first ? 0 : std::max(0.0, (slope - inner(c.before, l.sum)) / before);
+            kernels.add({l.count, 1, static_cast<float>(keep), l.sum, first ? l.sum : c.way, c.way, l.free});
+        }
+        double dots[4];  // of the way, its image and the right side
+        if (last && is_whole(l)) {
+            kernels.product(
+                {l.on, Product::Curve, by_dt2, way, {}, l.right, {}, {}, {}, {}, 0, 0, l.own, l.free, dots});
+        } else {
+            apply(c, l, way, c.image, by_dt2);
+            dots[0] = inner(way, c.image);
+            dots[1] = inner(l.right, way);
+        }
+        if (!(dots[0] > 0) || !(dots[1] > 0)) break;
+        const auto by = static_cast<float>(dots[1] / dots[0]);
+        kernels.add({l.count, first ? 0.0f : 1.0f, by, first ? way : c.correction, way, c.correction, l.free});
         found = true;
-        if (done + 1 == cycles) {
-            left = std::max(0.0, left - 2 * double{by} * inner(l.right, c.image) +
-                                     double{by} * double{by} * inner(c.image, c.image));
+        if (last) {
+            if (!is_whole(l)) {
+                dots[2] = inner(l.right, c.image);
+                dots[3] = inner(c.image, c.image);
+            }
+            left = std::max(0.0, left - 2 * double{by} * dots[2] + double{by} * double{by} * dots[3]);
             break;
         }
         for (int d = 0; d < 3; ++d) std::copy(l.right.p[d], l.right.p[d] + l.count, c.before.p[d]);
