@@ -109,6 +109,8 @@ struct ClothImpl {
     Array<double> places;
     double* was[3] = {};  ///< at the start of the substep
     cloth::Field velocity, inertial, gradient, correction, way, image, before;
+    cloth::Field lead;  ///< where the solution leads, `led` times
+    double led = 0;
     float* fall = nullptr;           ///< share of gravity that a sample followed in the substep before
     float* pressed = nullptr;        ///< N: force of the contact of the substep before
     float* mobile = nullptr;         ///< 0: the layer `contact` holds it
@@ -116,7 +118,8 @@ struct ClothImpl {
     float* firm = nullptr;           ///< N/m: stiffness of contacts
     Array<std::uint32_t> next_copy;  ///< by sample: the next one of its class, a ring; itself if there is none
     bool held_anew = true;  ///< samples are held that were free when coarse levels got `free`, or the other way round
-    Array<std::uint8_t> pinned;  ///< by sample, while a frame runs
+    Array<std::uint8_t> was_pinned;  ///< by sample, in the frame before
+    Array<std::uint8_t> pinned;      ///< by sample, while a frame runs
     Array<cloth::Contact> contacts;
     std::uint32_t contact_count = 0;
     cloth::Scene scene;
@@ -164,16 +167,17 @@ void each_copy(const ClothImpl& c, std::uint32_t sample, F f) noexcept {
 [[nodiscard]] Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept;
 /// Every copy gets the sum over its class.
 void sum_classes(const Level& l, const Field& f) noexcept;
-/// gradient = slope of membrane and bending at level[0].at. @return their energy
-double evaluate(ClothImpl& c) noexcept;
-/// Their energy `by` times the correction further, after evaluate().
-[[nodiscard]] double energy_ahead(const ClothImpl& c, double by) noexcept;
+/// gradient = slope of membrane and bending at level[0].at, and of by_dt2 mass |inertial|^2 / 2. @return energy of the
+/// first two; inertia: mass |inertial|^2
+double evaluate(ClothImpl& c, float by_dt2 = 0, double* inertia = nullptr) noexcept;
+/// The energies, `by` times the solution further.
+[[nodiscard]] double energy_ahead(const ClothImpl& c, double by, double& inertia) noexcept;
 /// to = matrix from, summed over classes.
 void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept;
 /// Coarse shapes, contacts and diagonal blocks of the matrix at level[0].at; there right = - gradient, and what the
 /// smoother begins with. @return right . right
 double prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept;
-/// correction = what conjugate gradients find for `gradient` (negative right side). @return residual left over that at
+/// lead, led = what conjugate gradients find for `gradient` (negative right side). @return residual left over that at
 /// the start, 0 .. 1
 double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cycles) noexcept;
 
@@ -182,7 +186,7 @@ double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cyc
 void find_contacts(ClothImpl& c, double h, double friction, double part, double share) noexcept;
 /// Adds their slope to `gradient`. @return their energy
 double press(ClothImpl& c) noexcept;
-/// Their energy where the correction, times `by`, has been added.
+/// Their energy where the solution, times `by`, has been added.
 [[nodiscard]] double pressed_energy(const ClothImpl& c, double by) noexcept;
 /// Notes the forces that the solution left.
 void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexcept;

@@ -82,42 +82,23 @@ void step_back(ClothImpl& c, double part) noexcept {
         });
 }
 
-/// gradient: of all but contacts, the same at all copies.
-void add_inertia(ClothImpl& c, float by_dt2) noexcept {
-    const Level& l = c.fine();
-    for (int d = 0; d < 3; ++d) {
-        float* g = c.gradient.p[d];
-        const float *way = c.inertial.p[d], *m = l.on.mass;
-        for (std::size_t k = 0; k < l.count; ++k) g[k] += (by_dt2 * m[k]) * way[k];
-    }
-    sum_classes(l, c.gradient);
-}
-
-/// Kinetic part of the potential where `by` of the correction has been added.
-double inertia(const ClothImpl& c, float by, double by_dt2) noexcept {
-    const Level& l = c.fine();
-    if (by == 0) return 0.5 * by_dt2 * c.kernels->inner(l.count, l.on.mass, c.inertial, c.inertial);
-    c.kernels->add({l.count, 1, by, c.inertial, c.correction, c.way, l.free});
-    return 0.5 * by_dt2 * c.kernels->inner(l.count, l.on.mass, c.way, c.way);
-}
-
-/// Adds the correction, or as much of it as lowers the potential. @return elastic energy there
+/// Goes where the solution leads, or as far as that lowers the potential. @return elastic energy there
 double go(ClothImpl& c, double before, double by_dt2, double elastic) noexcept {
     Level& l = c.fine();
     constexpr int kMost = 8;
-    double by = 1, now = 0;
+    double by = 1, now = 0, inertia = 0;
     int k = 0;
     for (; k < kMost; ++k, by *= 0.5) {
-        now = energy_ahead(c, by);
-        const double all = now + inertia(c, static_cast<float>(by), by_dt2) + pressed_energy(c, by);
+        now = energy_ahead(c, by, inertia);
+        const double all = now + 0.5 * by_dt2 * inertia + pressed_energy(c, by);
         if (all <= before + 1e-7 * std::fabs(before)) break;
     }
     if (k == kMost) {
         by = 0;
         now = elastic;
     }
-    if (by != 1) c.kernels->add({l.count, static_cast<float>(by), 0, c.correction, c.correction, c.correction, l.free});
-    c.kernels->move({l.count, {l.at[0], l.at[1], l.at[2]}, c.correction, 1});
+    c.led *= by;
+    if (c.led != 0) c.kernels->move({l.count, {l.at[0], l.at[1], l.at[2]}, c.lead, c.led});
     return now;
 }
 
@@ -148,13 +129,9 @@ double potential_of(const ClothImpl& c, Vec3 g) noexcept {
 }
 
 void write_shape(const ClothImpl& c, StateImpl& s) noexcept {
-    const double by = 1 / c.scale;
-    float* to[3] = {s.now.x, s.now.y, s.now.z};
-    for (int d = 0; d < 3; ++d)
-        for (std::uint32_t i = 0; i < c.rows; ++i) {
-            const double* from = c.fine().at[d] + i * c.fine().on.pitch;
-            for (std::uint32_t j = 0; j < c.cols; ++j) to[d][i * c.cols + j] = static_cast<float>(by * from[j]);
-        }
+    const Level& l = c.fine();
+    c.kernels->shape(
+        {c.rows, c.cols, l.on.pitch, {l.at[0], l.at[1], l.at[2]}, {s.now.x, s.now.y, s.now.z}, 1 / c.scale});
     s.touch_all();
 }
 
@@ -182,15 +159,17 @@ bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& re
     const double part = double(number + 1) / f.o.substeps;
     if (c.options.self_contact) look_around(c, f);
     const double unmoved = c.elastic + begin(c, f, 1.0 / (f.o.substeps - number));
-    double elastic = evaluate(c), before = elastic + inertia(c, 0, double{by_dt2});
+    double elastic = 0, before = 0;
     // Inertia may lead uphill, as from a stretched shape into its mirror image.
     constexpr int kMost = 3;
-    for (int k = 0; k < kMost && before > unmoved * (1 + 1e-6) + 1e-30; ++k) {
+    for (int k = 0; k <= kMost; ++k) {
+        double inertia = 0;
+        elastic = evaluate(c, by_dt2, &inertia);
+        before = elastic + 0.5 * double{by_dt2} * inertia;
+        if (k == kMost || !(before > unmoved * (1 + 1e-6) + 1e-30)) break;
         step_back(c, k + 1 < kMost ? 0.5 : 1);
-        elastic = evaluate(c);
-        before = elastic + inertia(c, 0, double{by_dt2});
     }
-    add_inertia(c, by_dt2);
+    sum_classes(c.fine(), c.gradient);
     find_contacts(c, f.h, double{f.o.friction}, part, 1.0 / f.o.substeps);
     before += press(c);
     if (!std::isfinite(before)) return false;
@@ -253,13 +232,13 @@ void take_hold(ClothImpl& c, const Frame& f) noexcept {
 
 /// Which samples are held in this frame.
 void mark_free(ClothImpl& c) noexcept {
+    if (!c.held_anew && std::memcmp(c.pinned.data(), c.was_pinned.data(), c.total) == 0) return;
+    std::memcpy(c.was_pinned.data(), c.pinned.data(), c.total);
+    c.held_anew = true;
     for (std::uint32_t i = 0; i < c.rows; ++i) {
         const Spot row = i * static_cast<Spot>(c.fine().on.pitch);
-        for (std::uint32_t j = 0; j < c.cols; ++j) {
-            const float now = c.pinned[i * c.cols + j] != 0 ? 0.0f : c.mobile[row + j];
-            c.held_anew = c.held_anew || now != c.fine().free[row + j];
-            c.fine().free[row + j] = now;
-        }
+        for (std::uint32_t j = 0; j < c.cols; ++j)
+            c.fine().free[row + j] = c.pinned[i * c.cols + j] != 0 ? 0.0f : c.mobile[row + j];
     }
 }
 

@@ -69,23 +69,21 @@ struct Sheet {
     Field normal;                                    ///< of contacts
     float *press = nullptr, *drag = nullptr;         ///< stiffness of contacts along and across their normals, N/m
     std::uint8_t* touched = nullptr;                 ///< rows: some sample has a contact
-    float* scratch = nullptr;                        ///< kScratchRows rows
+    float* scratch = nullptr;                        ///< kScratchRows rows, kMostProducts times
 };
-inline constexpr std::size_t kScratchRows = 48;
+inline constexpr std::size_t kScratchRows = 39;
+inline constexpr std::uint32_t kMostProducts = 4;  ///< at once; each has a scratch of its own
 
-/// u, v = edges of doubles, as floats.
-struct EdgesJob {
-    const double* at[3];
-    Sheet on;
-};
-
-/// gradient of membrane and bending; s1, s2, square1, square2 of the sheet; energy. With `ahead` that of the shape `by`
-/// times this way further, and nothing is written.
+/// gradient = slope of membrane and bending + by_dt2 mass inertial; f1, f2, s1, s2, square1, square2 of the sheet; energy
+/// of membrane and bending; inertia = sum of mass |inertial|^2. With `ahead` energy and inertia of the shape `by` times
+/// this way further, and nothing else is written.
 struct ForceJob {
     Sheet on;
-    Field gradient;
-    Field ahead;
-    float by;
+    const double* at[3];
+    Field gradient, inertial, ahead;
+    float by_dt2;
+    double by;
+    double* inertia;
 };
 
 /// product = (mass by_dt2 + contacts + membrane + bending) from. Samples' own parts: copies of a class add up.
@@ -129,6 +127,14 @@ struct FinishJob {
     double by_h, slow, direction[3];  ///< gravity / (h |gravity|^2)
     double kinetic, moment[3];        ///< answers: of mass v^2, mass at
 };
+/// to = by at, without the ends of rows.
+struct ShapeJob {
+    std::uint32_t rows, cols;
+    std::ptrdiff_t pitch;
+    const double* at[3];
+    float* to[3];
+    double by;
+};
 /// at += by way.
 struct MoveJob {
     std::size_t count;
@@ -146,7 +152,7 @@ struct InvertJob {
     Field gradient, right, sum;
     float step;
 };
-/// Diagonal blocks of the same matrix, samples' own parts, which are then inverted `at_once` or later; and f1, f2.
+/// Diagonal blocks of the same matrix, samples' own parts, which are then inverted `at_once` or later.
 struct DiagonalJob {
     Sheet on;
     float by_dt2;
@@ -184,9 +190,11 @@ struct TransferJob {
     const float* free;  ///< of what is written; restrict: may be null
     int planes;
 };
-/// u, v, tension1, tension2, square1, square2 of a coarse level from those of the finer one.
+/// Edges, tension1, tension2, square1, square2 of a coarse level from those of the finer one, or edges from where its
+/// samples are.
 struct ThinJob {
     const Sheet *fine, *coarse;
+    const double* at[3];
     std::uint32_t even;
     const std::uint32_t *rows, *columns;  ///< on the finer level
     const float *tension1, *tension2;     ///< of the finer one
@@ -194,9 +202,8 @@ struct ThinJob {
 
 struct Kernels {
     const char* name;
-    void (*edges)(const EdgesJob&) noexcept;
     double (*force)(const ForceJob&) noexcept;
-    void (*product)(const ProductJob&) noexcept;
+    void (*products)(const ProductJob*, std::uint32_t count) noexcept;
     double (*diagonal)(const DiagonalJob&) noexcept;
     double (*invert)(const InvertJob&) noexcept;
     void (*sweep)(const SweepJob&) noexcept;
@@ -204,6 +211,7 @@ struct Kernels {
     double (*start)(const StartJob&) noexcept;
     void (*finish)(FinishJob&) noexcept;
     void (*move)(const MoveJob&) noexcept;
+    void (*shape)(const ShapeJob&) noexcept;
     void (*restrict_to)(const TransferJob&) noexcept;
     void (*interpolate_to)(const TransferJob&) noexcept;  ///< adds
     void (*thin)(const ThinJob&) noexcept;

@@ -31,8 +31,8 @@ static DGM_INLINE Floats root(const Floats& v) {
 }  // namespace
 
 extern const Kernels kAvx2Kernels;
-const Kernels kAvx2Kernels{"avx2", edges,  force, product,     diagonal,       invert, sweep,   add,
-                           start,  finish, move,  restrict_to, interpolate_to, thin,   stiffen, inner};
+const Kernels kAvx2Kernels{"avx2", force, products, diagonal,    invert,         sweep, add,     start,
+                           finish, move,  shape,    restrict_to, interpolate_to, thin,  stiffen, inner};
 
 }  // namespace dgm::detail::cloth
 

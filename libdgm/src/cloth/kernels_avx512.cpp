@@ -28,8 +28,8 @@ static DGM_INLINE Floats root(const Floats& v) {
 }  // namespace
 
 extern const Kernels kAvx512Kernels;
-const Kernels kAvx512Kernels{"avx512", edges,  force, product,     diagonal,       invert, sweep,   add,
-                             start,    finish, move,  restrict_to, interpolate_to, thin,   stiffen, inner};
+const Kernels kAvx512Kernels{"avx512", force, products, diagonal,    invert,         sweep, add,     start,
+                             finish,   move,  shape,    restrict_to, interpolate_to, thin,  stiffen, inner};
 
 }  // namespace dgm::detail::cloth
 

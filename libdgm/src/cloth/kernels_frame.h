@@ -52,3 +52,13 @@ static void move(const MoveJob& job) noexcept {
             __builtin_memcpy(job.at[c] + s, &to, sizeof to);
         }
 }
+static void shape(const ShapeJob& job) noexcept {
+    for (int c = 0; c < 3; ++c)
+        for (std::uint32_t i = 0; i < job.rows; ++i) {
+            const double* from = job.at[c] + i * job.pitch;
+            float* to = job.to[c] + std::size_t{i} * job.cols;
+            std::uint32_t j = 0;
+            for (; j + 8 <= job.cols; j += 8) put_eight(to + j, job.by * eight_of(from + j));
+            for (; j < job.cols; ++j) to[j] = static_cast<float>(job.by * from[j]);
+        }
+}

@@ -2,32 +2,6 @@
 // libdgm/src/cloth/kernels_levels.h
 // Loops that hand values from one stride to the next. Included by kernels_impl.h.
 
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 12
-#error "needs __builtin_shufflevector"
-#endif
-template <int... k>
-struct Places {
-    /// Values 0, 2, 4, ... and 1, 3, 5, ... of a row of two vectors.
-    static DGM_INLINE Floats evens(const Floats& a, const Floats& b) { return __builtin_shufflevector(a, b, 2 * k...); }
-    static DGM_INLINE Floats odds(const Floats& a, const Floats& b) {
-        return __builtin_shufflevector(a, b, 2 * k + 1 ...);
-    }
-    /// The row of two vectors whose even and odd values are given.
-    static DGM_INLINE Floats first(const Floats& e, const Floats& o) {
-        return __builtin_shufflevector(e, o, (k / 2 + k % 2 * kLanes)...);
-    }
-    static DGM_INLINE Floats second(const Floats& e, const Floats& o) {
-        return __builtin_shufflevector(e, o, (kLanes / 2 + k / 2 + k % 2 * kLanes)...);
-    }
-};
-template <int n, int... k>
-struct Count : Count<n - 1, n - 1, k...> {};
-template <int... k>
-struct Count<0, k...> {
-    typedef Places<k...> Of;
-};
-typedef Count<kLanes>::Of Pairs;
-
 static DGM_INLINE Floats even_at(const float* row, std::ptrdiff_t j) {
     return Pairs::evens(load(row + 2 * j), load(row + 2 * j + kLanes));
 }
@@ -54,9 +28,9 @@ static DGM_INLINE void clear_from(float* row, std::ptrdiff_t from, std::ptrdiff_
 
 static void restrict_to(const TransferJob& job) noexcept {
     const std::ptrdiff_t wide = job.fine->pitch, narrow = job.coarse->pitch, cols = job.coarse->cols;
-    clear_scratch(*job.fine);
-    float *line = scratch_row(*job.fine, 0).p[0], *even = scratch_row(*job.fine, 1).p[0],
-          *odd = scratch_row(*job.fine, 2).p[0];
+    clear(spare_row(*job.fine, 0), wide);
+    float *line = spare_row(*job.fine, 0).p[0], *even = spare_row(*job.fine, 1).p[0],
+          *odd = spare_row(*job.fine, 2).p[0];
     const std::ptrdiff_t last = job.even < 3 ? 0 : static_cast<std::ptrdiff_t>(job.even) - 3;
     for (int c = 0; c < job.planes; ++c)
         for (std::uint32_t i = 0; i < job.coarse->rows; ++i) {
@@ -84,8 +58,8 @@ static void restrict_to(const TransferJob& job) noexcept {
 
 static void interpolate_to(const TransferJob& job) noexcept {
     const std::ptrdiff_t wide = job.fine->pitch, narrow = job.coarse->pitch, cols = job.fine->cols;
-    clear_scratch(*job.fine);
-    float *line = scratch_row(*job.fine, 0).p[0], *out = scratch_row(*job.fine, 1).p[0];
+    clear(spare_row(*job.fine, 0), wide);
+    float *line = spare_row(*job.fine, 0).p[0], *out = spare_row(*job.fine, 1).p[0];
     const std::ptrdiff_t last = job.even < 2 ? 0 : 2 * static_cast<std::ptrdiff_t>(job.even) - 3;
     for (int c = 0; c < job.planes; ++c)
         for (std::uint32_t i = 0; i < job.fine->rows; ++i) {
@@ -105,36 +79,69 @@ static void interpolate_to(const TransferJob& job) noexcept {
         }
 }
 
-/// Sums of two edges, and means over four quads.
+static DGM_INLINE Doubles evens_of(const double* row, std::ptrdiff_t j) {
+    Doubles a, b;
+    __builtin_memcpy(&a, row + 2 * j, sizeof a);
+    __builtin_memcpy(&b, row + 2 * j + 8, sizeof b);
+    return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+}
+/// Edges of a row of a coarse level, of one coordinate, by where samples of the finer one are.
+static DGM_INLINE void thin_places(const ThinJob& job, std::uint32_t i, const double* at, float* u, float* v) {
+    const std::ptrdiff_t n = job.coarse->pitch, cols = job.coarse->cols, even = job.even;
+    const bool quads = i + 1 < job.coarse->rows;
+    const double *row = at + job.rows[i] * job.fine->pitch, *next = row;
+    if (quads) next = at + job.rows[i + 1] * job.fine->pitch;
+    for (std::ptrdiff_t j = 0; j < n; j += 8) {
+        const Doubles here = evens_of(row, j);
+        put_eight(v + j, evens_of(row + 2, j) - here);
+        if (quads) put_eight(u + j, evens_of(next, j) - here);
+    }
+    for (std::ptrdiff_t j = even < cols ? even - 1 : cols - 1; j < cols; ++j) {
+        const std::ptrdiff_t k = job.columns[j];
+        v[j] = j + 1 < cols ? static_cast<float>(row[job.columns[j + 1]] - row[k]) : 0;
+        if (quads) u[j] = static_cast<float>(next[k] - row[k]);
+    }
+    if (quads) clear_from(u, cols, n);
+    clear_from(v, cols, n);
+}
+/// The same by edges of the finer one.
+static DGM_INLINE void thin_edges(const ThinJob& job, std::uint32_t i, int c, float* to_u, float* to_v) {
+    const std::ptrdiff_t n = job.coarse->pitch, wide = job.fine->pitch, cols = job.coarse->cols, even = job.even;
+    const bool quads = i + 1 < job.coarse->rows, two = quads && job.rows[i + 1] - job.rows[i] == 2;
+    const float *u = job.fine->f1.p[c] + job.rows[i] * wide, *v = job.fine->f2.p[c] + job.rows[i] * wide;
+    const float* next = u + wide;
+    for (std::ptrdiff_t j = 0; j < n; j += kLanes) {
+        if (quads) store(to_u + j, two ? even_at(u, j) + even_at(next, j) : even_at(u, j));
+        store(to_v + j, even_at(v, j) + odd_at(v, j));
+    }
+    for (std::ptrdiff_t j = even < cols ? even - 1 : cols - 1; j < cols; ++j) {
+        const std::ptrdiff_t k = job.columns[j];
+        to_v[j] = j + 1 < cols ? v[k] : 0;
+        if (quads) to_u[j] = two ? u[k] + next[k] : u[k];
+    }
+    if (quads) clear_from(to_u, cols, n);
+    clear_from(to_v, cols, n);
+}
 static void thin(const ThinJob& job) noexcept {
     const Sheet &fine = *job.fine, &on = *job.coarse;
-    const std::ptrdiff_t wide = fine.pitch, n = on.pitch, cols = on.cols, even = job.even;
-    const std::ptrdiff_t whole = even < cols ? even - 1 : cols;  // columns that are two apart from the next one
+    const std::ptrdiff_t n = on.pitch, cols = on.cols, even = job.even;
     const float* four[] = {job.tension1, job.tension2, fine.square1, fine.square2};
     float* to[] = {on.tension1, on.tension2, on.square1, on.square2};
     for (std::uint32_t i = 0; i < on.rows; ++i) {
-        const std::ptrdiff_t a = job.rows[i] * wide, s = i * n;
-        const bool quads = i + 1 < on.rows, two = quads && job.rows[i + 1] - job.rows[i] == 2;
+        const std::ptrdiff_t a = job.rows[i] * fine.pitch, s = i * n;
         for (int c = 0; c < 3; ++c) {
-            const float *u = fine.u.p[c] + a, *v = fine.v.p[c] + a, *next = u + wide;
-            for (std::ptrdiff_t j = 0; quads && j < n; j += kLanes)
-                store(on.u.p[c] + s + j, two ? even_at(u, j) + even_at(next, j) : even_at(u, j));
-            for (std::ptrdiff_t j = 0; j < n; j += kLanes) store(on.v.p[c] + s + j, even_at(v, j) + odd_at(v, j));
-            for (std::ptrdiff_t j = whole; j < cols; ++j) {
-                const std::ptrdiff_t k = job.columns[j];
-                if (quads) on.u.p[c][s + j] = two ? u[k] + next[k] : u[k];
-                on.v.p[c][s + j] = j + 1 < cols ? v[k] : 0;
-            }
-            if (quads) clear_from(on.u.p[c] + s, cols, n);
-            clear_from(on.v.p[c] + s, cols, n);
+            if (job.at[0] != nullptr)
+                thin_places(job, i, job.at[c], on.f1.p[c] + s, on.f2.p[c] + s);
+            else
+                thin_edges(job, i, c, on.f1.p[c] + s, on.f2.p[c] + s);
         }
-        for (int q = 0; quads && q < 4; ++q) {
-            const float *above = four[q] + a, *below = two ? above + wide : above;
+        for (int q = 0; i + 1 < on.rows && q < 4; ++q) {
+            const float *above = four[q] + a, *below = job.rows[i + 1] - job.rows[i] == 2 ? above + fine.pitch : above;
             float* out = to[q] + s;
             for (std::ptrdiff_t j = 0; j < n; j += kLanes)
                 store(out + j,
                       0.25f * ((even_at(above, j) + odd_at(above, j)) + (even_at(below, j) + odd_at(below, j))));
-            for (std::ptrdiff_t j = whole; j + 1 < cols; ++j) {
+            for (std::ptrdiff_t j = even < cols ? even - 1 : cols; j + 1 < cols; ++j) {
                 const std::ptrdiff_t k = job.columns[j];
                 out[j] = 0.5f * (above[k] + below[k]);
             }
@@ -148,10 +155,13 @@ static void stiffen(const Sheet& on) noexcept {
     for (std::uint32_t i = 0; i + 1 < on.rows; ++i)
         for (std::ptrdiff_t j = 0; j < on.pitch; j += kLanes) {
             const std::ptrdiff_t s = i * on.pitch + j;
-            V3 u, v;
-            const Quad k = load_quad(on, s, u, v);
-            const Floats lost1 = larger(load(on.square1 + s) - dot(k.f1, k.f1), Floats{});
-            const Floats lost2 = larger(load(on.square2 + s) - dot(k.f2, k.f2), Floats{});
+            const V3 u = 0.5f * (load(on.f1, s) + load(on.f1, s + 1));
+            const V3 v = 0.5f * (load(on.f2, s) + load(on.f2, s + on.pitch));
+            const V3 f1 = load(on.q11 + s) * u, f2 = load(on.q12 + s) * u + load(on.q22 + s) * v;
+            store(on.f1, s, f1);
+            store(on.f2, s, f2);
+            const Floats lost1 = larger(load(on.square1 + s) - dot(f1, f1), Floats{});
+            const Floats lost2 = larger(load(on.square2 + s) - dot(f2, f2), Floats{});
             store(on.s1 + s, load(on.tension1 + s) + (m.warp * lost1 + m.shear * lost2));
             store(on.s2 + s, load(on.tension2 + s) + (m.weft * lost2 + m.shear * lost1));
         }

@@ -22,8 +22,8 @@ static DGM_INLINE Floats root(Floats v) {
 #include "cloth/kernels_impl.h"
 }  // namespace
 
-const Kernels kPlainKernels{"plain", edges,  force, product,     diagonal,       invert, sweep,   add,
-                            start,   finish, move,  restrict_to, interpolate_to, thin,   stiffen, inner};
+const Kernels kPlainKernels{"plain", force, products, diagonal,    invert,         sweep, add,     start,
+                            finish,  move,  shape,    restrict_to, interpolate_to, thin,  stiffen, inner};
 
 #if DGM_HAS_AVX
 extern const Kernels kAvx2Kernels, kAvx512Kernels;

@@ -2,45 +2,41 @@
 // libdgm/src/cloth/kernels_solve.h
 // Loops of the solver: the matrix, its blocks, and the smoother. Included by kernels_impl.h.
 
-static DGM_INLINE void bend_way(const ProductJob& job, std::uint32_t i) {
+/// Moments of samples side by side.
+static DGM_INLINE Bent bend_way(const ProductJob& job, std::uint32_t i, std::ptrdiff_t j) {
     const Sheet& on = job.on;
-    const std::ptrdiff_t n = on.pitch;
+    const std::ptrdiff_t n = on.pitch, s = i * n + j;
     const BentRows to = bent_rows(on, i);
-    for (std::ptrdiff_t j = 0; j < n; j += kLanes) {
-        const std::ptrdiff_t s = i * n + j;
-        const V3 d = load(job.from, s), up = load(job.from, s + n), down = load(job.from, s - n);
-        const V3 right = load(job.from, s + 1), left = load(job.from, s - 1);
-        const Floats weight = load(on.bending + s);
-        const V3 bu =
-            (load(on.u_up + s) * (up - d) + load(on.u_down + s) * (down - d)) + load(on.u_side + s) * (right - left);
-        const V3 bv =
-            (load(on.v_up + s) * (right - d) + load(on.v_down + s) * (left - d)) + load(on.v_side + s) * (up - down);
-        store(to.u, j, weight * bu);
-        store(to.v, j, weight * bv);
-    }
+    const V3 d = load(job.from, s), up = load(job.from, s + n), down = load(job.from, s - n);
+    const V3 right = load(job.from, s + 1), left = load(job.from, s - 1);
+    const Floats weight = load(on.bending + s);
+    const V3 bu =
+        (load(on.u_up + s) * (up - d) + load(on.u_down + s) * (down - d)) + load(on.u_side + s) * (right - left);
+    const V3 bv =
+        (load(on.v_up + s) * (right - d) + load(on.v_down + s) * (left - d)) + load(on.v_side + s) * (up - down);
+    const Bent out{weight * bu, weight * bv};
+    store(to.u, j, out.u);
+    store(to.v, j, out.v);
+    return out;
 }
 
-static DGM_INLINE void stiff_row(const ProductJob& job, std::uint32_t i) {
+static DGM_INLINE Handed resist(const ProductJob& job, std::ptrdiff_t s) {
     const Sheet& on = job.on;
     const Moduli& m = on.moduli;
-    const QuadRows to = quad_rows(on, i);
-    for (std::ptrdiff_t j = 0; j < on.pitch; j += kLanes) {
-        const std::ptrdiff_t s = i * on.pitch + j;
-        const Quad k = known_quad(on, s);
-        const V3 a = load(job.from, s), b = load(job.from, s + on.pitch);
-        const V3 c = load(job.from, s + 1), d = load(job.from, s + on.pitch + 1);
-        const V3 ab = b - a, cd = d - c, du = 0.5f * (ab + cd), dv = 0.5f * ((c - a) + (d - b));
-        const V3 dh = (cd - ab) - (k.twist_u * du + k.twist_v * dv);
-        const V3 d1 = k.q11 * du, d2 = k.q12 * du + k.q22 * dv;
-        const Floats e1 = dot(k.f1, d1), e2 = dot(k.f2, d2), e3 = dot(k.f1, d2) + dot(k.f2, d1);
-        const Floats t1 = m.warp * e1 + m.cross * e2, t2 = m.cross * e1 + m.weft * e2, t3 = m.shear * e3;
-        const Floats s1 = load(on.s1 + s), s2 = load(on.s2 + s), z1 = k.q11 * k.q11, z2 = k.q22 * k.q22;
-        const V3 p1 = k.area * ((t1 * k.f1 + t3 * k.f2) + s1 * d1), p2 = k.area * ((t2 * k.f2 + t3 * k.f1) + s2 * d2);
-        const Floats w1 = (m.warp * z1) * dot(k.f1, dh), w2 = (m.weft * z2) * dot(k.f2, dh);
-        const Floats across = (s1 * z1 + s2 * z2) + (24 * on.plate) * (z1 * z2);
-        const V3 r = ((k.uneven * k.area) * (1.0f / 12)) * ((w1 * k.f1 + w2 * k.f2) + across * dh);
-        hand_out(to, j, (k.q11 * p1 + k.q12 * p2) - k.twist_u * r, k.q22 * p2 - k.twist_v * r, r);
-    }
+    const Quad k = known_quad(on, s);
+    const V3 a = load(job.from, s), b = load(job.from, s + on.pitch);
+    const V3 c = load(job.from, s + 1), d = load(job.from, s + on.pitch + 1);
+    const V3 ab = b - a, cd = d - c, du = 0.5f * (ab + cd), dv = 0.5f * ((c - a) + (d - b));
+    const V3 dh = (cd - ab) - (k.twist_u * du + k.twist_v * dv);
+    const V3 d1 = k.q11 * du, d2 = k.q12 * du + k.q22 * dv;
+    const Floats e1 = dot(k.f1, d1), e2 = dot(k.f2, d2), e3 = dot(k.f1, d2) + dot(k.f2, d1);
+    const Floats t1 = m.warp * e1 + m.cross * e2, t2 = m.cross * e1 + m.weft * e2, t3 = m.shear * e3;
+    const Floats s1 = load(on.s1 + s), s2 = load(on.s2 + s), z1 = k.q11 * k.q11, z2 = k.q22 * k.q22;
+    const V3 p1 = k.area * ((t1 * k.f1 + t3 * k.f2) + s1 * d1), p2 = k.area * ((t2 * k.f2 + t3 * k.f1) + s2 * d2);
+    const Floats w1 = (m.warp * z1) * dot(k.f1, dh), w2 = (m.weft * z2) * dot(k.f2, dh);
+    const Floats across = (s1 * z1 + s2 * z2) + (24 * on.plate) * (z1 * z2);
+    const V3 r = ((k.uneven * k.area) * (1.0f / 12)) * ((w1 * k.f1 + w2 * k.f2) + across * dh);
+    return hand_out((k.q11 * p1 + k.q12 * p2) - k.twist_u * r, k.q22 * p2 - k.twist_v * r, r);
 }
 
 static DGM_INLINE V3 times(const Blocks& of, std::ptrdiff_t s, const V3& r) {
@@ -52,7 +48,7 @@ static DGM_INLINE V3 times(const Blocks& of, std::ptrdiff_t s, const V3& r) {
 static DGM_INLINE void store_if(const Field& f, std::ptrdiff_t s, const V3& v) {
     if (f.p[0] != nullptr) store(f, s, v);
 }
-/// What becomes of a part of the product. Rows above the next two are not read any more, so `from` may be written.
+/// What becomes of a part of the product. Nothing reads this part of `from` any more, so it may be written.
 static DGM_INLINE void use_product(const ProductJob& job, std::ptrdiff_t s, std::ptrdiff_t j, const V3& from,
                                    const V3& product) {
     V3 r, way;
@@ -60,7 +56,7 @@ static DGM_INLINE void use_product(const ProductJob& job, std::ptrdiff_t s, std:
         case Product::Whole:
             return store(job.to, s, product);
         case Product::Curve:
-            return store(scratch_row(job.on, 14), j, product);
+            return store(line_row(job.on), j, product);
         case Product::Residual:
             return store(job.to, s, load(job.free + s) * (load(job.own + s) * load(job.right, s) - product));
         case Product::Polish:
@@ -82,7 +78,7 @@ struct Dots {
 };
 /// Of a row, by what Product::Curve has put into the scratch.
 static DGM_INLINE void add_dots(const ProductJob& job, std::ptrdiff_t row, Dots& dots) {
-    const Row product = scratch_row(job.on, 14);
+    const Row product = line_row(job.on);
     for (std::ptrdiff_t j = 0; j < job.on.pitch; j += 8)
         for (int c = 0; c < 3; ++c) {
             const Doubles p = eight_at(product.p[c] + j), d = eight_at(job.from.p[c] + row + j);
@@ -94,36 +90,50 @@ static DGM_INLINE void add_dots(const ProductJob& job, std::ptrdiff_t row, Dots&
         }
 }
 
-static void product(const ProductJob& job) noexcept {
+static DGM_INLINE void product_row(const ProductJob& job, std::uint32_t i, Dots& dots) {
     const Sheet& on = job.on;
-    Dots dots{};
-    clear_scratch(on);
-    bend_way(job, 0);
-    for (std::uint32_t i = 0; i < on.rows; ++i) {
-        if (i + 1 < on.rows) {
-            bend_way(job, i + 1);
-            stiff_row(job, i);
-        } else {
-            clear_last(on);
-        }
-        const QuadRows own = quad_rows(on, i), before = quad_rows(on, i + 1);
-        const BentRows above = bent_rows(on, i + 3), row = bent_rows(on, i), below = bent_rows(on, i + 1);
-        const bool touched = on.touched[i] != 0;
-        for (std::ptrdiff_t j = 0; j < on.pitch; j += kLanes) {
-            const std::ptrdiff_t s = i * on.pitch + j;
-            const V3 d = load(job.from, s);
-            V3 sum = taken_in(own, before, j) + unbend(on, s, j, above, row, below);
-            sum = sum + (job.by_dt2 * load(on.mass + s)) * d;
-            if (touched) {
-                const V3 n = load(on.normal, s);
-                const Floats drag = load(on.drag + s);
-                sum = sum + drag * d + ((load(on.press + s) - drag) * dot(n, d)) * n;
-            }
-            use_product(job, s, j, d, sum);
-        }
-        if (job.kind == Product::Curve) add_dots(job, i * on.pitch, dots);
+    if (i == 0) {
+        clear_first(on);
+        for (std::ptrdiff_t j = 0; j < on.pitch; j += kLanes) bend_way(job, 0, j);
     }
-    for (int k = 0; job.dots != nullptr && k < 4; ++k) job.dots[k] = sum_of(dots.sum[k]);
+    const BentRows row = bent_rows(on, i), other = bent_rows(on, i + 1);
+    const bool touched = on.touched[i] != 0, quads = i + 1 < on.rows;
+    Handed before{};
+    for (std::ptrdiff_t j = 0; j < on.pitch; j += kLanes) {
+        const std::ptrdiff_t s = i * on.pitch + j;
+        const Bent above{load(other.u, j), load(other.v, j)};
+        Bent below{};
+        Handed handed{};
+        if (quads) {
+            below = bend_way(job, i + 1, j);
+            handed = resist(job, s);
+        }
+        const V3 d = load(job.from, s);
+        V3 sum = take_in(on, j, handed, before) + unbend(on, s, j, above, row, below);
+        sum = sum + (job.by_dt2 * load(on.mass + s)) * d;
+        if (touched) {
+            const V3 n = load(on.normal, s);
+            const Floats drag = load(on.drag + s);
+            sum = sum + drag * d + ((load(on.press + s) - drag) * dot(n, d)) * n;
+        }
+        use_product(job, s, j, d, sum);
+    }
+    if (job.kind == Product::Curve) add_dots(job, i * on.pitch, dots);
+}
+
+/// A product reads `from` down to two rows below the one that it writes, so the next one follows it at that distance
+/// while what both need is near.
+static void products(const ProductJob* jobs, std::uint32_t count) noexcept {
+    constexpr std::uint32_t kBehind = 2;
+    const std::uint32_t rows = jobs[0].on.rows;
+    Dots dots{};
+    for (std::uint32_t i = 0; i < rows + kBehind * (count - 1); ++i)
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const std::uint32_t at = i - kBehind * k;
+            if (at < rows) product_row(jobs[k], at, dots);
+        }
+    double* to = jobs[count - 1].dots;
+    for (int k = 0; to != nullptr && k < 4; ++k) to[k] = sum_of(dots.sum[k]);
 }
 
 /// Six numbers of symmetric blocks of quads.
@@ -214,39 +224,31 @@ static double invert(const InvertJob& job) noexcept {
 
 static double diagonal(const DiagonalJob& job) noexcept {
     const Sheet& on = job.on;
+    const Moduli& m = on.moduli;
     const std::ptrdiff_t n = on.pitch;
     Doubles whole{};
-    clear_scratch(on);
-    // Rows 0 .. 1 of the scratch: blocks of corners (0, 0) and (1, 1); 2 .. 3 of the others; then those of the row
-    // before.
-    const auto part = [&](std::size_t k, std::size_t c) DGM_INLINED { return scratch_row(on, k + c / 3).p[c % 3]; };
+    // Of quads for the next row.
+    const Row waiting[2] = {spare_row(on, 0), spare_row(on, 1)};
+    for (const Row& r : waiting) clear(r, n);
     for (std::uint32_t i = 0; i < on.rows; ++i) {
-        const std::size_t now = i % 2 == 0 ? 0 : 4, before = 4 - now;
+        const bool touched = on.touched[i] != 0;
+        Sym plus_before{}, minus_before{};
         for (std::ptrdiff_t j = 0; j < n; j += kLanes) {
             const std::ptrdiff_t s = i * n + j;
-            Sym plus{}, minus{};
+            Sym plus{}, minus{}, sum;  // of corners (0, 0) and (1, 1), and of the others
             if (i + 1 < on.rows) {
-                V3 u, v;
-                const Quad k = load_quad(on, s, u, v);
-                store(on.f1, s, k.f1);
-                store(on.f2, s, k.f2);
+                const Quad k = known_quad(on, s);
                 const Strained of = strain_of(on, k, s);
-                const Moduli& m = on.moduli;
                 plus = corner_block(m, k, of, 0.5f * k.q11, 0.5f * (k.q12 + k.q22), k.twist_u + k.twist_v);
                 minus = corner_block(m, k, of, 0.5f * k.q11, 0.5f * (k.q12 - k.q22), k.twist_u - k.twist_v);
             }
-            for (std::size_t c = 0; c < 6; ++c) {
-                store(part(now, c) + j, plus.v[c]);
-                store(part(now + 2, c) + j, minus.v[c]);
+            for (int c = 0; c < 6; ++c) {
+                float* wait = waiting[c / 3].p[c % 3] + j;
+                sum.v[c] = (plus.v[c] + Pairs::left(minus_before.v[c], minus.v[c])) + load(wait);
+                store(wait, minus.v[c] + Pairs::left(plus_before.v[c], plus.v[c]));
             }
-        }
-        const bool touched = on.touched[i] != 0;
-        for (std::ptrdiff_t j = 0; j < n; j += kLanes) {
-            const std::ptrdiff_t s = i * n + j;
-            Sym sum;
-            for (std::size_t c = 0; c < 6; ++c)
-                sum.v[c] = (load(part(now, c) + j) + load(part(now + 2, c) + j - 1)) +
-                           (load(part(before + 2, c) + j) + load(part(before, c) + j - 1));
+            plus_before = plus;
+            minus_before = minus;
             const auto square = [&](const float* coefficient, std::ptrdiff_t at) DGM_INLINED {
                 const Floats v = load(coefficient + at);
                 return load(on.bending + at) * (v * v);

@@ -27,36 +27,32 @@ std::size_t pitch_of(std::uint32_t cols) noexcept {
 }
 
 /// Planes of a level with a row of zeros, and a block, on both sides.
-bool make_planes(Level& l, const Allocator& a, bool curved, bool finest) noexcept {
+bool make_planes(Level& l, const Allocator& a, bool curved) noexcept {
     Sheet& on = l.on;
     on.rows = l.rows;
     on.cols = l.cols;
     const std::size_t pitch = pitch_of(l.cols);
     on.pitch = static_cast<std::ptrdiff_t>(pitch);
     l.count = l.rows * pitch;
-    const std::size_t margin = pitch + kBlock, plane = l.count + 2 * margin;
+    const std::size_t margin = pitch + 2 * kBlock, plane = l.count + 2 * margin;
     float** one[] = {&on.q11,      &on.q12,     &on.q22,     &on.area,    &on.uneven,   &on.twist_u,  &on.twist_v,
                      &on.s1,       &on.s2,      &on.square1, &on.square2, &on.u_up,     &on.u_down,   &on.v_up,
                      &on.v_down,   &on.u_side,  &on.v_side,  &on.saddle,  &on.u_curved, &on.v_curved, &on.tension1,
                      &on.tension2, &on.bending, &on.mass,    &on.press,   &on.drag,     &l.free,      &l.own};
-    Field* three[] = {&on.u, &on.v, &on.normal, &l.right, &l.residual, &l.way, &l.product, &l.sum, &on.f1, &on.f2};
-    const std::size_t fields = std::size(three) - (finest ? 0 : 2);
-    const std::size_t planes = std::size(one) + 3 * fields + 6;
+    Field* three[] = {&on.f1, &on.f2, &on.normal, &l.right, &l.residual, &l.way, &l.product, &l.sum};
+    const std::size_t planes = std::size(one) + 3 * std::size(three) + 6;
     if (!l.planes.allocate(a, planes * plane) || !l.places.allocate(a, 3 * plane)) return false;
     if (!l.clamped.allocate(a, std::uint64_t{l.rows} * l.cols)) return false;
-    if (!l.touched.allocate(a, l.rows) || !l.scratch.allocate(a, kScratchRows * (pitch + 2 * kBlock))) return false;
+    if (!l.touched.allocate(a, l.rows) || !l.scratch.allocate(a, kMostProducts * kScratchRows * (pitch + 2 * kBlock)))
+        return false;
     float* next = l.planes.data() + margin;
     const auto take = [&](float*& p) {
         p = next;
         next += plane;
     };
     for (float** p : one) take(*p);
-    for (std::size_t k = 0; k < fields; ++k)
-        for (float*& p : three[k]->p) take(p);
-    if (!finest) {  // nothing asks for edges once deformation gradients are known
-        on.f1 = on.u;
-        on.f2 = on.v;
-    }
+    for (Field* f : three)
+        for (float*& p : f->p) take(p);
     for (float*& p : l.inverse.p) take(p);
     for (int c = 0; c < 3; ++c) l.at[c] = l.places.data() + margin + static_cast<std::size_t>(c) * plane;
     on.touched = l.touched.data();
@@ -365,7 +361,7 @@ bool make_coarse(ClothImpl& c, std::uint32_t at) noexcept {
     while (l.even < l.cols && l.column_of[l.even] == 2 * l.even) ++l.even;
     if (!make_taps(fine.rows, l.row_of, l.to_row, l.from_rows, c.allocator)) return false;
     if (!make_taps(fine.cols, l.column_of, l.to_column, l.from_columns, c.allocator)) return false;
-    if (!make_planes(l, c.allocator, fine.on.u_curved != nullptr, false)) return false;
+    if (!make_planes(l, c.allocator, fine.on.u_curved != nullptr)) return false;
     for (std::uint32_t i = 0; i < l.rows; ++i)
         for (std::uint32_t j = 0; j < l.cols; ++j) {
             const auto to = static_cast<Spot>(i * l.on.pitch + j);
@@ -404,8 +400,8 @@ bool make_fine(ClothImpl& c, const StateImpl& s) noexcept {
     Level& l = c.fine();
     l.rows = c.rows;
     l.cols = c.cols;
-    if (!make_planes(l, c.allocator, is_curved(s), true)) return false;
-    const std::size_t margin = static_cast<std::size_t>(l.on.pitch) + kBlock, plane = l.count + 2 * margin;
+    if (!make_planes(l, c.allocator, is_curved(s))) return false;
+    const std::size_t margin = static_cast<std::size_t>(l.on.pitch) + 2 * kBlock, plane = l.count + 2 * margin;
     float** one[] = {&c.fall, &c.pressed, &c.mobile, &c.weight, &c.firm};
     Field* three[] = {&c.velocity, &c.inertial, &c.gradient, &c.correction, &c.way, &c.image, &c.before};
     if (!c.planes.allocate(c.allocator, (std::size(one) + 3 * std::size(three)) * plane)) return false;
@@ -428,6 +424,7 @@ bool make_fine(ClothImpl& c, const StateImpl& s) noexcept {
 
 bool make_copies(ClothImpl& c, const StateImpl& s, Array<std::uint32_t>& id) noexcept {
     if (!c.next_copy.allocate(c.allocator, c.total) || !c.pinned.allocate(c.allocator, c.total)) return false;
+    if (!c.was_pinned.allocate(c.allocator, c.total)) return false;
     if (!id.allocate(c.allocator, c.total, kNone)) return false;
     for (std::uint32_t k = 0; k < c.total; ++k) c.next_copy[k] = k;
     for (std::uint32_t k = 0; k < c.total; ++k) {

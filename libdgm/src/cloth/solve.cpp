@@ -202,71 +202,95 @@ struct Chebyshev {
     }
 };
 
+/// Products of one level, done together as far as there is room.
+struct Wave {
+    const ClothImpl& c;
+    const Level& l;
+    std::uint32_t count = 0;
+    ProductJob jobs[kMostProducts];
+    void add(const ProductJob& job) noexcept {
+        if (count == kMostProducts) go();
+        jobs[count] = job;
+        const auto row = static_cast<std::size_t>(l.on.pitch) + 2 * kBlock;
+        jobs[count].on.scratch += count * kScratchRows * row;
+        ++count;
+    }
+    void go() noexcept {
+        if (count > 0) c.kernels->products(jobs, count);
+        count = 0;
+    }
+};
+
 struct Cycle {
     ClothImpl& c;
     float by_dt2;
     std::uint32_t levels;
+    double* dots = nullptr;  ///< of the finest level's solution, if all its rows can be used as they come
 
-    /// `count` steps of the smoother on sum, from 0 if `fresh`. begun: the first of them was done.
-    void smooth(Level& l, std::uint32_t count, bool fresh, bool begun = false) const noexcept {
-        const bool whole = is_whole(l);
+    [[nodiscard]] ProductJob job(const Level& l, Product kind, const Field& from) const noexcept {
+        return {l.on, kind, by_dt2, from, {}, l.right, l.residual, l.sum, {}, l.inverse, 0, 0, l.own, l.free, nullptr};
+    }
+    /// `count` steps of the smoother on sum, from 0 if `fresh`, and then the residual. begun: the first of them was done.
+    void smooth_whole(const Level& l, std::uint32_t count, bool fresh, bool begun) const noexcept {
         Chebyshev by(c);
-        const auto sweep = [&](Sweep kind, bool keeps) {
-            c.kernels->sweep({l.count, l.right, l.product, l.residual, l.way, l.sum, l.inverse, by.keep, by.step, kind,
-                              keeps || !whole});
+        Wave wave{c, l, 0, {}};
+        const auto add = [&](Product kind, const Field& from, bool keeps) {
+            ProductJob next = job(l, kind, from);
+            if (keeps) next.way = l.way;
+            next.keep = by.keep;
+            next.step = by.step;
+            wave.add(next);
         };
-        const auto multiply = [&](Product kind, const Field& from, bool keeps) {
-            c.kernels->product({l.on,
-                                kind,
-                                by_dt2,
-                                from,
-                                {},
-                                l.right,
-                                l.residual,
-                                l.sum,
-                                keeps ? l.way : Field{},
-                                l.inverse,
-                                by.keep,
-                                by.step,
-                                l.own,
-                                l.free,
-                                nullptr});
+        if (!fresh)
+            add(Product::Polish, l.sum, count > 1);
+        else if (!begun)
+            c.kernels->sweep(
+                {l.count, l.right, {}, l.residual, l.way, l.sum, l.inverse, 0, by.step, Sweep::Begin, count > 1});
+        for (std::uint32_t k = 1; k < count; ++k) {
+            by.go_on();
+            add(Product::Smooth, l.way, k + 1 < count);
+        }
+        if (fresh && count < kSweepsAtTheEnd) {
+            wave.add(job(l, Product::Residual, l.sum));
+            wave.jobs[wave.count - 1].to = l.residual;
+        } else if (dots != nullptr && &l == &c.fine()) {
+            wave.add(job(l, Product::Curve, l.sum));
+            wave.jobs[wave.count - 1].dots = dots;
+        }
+        wave.go();
+    }
+    /// The same where samples have copies.
+    void smooth_sewn(Level& l, std::uint32_t count, bool fresh, bool begun) const noexcept {
+        Chebyshev by(c);
+        const auto sweep = [&](Sweep kind) {
+            c.kernels->sweep(
+                {l.count, l.right, l.product, l.residual, l.way, l.sum, l.inverse, by.keep, by.step, kind, true});
         };
-        if (fresh) {
-            if (!begun) sweep(Sweep::Begin, count > 1);
-        } else if (whole) {
-            multiply(Product::Polish, l.sum, count > 1);
-        } else {
+        if (!fresh) {
             find_residual(l);
-            sweep(Sweep::GoOn, true);
+            sweep(Sweep::GoOn);
+        } else if (!begun) {
+            sweep(Sweep::Begin);
         }
         for (std::uint32_t k = 1; k < count; ++k) {
             by.go_on();
-            if (whole) {
-                multiply(Product::Smooth, l.way, k + 1 < count);
-            } else {
-                apply(c, l, l.way, l.product, by_dt2);
-                sweep(Sweep::Next, true);
-            }
+            apply(c, l, l.way, l.product, by_dt2);
+            sweep(Sweep::Next);
         }
+        if (!fresh || count == kSweepsAtTheEnd) return;
+        find_residual(l);
+        for (float* p : l.residual.p)  // a class counts once
+            for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
+                for (std::uint32_t k = 1; k <= l.groups[g]; ++k) p[l.groups[g + k]] /= static_cast<float>(l.groups[g]);
+    }
+    void smooth(Level& l, std::uint32_t count, bool fresh, bool begun = false) const noexcept {
+        is_whole(l) ? smooth_whole(l, count, fresh, begun) : smooth_sewn(l, count, fresh, begun);
     }
     /// residual = right - matrix sum.
     void find_residual(Level& l) const noexcept {
-        c.kernels->product({l.on,
-                            Product::Residual,
-                            by_dt2,
-                            l.sum,
-                            l.residual,
-                            l.right,
-                            {},
-                            {},
-                            {},
-                            {},
-                            0,
-                            0,
-                            l.own,
-                            l.free,
-                            nullptr});
+        ProductJob product = job(l, Product::Residual, l.sum);
+        product.to = l.residual;
+        c.kernels->products(&product, 1);
         if (!l.seams.empty()) {
             for (float* p : l.product.p) std::fill(p, p + l.count, 0.0f);
             bend_seams(l, l.sum, l.product, false);
@@ -282,10 +306,6 @@ struct Cycle {
         const std::uint32_t sweeps = kSweeps[std::min(at, 2U)];
         smooth(l, sweeps, true, begun);
         Level& next = c.level[at + 1];
-        find_residual(l);
-        for (float* p : l.residual.p)  // a class counts once
-            for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
-                for (std::uint32_t k = 1; k <= l.groups[g]; ++k) p[l.groups[g + k]] /= static_cast<float>(l.groups[g]);
         restrict_to(c, at, l.residual, next.right, next.free);
         sum_classes(next, next.right);
         run(at + 1);
@@ -306,21 +326,31 @@ void sum_classes(const Level& l, const Field& f) noexcept {
         }
 }
 
-double evaluate(ClothImpl& c) noexcept {
+double evaluate(ClothImpl& c, float by_dt2, double* inertia) noexcept {
     Level& l = c.fine();
-    c.kernels->edges({{l.at[0], l.at[1], l.at[2]}, l.on});
-    const double energy = c.kernels->force({l.on, c.gradient, {}, 0});
+    double unused = 0;
+    const double energy = c.kernels->force({l.on,
+                                            {l.at[0], l.at[1], l.at[2]},
+                                            c.gradient,
+                                            c.inertial,
+                                            {},
+                                            by_dt2,
+                                            0,
+                                            inertia != nullptr ? inertia : &unused});
     return energy + bend_seams(l, {}, c.gradient, true);
 }
 
-double energy_ahead(const ClothImpl& c, double by) noexcept {
+double energy_ahead(const ClothImpl& c, double by, double& inertia) noexcept {
     const Level& l = c.fine();
-    const double energy = c.kernels->force({l.on, {}, c.correction, static_cast<float>(by)});
-    return energy + bend_seams(l, c.correction, {}, true, by);
+    const double length = by * c.led;
+    const double energy =
+        c.kernels->force({l.on, {l.at[0], l.at[1], l.at[2]}, {}, c.inertial, c.lead, 0, length, &inertia});
+    return energy + bend_seams(l, c.lead, {}, true, length);
 }
 
 void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept {
-    c.kernels->product({l.on, Product::Whole, by_dt2, from, to, {}, {}, {}, {}, {}, 0, 0, nullptr, nullptr, nullptr});
+    const ProductJob job{l.on, Product::Whole, by_dt2, from, to, {}, {}, {}, {}, {}, 0, 0, nullptr, nullptr, nullptr};
+    c.kernels->products(&job, 1);
     bend_seams(l, from, to, false);
     sum_classes(l, to);
 }
@@ -329,17 +359,24 @@ double prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept {
     if (c.held_anew) hold(c);
     c.held_anew = false;
     for (std::uint32_t k = 1; k < levels; ++k) {
-        Level& l = c.level[k];
-        const Sheet& fine = c.level[k - 1].on;
-        c.kernels->thin({&fine, &l.on, l.even, l.row_of.data(), l.column_of.data(), k == 1 ? fine.s1 : fine.tension1,
-                         k == 1 ? fine.s2 : fine.tension2});
-        c.kernels->stiffen(l.on);
-        take_contacts(c, k);
-        add_clamps(l, c.options.fabric.density);
+        const Level &l = c.level[k], &before = c.level[k - 1];
+        const Sheet& fine = before.on;
+        ThinJob thin{&fine, &l.on, {}, l.even, l.row_of.data(), l.column_of.data(), fine.tension1, fine.tension2};
+        if (k == 1) {
+            for (int d = 0; d < 3; ++d) thin.at[d] = before.at[d];
+            thin.tension1 = fine.s1;
+            thin.tension2 = fine.s2;
+        }
+        c.kernels->thin(thin);
     }
     double whole = 0;
-    for (std::uint32_t k = 0; k < levels; ++k) {  // from here on coarse levels have no edges any more
+    for (std::uint32_t k = 0; k < levels; ++k) {
         Level& l = c.level[k];
+        if (k > 0) {
+            c.kernels->stiffen(l.on);
+            take_contacts(c, k);
+            add_clamps(l, c.options.fabric.density);
+        }
         InvertJob invert{l.count, l.inverse, l.free, l.own, {}, {}, {}, 0};
         if (k == 0) {
             invert.gradient = c.gradient;
@@ -362,48 +399,48 @@ double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cyc
     const double whole = prepare(c, by_dt2, levels);
     Level& l = c.fine();
     const Kernels& kernels = *c.kernels;
-    const Cycle cycle{c, by_dt2, levels};
+    double dots[4];  // of the way: with its image, with the right side; of the image: with the right side, with itself
+    const bool once = cycles == 1 && is_whole(l);
+    const Cycle cycle{c, by_dt2, levels, once ? dots : nullptr};
     const auto inner = [&](const Field& a, const Field& b) { return kernels.inner(l.count, l.own, a, b); };
     double left = whole, before = 0;
-    bool found = false;
+    c.lead = l.sum;
+    c.led = 0;
     for (std::uint32_t done = 0; done < cycles && left > 0; ++done) {
-        cycle.run(0, done == 0 && levels > 1);
-        const bool first = done == 0, last = done + 1 == cycles;
-        const Field& way = first && last ? l.sum : c.way;
+        cycle.run(0, done == 0);
         double slope = 0;
-        if (!last || !first) {
+        if (!once) {
             slope = inner(l.right, l.sum);
-            const double keep = first ? 0 : std::max(0.0, (slope - inner(c.before, l.sum)) / before);
-            kernels.add({l.count, 1, static_cast<float>(keep), l.sum, first ? l.sum : c.way, c.way, l.free});
-        }
-        double dots[4];  // of the way, its image and the right side
-        if (last && is_whole(l)) {
-            kernels.product(
-                {l.on, Product::Curve, by_dt2, way, {}, l.right, {}, {}, {}, {}, 0, 0, l.own, l.free, dots});
-        } else {
-            apply(c, l, way, c.image, by_dt2);
-            dots[0] = inner(way, c.image);
-            dots[1] = inner(l.right, way);
+            const double keep = done == 0 ? 0 : std::max(0.0, (slope - inner(c.before, l.sum)) / before);
+            kernels.add({l.count, 1, static_cast<float>(keep), l.sum, done == 0 ? l.sum : c.way, c.way, l.free});
+            apply(c, l, c.way, c.image, by_dt2);
+            dots[0] = inner(c.way, c.image);
+            dots[1] = inner(l.right, c.way);
         }
         if (!(dots[0] > 0) || !(dots[1] > 0)) break;
-        const auto by = static_cast<float>(dots[1] / dots[0]);
-        kernels.add({l.count, first ? 0.0f : 1.0f, by, first ? way : c.correction, way, c.correction, l.free});
-        found = true;
-        if (last) {
-            if (!is_whole(l)) {
+        const double by = dots[1] / dots[0];
+        if (once) {
+            c.led = by;
+        } else {
+            const auto length = static_cast<float>(by);
+            kernels.add({l.count, done == 0 ? 0.0f : 1.0f, length, done == 0 ? c.way : c.correction, c.way,
+                         c.correction, l.free});
+            c.lead = c.correction;
+            c.led = 1;
+        }
+        if (done + 1 == cycles) {
+            if (!once) {
                 dots[2] = inner(l.right, c.image);
                 dots[3] = inner(c.image, c.image);
             }
-            left = std::max(0.0, left - 2 * double{by} * dots[2] + double{by} * double{by} * dots[3]);
+            left = std::max(0.0, left - 2 * by * dots[2] + by * by * dots[3]);
             break;
         }
         for (int d = 0; d < 3; ++d) std::copy(l.right.p[d], l.right.p[d] + l.count, c.before.p[d]);
-        kernels.add({l.count, 1, -by, l.right, c.image, l.right, l.free});
+        kernels.add({l.count, 1, -static_cast<float>(by), l.right, c.image, l.right, l.free});
         left = inner(l.right, l.right);
         before = slope;
     }
-    if (!found)
-        for (float* p : c.correction.p) std::fill(p, p + l.count, 0.0f);
     return whole > 0 ? std::sqrt(left / whole) : 0;
 }
 

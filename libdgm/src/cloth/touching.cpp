@@ -154,7 +154,7 @@ double pressed_energy(const ClothImpl& c, double by) noexcept {
     double energy = 0;
     for (std::uint32_t n = 0; n < c.contact_count; ++n) {
         const Contact& t = c.contacts[n];
-        const Double3 d = by * at(c.correction, c.spot_of(t.sample));
+        const Double3 d = by != 0 ? by * c.led * at(c.lead, c.spot_of(t.sample)) : Double3{};
         const double gap = t.gap + dot(t.normal, d);
         const Double3 slid = t.slid + d - dot(t.normal, d) * t.normal;
         energy += 0.5 * t.press * gap * gap + 0.5 * t.drag * dot(slid, slid) - dot(t.pull + t.bears * t.normal, d);
@@ -166,7 +166,7 @@ void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexc
     for (std::uint32_t n = 0; n < c.contact_count; ++n) {
         const Contact& t = c.contacts[n];
         const Spot k = c.spot_of(t.sample);
-        const Double3 d = at(c.correction, k);
+        const Double3 d = c.led * at(c.lead, k);
         const double bears = std::max(0.0, t.bears - t.press * (t.gap + dot(t.normal, d)));
         each_copy(c, t.sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = static_cast<float>(bears); });
         const std::uint32_t tool = c.scene.tool[t.obstacle];
