@@ -108,8 +108,9 @@ struct ClothImpl {
     Array<float> planes;
     Array<double> places;
     double* was[3] = {};  ///< at the start of the substep
-    cloth::Field velocity, inertial, gradient, correction, way, image, before;
-    cloth::Field lead;  ///< where the solution leads, `led` times
+    cloth::Field velocity, inertial, correction, way, image, before;
+    cloth::Field gradient;  ///< where the finest right side is
+    cloth::Field lead;      ///< where the solution leads, `led` times
     double led = 0;
     float* fall = nullptr;           ///< share of gravity that a sample followed in the substep before
     float* pressed = nullptr;        ///< N: force of the contact of the substep before
@@ -174,8 +175,8 @@ double evaluate(ClothImpl& c, float by_dt2 = 0, double* inertia = nullptr) noexc
 [[nodiscard]] double energy_ahead(const ClothImpl& c, double by, double& inertia) noexcept;
 /// to = matrix from, summed over classes.
 void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& to, float by_dt2) noexcept;
-/// Coarse shapes, contacts and diagonal blocks of the matrix at level[0].at; there right = - gradient, and what the
-/// smoother begins with. @return right . right
+/// Coarse shapes, contacts and diagonal blocks of the matrix at level[0].at; there right = - gradient in its place, and
+/// what the smoother begins with. @return right . right
 double prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept;
 /// lead, led = what conjugate gradients find for `gradient` (negative right side). @return residual left over that at
 /// the start, 0 .. 1

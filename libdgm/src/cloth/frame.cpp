@@ -328,8 +328,8 @@ ClothReport run_frame(ClothImpl& c, State& state, const ClothStep& o, std::span<
     const double gained = report.kinetic + report.elastic + report.potential - energy;
     if (alone && gained > 0 && report.kinetic > 0) {
         const double by = std::sqrt(std::max(0.0, 1 - gained / report.kinetic));
-        for (float* p : c.velocity.p)
-            for (std::size_t k = 0; k < c.fine().count; ++k) p[k] *= static_cast<float>(by);
+        const Level& l = c.fine();  // what is held does not move
+        c.kernels->add({l.count, static_cast<float>(by), 0, c.velocity, c.velocity, c.velocity, l.free});
         report.kinetic *= by * by;
         c.kinetic = report.kinetic;
     }

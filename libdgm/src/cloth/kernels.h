@@ -59,11 +59,10 @@ struct Sheet {
     float *tension1 = nullptr, *tension2 = nullptr;  ///< coarse quads: s1 and s2 of the finest ones on the mean
     float* saddle = nullptr;  ///< quads: the rest of the rest quad's twist, along its normal, metres; null: flat
     /// Samples: a stencil along u and one along v, whose values are the curvature of that line of the grid times the
-    /// normal. Along u: u_up (x(i + 1, j) - x) + u_down (x(i - 1, j) - x) + u_side (x(i, j + 1) - x(i, j - 1)).
+    /// normal, times the root of bending stiffness and area. Along u: u_up (x(i + 1, j) - x) + u_down (x(i - 1, j) - x) + u_side (x(i, j + 1) - x(i, j - 1)).
     float *u_up = nullptr, *u_down = nullptr, *u_side = nullptr;
     float *v_up = nullptr, *v_down = nullptr, *v_side = nullptr;
     float *u_curved = nullptr, *v_curved = nullptr;  ///< samples: their values at rest along the normal; null: flat
-    float* bending = nullptr;                        ///< samples: bending stiffness times area
     float plate = 0;                                 ///< bending stiffness, N m: quads against twist
     float* mass = nullptr;                           ///< kg
     Field normal;                                    ///< of contacts

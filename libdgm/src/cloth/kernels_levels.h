@@ -11,9 +11,19 @@ static DGM_INLINE Floats odd_at(const float* row, std::ptrdiff_t j) {
 
 /// line = weighted sum of rows.
 static DGM_INLINE void sum_rows(const Taps& t, const float* from, std::ptrdiff_t pitch, float* line) {
+    const float* row[Taps::kMost];
+    for (std::uint32_t k = 0; k < Taps::kMost; ++k) row[k] = from + t.at[k < t.count ? k : 0] * pitch;
+    if (t.count == 5) {
+        const float w[5] = {t.weight[0], t.weight[1], t.weight[2], t.weight[3], t.weight[4]};
+        for (std::ptrdiff_t j = 0; j < pitch; j += kLanes) {
+            const Floats near = (w[0] * load(row[0] + j) + w[1] * load(row[1] + j)) + w[2] * load(row[2] + j);
+            store(line + j, (near + w[3] * load(row[3] + j)) + w[4] * load(row[4] + j));
+        }
+        return;
+    }
     for (std::ptrdiff_t j = 0; j < pitch; j += kLanes) {
-        Floats sum = t.weight[0] * load(from + t.at[0] * pitch + j);
-        for (std::uint32_t k = 1; k < t.count; ++k) sum = sum + t.weight[k] * load(from + t.at[k] * pitch + j);
+        Floats sum = t.weight[0] * load(row[0] + j);
+        for (std::uint32_t k = 1; k < t.count; ++k) sum = sum + t.weight[k] * load(row[k] + j);
         store(line + j, sum);
     }
 }

@@ -9,12 +9,11 @@ static DGM_INLINE Bent bend_way(const ProductJob& job, std::uint32_t i, std::ptr
     const BentRows to = bent_rows(on, i);
     const V3 d = load(job.from, s), up = load(job.from, s + n), down = load(job.from, s - n);
     const V3 right = load(job.from, s + 1), left = load(job.from, s - 1);
-    const Floats weight = load(on.bending + s);
     const V3 bu =
         (load(on.u_up + s) * (up - d) + load(on.u_down + s) * (down - d)) + load(on.u_side + s) * (right - left);
     const V3 bv =
         (load(on.v_up + s) * (right - d) + load(on.v_down + s) * (left - d)) + load(on.v_side + s) * (up - down);
-    const Bent out{weight * bu, weight * bv};
+    const Bent out{bu, bv};
     store(to.u, j, out.u);
     store(to.v, j, out.v);
     return out;
@@ -58,9 +57,12 @@ static DGM_INLINE void use_product(const ProductJob& job, std::ptrdiff_t s, std:
         case Product::Curve:
             return store(line_row(job.on), j, product);
         case Product::Residual:
-            return store(job.to, s, load(job.free + s) * (load(job.own + s) * load(job.right, s) - product));
+            r = load(job.right, s);
+            if (job.own != nullptr) r = load(job.own + s) * r;
+            return store(job.to, s, load(job.free + s) * (r - product));
         case Product::Polish:
-            r = load(job.free + s) * (load(job.right, s) - product);
+            r = load(job.right, s) - product;
+            if (job.way.p[0] != nullptr) r = load(job.free + s) * r;  // the inverse is 0 where samples are held
             way = job.step * times(job.inverse, s, r);
             store(job.sum, s, from + way);
             break;
@@ -90,7 +92,7 @@ static DGM_INLINE void add_dots(const ProductJob& job, std::ptrdiff_t row, Dots&
         }
 }
 
-static DGM_INLINE void product_row(const ProductJob& job, std::uint32_t i, Dots& dots) {
+static __attribute__((noinline)) void product_row(const ProductJob& job, std::uint32_t i, Dots& dots) noexcept {
     const Sheet& on = job.on;
     if (i == 0) {
         clear_first(on);
@@ -121,10 +123,10 @@ static DGM_INLINE void product_row(const ProductJob& job, std::uint32_t i, Dots&
     if (job.kind == Product::Curve) add_dots(job, i * on.pitch, dots);
 }
 
-/// A product reads `from` down to two rows below the one that it writes, so the next one follows it at that distance
+/// A product reads `from` down to so many rows below the one that it writes. The next one follows it at that distance,
 /// while what both need is near.
+constexpr std::uint32_t kBehind = 2;
 static void products(const ProductJob* jobs, std::uint32_t count) noexcept {
-    constexpr std::uint32_t kBehind = 2;
     const std::uint32_t rows = jobs[0].on.rows;
     Dots dots{};
     for (std::uint32_t i = 0; i < rows + kBehind * (count - 1); ++i)
@@ -200,20 +202,23 @@ static DGM_INLINE void invert_some(const InvertJob& job, std::size_t start, std:
         const Doubles det = (v[0] * xx + v[3] * xy) + v[4] * xz;
         const auto sound = det > 1e-18 * ((trace * trace) * trace);
         const Doubles free = eight_at(job.free + s);
-        const Doubles by = sound ? free / det : none, same = sound ? none : free / trace;
+        const Doubles part = free / (sound ? det : trace), by = sound ? part : none, same = sound ? none : part;
         const Doubles to[6] = {by * xx + same, by * yy + same, by * zz + same, by * xy, by * xz, by * yz};
         for (int c = 0; c < 6; ++c) put_eight(job.of.p[c] + s, to[c]);
-        if (job.gradient.p[0] == nullptr) continue;
-        Doubles r[3], square{};
+    }
+    for (std::size_t k = start; k < start + count && job.gradient.p[0] != nullptr; k += kLanes) {
+        const auto s = static_cast<std::ptrdiff_t>(k);
+        const V3 r = V3{} - load(job.free + s) * load(job.gradient, s);
+        store(job.right, s, r);
+        store(job.sum, s, job.step * times(job.of, s, r));
+    }
+    for (std::size_t s = start; s < start + count && job.gradient.p[0] != nullptr; s += 8) {
+        Doubles square{};
         for (int c = 0; c < 3; ++c) {
-            r[c] = -(free * eight_at(job.gradient.p[c] + s));
-            put_eight(job.right.p[c] + s, r[c]);
-            square += r[c] * r[c];
+            const Doubles r = eight_at(job.right.p[c] + s);
+            square += r * r;
         }
-        whole += square * eight_at(job.own + s);
-        put_eight(job.sum.p[0] + s, job.step * ((to[0] * r[0] + to[3] * r[1]) + to[4] * r[2]));
-        put_eight(job.sum.p[1] + s, job.step * ((to[3] * r[0] + to[1] * r[1]) + to[5] * r[2]));
-        put_eight(job.sum.p[2] + s, job.step * ((to[4] * r[0] + to[5] * r[1]) + to[2] * r[2]));
+        whole += job.own != nullptr ? square * eight_at(job.own + s) : square;
     }
 }
 static double invert(const InvertJob& job) noexcept {
@@ -251,10 +256,10 @@ static double diagonal(const DiagonalJob& job) noexcept {
             minus_before = minus;
             const auto square = [&](const float* coefficient, std::ptrdiff_t at) DGM_INLINED {
                 const Floats v = load(coefficient + at);
-                return load(on.bending + at) * (v * v);
+                return v * v;
             };
             const Floats mu = load(on.u_up + s) + load(on.u_down + s), mv = load(on.v_up + s) + load(on.v_down + s);
-            Floats same = job.by_dt2 * load(on.mass + s) + load(on.bending + s) * (mu * mu + mv * mv);
+            Floats same = job.by_dt2 * load(on.mass + s) + (mu * mu + mv * mv);
             same = same + ((square(on.u_up, s - n) + square(on.u_down, s + n)) +
                            (square(on.v_up, s - 1) + square(on.v_down, s + 1)));
             same = same + ((square(on.u_side, s - 1) + square(on.u_side, s + 1)) +

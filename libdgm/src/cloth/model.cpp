@@ -35,11 +35,11 @@ bool make_planes(Level& l, const Allocator& a, bool curved) noexcept {
     on.pitch = static_cast<std::ptrdiff_t>(pitch);
     l.count = l.rows * pitch;
     const std::size_t margin = pitch + 2 * kBlock, plane = l.count + 2 * margin;
-    float** one[] = {&on.q11,      &on.q12,     &on.q22,     &on.area,    &on.uneven,   &on.twist_u,  &on.twist_v,
-                     &on.s1,       &on.s2,      &on.square1, &on.square2, &on.u_up,     &on.u_down,   &on.v_up,
-                     &on.v_down,   &on.u_side,  &on.v_side,  &on.saddle,  &on.u_curved, &on.v_curved, &on.tension1,
-                     &on.tension2, &on.bending, &on.mass,    &on.press,   &on.drag,     &l.free,      &l.own};
-    Field* three[] = {&on.f1, &on.f2, &on.normal, &l.right, &l.residual, &l.way, &l.product, &l.sum};
+    float** one[] = {&on.q11,      &on.q12,    &on.q22,     &on.area,    &on.uneven,   &on.twist_u,  &on.twist_v,
+                     &on.s1,       &on.s2,     &on.square1, &on.square2, &on.u_up,     &on.u_down,   &on.v_up,
+                     &on.v_down,   &on.u_side, &on.v_side,  &on.saddle,  &on.u_curved, &on.v_curved, &on.tension1,
+                     &on.tension2, &on.mass,   &on.press,   &on.drag,    &l.free,      &l.own};
+    Field* three[] = {&on.f1, &on.f2, &on.normal, &l.residual, &l.way, &l.product, &l.sum, &l.right};
     const std::size_t planes = std::size(one) + 3 * std::size(three) + 6;
     if (!l.planes.allocate(a, planes * plane) || !l.places.allocate(a, 3 * plane)) return false;
     if (!l.clamped.allocate(a, std::uint64_t{l.rows} * l.cols)) return false;
@@ -199,12 +199,11 @@ bool sew(const Level& l, const Classes& c, Spot copy, Around& near) noexcept {
 void put_stencil(Level& l, Spot k, const Bends& b, double bending) noexcept {
     Sheet& on = l.on;
     float* to[6] = {on.u_up, on.u_down, on.u_side, on.v_up, on.v_down, on.v_side};
-    const double from[6] = {b.u.up, b.u.down, b.u.side, b.v.up, b.v.down, b.v.side};
-    for (int c = 0; c < 6; ++c) to[c][k] = static_cast<float>(from[c]);
-    on.bending[k] = static_cast<float>(bending);
+    const double from[6] = {b.u.up, b.u.down, b.u.side, b.v.up, b.v.down, b.v.side}, root = std::sqrt(bending);
+    for (int c = 0; c < 6; ++c) to[c][k] = static_cast<float>(root * from[c]);
     if (on.u_curved == nullptr) return;
-    on.u_curved[k] = static_cast<float>(b.u.curved);
-    on.v_curved[k] = static_cast<float>(b.v.curved);
+    on.u_curved[k] = static_cast<float>(root * b.u.curved);
+    on.v_curved[k] = static_cast<float>(root * b.v.curved);
 }
 
 /// Stencils of bending, at seams listed apart. @return false: no memory
@@ -403,13 +402,14 @@ bool make_fine(ClothImpl& c, const StateImpl& s) noexcept {
     if (!make_planes(l, c.allocator, is_curved(s))) return false;
     const std::size_t margin = static_cast<std::size_t>(l.on.pitch) + 2 * kBlock, plane = l.count + 2 * margin;
     float** one[] = {&c.fall, &c.pressed, &c.mobile, &c.weight, &c.firm};
-    Field* three[] = {&c.velocity, &c.inertial, &c.gradient, &c.correction, &c.way, &c.image, &c.before};
+    Field* three[] = {&c.velocity, &c.inertial, &c.correction, &c.way, &c.image, &c.before};
     if (!c.planes.allocate(c.allocator, (std::size(one) + 3 * std::size(three)) * plane)) return false;
     if (!c.places.allocate(c.allocator, 3 * plane)) return false;
     float* next = c.planes.data() + margin;
     for (float** p : one) *p = std::exchange(next, next + plane);
     for (Field* t : three)
         for (float*& p : t->p) p = std::exchange(next, next + plane);
+    c.gradient = l.right;
     for (std::size_t d = 0; d < 3; ++d) { c.was[d] = c.places.data() + margin + d * plane; }
     const float* rest[3] = {s.rest.x, s.rest.y, s.rest.z};
     for (std::uint32_t k = 0; k < c.total; ++k) {
