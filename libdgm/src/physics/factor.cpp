@@ -77,13 +77,14 @@ constexpr float kPivot = 1e-7f;    ///< least pivot: below it, rounding has eate
         for (std::uint32_t i = j + 1; i < n; ++i) entries += linked[std::size_t{order[j]} * n + order[i]];
         to.start[j + 1] = static_cast<std::uint32_t>(entries);
     }
-    // Diagonal tiles thrice, those below as floats and in 16 bits with the number and unit of their squares.
-    bytes +=
-        3 * std::uint64_t{n} * kTileEntries * sizeof(float) + entries * (6 * kTileEntries + 80) + std::uint64_t{n} * n;
+    // Diagonal tiles, once as floats and the triangles of their inverses in 16 bits; those below as floats and in 16 bits with the number and unit of their squares.
+    bytes += std::uint64_t{n} * (kTileEntries * sizeof(float) + kOwnSquares * (2 * kSquare * kSquare + 4)) +
+             entries * (6 * kTileEntries + 80) + std::uint64_t{n} * n;
     if (bytes > m.p.options.max_bytes) return false;
     if (!to.row.allocate(a, entries) || !m.below.allocate(a, entries * kTileEntries) ||
         !m.diagonal.allocate(a, n * std::uint64_t{kTileEntries}) ||
-        !to.inverse.allocate(a, 2 * n * std::uint64_t{kTileEntries}) ||
+        !to.own.allocate(a, n * std::uint64_t{kOwnSquares * kSquare * kSquare}) ||
+        !to.own_unit.allocate(a, n * std::uint64_t{kOwnSquares}) ||
         !to.scale.allocate(a, n * std::uint64_t{kTileRows}) || !to.work.allocate(a, n * std::uint64_t{kTileRows}))
         return false;
     std::size_t at = 0;
@@ -138,22 +139,33 @@ void each_square(F f) noexcept {
         for (std::size_t r = 0; r < kColumns; ++r) f(c, r, c * kSquare * kTileRows + r * kSquare);
 }
 
+/// A square in 16 bits, column-major. @return their unit
+float pack_square(const float* from, std::int16_t* to) noexcept {
+    const auto at = [from](std::size_t k) { return from[k / kSquare * kTileRows + k % kSquare]; };
+    float most = 0;
+    for (std::size_t k = 0; k < kSquare * kSquare; ++k) most = std::max(most, std::fabs(at(k)));
+    const float unit = most / 32767;
+    for (std::size_t k = 0; k < kSquare * kSquare; ++k)
+        to[k] = unit > 0 ? static_cast<std::int16_t>(std::floor(at(k) / unit + 0.5f)) : std::int16_t{0};
+    return unit;
+}
+
 enum class Made : std::uint8_t { Whole, Indefinite, NoMemory };
 /// Eliminates tile after tile: `below` becomes the factor. `kept` gets a bit for each square that will be kept.
 [[gnu::cold]] Made eliminate_values(Making& m, Array<std::uint16_t>& kept) noexcept {
     Factor& to = m.to;
     std::uint32_t most = 1;
     for (std::size_t j = 0; j < to.tiles; ++j) most = std::max(most, to.start[j + 1] - to.start[j]);
-    Array<float> column;
-    if (!column.allocate(m.p.allocator, std::uint64_t{most} * kTileEntries)) return Made::NoMemory;
+    Array<float> column;  // and before it the inverse of the tile, and minus it
+    if (!column.allocate(m.p.allocator, (std::uint64_t{most} + 2) * kTileEntries)) return Made::NoMemory;
+    float *inverse = column.data(), *minus = inverse + kTileEntries, *first = minus + kTileEntries;
     const auto multiply = m.p.solver.kernels->subtract_product;
     for (std::uint32_t j = 0; j < to.tiles; ++j) {
         const std::uint32_t begin = to.start[j], end = to.start[j + 1];
-        float *inverse = to.inverse.data() + 2 * j * kTileEntries, *minus = inverse + kTileEntries;
         if (!invert_root(m.diagonal.data() + j * kTileEntries, inverse, minus)) return Made::Indefinite;
-        std::fill_n(column.data(), (end - begin) * kTileEntries, 0.0f);
+        std::fill_n(first, (end - begin) * kTileEntries, 0.0f);
         for (std::uint32_t e = begin; e < end; ++e) {
-            float *l = column.data() + (e - begin) * kTileEntries, *a = m.below.data() + e * kTileEntries;
+            float *l = first + (e - begin) * kTileEntries, *a = m.below.data() + e * kTileEntries;
             multiply(l, a, minus);
             std::copy_n(l, kTileEntries, a);
             kept[e] = 0;
@@ -165,11 +177,12 @@ enum class Made : std::uint8_t { Whole, Indefinite, NoMemory };
             for (std::uint32_t f = begin; f <= e; ++f) {
                 float* target = f == e ? m.diagonal.data() + to.row[e] * kTileEntries
                                        : m.below.data() + m.find(to.row[e], to.row[f]) * kTileEntries;
-                multiply(target, column.data() + (e - begin) * kTileEntries,
-                         column.data() + (f - begin) * kTileEntries);
+                multiply(target, first + (e - begin) * kTileEntries, first + (f - begin) * kTileEntries);
             }
-        for (std::size_t c = 0; c < kTileRows; ++c)
-            for (std::size_t r = 0; r < kTileRows; ++r) minus[r * kTileRows + c] = inverse[c * kTileRows + r];
+        for (std::size_t r = 0, e = j * kOwnSquares; r < kColumns; ++r)
+            for (std::size_t c = 0; c <= r; ++c, ++e)
+                to.own_unit[e] =
+                    pack_square(inverse + c * kSquare * kTileRows + r * kSquare, to.own.data() + e * kSquare * kSquare);
     }
     return Made::Whole;
 }
@@ -191,13 +204,7 @@ enum class Made : std::uint8_t { Whole, Indefinite, NoMemory };
             each_square([&](std::size_t c, std::size_t r, std::size_t place) {
                 if (c != j % kColumns || (kept[e] >> (c * kColumns + r) & 1) == 0) return;
                 const float* from = m.below.data() + e * kTileEntries + place;
-                float most = 0;
-                for (std::size_t k = 0; k < kSquare * kSquare; ++k)
-                    most = std::max(most, std::fabs(from[k / kSquare * kTileRows + k % kSquare]));
-                to.unit[at] = most / 32767;
-                for (std::size_t k = 0; k < kSquare * kSquare; ++k)
-                    to.value[at * kSquare * kSquare + k] = static_cast<std::int16_t>(
-                        std::floor(from[k / kSquare * kTileRows + k % kSquare] / to.unit[at] + 0.5f));
+                to.unit[at] = pack_square(from, to.value.data() + at * kSquare * kSquare);
                 row[at++] = static_cast<std::uint32_t>(to.row[e] * kColumns + r);
             });
         start[j + 1] = at;
@@ -287,8 +294,8 @@ void apply_inverse(PhysicsImpl& p, const Field& to, const Field& from) noexcept 
             f.work[at] = f.scale[at] * (q[c] * x + q[3 + c] * y + q[6 + c] * z);
         }
     }
-    p.solver.kernels->solve(
-        {f.tiles, f.start.data(), f.row.data(), f.value.data(), f.unit.data(), f.inverse.data(), f.work.data()});
+    p.solver.kernels->solve({f.tiles, f.start.data(), f.row.data(), f.value.data(), f.unit.data(), f.own.data(),
+                             f.own_unit.data(), f.work.data()});
     for (std::uint32_t d = 0; d < l.dofs; ++d) {
         const std::uint32_t s = l.sample_of[d];
         float v[3];

@@ -30,8 +30,9 @@ struct Factor {
     Array<std::uint32_t> start, row;  ///< squares of 16 x 16 below the diagonal tiles, by columns of squares
     Array<std::int16_t> value;        ///< of L, a square after the other, column-major
     Array<float> unit;                ///< by square: of its values
-    Array<float> inverse;             ///< by tile: of L's on the diagonal, and that transposed
-    Array<float> scale, work;         ///< by row; scale: 0 where there is no unknown
+    Array<std::int16_t> own;          ///< by tile: inverse of L's on the diagonal, the squares of its lower triangle
+    Array<float> own_unit;
+    Array<float> scale, work;                      ///< by row; scale: 0 where there is no unknown
     double turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< of the body from rest, row-major
 #endif
     float dt = 0;       ///< length of the steps that it is for

@@ -118,12 +118,15 @@ struct VolumeJob {
 };
 
 inline constexpr std::size_t kTileUnknowns = 16, kTileRows = 3 * kTileUnknowns, kSquare = 16;
+inline constexpr std::size_t kOwnSquares = 6;  ///< of a diagonal tile: the lower triangle
 /// Solves with block factors, see factor.h.
 struct FactorJob {
     std::size_t tiles;
     const std::uint32_t *start, *row;
     const std::int16_t* value;
-    const float *unit, *inverse;
+    const float* unit;
+    const std::int16_t* own;  ///< inverses of diagonal tiles
+    const float* own_unit;
     float* x;  ///< right side, then solution
 };
 
