@@ -23,6 +23,9 @@ foreach(use shared static pkgconfig)
   run(${WORK}/${use}/consumer_c ${WORK}/sample.dgm)
   run(${WORK}/${use}/consumer_cpp ${WORK}/sample.dgm)
   run(${WORK}/${use}/engine ${WORK}/sample.dgm)
+  if(NOT use STREQUAL "pkgconfig")
+    run(${WORK}/${use}/cloth ${WORK}/sample.dgm)
+  endif()
 endforeach()
 
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/c_only -B ${WORK}/c_only -DCMAKE_PREFIX_PATH=${WORK}/prefix
