@@ -52,7 +52,7 @@ enum class Solver : std::uint8_t {
     /// Sparse factors of the second derivatives at rest, for at most 129 x 129 samples and steps of the length that the
     /// Physics is made with: one to three cycles come within 1 % of the converged step on closed bodies. After set_dt()
     /// with another length, in steps with pins and where more than one unknown in 16 is held, multigrid does the work.
-    /// Takes 0.3 s and more to make, 3 to 5 KB a sample more, and 15 to 30 KB a sample while it is made.
+    /// Takes 0.3 s and more to make, 2 to 4 KB a sample more, and 15 to 30 KB a sample while it is made.
     Factors
 };
 

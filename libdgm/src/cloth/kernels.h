@@ -59,7 +59,8 @@ struct Sheet {
     float *tension1 = nullptr, *tension2 = nullptr;  ///< coarse quads: s1 and s2 of the finest ones on the mean
     float* saddle = nullptr;  ///< quads: the rest of the rest quad's twist, along its normal, metres; null: flat
     /// Samples: a stencil along u and one along v, whose values are the curvature of that line of the grid times the
-    /// normal, times the root of bending stiffness and area. Along u: u_up (x(i + 1, j) - x) + u_down (x(i - 1, j) - x) + u_side (x(i, j + 1) - x(i, j - 1)).
+    /// normal, times the root of bending stiffness and area. Along u:
+    /// u_up (x(i + 1, j) - x) + u_down (x(i - 1, j) - x) + u_side (x(i, j + 1) - x(i, j - 1)).
     float *u_up = nullptr, *u_down = nullptr, *u_side = nullptr;
     float *v_up = nullptr, *v_down = nullptr, *v_side = nullptr;
     float *u_curved = nullptr, *v_curved = nullptr;  ///< samples: their values at rest along the normal; null: flat
@@ -73,9 +74,9 @@ struct Sheet {
 inline constexpr std::size_t kScratchRows = 39;
 inline constexpr std::uint32_t kMostProducts = 4;  ///< at once; each has a scratch of its own
 
-/// gradient = slope of membrane and bending + by_dt2 mass inertial; f1, f2, s1, s2, square1, square2 of the sheet; energy
-/// of membrane and bending; inertia = sum of mass |inertial|^2. With `ahead` energy and inertia of the shape `by` times
-/// this way further, and nothing else is written.
+/// gradient = slope of membrane and bending + by_dt2 mass inertial; f1, f2, s1, s2, square1, square2 of the sheet;
+/// energy of membrane and bending; inertia = sum of mass |inertial|^2. With `ahead` energy and inertia of the shape
+/// `by` times this way further, and nothing else is written.
 struct ForceJob {
     Sheet on;
     const double* at[3];
@@ -179,8 +180,8 @@ struct AddJob {
     const float* free;
 };
 
-/// Interpolation from a level to the next finer one, and its transpose. The first `even` columns of the coarse one are at
-/// twice their index.
+/// Interpolation from a level to the next finer one, and its transpose. The first `even` columns of the coarse one are
+/// at twice their index.
 struct TransferJob {
     const Sheet *fine, *coarse;
     std::uint32_t even;

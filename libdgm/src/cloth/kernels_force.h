@@ -95,7 +95,8 @@ static DGM_INLINE Handed stress(const ForceJob& job, std::uint32_t i, std::ptrdi
 /// mass |inertial + by ahead|^2 of a row.
 template <bool kAhead>
 static DGM_INLINE void add_inertia(const ForceJob& job, std::uint32_t i, Doubles& sum) {
-    for (std::ptrdiff_t s = i * job.on.pitch; s < (i + 1) * job.on.pitch; s += 8) {
+    const auto row = static_cast<std::ptrdiff_t>(i * job.on.pitch);
+    for (std::ptrdiff_t s = row; s < row + job.on.pitch; s += 8) {
         Doubles square{};
         for (int c = 0; c < 3; ++c) {
             Doubles way = eight_at(job.inertial.p[c] + s);

@@ -107,7 +107,7 @@ struct Cycle {
                 l.free,
                 nullptr};
     }
-    /// `count` steps of the smoother on sum, from 0 if `fresh`, and then the residual. begun: the first of them was done.
+    /// `count` steps of the smoother on sum, from 0 if `fresh`, and then the residual. begun: the first one was done.
     void smooth_whole(const Level& l, std::uint32_t count, bool fresh, bool begun) const noexcept {
         Chebyshev by(c);
         Wave wave{c, l, 0, {}};

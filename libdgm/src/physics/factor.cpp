@@ -77,7 +77,8 @@ constexpr float kPivot = 1e-7f;    ///< least pivot: below it, rounding has eate
         for (std::uint32_t i = j + 1; i < n; ++i) entries += linked[std::size_t{order[j]} * n + order[i]];
         to.start[j + 1] = static_cast<std::uint32_t>(entries);
     }
-    // Diagonal tiles, once as floats and the triangles of their inverses in 16 bits; those below as floats and in 16 bits with the number and unit of their squares.
+    // Diagonal tiles, as floats and the triangles of their inverses in 16 bits; those below as floats and in 16 bits
+    // with the number and unit of their squares.
     bytes += std::uint64_t{n} * (kTileEntries * sizeof(float) + kOwnSquares * (2 * kSquare * kSquare + 4)) +
              entries * (6 * kTileEntries + 80) + std::uint64_t{n} * n;
     if (bytes > m.p.options.max_bytes) return false;
