@@ -33,7 +33,7 @@ ChartEffort chart_effort(std::size_t charts, double samples) {
 FitOptions with_effort(FitOptions options, const ChartEffort& effort) {
     options.patch_effort = effort.patch_effort;
     options.points_of_small = effort.points_of_small;
-    // One snap to the source's edges less of two costs 2 dB, half the rounds a third of a dB.
+    // Of 20 shells: one snap less of two costs 2.1 dB, half the rounds 0.3. Sheets at 140 dB lose 2.
     for (int* const count : {&options.rounds, &options.worst_rounds})
         if (*count > 0) *count = std::max(1, static_cast<int>(std::lround(*count * effort.rounds)));
     return options;
