@@ -14,15 +14,15 @@ struct Quad {
     V3 f1, f2;  ///< deformation gradient, along u and across
 };
 static DGM_INLINE Quad rest_quad(const Sheet& on, std::ptrdiff_t s) {
-    Quad q;
-    q.q11 = load(on.q11 + s);
-    q.q12 = load(on.q12 + s);
-    q.q22 = load(on.q22 + s);
-    q.area = load(on.area + s);
-    q.uneven = load(on.uneven + s);
-    q.twist_u = load(on.twist_u + s);
-    q.twist_v = load(on.twist_v + s);
-    return q;
+    return {load(on.q11 + s),
+            load(on.q12 + s),
+            load(on.q22 + s),
+            load(on.area + s),
+            load(on.uneven + s),
+            load(on.twist_u + s),
+            load(on.twist_v + s),
+            V3{},
+            V3{}};
 }
 /// Of a shape whose deformation gradients are known.
 static DGM_INLINE Quad known_quad(const Sheet& on, std::ptrdiff_t s) {
