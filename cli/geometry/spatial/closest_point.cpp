@@ -73,9 +73,14 @@ constexpr double kTiny = 1e-4;       ///< longest edge, in diagonals, of a trian
 constexpr double kCrowdSide = 1e-3;  ///< of the cube that holds its middle, in diagonals
 constexpr std::size_t kCrowd = 64;   ///< least triangles of one
 
+// A face so low, in diagonals, has the normal that rounding gave it: what a split next to a corner leaves of a face.
+constexpr double kNoHeight = 1e-13;
+
 /// Zero for a triangle without area. Made anew for each that is asked about: stored, it would take 24 bytes a face.
 Vec3d unit_normal_of(const Triangle& t) {
-    return normalized(cross(t.b - t.a, t.c - t.a), {});
+    const Vec3d p = t.b - t.a, q = t.c - t.a, area = cross(p, q);
+    const double longest = std::max({dot(p, p), dot(q, q), dot(q - p, q - p)});
+    return dot(area, area) > kNoHeight * kNoHeight * longest ? normalized(area, {}) : Vec3d{};
 }
 
 struct Search {

@@ -38,7 +38,7 @@ class ClosestPointIndex {
     [[nodiscard]] ClosestPoint query(const model::Vec3d& point, std::uint32_t hint = kNoFace) const;
 
     /// The closest point among faces whose unit normal n has dot(n, normal) > min_cosine; face stays at its maximum
-    /// value if there is none. Faces without area have no normal and never match. `limit`: faces farther away need not
+    /// value if there is none. Faces without a normal (unit_normal()) never match. `limit`: faces farther away need not
     /// be found; where whole regions face the other way, it is what keeps a query from visiting every face.
     [[nodiscard]] ClosestPoint query_facing(const model::Vec3d& point, const model::Vec3d& normal, double min_cosine,
                                             std::uint32_t hint = kNoFace,
@@ -48,7 +48,7 @@ class ClosestPointIndex {
     [[nodiscard]] std::size_t pieces() const;
     /// Of the bounding box of the faces; 1 where that is no number to divide by.
     [[nodiscard]] double diagonal() const;
-    /// Zero for a face without area, or left out.
+    /// Zero for a face without area, or so low (1e-13 diagonals) that rounding decides its normal, or left out.
     [[nodiscard]] model::Vec3d unit_normal(std::uint32_t face) const;
 
     /// The closest point whose face looks the same way, n . normal > 0.3, if it is at most twice as far as the closest

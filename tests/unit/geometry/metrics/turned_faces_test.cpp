@@ -44,6 +44,20 @@ TEST(TurnedFaces, AreTheFoldsOfASheet) {
     EXPECT_EQ(count_turned_faces(sheet, folded), clockwise.size());
 }
 
+/// A split beside a corner leaves a face whose normal is what rounding made of it: it vouches for nothing.
+TEST(TurnedFaces, FacesThatRoundingMadeHaveNoSide) {
+    for (const double height : {1e-17, 1e-3}) {
+        TriMesh source, map;
+        source.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}, {-0.5, 0, 0}, {0.5, 0, 0}, {0, -height, 0}};
+        source.faces = {{0, 1, 2}, {3, 4, 5}};  // one looks up, the low one down
+        map.positions = {{-0.1, 0, 0}, {0.1, 0, 0}, {0, -height, 0}};
+        map.faces = {{0, 1, 2}};
+        EXPECT_EQ(count_turned_faces(source, map), height < 1e-13 ? 1u : 0u) << height;
+        const ClosestPointIndex index(source.positions, source.faces);
+        EXPECT_EQ(index.unit_normal(1), height < 1e-13 ? Vec3d{} : (Vec3d{0, 0, -1}));
+    }
+}
+
 /// Two sheets that look away from each other, `gap` apart; the map is the upper one, `below` the middle between them.
 std::size_t turned_between_sheets(double gap, double below) {
     TriMesh sheets = test::square(1, gap / 2, 3);
