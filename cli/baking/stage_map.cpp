@@ -29,6 +29,7 @@ using model::Error;
 namespace codes = model::codes;
 
 constexpr std::uint64_t kRefinedSamples = 2;  // times those of the largest component
+constexpr std::uint64_t kOtherSamples = 3;    // likewise, of other maps
 
 /// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;
@@ -146,12 +147,12 @@ FitOptions fit_options(const BakeOptions& options, bool u16, const ChartEffort& 
     return out;
 }
 
-constexpr double kOrdinaryGain = 0.35;        // in rms; crowded maps of wrinkled cloth may gain little
-constexpr double kInvertedPrice = 1.25;       // in rms, of fewer inverted faces
-constexpr std::size_t kHopeless = 8;          // more than one inverted face to so many samples
-constexpr double kOtherMapPrice = 1.4;        // in rms, of another map with fewer: 3 dB
+constexpr double kOrdinaryGain = 0.35;           // in rms; crowded maps of wrinkled cloth may gain little
+constexpr double kInvertedPrice = 1.25;          // in rms, of fewer inverted faces
+constexpr std::size_t kHopeless = 8;             // more than one inverted face to so many samples
+constexpr double kOtherMapPrice = 1.4;           // in rms, of another map with fewer: 3 dB
 constexpr std::uint64_t kErrorSamples = 20'000;  // of the comparison
-constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
+constexpr std::size_t kMostFitted = 200'000;     // vertices of a source that is worth a copy and a second fit
 
 /// A fitted chart and how good it is.
 struct Trial {
@@ -199,25 +200,31 @@ std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, con
     return best.inverted;
 }
 
-/// Where `auto` has left faces inverted, other maps of the component. They crowd its folds and thin parts elsewhere: a
-/// garment of doubled sheets kept 5 inverted faces on the square and has none on a free chart, with 22 dB less error.
-/// @param size  of the chart, whose grid is not made larger for another map
+/// Where `auto` has left faces inverted, other maps of the component: they crowd its folds and thin parts elsewhere. A
+/// garment of doubled sheets kept 5 inverted faces on the square and has none on a free chart, with 33 dB less error.
+/// Each is fitted once, and the first that inverts as many ends it: then the shape is to blame.
+/// @param size     of the chart; another map gets no larger one
+/// @param samples  that may yet be tried, less by those that were
 /// @return  inverted faces of the map that is kept
 std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const FitOptions& fit,
-                           ComponentResult& mapped, std::size_t inverted, const model::Progress& progress) {
-    if (options.method != Method::kAuto) return inverted;
+                           ComponentResult& mapped, std::size_t inverted, std::uint64_t& samples,
+                           const model::Progress& progress) {
+    if (options.method != Method::kAuto || inverted > kMostAtAPrice) return inverted;
     double rms = quick_error(task.component, mapped.chart, kErrorSamples).rms;
     const DomainChoice domain = options.domain;
     for (const Method method : {Method::kLscm, Method::kSlim, Method::kStretch}) {
-        if (inverted == 0 || method == mapped.method) continue;
-        if (domain != DomainChoice::kAuto && row_of(method).domain != domain) continue;
+        const std::uint64_t own = std::uint64_t{task.size.rows} * task.size.cols;
+        if (inverted == 0 || own > samples) break;
+        if (method == mapped.method || (domain != DomainChoice::kAuto && row_of(method).domain != domain)) continue;
+        samples -= own;
         options.method = method;
         CutMemory cuts;
         Attempt<ComponentResult> other = bake_component(task, options, cuts, progress);
         if (!other) continue;
-        const std::size_t left = fit_component(task.component, *other, fit, kErrorSamples, progress);
+        const std::size_t left = fit_chart(other->chart, fit, progress).inverted;
+        if (left >= inverted) break;
         const double error = quick_error(task.component, other->chart, kErrorSamples).rms;
-        if (left >= inverted || error > kOtherMapPrice * rms) continue;
+        if (error > kOtherMapPrice * rms) continue;
         mapped.chart = std::move(other->chart);
         mapped.method = method;
         for (Candidate& tried : mapped.candidates)
@@ -281,6 +288,7 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
     const std::vector<GridSize> full = full_sizes(source, request);
     const ChartEffort effort = effort_of(fitted.charts);
     const FitOptions fit = fit_options(options, u16, effort);
+    std::uint64_t others = kOtherSamples * request.largest.rows * request.largest.cols;
     std::uint64_t left = kRefinedSamples * request.largest.rows * request.largest.cols;
     for (std::size_t c = 0; c < fitted.inverted.size(); ++c) {
         GridSize size{fitted.charts[c].chart.m, fitted.charts[c].chart.n};
@@ -300,7 +308,7 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
         if (fitted.inverted[c] == 0 || source.components[c].positions.size() > kMostFitted) continue;
         size = {fitted.charts[c].chart.m, fitted.charts[c].chart.n};
         fitted.inverted[c] = try_other_maps({source.components[c], size, size}, options, fit, fitted.charts[c],
-                                            fitted.inverted[c], progress);
+                                            fitted.inverted[c], others, progress);
     }
     return fitted;
 }
