@@ -81,7 +81,8 @@ struct Slot {
     bake::ChildProcess child;
     std::optional<std::size_t> file;
     Clock::time_point started = Clock::now();
-    bool is_short = false;  ///< an allocation failed
+    bool is_short = false;   ///< an allocation failed
+    bool has_begun = false;  ///< with any file
 };
 
 class ApartRun {
@@ -156,6 +157,7 @@ class ApartRun {
         if (slot.child.messages() >= 0 || slot.child.errors() >= 0) return false;
         const std::optional<bake::ChildEnd> end = slot.child.poll_end();
         if (!end) return false;
+        if (!slot.has_begun) count_stillborn(*end);
         if (slot.is_short) return give_up(slot, codes::kWorkerMemory, memory_text(limits_));
         return give_up(slot, codes::kWorkerCrashed,
                        end->signal != 0
@@ -174,7 +176,9 @@ class ApartRun {
             const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), k);
             if (error != std::errc{} || slot.file || k >= results_.size() || results_[k]) return false;
             slot.file = k;
+            slot.has_begun = true;
             slot.started = Clock::now();
+            stillborn_ = 0;
             return true;
         }
         if (!line.starts_with(kEnd) || !slot.file) return false;
@@ -194,6 +198,20 @@ class ApartRun {
         return true;
     }
 
+    /// A copy that ended before its first file. Where the system has not what a copy begins with, the next one ends
+    /// alike: after some in a row the next file is told to be unchecked.
+    void count_stillborn(const bake::ChildEnd& end) {
+        constexpr int kMost = 8;
+        if (next_.taken() >= results_.size() || ++stillborn_ < kMost) return;
+        stillborn_ = 0;
+        const std::size_t k = next_.take();
+        if (k < results_.size() && !results_[k])
+            results_[k] = failed(
+                name_(k), codes::kSystemBusy,
+                fmt::format("its checks could not begin, {} times in a row ({} {})", kMost,
+                            end.signal != 0 ? "signal" : "exit code", end.signal != 0 ? end.signal : end.exit_code));
+    }
+
     void judge_forgotten() {
         for (std::size_t k = 0; k < results_.size(); ++k)
             if (!results_[k])
@@ -207,6 +225,7 @@ class ApartRun {
     unsigned jobs_;
     SharedCounter next_;
     std::size_t told_ = 0;
+    int stillborn_ = 0;  ///< copies in a row
     std::vector<std::optional<FileValidation>> results_;
     std::list<Slot> slots_;  ///< last: they are killed first
 };

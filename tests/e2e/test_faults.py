@@ -264,6 +264,14 @@ class Faults(support.Folder):
         self.assertFalse(tally.broken, "\n".join(tally.lines()))
         self.assertGreater(sum(n for code, n in tally.codes.items() if code != "0"), 50)
 
+    def test_validation_ends_where_no_copy_of_it_can_begin(self):
+        case = next(case for case in all_cases(long=True) if case.name == "validate")
+        place = Place(self.folder / case.name, case)
+        for fault in ("map:2:on", "map:3:on"):
+            run = place.run(fault)
+            self.assertEqual((run.code, broken_laws(place, fault, run)), (75, []), run.text)
+            self.assertIn("could not begin", run.text)
+
     def test_a_file_that_ends_early(self):
         write_inputs(self.folder)
         self.bake_well("ball.obj", "--size", "5", "--format", "dgm,exr")
