@@ -147,12 +147,11 @@ FitOptions fit_options(const BakeOptions& options, bool u16, const ChartEffort& 
     return out;
 }
 
-constexpr double kOrdinaryGain = 0.35;           // in rms; crowded maps of wrinkled cloth may gain little
-constexpr double kInvertedPrice = 1.25;          // in rms, of fewer inverted faces
-constexpr std::size_t kHopeless = 8;             // more than one inverted face to so many samples
-constexpr double kOtherMapPrice = 1.4;           // in rms, of another map with fewer: 3 dB
-constexpr std::uint64_t kErrorSamples = 20'000;  // of the comparison
-constexpr std::size_t kMostFitted = 200'000;     // vertices of a source that is worth a copy and a second fit
+constexpr double kOrdinaryGain = 0.35;        // in rms; crowded maps of wrinkled cloth may gain little
+constexpr double kInvertedPrice = 1.25;       // in rms, of fewer inverted faces
+constexpr std::size_t kHopeless = 8;          // more than one inverted face to so many samples
+constexpr double kOtherMapPrice = 1.4;        // in rms, of another map with fewer: 3 dB
+constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
 
 /// A fitted chart and how good it is.
 struct Trial {
@@ -210,7 +209,7 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
                            ComponentResult& mapped, std::size_t inverted, std::uint64_t& samples,
                            const model::Progress& progress) {
     if (options.method != Method::kAuto || inverted > kMostAtAPrice) return inverted;
-    double rms = quick_error(task.component, mapped.chart, kErrorSamples).rms;
+    double rms = quick_error(task.component, mapped.chart, kTrialSamples).rms;
     const DomainChoice domain = options.domain;
     for (const Method method : {Method::kLscm, Method::kSlim, Method::kStretch}) {
         const std::uint64_t own = std::uint64_t{task.size.rows} * task.size.cols;
@@ -223,12 +222,12 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
         if (!other) continue;
         const std::size_t left = fit_chart(other->chart, fit, progress).inverted;
         if (left >= inverted) break;
-        const double error = quick_error(task.component, other->chart, kErrorSamples).rms;
+        const double error = quick_error(task.component, other->chart, kTrialSamples).rms;
         if (error > kOtherMapPrice * rms) continue;
         mapped.chart = std::move(other->chart);
         mapped.method = method;
         for (Candidate& tried : mapped.candidates)
-            if (tried.outcome == CandidateOutcome::kChosen) tried.outcome = CandidateOutcome::kHigherError;
+            if (tried.outcome == CandidateOutcome::kChosen) tried.outcome = CandidateOutcome::kMoreInverted;
         mapped.candidates.insert(mapped.candidates.end(), other->candidates.begin(), other->candidates.end());
         inverted = left;
         rms = error;

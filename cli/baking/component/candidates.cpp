@@ -50,7 +50,9 @@ void check_topology(const Topology& source, const SampledChart& chart) {
 CandidateReport report_of(const Candidate& candidate) {
     CandidateReport out{std::string(name_of(candidate.method)), candidate.psnr, candidate.note, candidate.cpu_seconds};
     if (candidate.outcome != CandidateOutcome::kFailed) {
-        out.outcome = candidate.outcome == CandidateOutcome::kChosen ? "chosen" : "higher error";
+        out.outcome = candidate.outcome == CandidateOutcome::kChosen         ? "chosen"
+                      : candidate.outcome == CandidateOutcome::kMoreInverted ? "more inverted faces"
+                                                                             : "higher error";
         if (candidate.fitted) out.outcome += " after a trial fit";
         if (candidate.cut == CutKind::kOther) out.outcome += "; along another cut";
         if (candidate.cut == CutKind::kRing) out.outcome += "; loops on opposite sides";

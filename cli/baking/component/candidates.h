@@ -18,7 +18,12 @@
 
 namespace dgm::bake {
 
-enum class CandidateOutcome { kChosen, kHigherError, kFailed };
+enum class CandidateOutcome {
+    kChosen,
+    kHigherError,
+    kMoreInverted,  ///< was the best by its error; after the fit another one had fewer inverted faces
+    kFailed
+};
 
 /// The cut along which a chart was opened.
 enum class CutKind {

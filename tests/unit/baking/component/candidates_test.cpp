@@ -54,6 +54,7 @@ TEST(CandidateReport, SaysTheOutcomeInWords) {
     EXPECT_EQ(words(CandidateOutcome::kChosen, ""), "chosen");
     EXPECT_EQ(words(CandidateOutcome::kChosen, "convex border"), "chosen; convex border");
     EXPECT_EQ(words(CandidateOutcome::kHigherError, ""), "higher error");
+    EXPECT_EQ(words(CandidateOutcome::kMoreInverted, ""), "more inverted faces");
     EXPECT_EQ(words(CandidateOutcome::kFailed, "flips"), "flips");
     EXPECT_EQ(report_of({Method::kArap, CandidateOutcome::kChosen, 60, "", 0.5}).method, "arap");
     const auto directed = [](CandidateOutcome outcome, bool fitted) {
