@@ -3,6 +3,7 @@
 // Memory of a Cloth. Lengths are metres, forces newtons; fields hold the same bits at all copies of a class.
 #pragma once
 #include <dgm/cloth.h>
+#include <span>
 
 #include "base/double3.h"
 #include "cloth/kernels.h"
@@ -166,8 +167,8 @@ void each_copy(const ClothImpl& c, std::uint32_t sample, F f) noexcept {
 
 /// Planes and rest shapes of all strides. @return OutOfMemory.
 [[nodiscard]] Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept;
-/// Every copy gets the sum over its class.
-void sum_classes(const Level& l, const Field& f) noexcept;
+/// Every copy gets the sum over its class, in each of the rows.
+void sum_classes(const Level& l, std::span<float* const> rows) noexcept;
 /// gradient = slope of membrane and bending at level[0].at, and of by_dt2 mass |inertial|^2 / 2. @return energy of the
 /// first two; inertia: mass |inertial|^2
 double evaluate(ClothImpl& c, float by_dt2 = 0, double* inertia = nullptr) noexcept;

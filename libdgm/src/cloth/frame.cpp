@@ -169,7 +169,7 @@ bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& re
         if (k == kMost || !(before > unmoved * (1 + 1e-6) + 1e-30)) break;
         step_back(c, k + 1 < kMost ? 0.5 : 1);
     }
-    sum_classes(c.fine(), c.gradient);
+    sum_classes(c.fine(), c.gradient.p);
     find_contacts(c, f.h, double{f.o.friction}, part, 1.0 / f.o.substeps);
     before += press(c);
     if (!std::isfinite(before)) return false;

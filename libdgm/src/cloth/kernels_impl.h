@@ -33,22 +33,12 @@ static DGM_INLINE Quad known_quad(const Sheet& on, std::ptrdiff_t s) {
 }
 
 /// A scratch row of three coordinates.
-struct Row {
-    float* p[3];
-};
+typedef Field Row;
 static DGM_INLINE Row scratch_row(const Sheet& on, std::size_t k) {
     float* at =
         on.scratch + static_cast<std::ptrdiff_t>(3 * k) * (on.pitch + 2 * static_cast<std::ptrdiff_t>(kBlock)) + kBlock;
     const std::ptrdiff_t step = on.pitch + 2 * static_cast<std::ptrdiff_t>(kBlock);
     return {{at, at + step, at + 2 * step}};
-}
-static DGM_INLINE V3 load(const Row& r, std::ptrdiff_t j) {
-    return {load(r.p[0] + j), load(r.p[1] + j), load(r.p[2] + j)};
-}
-static DGM_INLINE void store(const Row& r, std::ptrdiff_t j, const V3& v) {
-    store(r.p[0] + j, v.x);
-    store(r.p[1] + j, v.y);
-    store(r.p[2] + j, v.z);
 }
 static DGM_INLINE void clear(const Row& r, std::ptrdiff_t pitch) {
     for (float* p : r.p)

@@ -24,15 +24,6 @@ void add_seams(const Level& l) noexcept {
             }
 }
 
-void sum_blocks(const Level& l, const Blocks& of) noexcept {
-    for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
-        for (float* p : of.p) {
-            float sum = 0;
-            for (std::uint32_t k = 1; k <= l.groups[g]; ++k) sum += p[l.groups[g + k]];
-            for (std::uint32_t k = 1; k <= l.groups[g]; ++k) p[l.groups[g + k]] = sum;
-        }
-}
-
 /// Contacts of a level as those of the next one: normals by stiffness; where they differ, all directions are held.
 void take_contacts(const ClothImpl& c, std::uint32_t level) noexcept {
     const Level &fine = c.level[level - 1], &l = c.level[level];
@@ -157,7 +148,7 @@ double prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept {
         double square = c.kernels->diagonal({l.on, by_dt2, is_whole(l), invert});
         if (!is_whole(l)) {
             add_seams(l);
-            sum_blocks(l, l.inverse);
+            sum_classes(l, l.inverse.p);
             square = c.kernels->invert(invert);
         }
         if (k == 0) whole = square;

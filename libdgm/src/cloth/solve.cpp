@@ -173,7 +173,7 @@ struct Cycle {
             bend_seams(l, l.sum, l.product, false);
             c.kernels->add({l.count, 1, -1, l.residual, l.product, l.residual, l.free});
         }
-        sum_classes(l, l.residual);
+        sum_classes(l, l.residual.p);
     }
 
     /// sum = about the inverse of the matrix times `right`. begun: sum is what the smoother begins with.
@@ -184,7 +184,7 @@ struct Cycle {
         smooth(l, sweeps, true, begun);
         Level& next = c.level[at + 1];
         restrict_to(c, at, l.residual, next.right, next.free);
-        sum_classes(next, next.right);
+        sum_classes(next, next.right.p);
         run(at + 1);
         c.kernels->interpolate_to(
             {&l.on, &next.on, next.even, next.to_row.data(), next.to_column.data(), next.sum, l.sum, l.free, 3});
@@ -194,9 +194,9 @@ struct Cycle {
 };
 }  // namespace
 
-void sum_classes(const Level& l, const Field& f) noexcept {
+void sum_classes(const Level& l, std::span<float* const> rows) noexcept {
     for (std::size_t g = 0; g < l.groups.size(); g += l.groups[g] + 1)
-        for (float* p : f.p) {
+        for (float* const p : rows) {
             float sum = 0;
             for (std::uint32_t k = 1; k <= l.groups[g]; ++k) sum += p[l.groups[g + k]];
             for (std::uint32_t k = 1; k <= l.groups[g]; ++k) p[l.groups[g + k]] = sum;
@@ -229,7 +229,7 @@ void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& t
     const ProductJob job{l.on, Product::Whole, by_dt2, from, to, {}, {}, {}, {}, {}, 0, 0, nullptr, nullptr, nullptr};
     c.kernels->products(&job, 1);
     bend_seams(l, from, to, false);
-    sum_classes(l, to);
+    sum_classes(l, to.p);
 }
 
 double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cycles) noexcept {

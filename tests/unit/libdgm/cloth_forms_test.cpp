@@ -142,7 +142,7 @@ TEST(ClothForms, AffineMapsOfAnySheetAreInEquilibrium) {
         for (int e = 0; e < 3; ++e) c.fine().at[e][s] = by[e][0] * x.x + by[e][1] * x.y;
     }
     static_cast<void>(detail::cloth::evaluate(c));
-    detail::cloth::sum_classes(c.fine(), c.gradient);
+    detail::cloth::sum_classes(c.fine(), c.gradient.p);
     double border = 0, inside = 0;
     for (std::uint32_t i = 0; i < 17; ++i)
         for (std::uint32_t j = 0; j < 13; ++j) {
@@ -192,7 +192,7 @@ TEST(ClothForms, ForceIsTheSlopeOfTheEnergy) {
                     0.02 * std::sin(3 * e + 17.0 * (c.fine().own[c.spot_of(k)] != 0 ? k : k / 17 * 17));
         for (const std::uint32_t k : {0u, 20u, 51u, 77u}) {
             static_cast<void>(detail::cloth::evaluate(c));
-            detail::cloth::sum_classes(c.fine(), c.gradient);
+            detail::cloth::sum_classes(c.fine(), c.gradient.p);
             const Double3 slopes = detail::cloth::at(c.gradient, c.spot_of(k));
             for (int e = 0; e < 3; ++e) {
                 const double h = 1e-5, slope = e == 0 ? slopes.x : e == 1 ? slopes.y : slopes.z;

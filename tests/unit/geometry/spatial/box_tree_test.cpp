@@ -60,15 +60,18 @@ Triangle triangle_of(const Sheet& sheet, std::uint32_t f) {
     return t;
 }
 
+/// Takes a triangle that is nearer, or as near with a lower face.
+void take_nearer(const Triangle& triangle, std::uint32_t t, const Vec3d& p, Nearest& nearest) {
+    Vec3d q;
+    std::array<double, 3> b{};
+    const double squared = triangle_distance(triangle, p, q, b);
+    if (squared < nearest.squared || (squared == nearest.squared && triangle.face < nearest.face))
+        nearest = {squared, triangle.face, t, q, b};
+}
+
 Nearest nearest_of_all(const std::vector<Triangle>& triangles, const Vec3d& p) {
     Nearest out;
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-        Vec3d q;
-        std::array<double, 3> b{};
-        const double squared = triangle_distance(triangles[t], p, q, b);
-        if (squared < out.squared || (squared == out.squared && triangles[t].face < out.face))
-            out = {squared, triangles[t].face, t, q, b};
-    }
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) { take_nearer(triangles[t], t, p, out); }
     return out;
 }
 
@@ -93,11 +96,7 @@ TEST(BoxTree, FindsTheNearestOfACrowdAfterAFewLooks) {
             Nearest nearest;
             const auto look = [&](std::uint32_t t) {
                 ++looks;
-                Vec3d q;
-                std::array<double, 3> b{};
-                const double squared = triangle_distance(triangles[t], p, q, b);
-                if (squared < nearest.squared || (squared == nearest.squared && triangles[t].face < nearest.face))
-                    nearest = {squared, triangles[t].face, t, q, b};
+                take_nearer(triangles[t], t, p, nearest);
             };
             tree.search(p, 2, nearest, look);
             const Nearest expected = nearest_of_all(triangles, p);
@@ -159,11 +158,7 @@ TEST(BoxTree, FindsTheNearestOfAFanOfNeedlesAfterAFewLooks) {
         for (const int k : {0, 1})
             (k == 0 ? crowd : needles).search(p, 2, found[k], [&](std::uint32_t t) {
                 ++looks[k];
-                Vec3d q;
-                std::array<double, 3> b{};
-                const double squared = triangle_distance(triangles[t], p, q, b);
-                if (squared < found[k].squared || (squared == found[k].squared && triangles[t].face < found[k].face))
-                    found[k] = {squared, triangles[t].face, t, q, b};
+                take_nearer(triangles[t], t, p, found[k]);
             });
         ASSERT_EQ(found[1].face, found[0].face);
         ASSERT_EQ(found[1].squared, found[0].squared);
@@ -232,11 +227,7 @@ TEST(BoxTree, FindsTheNearestOfManyPagesAfterAFewLooks) {
         for (const int k : {0, 1}) {
             const auto look = [&](std::uint32_t t) {
                 ++looks[k];
-                Vec3d q;
-                std::array<double, 3> b{};
-                const double squared = triangle_distance(triangles[t], p, q, b);
-                if (squared < found[k].squared || (squared == found[k].squared && triangles[t].face < found[k].face))
-                    found[k] = {squared, triangles[t].face, t, q, b};
+                take_nearer(triangles[t], t, p, found[k]);
             };
             look(expected.face);  // as a hint: the face of the point before it is near
             (k == 0 ? boxes : facets).search(p, 2, found[k], look);
