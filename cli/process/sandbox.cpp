@@ -7,9 +7,11 @@
 #include <sched.h>
 #include <seccomp.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,9 +19,12 @@
 #include <cstring>
 #include <iterator>
 #include <memory>
+#include <new>
 #include <utility>
 
+#include "model/error.h"
 #include "process/child_process.h"
+#include "process/worker_io.h"
 
 namespace dgm::bake {
 namespace {
@@ -168,25 +173,75 @@ std::string restrict_files(const Sandbox& files) {
     return {};
 }
 
+/// What the allocation of something else would do if it failed now.
+[[noreturn]] void fail_allocation() {
+    if (const std::new_handler handler = std::get_new_handler()) handler();
+    throw std::bad_alloc();
+}
+
+/// libseccomp 2.5 crashes after some allocations that fail. It takes some 0.4 MB; the C library asks for 1 MiB and more
+/// at a time.
+void check_memory_for_filter() {
+    constexpr std::size_t kNeeded = 4 << 20;
+    void* const spare = mmap(nullptr, kNeeded, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (spare == MAP_FAILED) fail_allocation();
+    munmap(spare, kNeeded);
+}
+
+/// While it lives the process may compute for a second. After other allocations that fail libseccomp 2.5 loops for ever;
+/// all it does takes a few milliseconds.
+class AllocationWatch {
+ public:
+    AllocationWatch() {
+        signal(SIGVTALRM, end_process);
+        const itimerval second{.it_interval = {}, .it_value = {.tv_sec = 1, .tv_usec = 0}};
+        setitimer(ITIMER_VIRTUAL, &second, nullptr);
+    }
+    /// The timer can no longer be stopped: that call is not on the list.
+    ~AllocationWatch() { signal(SIGVTALRM, SIG_IGN); }
+    AllocationWatch(const AllocationWatch&) = delete;
+    AllocationWatch& operator=(const AllocationWatch&) = delete;
+
+ private:
+    static void end_process(int) {
+        static_cast<void>(send_message(kOutOfMemoryLine));
+        _exit(static_cast<int>(model::ExitCode::kInternal));
+    }
+};
+
+/// Ends as a failed allocation does if one of libseccomp's fails.
 class CallFilter {
  public:
-    CallFilter() : filter_(seccomp_init(SCMP_ACT_ERRNO(EPERM)), seccomp_release) {}
-    /// Names that this processor's system does not have are left out by libseccomp itself.
+    CallFilter() : filter_(seccomp_init(SCMP_ACT_ERRNO(EPERM)), seccomp_release) {
+        if (!filter_) fail_allocation();
+        check_memory_for_filter();
+    }
     template <std::size_t N>
     void allow(const int (&calls)[N]) {
         for (const int call : calls) allow(call);
     }
     template <class... Conditions>
     void allow(int call, const Conditions&... conditions) {
-        if (filter_) seccomp_rule_add(filter_.get(), SCMP_ACT_ALLOW, call, sizeof...(conditions), conditions...);
+        add(SCMP_ACT_ALLOW, call, conditions...);
     }
-    void refuse(int call, int error) {
-        if (filter_) seccomp_rule_add(filter_.get(), SCMP_ACT_ERRNO(static_cast<unsigned>(error)), call, 0);
-    }
+    void refuse(int call, int error) { add(SCMP_ACT_ERRNO(static_cast<unsigned>(error)), call); }
     /// 0, or the error.
-    [[nodiscard]] int load() const { return filter_ ? -seccomp_load(filter_.get()) : ENOMEM; }
+    [[nodiscard]] int load() const { return -checked(seccomp_load(filter_.get())); }
 
  private:
+    /// Names that this processor's system does not have are left out by libseccomp itself.
+    template <class... Conditions>
+    void add(std::uint32_t action, int call, const Conditions&... conditions) {
+        static_cast<void>(checked(seccomp_rule_add(filter_.get(), action, call, sizeof...(conditions), conditions...)));
+    }
+    /// EFAULT is libseccomp's answer to failures inside, which are those of allocations; those of the system are
+    /// ECANCELED.
+    static int checked(int answer) {
+        if (answer == -ENOMEM || answer == -EFAULT) fail_allocation();
+        return answer;
+    }
+
+    AllocationWatch watch_;
     std::unique_ptr<void, void (*)(scmp_filter_ctx)> filter_;
 };
 

@@ -14,9 +14,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <functional>
+#include <map>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,26 +31,31 @@ namespace dgm::bake {
 namespace {
 
 constexpr std::uint64_t kMostBytes = 1 << 16;
-constexpr int kInside = 0, kOutside = 1, kLacking = 77;
+constexpr int kInside = 0, kOutside = 1, kShort = 2, kLacking = 77;
+
+/// Exit code of a process that does `work`, or 128 and the signal that has ended it.
+int end_of(const std::function<int()>& work) {
+    const pid_t child = fork();
+    if (child == 0) _exit(work());
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
 
 /// Exit code of a process that has entered a sandbox with one readable folder and tries a way out: kInside if the try
 /// failed with one of the errors of a refusal.
 int after(const std::filesystem::path& readable, const std::function<bool()>& gets_out,
           const std::filesystem::path& writable = {}) {
-    const pid_t child = fork();
-    if (child == 0) {
+    return end_of([&] {
         Sandbox sandbox{.readable = {readable}, .writable = {}, .starts_threads = !writable.empty()};
         if (!writable.empty()) sandbox.writable.push_back(writable);
         sandbox.file_bytes = writable.empty() ? 0 : kMostBytes;
         limit_worker_memory(std::uint64_t{2} << 30, 1);
-        if (!enter_sandbox(sandbox).empty()) _exit(kLacking);
+        if (!enter_sandbox(sandbox).empty()) return kLacking;
         errno = 0;
         const bool out = gets_out();
-        _exit(out || (errno != EPERM && errno != EACCES) ? kOutside : kInside);
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        return out || (errno != EPERM && errno != EACCES) ? kOutside : kInside;
+    });
 }
 
 TEST(Sandbox, RefusesEveryWayOut) {
@@ -150,15 +158,11 @@ TEST(Sandbox, AWorkerReadsWhatItsMeshMayNameAlone) {
         return file >= 0;
     };
     const auto inside = [&](const std::filesystem::path& path) {
-        const pid_t child = fork();
-        if (child == 0) {
+        return end_of([&] {
             const Sandbox sandbox = worker_sandbox(mine / "m.obj", {library.path()}, {out / "m.dgm"});
-            if (!enter_sandbox(sandbox).empty()) _exit(kLacking);
-            _exit(opens(path) ? kOutside : kInside);
-        }
-        int status = 0;
-        waitpid(child, &status, 0);
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+            if (!enter_sandbox(sandbox).empty()) return kLacking;
+            return opens(path) ? kOutside : kInside;
+        });
     };
     if (inside(mine / "a") == kLacking) GTEST_SKIP() << "this system lacks a part of the sandbox";
     EXPECT_EQ(inside(mine / "a"), kOutside);
@@ -189,16 +193,34 @@ TEST(Sandbox, FilesDoNotGrowWithoutEnd) {
     EXPECT_EQ(std::filesystem::file_size(path), kMostBytes);
 }
 
+TEST(Sandbox, IsWholeOrEndsTheProcessWhereMemoryIsShort) {
+#if defined(__SANITIZE_ADDRESS__)
+    GTEST_SKIP() << "memory cannot be limited beside the sanitizer's";
+#endif
+    std::map<int, int> ends;
+    for (std::size_t left = 4096; left <= 8 << 20; left += std::max<std::size_t>(4096, left / 8)) {
+        const int end = end_of([&] {
+            limit_worker_memory(left, 1);
+            try {
+                if (!enter_sandbox({.readable = {}, .writable = {}}).empty()) return kLacking;
+            } catch (const std::bad_alloc&) { return kShort; }
+            return socket(AF_INET, SOCK_STREAM, 0) >= 0 ? kOutside : kInside;
+        });
+        if (end == kLacking) GTEST_SKIP() << "this system lacks a part of the sandbox";
+        ++ends[end];
+    }
+    EXPECT_EQ(ends.size(), 2U) << ::testing::PrintToString(ends);
+    EXPECT_GT(ends[kInside], 0);
+    EXPECT_GT(ends[kShort], 0);
+}
+
 TEST(Sandbox, TimeEnds) {
-    const pid_t child = fork();
-    if (child == 0) {
+    const int end = end_of([] {
         static_cast<void>(enter_sandbox({.readable = {}, .writable = {}, .cpu_seconds = 1}));
         for (;;) static_cast<void>(getpid());
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    ASSERT_TRUE(WIFSIGNALED(status));
-    EXPECT_TRUE(WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+        return 0;
+    });
+    EXPECT_TRUE(end == 128 + SIGXCPU || end == 128 + SIGKILL) << end;
 }
 
 }  // namespace
