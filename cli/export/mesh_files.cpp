@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "export/gltf_file.h"
 #include "export/level_of_detail.h"
 #include "export/map_stamp.h"
+#include "files/whole_file.h"
 #include "geometry/metrics/reconstruction.h"
 #include "image/image.h"
 #include "mesh/mesh_writer.h"
@@ -171,11 +171,7 @@ void write_glb_file(const MapSet& maps, const std::vector<std::string>& names, c
     how.compress = options.compress;
     how.power_of_two = options.power_of_two;
     how.stamp = map_stamp(maps, mesh_settings(options));
-    const std::vector<std::byte> bytes = encode_glb(maps, how);
-    std::ofstream file(staging.add(output.filename()), std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", output.string());
+    formats::write_whole_file(staging.add(output.filename()), encode_glb(maps, how), output);
 }
 }  // namespace
 

@@ -9,7 +9,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -18,6 +17,7 @@
 #include "export/resample_plane.h"
 #include "export/staging_folder.h"
 #include "exr/exr_image.h"
+#include "files/whole_file.h"
 #include "image/image.h"
 #include "math/portable.h"
 #include "model/codes.h"
@@ -316,10 +316,7 @@ void export_plain_maps(const model::MapSet& maps, const std::filesystem::path& f
         const std::string prefix = stem + (maps.charts.size() > 1 ? fmt::format("_chart{}_", k) : "_");
         json["charts"].push_back(ChartMaps(maps.charts[k], prefix, options.power_of_two, staging).write(k));
     }
-    std::ofstream file(staging.add(index), std::ios::binary);
-    file << json.dump(1) << "\n";
-    file.close();
-    if (!file) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", (folder / index).string());
+    formats::write_whole_file(staging.add(index), json.dump(1) + "\n", folder / index);
     staging.publish();
 }
 

@@ -2,14 +2,13 @@
 // cli/export/touch_page.cpp
 #include "export/touch_page.h"
 
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <utility>
 
 #include "files/regular_file.h"
+#include "files/whole_file.h"
 #include "image/image.h"
-#include "model/codes.h"
 #include "path/tool_path.h"
 #include "render/chart_surface.h"
 #include "render/pictures.h"
@@ -48,10 +47,7 @@ void write_touch_page(const std::vector<page::PagedMap>& maps, const std::filesy
     settings.paths = paths_of(options);
     if (!maps.empty()) settings.still = still_of(*maps.front().maps, options.up);
     const std::string text = page::page_file(settings, maps, staging.where("map.dgm"));
-    std::ofstream file(staging.add(output.filename()), std::ios::binary);
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.close();
-    if (!file) throw model::Error(model::codes::kWriteFailed, "the file cannot be written", output.string());
+    formats::write_whole_file(staging.add(output.filename()), text, output);
 }
 
 }  // namespace dgm::exporter

@@ -6,10 +6,9 @@
 
 #include <array>
 #include <cstdint>
+#include <new>
 
-#include "model/codes.h"
 #include "model/entities.h"
-#include "model/error.h"
 
 namespace dgm::page {
 namespace {
@@ -47,7 +46,7 @@ std::string deflated(std::span<const std::byte> bytes) {
     std::string out(size, '\0');
     if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
                   static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK)
-        throw model::Error(model::codes::kInternal, "out of memory");
+        throw std::bad_alloc();
     out.resize(size);
     return out;
 }

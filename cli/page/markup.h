@@ -12,7 +12,6 @@ namespace dgm::page {
 [[nodiscard]] std::string base64(std::span<const std::byte> bytes);
 
 /// `bytes` in zlib's format (RFC 1950), as small as it makes them. Same bytes, same answer.
-/// @throws model::Error kInternal if no memory is left
 [[nodiscard]] std::string deflated(std::span<const std::byte> bytes);
 
 /// A name in an attribute or a title: & < > " ' as entities, control characters and bytes beyond ASCII that are not

@@ -18,6 +18,7 @@
 
 #include "mesh/asset_folders.h"
 #include "model/codes.h"
+#include "model/shortage.h"
 #include "process/byte_stream.h"
 #include "process/child_process.h"
 #include "process/error_stream.h"
@@ -221,9 +222,7 @@ std::optional<int> import_worker(int argc, const char* const* argv, const MeshRe
         answer = encode_import(read ? read(path, limits) : formats::read_mesh(path, limits));
     } catch (const model::Error& error) { answer = encode_error(error); } catch (const std::bad_alloc&) {
         return static_cast<int>(model::ExitCode::kInternal);  // reported already
-    } catch (const std::exception& error) {
-        answer = encode_error(model::Error(codes::kInternal, std::string("unexpected exception: ") + error.what()));
-    }
+    } catch (const std::exception& error) { answer = encode_error(model::error_of(error)); }
     if (!send_message(answer)) return static_cast<int>(model::ExitCode::kInternal);
     // Destructors of statics in importers have crashed before; there is nothing left to save.
     _exit(static_cast<int>(model::ExitCode::kOk));

@@ -188,8 +188,8 @@ void check_memory_for_filter() {
     munmap(spare, kNeeded);
 }
 
-/// While it lives the process may compute for a second. After other allocations that fail libseccomp 2.5 loops for ever;
-/// all it does takes a few milliseconds.
+/// While it lives the process may compute for a second. After other allocations that fail libseccomp 2.5 loops for
+/// ever; all it does takes a few milliseconds.
 class AllocationWatch {
  public:
     AllocationWatch() {

@@ -2,11 +2,10 @@
 // cli/report/page_job.cpp
 #include "report/page_job.h"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "files/whole_file.h"
 #include "model/codes.h"
-#include "model/file_errors.h"
 #include "process/sandbox.h"
 #include "worker/worker_protocol.h"
 
@@ -55,10 +54,7 @@ void make_page(std::string_view text) {
     static_cast<void>(bake::enter_sandbox(bake::worker_sandbox(job.page.source, std::move(readable), {job.output})));
     // The page takes the place of what was written there meanwhile.
     const std::string page = asset_page(job.page, job.output);
-    std::ofstream out(job.output, std::ios::binary | std::ios::trunc);
-    out << page;
-    out.close();
-    if (!out) throw model::unwritable_file(job.output);
+    formats::write_whole_file(job.output, page);
 }
 
 }  // namespace dgm::report

@@ -9,7 +9,6 @@
 
 #include <cstddef>
 #include <exception>
-#include <new>
 #include <string>
 #include <system_error>
 
@@ -46,8 +45,7 @@ void write_exr_image(const fs::path& path, std::uint32_t width, std::uint32_t he
     } catch (const std::exception& e) {
         std::error_code error;
         if (fs::is_regular_file(path, error)) fs::remove(path, error);
-        if (dynamic_cast<const std::bad_alloc*>(&e) != nullptr) throw;
-        throw model::Error(model::codes::kWriteFailed, std::string("OpenEXR: ") + e.what(), path.string());
+        throw_exr_failure(e, path);
     }
 }
 

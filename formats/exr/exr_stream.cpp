@@ -2,10 +2,24 @@
 // formats/exr/exr_stream.cpp
 #include "exr/exr_stream.h"
 
+#include <ImfMultiPartInputFile.h>
+
 #include <cerrno>
+#include <new>
+#include <string>
 #include <system_error>
 
+#include "files/staging_folder.h"
+#include "model/codes.h"
+
 namespace dgm::formats {
+
+void throw_exr_failure(const std::exception& caught, const std::filesystem::path& path) {
+    if (dynamic_cast<const std::bad_alloc*>(&caught) != nullptr) throw;
+    const auto* system = dynamic_cast<const std::system_error*>(&caught);
+    throw model::Error(system != nullptr ? write_failure(system->code().value()) : model::codes::kWriteFailed,
+                       std::string("OpenEXR: ") + caught.what(), path.string());
+}
 
 ExrStream::ExrStream(const std::filesystem::path& path)
     : Imf::OStream(path.c_str()), out_(path, std::ios::binary | std::ios::trunc) {
@@ -35,6 +49,9 @@ void ExrStream::finish() {
         out_.close();
     }
     check();
+    const Imf::MultiPartInputFile written(fileName(), 0);
+    for (int part = 0; part < written.parts(); ++part)
+        if (!written.partComplete(part)) throw std::system_error(ENOMEM, std::generic_category(), "lines are missing");
 }
 
 void ExrStream::note() {

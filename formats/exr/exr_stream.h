@@ -9,7 +9,13 @@
 #include <filesystem>
 #include <fstream>
 
+#include "model/error.h"
+
 namespace dgm::formats {
+
+/// For what was caught while `path` was written: a lack of memory goes on as it is.
+/// @throws std::bad_alloc; model::Error with write_failure()
+[[noreturn]] void throw_exr_failure(const std::exception& caught, const std::filesystem::path& path);
 
 class ExrStream : public Imf::OStream {
  public:
@@ -19,8 +25,9 @@ class ExrStream : public Imf::OStream {
     // Destructors of OpenEXR call these two where they catch nothing: they remember what fails, and do not throw.
     [[nodiscard]] std::uint64_t tellp() override;
     void seekp(std::uint64_t place) override;
-    /// After the end of the Imf file that writes here, whose destructor swallows what fails.
-    /// @throws std::system_error if anything has failed since the start
+    /// After the end of the Imf file that writes here, whose destructor swallows what fails. Where memory is short for
+    /// the last lines, OpenEXR leaves them out without a word.
+    /// @throws std::system_error if anything has failed since the start, or lines are missing
     void finish();
 
  private:

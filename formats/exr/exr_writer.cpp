@@ -27,6 +27,7 @@
 #include "exr/exr_plan.h"
 #include "exr/exr_stream.h"
 #include "exr/exr_text.h"
+#include "files/staging_folder.h"
 #include "model/codes.h"
 #include "model/octahedral.h"
 
@@ -227,7 +228,7 @@ void remove_file(const fs::path& path) {
 void write_file(const fs::path& path, const PlannedFile& file, const MapSet& maps, std::vector<Imf::Header> headers) {
     const int probe = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (probe < 0)
-        throw model::Error(codes::kWriteFailed, "create: " + std::generic_category().message(errno), path.string());
+        throw model::Error(write_failure(errno), "create: " + std::generic_category().message(errno), path.string());
     ::close(probe);
     try {
         // No threads: the bytes do not depend on them, but neither does a bake's speed.
@@ -240,8 +241,7 @@ void write_file(const fs::path& path, const PlannedFile& file, const MapSet& map
         stream.finish();
     } catch (const std::exception& e) {
         remove_file(path);
-        if (dynamic_cast<const std::bad_alloc*>(&e) != nullptr) throw;
-        throw model::Error(codes::kWriteFailed, std::string("OpenEXR: ") + e.what(), path.string());
+        throw_exr_failure(e, path);
     }
 }
 

@@ -2,12 +2,14 @@
 // formats/files/staging_folder.cpp
 #include "files/staging_folder.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -30,9 +32,34 @@ namespace fs = std::filesystem;
 constexpr const char *kPrefix = ".dgm-", *kLock = ".lock";
 constexpr std::size_t kRandom = 6;
 
+int open_folder(const fs::path& path) {
+    return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+}
+
 /// The lock inside, newly made or as it is there. A negative one has no lock, with errno.
-int open_lock(const fs::path& folder, int flags) {
-    return ::open((folder / kLock).c_str(), flags | O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+int open_lock(int folder, int flags) {
+    return ::openat(folder, kLock, flags | O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+}
+
+void close_if_open(int& descriptor) {
+    if (descriptor >= 0) ::close(std::exchange(descriptor, -1));
+}
+
+/// Removes the files in an open folder, the lock last. Takes no memory and opens nothing, both of which may be short.
+void remove_files(int folder) noexcept {
+    alignas(dirent64) std::array<char, 4096> entries;
+    bool has_removed = true;
+    while (has_removed) {  // a folder may pass over entries while others are removed
+        has_removed = false;
+        ::lseek(folder, 0, SEEK_SET);
+        for (ssize_t size; (size = ::getdents64(folder, entries.data(), entries.size())) > 0;)
+            for (ssize_t at = 0; at < size;) {
+                const auto* entry = reinterpret_cast<const dirent64*>(&entries[static_cast<std::size_t>(at)]);
+                if (std::strcmp(entry->d_name, kLock) != 0) has_removed |= ::unlinkat(folder, entry->d_name, 0) == 0;
+                at += entry->d_reclen;
+            }
+    }
+    ::unlinkat(folder, kLock, 0);
 }
 
 bool is_staging_name(const fs::path& name) {
@@ -57,11 +84,13 @@ bool is_old(const fs::path& folder) {
 
 void remove_if_dead(const fs::path& folder) {
     if (!is_private(folder)) return;
-    const int lock = open_lock(folder, 0);
+    int opened = open_folder(folder);
+    int lock = opened < 0 ? -1 : open_lock(opened, 0);
     const bool is_dead = lock >= 0 ? ::flock(lock, LOCK_EX | LOCK_NB) == 0 : errno == ENOENT && is_old(folder);
     std::error_code ignored;
     if (is_dead) fs::remove_all(folder, ignored);
-    if (lock >= 0) ::close(lock);
+    close_if_open(lock);
+    close_if_open(opened);
 }
 
 /// Once a folder and program: a batch makes thousands of staging folders in one.
@@ -106,17 +135,25 @@ StagingFolder::StagingFolder(const fs::path& output, const char* failed) {
     for (int attempt = 0; attempt < 8; ++attempt) {
         std::string name = (parent / kPrefix).native() + std::string(kRandom, 'X');
         if (::mkdtemp(name.data()) == nullptr) fail(errno);
-        path_ = name;
-        lock_file_ = path_ / kLock;
-        lock_ = open_lock(path_, O_CREAT | O_EXCL);
+        try {
+            path_ = name;
+        } catch (const std::bad_alloc&) {
+            ::rmdir(name.c_str());
+            throw;
+        }
+        folder_ = open_folder(path_);
+        lock_ = folder_ < 0 ? -1 : open_lock(folder_, O_CREAT | O_EXCL);
         const int error = errno;
         struct stat status {};
         if (lock_ >= 0) {
             // A file system without locks has nobody who would remove the folder either.
             const bool is_free = ::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
             if (is_free && ::fstat(lock_, &status) == 0 && status.st_nlink > 0) return;
-            ::close(std::exchange(lock_, -1));
-        } else if (error != ENOENT) {
+            close_if_open(lock_);
+            close_if_open(folder_);
+        } else {
+            close_if_open(folder_);
+            if (error == ENOENT) continue;
             ::rmdir(path_.c_str());
             fail(error);
         }
@@ -126,25 +163,25 @@ StagingFolder::StagingFolder(const fs::path& output, const char* failed) {
 
 StagingFolder::StagingFolder(StagingFolder&& other) noexcept
     : path_(std::exchange(other.path_, fs::path())),
-      lock_file_(std::move(other.lock_file_)),
+      folder_(std::exchange(other.folder_, -1)),
       lock_(std::exchange(other.lock_, -1)) {}
 
 StagingFolder& StagingFolder::operator=(StagingFolder&& other) noexcept {
     std::swap(path_, other.path_);
-    std::swap(lock_file_, other.lock_file_);
+    std::swap(folder_, other.folder_);
     std::swap(lock_, other.lock_);
     return *this;
 }
 
 StagingFolder::~StagingFolder() {
     if (path_.empty()) return;
-    // Nearly always the lock alone is left, and that goes without memory and without opening the folder.
-    ::unlink(lock_file_.c_str());
+    remove_files(folder_);
     std::error_code ignored;
     if (::rmdir(path_.c_str()) != 0) try {
-            fs::remove_all(path_, ignored);
-        } catch (const std::bad_alloc&) {}  // a later program removes it
-    if (lock_ >= 0) ::close(lock_);
+            fs::remove_all(path_, ignored);  // it has folders
+        } catch (const std::bad_alloc&) {}
+    close_if_open(lock_);
+    close_if_open(folder_);
 }
 
 bool is_staging_lock(const fs::path& file) {

@@ -32,7 +32,7 @@ class StagingFolder {
 
  private:
     std::filesystem::path path_;
-    std::filesystem::path lock_file_;  ///< kept, since the destructor may find no memory
+    int folder_ = -1;  ///< kept open, since the destructor may find neither memory nor descriptors
     int lock_ = -1;
 };
 

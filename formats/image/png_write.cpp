@@ -3,11 +3,11 @@
 #include <png.h>
 
 #include <csetjmp>
-#include <fstream>
+#include <cstring>
 #include <memory>
-#include <span>
-#include <system_error>
+#include <new>
 
+#include "files/whole_file.h"
 #include "image/image.h"
 #include "model/codes.h"
 
@@ -41,6 +41,12 @@ void append(png_structp png, png_bytep data, png_size_t size) {
 }
 void flush(png_structp) {}
 
+/// libpng and zlib have no codes for what is wrong, only words.
+[[noreturn]] void on_error(png_structp png, png_const_charp what) {
+    if (std::strstr(what, "memory") != nullptr) static_cast<Sink*>(png_get_error_ptr(png))->out_of_memory = true;
+    png_longjmp(png, 1);
+}
+
 /// libpng leaves by longjmp: nothing with a destructor lives in this frame.
 bool encode_rows(png_structp png, png_infop info, std::uint32_t width, std::uint32_t height, int depth, int colour,
                  const png_byte* rows, std::size_t row_bytes) {
@@ -59,11 +65,12 @@ std::vector<std::byte> encode(std::uint32_t width, std::uint32_t height, int dep
                               std::size_t row_bytes) {
     std::vector<std::byte> out;
     Sink sink{&out};
-    png_structp png = png_create_write_struct(
-        PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) { png_longjmp(p, 1); }, nullptr);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, on_error, nullptr);
     png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
     bool good = info != nullptr;
-    if (good) {
+    if (!good) {
+        sink.out_of_memory = true;
+    } else {
         png_set_write_fn(png, &sink, append, flush);
         good = encode_rows(png, info, width, height, depth, colour, static_cast<const png_byte*>(rows), row_bytes);
     }
@@ -71,17 +78,6 @@ std::vector<std::byte> encode(std::uint32_t width, std::uint32_t height, int dep
     if (sink.out_of_memory) throw std::bad_alloc();
     if (!good) throw model::Error(codes::kInternal, "libpng cannot encode the picture");
     return out;
-}
-
-void write_bytes(const fs::path& path, std::span<const std::byte> bytes) {
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    if (!file) throw model::Error(codes::kWriteFailed, "the file cannot be created", path.string());
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (file) return;
-    std::error_code error;
-    fs::remove(path, error);
-    throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
 }
 
 }  // namespace
@@ -99,10 +95,10 @@ std::vector<std::byte> encode_png(const GrayImage16& image) {
 }
 
 void write_png(const fs::path& path, const Image& image) {
-    write_bytes(path, encode_png(image));
+    write_whole_file(path, encode_png(image));
 }
 void write_png(const fs::path& path, const GrayImage16& image) {
-    write_bytes(path, encode_png(image));
+    write_whole_file(path, encode_png(image));
 }
 
 }  // namespace dgm::formats

@@ -3,11 +3,10 @@
 #include "mesh/mesh_writer.h"
 
 #include <charconv>
-#include <fstream>
 #include <map>
 #include <set>
-#include <system_error>
 
+#include "files/whole_file.h"
 #include "mesh/mtl_reader.h"
 #include "model/codes.h"
 
@@ -48,17 +47,6 @@ void check_sizes(const TriMesh& mesh, const fs::path& path) {
         for (const std::uint32_t v : face) good = good && v < mesh.positions.size();
     for (const std::uint32_t material : mesh.face_materials) good = good && material < mesh.materials.size();
     if (!good) throw model::Error(codes::kInternal, "mesh arrays disagree", path.string());
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    if (!file) throw model::Error(codes::kWriteFailed, "the file cannot be created", path.string());
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.close();
-    if (file) return;
-    std::error_code error;
-    fs::remove(path, error);
-    throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
 }
 
 /// Numbers distinct values in the order of their first corner, from 1.
@@ -193,8 +181,8 @@ void write_obj(const fs::path& path, const TriMesh& mesh, const ObjWriteOptions&
         append_face(out, mesh.faces[f], f, numbers);
     }
     if (!options.comment.empty()) out += "# " + options.comment + "\n";
-    if (with_mtl) write_text(fs::path(path).replace_extension(".mtl"), mtl_text(mesh, names, options));
-    write_text(path, out);
+    if (with_mtl) write_whole_file(fs::path(path).replace_extension(".mtl"), mtl_text(mesh, names, options));
+    write_whole_file(path, out);
 }
 
 }  // namespace dgm::formats

@@ -3,12 +3,11 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <initializer_list>
 #include <limits>
 #include <map>
-#include <system_error>
 
+#include "files/whole_file.h"
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
 
@@ -132,17 +131,6 @@ void append_position(std::string& out, const model::Vec3d& p, bool doubles) {
     }
 }
 
-void write_file(const fs::path& path, const std::string& bytes) {
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    if (!file) throw model::Error(codes::kWriteFailed, "the file cannot be created", path.string());
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (file) return;
-    std::error_code error;
-    fs::remove(path, error);
-    throw model::Error(codes::kWriteFailed, "the file cannot be written", path.string());
-}
-
 }  // namespace
 
 void write_ply(const fs::path& path, const TriMesh& mesh, const PlyWriteOptions& options) {
@@ -163,7 +151,7 @@ void write_ply(const fs::path& path, const TriMesh& mesh, const PlyWriteOptions&
         append_bytes(body, std::uint8_t{3});
         for (const std::uint32_t v : face) append_bytes(body, v);
     }
-    write_file(path, ply_header(vertices, fields, options, body.size()) + body);
+    write_whole_file(path, ply_header(vertices, fields, options, body.size()) + body);
 }
 
 }  // namespace dgm::formats

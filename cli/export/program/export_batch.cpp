@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <map>
-#include <new>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -14,6 +13,7 @@
 #include "batch/file_pattern.h"
 #include "exr/exr_files.h"
 #include "model/codes.h"
+#include "model/shortage.h"
 #include "validate/validation.h"
 #include "worker/output_files.h"
 
@@ -175,9 +175,9 @@ std::vector<NamedMaps> maps_of(const ExportJob& job) {
 model::Error caught() {
     try {
         throw;
-    } catch (const model::Error& error) { return error; } catch (const std::bad_alloc&) {
-        return {codes::kInternal, "out of memory"};
-    } catch (const std::exception& error) { return {codes::kInternal, error.what()}; }
+    } catch (const model::Error& error) { return error; } catch (const std::exception& error) {
+        return model::error_of(error);
+    }
 }
 }  // namespace
 

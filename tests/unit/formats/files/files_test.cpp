@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,6 +18,7 @@
 #include "files/output_file.h"
 #include "files/regular_file.h"
 #include "files/staging_folder.h"
+#include "files/whole_file.h"
 #include "model/codes.h"
 #include "model/printable.h"
 #include "support/temp_folder.h"
@@ -63,6 +65,33 @@ TEST_F(Files, SizesAreLookedAtBeforeBytes) {
     std::ofstream(folder_ / "small") << "abc";
     EXPECT_EQ(read_small_file(folder_ / "small", 3), "abc");
     EXPECT_EQ(code_of([&] { (void)read_small_file(folder_ / "small", 2); }), codes::kTooLarge.number);
+}
+
+TEST_F(Files, AWholeFileIsAllThereOrSaysWhyNot) {
+    const std::string bytes("a\0b", 3);
+    write_whole_file(folder_ / "file", bytes);
+    EXPECT_EQ(content(folder_ / "file"), bytes);
+    EXPECT_EQ(code_of([&] { write_whole_file(folder_ / "none/file", bytes); }), codes::kWriteFailed.number);
+    EXPECT_EQ(entries(), 1U);
+    EXPECT_EQ(code_of([&] { write_whole_file("/dev/full", bytes); }), codes::kNoSpace.number);
+    try {
+        write_whole_file(folder_ / "none/file", bytes, "output");
+        FAIL();
+    } catch (const model::Error& error) { EXPECT_EQ(error.place(), "output"); }
+}
+
+// Where none can be opened, as in a program with all its descriptors taken.
+TEST_F(Files, AStagingFolderIsRemovedWithoutADescriptor) {
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+    {
+        const StagingFolder staging(folder_ / "output");
+        for (const char* name : {"a", "b"}) write_whole_file(staging.where(name), "x");
+        const rlimit none{0, before.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+    }
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+    EXPECT_EQ(entries(), 0U);
 }
 
 TEST_F(Files, AStagingFolderIsPrivateAndLeavesNothing) {
