@@ -13,6 +13,7 @@
 #include <cstring>
 #include <string>
 
+#include "exr/exr_threads.h"
 #include "model/codes.h"
 
 namespace dgm::formats {
@@ -98,6 +99,7 @@ void read_rows(Imf::InputPart& input, std::vector<Target>& targets, int width, c
                              std::int64_t{rows.count}, std::size_t{0}, size * static_cast<std::size_t>(width)));
     }
     input.setFrameBuffer(frame);
+    make_exr_threads();
     input.readPixels(rows.first, rows.first + rows.count - 1);
 }
 

@@ -24,6 +24,7 @@
 #include "exr/exr_headers.h"
 #include "exr/exr_plan.h"
 #include "exr/exr_reading.h"
+#include "exr/exr_threads.h"
 #include "model/codes.h"
 
 namespace dgm::formats {
@@ -43,6 +44,7 @@ std::vector<Pixel> read_channel(Imf::MultiPartInputFile& file, int part, const s
                                         sizeof(Pixel) * static_cast<std::size_t>(width)));
     Imf::InputPart input(file, part);
     input.setFrameBuffer(frame);
+    make_exr_threads();
     input.readPixels(0, window.max.y);
     return out;
 }

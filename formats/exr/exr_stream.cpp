@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "exr/exr_threads.h"
 #include "files/staging_folder.h"
 #include "model/codes.h"
 
@@ -24,6 +25,7 @@ void throw_exr_failure(const std::exception& caught, const std::filesystem::path
 ExrStream::ExrStream(const std::filesystem::path& path)
     : Imf::OStream(path.c_str()), out_(path, std::ios::binary | std::ios::trunc) {
     check();
+    make_exr_threads();
 }
 
 void ExrStream::write(const char bytes[], int count) {

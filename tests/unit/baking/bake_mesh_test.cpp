@@ -9,13 +9,16 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -329,6 +332,50 @@ TEST(BakeMesh, TriesNothingBesideAChartWithoutError) {
         EXPECT_EQ(chart.method, "stretch");
         EXPECT_GT(chart.candidates[0].psnr, 200);
     }
+}
+
+/// A wavy sheet of 12 x 12 quads with six straps, each a quad wide and six long.
+model::TriMesh apron() {
+    constexpr int kSide = 12, kLength = 6;
+    std::vector<std::array<int, 2>> quads;
+    for (int i = 0; i < kSide; ++i)
+        for (int j = 0; j < kSide; ++j) quads.push_back({i, j});
+    const auto strap = [&](int i, int j, int down, int right) {
+        for (int k = 0; k < kLength; ++k) quads.push_back({i + k * down, j + k * right});
+    };
+    strap(kSide, 3, 1, 0);
+    strap(kSide, 5, 1, 0);
+    strap(10, -1, 0, -1);
+    strap(-1, 11, -1, 0);
+    strap(kSide, 10, 1, 0);
+    strap(6, -1, 0, -1);
+    model::TriMesh out;
+    std::map<std::array<int, 2>, std::uint32_t> numbers;
+    const auto number = [&](int i, int j) {
+        const auto [it, is_new] = numbers.try_emplace({i, j}, static_cast<std::uint32_t>(out.positions.size()));
+        const double x = double(i) / kSide, y = double(j) / kSide;
+        if (is_new) out.positions.push_back({x, y, 0.2 * std::sin(3 * x) * std::cos(2 * y)});
+        return it->second;
+    };
+    for (const auto& [i, j] : quads) {
+        const std::uint32_t a = number(i, j), b = number(i + 1, j), c = number(i + 1, j + 1), d = number(i, j + 1);
+        out.faces.insert(out.faces.end(), {{a, b, c}, {a, c, d}});
+    }
+    return out;
+}
+
+TEST(BakeMesh, TakesAnotherMapWhereFacesAreLeftInverted) {
+    const BakeResult result = bake_mesh({.mesh = apron(), .name = "apron"}, small_grid());
+    const ChartReport& chart = result.report.charts.at(0);
+    EXPECT_EQ(chart.turned_faces, 0U);
+    EXPECT_NE(chart.method, "stretch");
+    EXPECT_GT(result.report.error.psnr(), 72);
+    const auto outcomes = [&](std::string_view outcome) {
+        return std::ranges::count_if(chart.candidates,
+                                     [&](const CandidateReport& tried) { return tried.outcome.starts_with(outcome); });
+    };
+    EXPECT_EQ(outcomes("more inverted faces"), 1);
+    EXPECT_EQ(outcomes("chosen"), 1);
 }
 
 }  // namespace
