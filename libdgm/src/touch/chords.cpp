@@ -98,7 +98,11 @@ class Chords {
         bool clear = true;
         each_bit(c.reach, [&](std::uint32_t place) {
             const std::uint32_t sample = sample_in(c, place, s_.tables.cols);
-            if ((s_.ring[sample] & kRingRim) == 0 || s_.class_id(sample) != kNone) return;
+            if ((s_.ring[sample] & kRingRim) == 0) return;
+            if (s_.class_id(sample) != kNone) {  // a seam ends at the border: ways bend there or run past it
+                if ((s_.geodesic.corners[s_.representative(sample)] & kCornerBends) != 0) clear = false;
+                return;
+            }
             const Vec3 way = at_ - StateImpl::at(s_.rest, sample), out = outwards(sample);
             const float slant = dot(way, out), way2 = dot(way, way);
             if (slant <= 0) return;

@@ -44,7 +44,7 @@ class Fan {
     Fan(StateImpl& s, float radius, float per_step) noexcept
         : s_(s),
           g_(s.geodesic),
-          surface_(s),
+          surface_(s, per_step),
           corners_(g_.corners.data()),
           distance_(s.footprint.key.data()),
           touched_(s.footprint.samples.data()),
@@ -96,14 +96,16 @@ class Fan {
         const Vec2 a{far, 0}, b{x, std::sqrt(dgm::dot(h, h))};
         if (fresh) bend_later(left, in.own(0) ^ 1u, a - b, -a, b, d);
         // The triangle comes twice: mirrored it is the same.
-        if (in.end(1) > in.apex()) push(in, 1, a, b - a, 0, 1, 0);
+        if (in.end(1) > in.apex()) push(in, 1, a, b - a, dot(a, a), 0, 1, 0);
     }
 
-    /// Lines that cross the edge from a to a + e between right and left go on.
-    DGM_INLINE void push(const Across& at, int hand, Vec2 a, Vec2 e, float right, float left, float offset) noexcept {
+    /// Lines that cross the edge from a to a + e between right and left go on. Through an edge that is short beside
+    /// another side of the triangle none do: what is beyond lies beside its ends.
+    DGM_INLINE void push(const Across& at, int hand, Vec2 a, Vec2 e, float side2, float right, float left,
+                         float offset) noexcept {
         const float room = radius_ - offset, room2 = room * room;
         const Vec2 r = a + right * e, l = a + left * e;
-        if (!(left > right)) return;
+        if (!(left > right) || Unfolding::is_short(e, side2)) return;
         if (!(dot(r, r) < room2) && !(dot(l, l) < room2)) {
             // Both ends are out of reach: is the middle?
             const float area = cross(a, e), e2 = dot(e, e);
@@ -131,7 +133,7 @@ class Fan {
         const Across in = surface_.across(w.way);
         const Vec2 a{w.ax, w.ay}, e{w.ex, w.ey}, ac = surface_.to_third(in, e), c = a + ac, cb = e - ac;
         const std::uint32_t v = surface_.corner(in.apex());
-        const float known = distance_[v], room = known - w.offset, c2 = dot(c, c);
+        const float known = distance_[v], room = known - w.offset, c2 = dot(c, c), e2 = dot(e, e);
         // The line to c crosses the edge at `at`.
         const float area = cross(a, e), whole = area - cross(e, ac), at = cross(a, ac) / whole;
         const float right = (at - w.right) * whole, left = (w.left - at) * whole;
@@ -145,12 +147,12 @@ class Fan {
         if (right > 0) {  // lines to the right of c
             const float from = w.right > 0 ? w.right * area / (w.right * area + right) : 0;
             const float to = left > 0 ? 1 : w.left * area / (w.left * area - left);
-            if (!behind || !is_behind(known, c, a + from * ac, w.offset)) push(in, 0, a, ac, from, to, w.offset);
+            if (!behind || !is_behind(known, c, a + from * ac, w.offset)) push(in, 0, a, ac, e2, from, to, w.offset);
         }
         if (left > 0) {
             const float from = right > 0 ? 0 : right / (right - (1 - w.right) * area);
             const float to = w.left < 1 ? left / (left + (1 - w.left) * area) : 1;
-            if (!behind || !is_behind(known, c, c + to * cb, w.offset)) push(in, 1, c, cb, from, to, w.offset);
+            if (!behind || !is_behind(known, c, c + to * cb, w.offset)) push(in, 1, c, cb, e2, from, to, w.offset);
         }
     }
 
@@ -167,23 +169,29 @@ class Fan {
         const Vec2 a{w.ax, w.ay}, b = a + Vec2{w.ex, w.ey}, ray{w.right, w.left};
         const Turn on[2] = {straight_on(turn(in, 0, a, -a), ray, 0), straight_on(turn(in, 1, {0, 0}, b), ray, 1)};
         if (on[0].way == kNone && on[1].way == kNone) return;
-        const int hand = on[0].way == kNone ? 1 : 0;
-        const std::uint32_t end = on[1 - hand].way == kNone ? kNone : surface_.across(on[1].way).own(1) >> 1;
-        Turn t = on[hand];
+        const std::uint32_t end = on[1].way == kNone ? kNone : surface_.across(on[1].way).own(1) >> 1;
+        const bool met = on[0].way != kNone && shine(on[0], 0, ray, d, end, on[1]);
+        // An open border on the way to the other side: what is between that and the border is still to come.
+        if (!met && on[1].way != kNone) shine(on[1], 1, ray, d, kNone, on[1]);
+    }
+    /// Lines from a corner into the triangles around it, from the one that a way straight on goes into, until that of
+    /// the other side, `far`, which is entered at `end`. @return whether it was met
+    bool shine(Turn t, int hand, Vec2 ray, float d, std::uint32_t end, const Turn& far) noexcept {
         float begin = meet(ray, facing(t, hand));
         for (int k = 0; t.way != kNone && k < kMostAround; ++k) {
             const Across at = surface_.across(t.way);
             const Facing f = facing(t, hand);
             const bool last = at.own(hand) >> 1 == end;
-            const float finish = last ? meet(ray, facing(on[1], 1)) : hand == 0 ? 1.0f : 0.0f;
-            push(at, hand, f.a, f.e, hand == 0 ? begin : finish, hand == 0 ? finish : begin, d);
-            if (last) return;
+            const float finish = last ? meet(ray, facing(far, 1)) : hand == 0 ? 1.0f : 0.0f;
+            push(at, hand, f.a, f.e, dot(f.a, f.a), hand == 0 ? begin : finish, hand == 0 ? finish : begin, d);
+            if (last) return true;
             begin = 1 - finish;
             const std::uint32_t apex = surface_.corner(at.apex());
             const float along = length(t.apex);
             if (offer(apex, d + along)) bend_later(apex, t.way, t.a - t.apex, t.e, t.apex, d + along);
             t = next(t, at, hand);
         }
+        return false;
     }
     /// The triangle beyond an edge of another; the corner that is turned around is at the origin.
     [[nodiscard]] Turn turn(const Across& at, int hand, Vec2 a, Vec2 e) const noexcept {
@@ -235,6 +243,8 @@ class Fan {
                 for (const std::uint32_t d : beside) sum += distance_[v + d] + distance_[v - d];
                 if (!(sum < __builtin_inff()))
                     for (const std::uint32_t d : beside) missed = missed || is_missed(v, v + d) || is_missed(v, v - d);
+            } else if (!missed) {
+                surface_.each_triangle_at(v, [&](const Across& in) { missed = missed || is_missed(v, in.end(1)); });
             }
             if (missed) corners_[v] |= kCornerChanged;
             any = any || missed;

@@ -2,6 +2,7 @@
 // libdgm/src/touch/unfolding.h
 // The welded triangles of the rest surface, as ways go over them: which triangle lies beyond an edge, and where.
 #pragma once
+#include <algorithm>
 #include <cmath>
 
 #include "touch/geodesic.h"
@@ -28,8 +29,10 @@ struct Across {
 
 class Unfolding {
  public:
-    explicit Unfolding(const StateImpl& s) noexcept
+    /// @param per_step  kernel steps to a unit
+    Unfolding(const StateImpl& s, float per_step) noexcept
         : s_(s),
+          per_step_(per_step),
           g_(s.geodesic),
           triangles_(g_.triangles.data()),
           corners_(g_.corners.data()),
@@ -58,10 +61,15 @@ class Unfolding {
         const Steps& s = *at.steps;
         const Vec2 edge{s.edge[0] + s.edge[1] * z.x, s.edge[1] * z.y};
         const Vec2 third{s.third[0] + s.third[1] * z.x, s.third[1] * z.y};
-        const float share = 1 / dot(edge, edge), along = share * dot(edge, third);
+        const float edge2 = dot(edge, edge);
+        if (!(edge2 > kThin * dot(third, third))) [[unlikely]]
+            return beside_short(at, e);
+        const float share = 1 / edge2, along = share * dot(edge, third);
         const float height = share * std::fabs(cross(edge, third));
         return {along * e.x + height * e.y, along * e.y - height * e.x};
     }
+    /// An edge of length e, a side of a triangle or the line to a corner of it: too short to tell a direction and a scale.
+    [[nodiscard]] static DGM_INLINE bool is_short(Vec2 e, float side2) noexcept { return !(dot(e, e) > kThin * side2); }
     /// Visits the ways on across an edge of a loose triangle: those that are linked, or else the one on the grid.
     template <class Visit>
     void each_beyond(const Across& at, int hand, Visit visit) const noexcept {
@@ -114,8 +122,21 @@ class Unfolding {
     }
 
     static constexpr int kMostBeyond = 8;  ///< triangles at one edge
+    static constexpr float kThin = 1e-8f;  ///< squared: of lengths that are carried on, as many digits are right
+
+    /// to_third() of an edge whose length says nothing: by the lengths at rest.
+    [[nodiscard]] [[gnu::noinline]] Vec2 beside_short(const Across& at, Vec2 e) const noexcept {
+        const Vec3 right = StateImpl::at(s_.rest, at.end(0));
+        const Vec3 edge = StateImpl::at(s_.rest, at.end(1)) - right, third = StateImpl::at(s_.rest, at.apex()) - right;
+        const float long2 = dgm::dot(third, third), short2 = dgm::dot(edge, edge), e2 = dot(e, e);
+        const float along = short2 > 0 ? dgm::dot(edge, third) / std::sqrt(short2) : 0;
+        const float height = std::sqrt(std::max(0.0f, long2 - along * along));
+        const Vec2 unit = e2 > 0 ? (1 / std::sqrt(e2)) * e : Vec2{1, 0};
+        return per_step_ * Vec2{along * unit.x + height * unit.y, along * unit.y - height * unit.x};
+    }
 
     const StateImpl& s_;
+    const float per_step_;
     const GeodesicScratch& g_;
     const FlatTriangle* const triangles_;
     const std::uint8_t* const corners_;

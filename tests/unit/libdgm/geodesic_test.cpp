@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "opened.h"
 
@@ -85,6 +87,33 @@ TEST(Geodesic, AroundTheTipOfACone) {
                       0.012)
                 << c.turn * c.columns << ": " << i << ' ' << j;
         }
+    }
+}
+
+/// One and a half turns of the plane around a point, which lies on the border: ways bend around it on either side.
+TEST(Geodesic, AroundATipOnTheBorder) {
+    const std::uint32_t m = 16, n = 33;
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
+    const auto angle = [](double i, double j) {
+        const double shift = j > 0 && j < n - 1 ? 0.4 * std::sin(1.7 * i) : 0;  // ways to the point are no edges
+        return 3 * kPi * (j + shift) / (n - 1);
+    };
+    SeamPairs seams;
+    for (std::uint32_t j = 1; j < n; ++j) seams.push_back({0, j});
+    State state = make_state(grid_chart(
+        m, n,
+        [&](double i, double j) {
+            return Point{static_cast<float>(i * std::cos(angle(i, j))), static_cast<float>(i * std::sin(angle(i, j))),
+                         0};
+        },
+        seams));
+    for (const auto& [i, j] : {std::array{3, 16}, {1, 16}, {2, 15}, {4, 17}, {3, 3}, {1, 30}, {0, 0}}) {
+        const auto distance = [&](std::uint32_t k) {
+            const double turn = std::fabs(angle(k / n, k % n) - angle(i, j)), r = k / n;
+            return turn < kPi ? std::sqrt(r * r + i * i - 2 * r * i * std::cos(turn)) : r + i;
+        };
+        const std::uint32_t contact = static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j);
+        EXPECT_LT(worst_weight(state, table, contact, distance), 0.012) << i << ' ' << j;
     }
 }
 
@@ -185,6 +214,59 @@ TEST(Geodesic, SliversOfOneToFifty) {
                 << shear << ": " << i << ' ' << j;
         }
     }
+}
+
+/// A flat sheet in which a sample lies on its neighbour, or nearly so: triangles there have no width, and edges no
+/// direction.
+TEST(Geodesic, BesideSamplesInOnePlace) {
+    const std::uint32_t n = 25, middle = 12;
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
+    for (const double gap : {0.0, 1e-7, 1e-5, 1e-3})
+        for (const auto& [di, dj] : {std::array{0, 1}, {1, 0}, {1, 1}}) {
+            const auto place = [&](double i, double j) {
+                const bool moved = std::lround(i) == middle && std::lround(j) == middle;
+                const double share = moved ? 1 - gap : 0;
+                return Point{static_cast<float>(i + share * di), static_cast<float>(j + share * dj), 0};
+            };
+            State state = make_state(grid_chart(n, n, place));
+            const PointView rest = state.rest_positions();
+            for (const auto& [i, j] : {std::array{12, 12}, {12 + di, 12 + dj}, {11, 12}, {12, 10}, {15, 14}, {6, 12}}) {
+                const std::uint32_t contact = static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j);
+                const auto flat = [&](std::uint32_t k) {
+                    return std::hypot(double{rest[k].x} - rest[contact].x, double{rest[k].y} - rest[contact].y);
+                };
+                EXPECT_LT(worst_weight(state, table, contact, flat), 0.02)
+                    << gap << ' ' << di << dj << ": " << i << ' ' << j;
+            }
+        }
+}
+
+/// The same in the strip of a free domain, where the edge may be the first side of one triangle and another of the next:
+/// a dent of the border, which no way from the contact bends around.
+TEST(Geodesic, BesideABorderSampleOnTheGrid) {
+    const std::uint32_t n = 17;
+    const auto flat = [](double i, double j) { return Point{static_cast<float>(i), static_cast<float>(j), 0}; };
+    const DeformTable table = make_table(16, 11, KernelEnd::Compact);
+    for (const std::size_t turn : {0, 1, 2})
+        for (const float gap : {0.0f, 1e-7f, 1e-5f, 1e-3f}) {
+            ChartSpec chart = free_chart(n, n, flat);
+            const std::uint32_t dented = 8;  // beside (8, 1)
+            const float point[3] = {8, 1 - gap, 0};
+            std::memcpy(chart.layer("border_geometry").bytes.data() + sizeof point * dented, point, sizeof point);
+            std::vector<std::byte>& faces = chart.layer("border_faces").bytes;
+            for (std::size_t f = 0; f < faces.size() / 12; f += 2)  // every second triangle begins at another corner
+                std::rotate(faces.begin() + 12 * f, faces.begin() + 12 * f + 4 * turn, faces.begin() + 12 * f + 12);
+            State state = make_state(chart);
+            const PointView rest = state.rest_positions();
+            for (const auto& [i, j] : {std::array{8, 3}, {8, 1}, {7, 2}, {9, 4}}) {
+                const std::uint32_t contact = static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j);
+                const auto straight = [&](std::uint32_t k) {
+                    return std::hypot(double{rest[k].x} - rest[contact].x, double{rest[k].y} - rest[contact].y);
+                };
+                EXPECT_LT(worst_weight(state, table, contact, straight), 0.02)
+                    << turn << ' ' << gap << ": " << i << ' ' << j;
+            }
+        }
 }
 
 TEST(Geodesic, AcrossTheSeamOfATube) {
