@@ -34,8 +34,10 @@ json settings_json(const BakeOptions& options) {
     if (options.texture_bytes) out["texture_bytes"] = *options.texture_bytes;
     if (options.texel_length) out["texel_length"] = *options.texel_length;
     if (options.metres_per_unit) out["metres_per_unit"] = *options.metres_per_unit;
-    for (const MaterialKey& key : kMaterialKeys)
-        if (options.material) out["material"][key.name] = *options.material.*key.field;
+    if (options.material) {
+        json& material = out["material"] = json::object();
+        for (const MaterialKey& key : kMaterialKeys) material[key.name] = *options.material.*key.field;
+    }
     if (!options.ablate.empty()) out["ablate"] = options.ablate;
     if (options.max_error)
         out["max_error"] = {{options.max_error->percent ? "percent" : "source_units", options.max_error->value},
@@ -93,7 +95,10 @@ void add_other_files(json& report, const std::vector<LeftOutFile>& left_out, con
 }
 
 json report_frame(std::string_view generator, model::ExitCode exit) {
-    return {{"generator", generator}, {"report_version", kReportVersion}, {"exit_code", static_cast<int>(exit)}};
+    return {{"generator", generator},
+            {"report_version", kReportVersion},
+            {"exit_code", static_cast<int>(exit)},
+            {"summary", json::object()}};
 }
 
 void set_count(json& report, Outcome outcome, std::uint64_t count) {

@@ -56,16 +56,19 @@ GlbBuffer::Json GlbBuffer::compressed_view(std::span<const std::byte> packed, st
     fallback_bytes_ = multiple_of_4(fallback_bytes_);
     const std::size_t place = append(packed);
     Json view{{"buffer", 1}, {"byteOffset", fallback_bytes_}, {"byteLength", count * stride}};
-    view["extensions"][kCompression] =
-        Json{{"buffer", 0},          {"byteOffset", place}, {"byteLength", packed.size()},
-             {"byteStride", stride}, {"mode", mode},        {"count", count}};
+    view["extensions"] = Json{{kCompression, Json{{"buffer", 0},
+                                                  {"byteOffset", place},
+                                                  {"byteLength", packed.size()},
+                                                  {"byteStride", stride},
+                                                  {"mode", mode},
+                                                  {"count", count}}}};
     fallback_bytes_ += count * stride;
     return view;
 }
 
 std::size_t GlbBuffer::add_attribute(const std::vector<std::byte>& data, std::size_t count, std::size_t stride,
                                      bool padded, int component, std::size_t numbers) {
-    Json view;
+    Json view = Json::object();
     if (compress_) {
         view = compressed_view(packed_vertices(data, count, stride), count, stride, "ATTRIBUTES");
     } else {
@@ -83,7 +86,7 @@ std::size_t GlbBuffer::add_attribute(const std::vector<std::byte>& data, std::si
 std::size_t GlbBuffer::add_indices(const std::vector<model::Face>& faces, std::size_t vertices) {
     const bool wide = vertices > 65535;  // 65535 means "restart" and is no vertex
     const std::size_t corners = 3 * faces.size(), stride = wide ? sizeof(std::uint32_t) : sizeof(std::uint16_t);
-    Json view;
+    Json view = Json::object();
     if (compress_) {
         view = compressed_view(packed_faces(faces, vertices), corners, stride, "TRIANGLES");
     } else {
@@ -109,7 +112,7 @@ void GlbBuffer::describe(Json& root) const {
     root["buffers"] = Json::array({Json{{"byteLength", bytes_.size()}}});
     if (fallback_bytes_ == 0) return;
     Json fallback{{"byteLength", fallback_bytes_}};
-    fallback["extensions"][kCompression] = Json{{"fallback", true}};
+    fallback["extensions"] = Json{{kCompression, Json{{"fallback", true}}}};
     root["buffers"].push_back(std::move(fallback));
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) root[list].push_back(kCompression);
 }

@@ -81,7 +81,7 @@ class Document {
           names_(options.names.empty() ? chart_names(maps) : options.names),
           buffer_(options.compress) {
         root_["asset"] = {{"version", "2.0"}, {"generator", "dgm-export " DGM_VERSION}};
-        if (!options.stamp.empty()) root_["asset"]["extras"]["map"] = options.stamp;
+        if (!options.stamp.empty()) root_["asset"]["extras"] = Json{{"map", options.stamp}};
         root_["scene"] = 0;
         root_["scenes"] = Json::array({Json{{"nodes", Json::array()}}});
         root_["nodes"] = Json::array();
@@ -250,7 +250,7 @@ class Document {
     const model::MapSet& maps_;
     const GlbOptions& options_;
     std::vector<std::string> names_;
-    Json root_;
+    Json root_ = Json::object();
     GlbBuffer buffer_;
 };
 }  // namespace

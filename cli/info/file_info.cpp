@@ -128,16 +128,19 @@ std::string material_text(std::span<const float> material) {
 }
 
 Json chart_json(const ChartInfo& chart, bool is_exr) {
-    Json out;
+    Json out = Json::object();
     out["rows"] = chart.rows, out["cols"] = chart.cols;
     out["domain"] = domain_name(chart.domain), out["method"] = chart.method;
     out["bbox"] = chart.bbox, out["offset"] = chart.offset, out["scale"] = chart.scale;
     if (!chart.material.empty()) out["metres_per_unit"] = chart.material[0];
-    for (std::size_t k = 1; k < chart.material.size(); ++k)
-        out["material"][std::string(bake::kMaterialKeys[k - 1].name)] = chart.material[k];
+    if (chart.material.size() > 1) {
+        Json& material = out["material"] = Json::object();
+        for (std::size_t k = 1; k < chart.material.size(); ++k)
+            material[std::string(bake::kMaterialKeys[k - 1].name)] = chart.material[k];
+    }
     out["layers"] = Json::array();
     for (const LayerInfo& layer : chart.layers) {
-        Json l;
+        Json l = Json::object();
         l["name"] = layer.name, l["type"] = model::type_name(layer.type), l["shape"] = layer.shape;
         l["offset"] = is_exr ? Json(nullptr) : Json(layer.offset), l["bytes"] = layer.bytes,
         l["hash"] = formats::to_hex(layer.hash);
@@ -256,7 +259,7 @@ std::string to_text(const FileInfo& info) {
 std::string to_json(std::span<const FileInfo> files) {
     Json list = Json::array();
     for (const FileInfo& info : files) {
-        Json out;
+        Json out = Json::object();
         out["file"] = info.file, out["bytes"] = info.bytes, out["format_version"] = info.format_version;
         out["generator"] = info.generator, out["source_name"] = info.source_name;
         out["source_hash"] = formats::to_hex(info.source_hash);
@@ -266,7 +269,7 @@ std::string to_json(std::span<const FileInfo> files) {
         out["report"] = bake::read_map_report(info.report_json);
         list.push_back(std::move(out));
     }
-    Json whole;
+    Json whole = Json::object();
     whole["files"] = std::move(list);
     // Names come from files: what is not UTF-8 is replaced, not thrown about.
     return whole.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -165,7 +165,7 @@ std::string to_text(const MapDifference& difference) {
 }
 
 std::string to_json(const MapDifference& difference) {
-    nlohmann::ordered_json out;
+    nlohmann::ordered_json out = nlohmann::ordered_json::object();
     out["equal"] = difference.empty();
     out["fields"] = difference.fields;
     out["layers"] = nlohmann::ordered_json::array();
