@@ -68,7 +68,7 @@ class Unfolding {
         const float height = share * std::fabs(cross(edge, third));
         return {along * e.x + height * e.y, along * e.y - height * e.x};
     }
-    /// An edge of length e, a side of a triangle or the line to a corner of it: too short to tell a direction and a scale.
+    /// Whether an edge is too short, beside another side of its triangle, to tell a direction and a scale.
     [[nodiscard]] static DGM_INLINE bool is_short(Vec2 e, float side2) noexcept { return !(dot(e, e) > kThin * side2); }
     /// Visits the ways on across an edge of a loose triangle: those that are linked, or else the one on the grid.
     template <class Visit>

@@ -241,8 +241,8 @@ TEST(Geodesic, BesideSamplesInOnePlace) {
         }
 }
 
-/// The same in the strip of a free domain, where the edge may be the first side of one triangle and another of the next:
-/// a dent of the border, which no way from the contact bends around.
+/// The same in the strip of a free domain, where the edge may be the first side of one triangle and another of the
+/// next: a dent of the border, which no way from the contact bends around.
 TEST(Geodesic, BesideABorderSampleOnTheGrid) {
     const std::uint32_t n = 17;
     const auto flat = [](double i, double j) { return Point{static_cast<float>(i), static_cast<float>(j), 0}; };
