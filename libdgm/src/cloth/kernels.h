@@ -28,6 +28,7 @@ struct Blocks {
 /// Stiffness of the cloth for one unit of area of rest: N/m.
 struct Moduli {
     float warp, weft, cross, shear;
+    float warp_uneven, weft_uneven;  ///< against strain that changes across a quad, by the square of its change
 };
 
 /// A weighted sum of rows or columns.

@@ -69,7 +69,7 @@ static DGM_INLINE Handed stress(const ForceJob& job, std::uint32_t i, std::ptrdi
     const Floats e1 = 0.5f * (square1 - 1), e2 = 0.5f * (square2 - 1), e3 = dot(k.f1, k.f2);
     const Floats t1 = m.warp * e1 + m.cross * e2, t2 = m.cross * e1 + m.weft * e2, t3 = m.shear * e3;
     const Floats g1 = k.q11 * dot(k.f1, h), g2 = k.q22 * dot(k.f2, h);
-    const Floats w1 = k.uneven * ((m.warp / 12) * g1), w2 = k.uneven * ((m.weft / 12) * g2);
+    const Floats w1 = k.uneven * (m.warp_uneven * g1), w2 = k.uneven * (m.weft_uneven * g2);
     V3 t = h;  // what bends the plate
     if (on.saddle != nullptr) {
         const V3 n = cross(u, v);

@@ -32,9 +32,9 @@ static DGM_INLINE Handed resist(const ProductJob& job, std::ptrdiff_t s) {
     const Floats t1 = m.warp * e1 + m.cross * e2, t2 = m.cross * e1 + m.weft * e2, t3 = m.shear * e3;
     const Floats s1 = load(on.s1 + s), s2 = load(on.s2 + s), z1 = k.q11 * k.q11, z2 = k.q22 * k.q22;
     const V3 p1 = k.area * ((t1 * k.f1 + t3 * k.f2) + s1 * d1), p2 = k.area * ((t2 * k.f2 + t3 * k.f1) + s2 * d2);
-    const Floats w1 = (m.warp * z1) * dot(k.f1, dh), w2 = (m.weft * z2) * dot(k.f2, dh);
-    const Floats across = (s1 * z1 + s2 * z2) + (24 * on.plate) * (z1 * z2);
-    const V3 r = ((k.uneven * k.area) * (1.0f / 12)) * ((w1 * k.f1 + w2 * k.f2) + across * dh);
+    const Floats w1 = (m.warp_uneven * z1) * dot(k.f1, dh), w2 = (m.weft_uneven * z2) * dot(k.f2, dh);
+    const Floats across = (1.0f / 12) * (s1 * z1 + s2 * z2) + (2 * on.plate) * (z1 * z2);
+    const V3 r = (k.uneven * k.area) * ((w1 * k.f1 + w2 * k.f2) + across * dh);
     return hand_out((k.q11 * p1 + k.q12 * p2) - k.twist_u * r, k.q22 * p2 - k.twist_v * r, r);
 }
 
@@ -156,16 +156,10 @@ struct Strained {
 static DGM_INLINE Strained strain_of(const Sheet& on, const Quad& k, std::ptrdiff_t s) {
     const V3 &a = k.f1, &b = k.f2;
     const Floats xy = a.x * b.y + a.y * b.x, xz = a.x * b.z + a.z * b.x, yz = a.y * b.z + a.z * b.y;
-    const Floats z1 = k.q11 * k.q11 * (1.0f / 12), z2 = k.q22 * k.q22 * (1.0f / 12);
+    const Floats z1 = k.q11 * k.q11, z2 = k.q22 * k.q22;
     const Floats s1 = load(on.s1 + s), s2 = load(on.s2 + s);
-    return {outer(a),
-            outer(b),
-            {{2.0f * a.x * b.x, 2.0f * a.y * b.y, 2.0f * a.z * b.z, xy, xz, yz}},
-            z1,
-            z2,
-            s1,
-            s2,
-            (z1 * s1 + z2 * s2) + (288 * on.plate) * (z1 * z2)};
+    return {outer(a), outer(b), {{2.0f * a.x * b.x, 2.0f * a.y * b.y, 2.0f * a.z * b.z, xy, xz, yz}}, z1, z2,
+            s1,       s2,       (1.0f / 12) * (z1 * s1 + z2 * s2) + (2 * on.plate) * (z1 * z2)};
 }
 /// Block of the two opposite corners whose displacement changes the columns of the gradient by c1 and c2 times itself,
 /// up to sign. Their shares of the twist are 1 + t/2 and 1 - t/2: the larger one counts for both. In a quad of
@@ -175,8 +169,8 @@ static DGM_INLINE Sym corner_block(const Moduli& m, const Quad& k, const Straine
     const Floats turn = t > 0 ? t : -t;
     const Floats share = turn > 1e-4f ? 1 + 0.5f * turn : all(1), weight = k.uneven * (share * share);
     const Floats one = c1 * c1, two = c2 * c2;
-    const Floats first = k.area * (m.warp * (one + weight * of.z1) + m.shear * two);
-    const Floats second = k.area * (m.weft * (two + weight * of.z2) + m.shear * one);
+    const Floats first = k.area * ((m.warp * one + weight * (m.warp_uneven * of.z1)) + m.shear * two);
+    const Floats second = k.area * ((m.weft * two + weight * (m.weft_uneven * of.z2)) + m.shear * one);
     const Floats both = k.area * ((m.cross + m.shear) * (c1 * c2));
     const Floats same = k.area * ((one * of.s1 + two * of.s2) + weight * of.plate);
     Sym sum;

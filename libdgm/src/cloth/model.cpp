@@ -18,6 +18,14 @@ namespace {
 constexpr double kThin = 1e-4;  ///< height over length below which a quad counts as none
 constexpr double kSteep = 4;    ///< largest weight of a stencil over that of a grid of squares
 constexpr double kConvex = 2;   ///< largest share of a corner in the twist of a convex quad
+/// Sine of the angle between a quad's mean edges below which it is weakened, by its third power. Across such a quad
+/// strain is the square of a sample's way over next to nothing, and a single one would let no line search go on.
+constexpr double kOpen = 0.2;
+/// Share of the moduli that resists uneven strain on the finest level of a cloth that is curved at rest, and the bound
+/// of the smoother's eigenvalues that goes with it. With all of it a sample has five lengths to keep and three ways to
+/// go, so that folds which cross the lines of the grid lock (docs/cloth.md). Coarse levels keep all of it: their uneven
+/// strain stands for even strain of the finest quads.
+constexpr float kUneven = 0.05f, kHighest = 4;
 
 double length(Double3 v) noexcept {
     return std::sqrt(dot(v, v));
@@ -94,6 +102,8 @@ double measure_quads(Level& l, double density) noexcept {
             if (on.saddle != nullptr) on.saddle[k] = static_cast<float>(dot(h, cross(u, v)) / (lu * height));
             total += area;
             for (const Spot s : {k, k + n, k + 1, k + n + 1}) on.mass[s] += static_cast<float>(density * area / 4);
+            const double open = height / (kOpen * length(v));
+            if (open < 1) on.area[k] *= static_cast<float>(open * open * open);
         }
     return total;
 }
@@ -388,7 +398,10 @@ bool measure_level(ClothImpl& c, std::uint32_t at, std::uint32_t classes, const 
                    const Array<float>& stiffness) noexcept {
     Level& l = c.level[at];
     const Fabric& f = c.options.fabric;
-    l.on.moduli = {f.warp, f.weft, f.cross, f.shear};
+    const bool loose = at == 0 && l.on.u_curved != nullptr;
+    const float uneven = (loose ? kUneven : 1) / 12;
+    if (loose) c.highest = kHighest;
+    l.on.moduli = {f.warp, f.weft, f.cross, f.shear, uneven * f.warp, uneven * f.weft};
     l.on.plate = f.bending;
     const double area = measure_quads(l, f.density);
     finish_level(l, stiffness, 1e-6 * double{f.density} * area / static_cast<double>(std::size_t{l.rows} * l.cols));

@@ -247,6 +247,26 @@ void mend_length(PhysicsImpl& p, Search& s) noexcept {
     p.unsure += by * by * bend;
 }
 
+/// Puts samples that the search has let into obstacles back onto them. In this step the impact pays for it; later, when
+/// multipliers would lift them out, the body may be slower than that takes. Tools push by multipliers alone, so that
+/// their forces are what they feel. @return any were
+bool put_out(PhysicsImpl& p) noexcept {
+    const Array<Touching>& list = p.touching[p.touching_now];
+    bool any = false;
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) {
+        const Touching& t = list[k];
+        if (is_tool(t)) continue;
+        const float* d[3] = {p.delta.p[0] + t.sample, p.delta.p[1] + t.sample, p.delta.p[2] + t.sample};
+        const double gap = t.gap + dot(t.normal, Double3{double{*d[0]}, double{*d[1]}, double{*d[2]}});
+        if (!(gap < 0)) continue;
+        any = true;
+        const double out[3] = {gap * t.normal.x, gap * t.normal.y, gap * t.normal.z};
+        for (int c = 0; c < 3; ++c) p.delta.p[c][t.sample] -= static_cast<float>(out[c]);
+    }
+    if (any) share_copies(p.fine(), p.delta);
+    return any;
+}
+
 double inertia_of(const PhysicsImpl& p) noexcept {
     const Level& l = p.fine();
     double sum = 0;
@@ -302,11 +322,13 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
         take_pressure(p, v);
     }
     mend_length(p, s);
+    const bool moved = put_out(p);
     report.volume_error = restore_volume(p, v);
     const double left = unbalanced(p);
     report.residual = first > 0 ? left / first : 0;
     report.pressure = v.on ? p.pressure : 0;
-    const double elastic = s.smooth - inertia_of(p);
+    const double elastic = moved ? evaluate(p).elastic : s.smooth - inertia_of(p);
+    if (moved) p.unsure = 0;
     const bool sound = std::isfinite(elastic) && std::isfinite(left) && std::isfinite(report.volume_error);
     if (sound) p.elastic = elastic;
     return sound;

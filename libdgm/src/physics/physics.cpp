@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "physics/physics_impl.h"
 
@@ -187,6 +188,7 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
             moving += mass * v * v;
         }
     p.at_rest = 0.5 * sum / (dt * dt);
+    p.elastic_before = p.elastic;
     p.energy_before = p.elastic + 0.5 * moving;
     p.driven = false;
     if (kFactors) p.few_held = o.pins.empty();
@@ -235,6 +237,29 @@ double slow_down(PhysicsImpl& p, double kinetic, double wanted) noexcept {
     return drift.energy + left;
 }
 
+/// Takes so much of the step's way back, which is in `before`, that energy has not risen: by halves, then all of it.
+/// work: of gravity, on the whole way; most: kinetic energy of all of it
+void shorten(PhysicsImpl& p, double work, double most, StepReport& report) noexcept {
+    constexpr int kTries = 5;
+    double by = 1;
+    for (int tries = 0; tries <= kTries; ++tries) {
+        const double less = tries < kTries ? 0.5 * by : by;
+        by -= less;
+        for (int c = 0; c < 3; ++c)
+            for (std::uint32_t k = 0; k < p.total; ++k) {
+                const double d = double{p.before.p[c][k]};
+                p.at[c][k] -= less * d;
+                p.velocity.p[c][k] = static_cast<float>(by * d / double{p.options.dt});
+            }
+        p.elastic = by > 0 ? evaluate(p).elastic : p.elastic_before;
+        report.kinetic = by * by * most;
+        const double left = p.energy_before + by * work - p.elastic;
+        if (!(left >= 0)) continue;
+        if (report.kinetic > left) report.kinetic = slow_down(p, report.kinetic, left);
+        return;
+    }
+}
+
 /// The step's displacement becomes part of the shape, or is thrown away.
 void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& report) noexcept {
     const Level& l = p.fine();
@@ -257,10 +282,15 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     report.kinetic = kinetic / 2;
     // A search that has not converged may leave more energy than there was.
     const double most = p.energy_before + work - report.kinetic;
+    const bool guarded = keep && outside(p) != Outside::Moving && (p.elastic + p.unsure > most || p.elastic < 0);
+    std::swap(p.before, p.delta);
     for (float* f : p.delta.p) std::fill(f, f + l.count(), 0.0f);
-    if (keep && outside(p) != Outside::Moving && (p.elastic + p.unsure > most || p.elastic < 0)) {
+    if (guarded) {
         p.elastic = evaluate(p).elastic;
         if (p.elastic > most) report.kinetic = slow_down(p, report.kinetic, report.kinetic + most - p.elastic);
+        // What an impact has left in the multipliers pushes for a step or two; and a search may not have converged.
+        if (p.elastic > p.energy_before + work && outside(p) == Outside::Obstacles)
+            shorten(p, work, kinetic / 2, report);
     }
     report.elastic = p.elastic;
     release_pins(p, o.pins);

@@ -38,6 +38,10 @@ struct Scene {
     std::uint32_t count = 0;
 };
 
+[[nodiscard]] inline bool is_tool(const Touching& t) noexcept {
+    return t.obstacle < Scene::kMost;
+}
+
 /// Place of a sample relative to the tool that grasps it.
 struct Grasped {
     std::uint32_t sample, tool;
@@ -111,6 +115,7 @@ struct PhysicsImpl {
     bool few_held = true;        ///< no pins, and few samples are pressed or grasped
     double unsure = 0;           ///< of `elastic`: at most about so much below what evaluate() would find
     double energy_before = 0;    ///< kinetic and elastic, at the start of the step
+    double elastic_before = 0;   ///< J, at the start of the step
     double at_rest = 0;          ///< inertial part of the potential without displacement in this step
 
     [[nodiscard]] physics::Level& fine() noexcept { return solver.level[0]; }
@@ -165,7 +170,8 @@ void take_holds(PhysicsImpl& p) noexcept;
 /// What acts on a body in a step.
 enum class Outside : std::uint8_t {
     Nothing,
-    AtRest,  ///< obstacles and tools that are as in the step before: they do no work
+    Obstacles,  ///< those that are as in the step before: they do no work
+    AtRest,     ///< tools, too
     Moving
 };
 [[nodiscard]] Outside outside(const PhysicsImpl& p) noexcept;

@@ -213,7 +213,10 @@ Outside outside(const PhysicsImpl& p) noexcept {
     const Array<Touching>& list = p.touching[p.touching_now];
     Outside found = Outside::Nothing;
     for (std::uint32_t k = 0; k < p.touching_count; ++k)
-        if (list[k].met) found = std::max(found, list[k].moves ? Outside::Moving : Outside::AtRest);
+        if (list[k].met)
+            found = std::max(found, list[k].moves      ? Outside::Moving
+                                    : is_tool(list[k]) ? Outside::AtRest
+                                                       : Outside::Obstacles);
     return found;
 }
 
