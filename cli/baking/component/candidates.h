@@ -104,7 +104,8 @@ class Contest {
     [[nodiscard]] bool wins_challenge(Entry& entry, Candidate& candidate, const model::Progress& progress);
     [[nodiscard]] bool beats_best(Entry& entry, Candidate& candidate, bool will_be_fitted,
                                   const model::Progress& progress);
-    [[nodiscard]] bool wins_fitted(Entry& entry, Candidate& candidate, const model::Progress& progress);
+    /// @param clearly  as fit_trials()
+    [[nodiscard]] bool wins_fitted(Entry& entry, Candidate& candidate, double clearly, const model::Progress& progress);
 
     const TriMesh& component_;
     CutKind cut_;

@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "geometry/fit/inverted_faces.h"
+#include "geometry/mesh/triangle.h"
 
 namespace dgm::bake {
 namespace {
@@ -50,6 +52,30 @@ class NewEdges {
     std::set<std::pair<std::uint32_t, std::uint32_t>> fresh_;
 };
 
+/// The points over each quad, in the order of the matches.
+class PointsOfQuads {
+ public:
+    PointsOfQuads(const WeldedGrid& grid, const Matches& matches) : first_(grid.face_of_quad.size() + 2, 0) {
+        const std::vector<std::uint32_t> quad_of_face = quads_of_faces(grid);
+        const auto each = [&](const auto& body) {
+            for (std::uint32_t k = 0; k < matches.points.size(); ++k)
+                if (const std::uint32_t face = matches.points[k].hit.face; face < quad_of_face.size())
+                    body(quad_of_face[face], k);
+        };
+        each([&](std::uint32_t quad, std::uint32_t) { ++first_[quad + 2]; });
+        for (std::size_t q = 2; q < first_.size(); ++q) first_[q] += first_[q - 1];
+        points_.resize(first_.back());
+        each([&](std::uint32_t quad, std::uint32_t k) { points_[first_[quad + 1]++] = k; });
+    }
+
+    [[nodiscard]] std::span<const std::uint32_t> of(std::size_t quad) const {
+        return std::span(points_).subspan(first_[quad], first_[quad + 1] - first_[quad]);
+    }
+
+ private:
+    std::vector<std::uint32_t> first_, points_;
+};
+
 /// True if fewer of a quad's triangles are inverted by this diagonal than by the other.
 bool turns_less(const SampledChart& chart, const ClosestPointIndex& source, std::uint32_t i, std::uint32_t j,
                 unsigned diagonal) {
@@ -73,41 +99,40 @@ std::vector<char> fit_diagonals(SampledChart& chart, const WeldedGrid& grid, con
                                 const LinkedSurface& source) {
     const std::uint32_t m = chart.m, n = chart.n;
     grid.write_positions(chart);
-    const std::vector<std::uint32_t> quad_of_face = quads_of_faces(grid);
-    const auto corners = [&](const Face& t) {
-        return std::array{chart.positions[t[0]], chart.positions[t[1]], chart.positions[t[2]]};
+    const PointsOfQuads points(grid, matches);
+    const auto triangle = [&](const Face& t) {
+        return PreparedTriangle({chart.positions[t[0]], chart.positions[t[1]], chart.positions[t[2]]});
     };
-    std::vector<std::array<double, 2>> sums(grid.face_of_quad.size(), {0, 0});
-    std::array<double, 3> ignored;
-    for (const Match& match : matches.points) {
-        if (match.hit.face >= quad_of_face.size()) continue;
-        const std::uint32_t quad = quad_of_face[match.hit.face], i = quad / (n - 1), j = quad % (n - 1);
-        const unsigned other = !chart.diagonals[quad];
-        const auto t = quad_triangles(i, j, n, other);
-        sums[quad][!other] += match.hit.squared;
-        sums[quad][other] += std::min(closest_on_triangle(match.position, corners(t[0]), ignored),
-                                      closest_on_triangle(match.position, corners(t[1]), ignored));
-    }
     std::vector<char> wanted(grid.face_of_quad.size(), 0);
     tbb::parallel_for(std::uint32_t{0}, m - 1, [&](std::uint32_t i) {
         for (std::uint32_t j = 0; j + 1 < n; ++j) {
             const std::size_t quad = std::size_t{i} * (n - 1) + j, a = std::size_t{i} * n + j;
             const std::uint32_t face = grid.face_of_quad[quad];
             if (face == kNone) continue;
+            const std::uint8_t old = chart.diagonals[quad];
+            const bool old_bad = splits_badly(chart, i, j, old), other_bad = splits_badly(chart, i, j, !old);
+            wanted[quad] = old_bad && !other_bad;
+            if (old_bad != other_bad || other_bad) continue;
+            // The other split is looked at as far as it may gain.
+            double before = 0, after = 0;
+            for (const std::uint32_t k : points.of(quad)) before += matches.points[k].hit.squared;
             const std::uint32_t start = matches.middles[face].hit.face;
             const auto off = [&](std::size_t from, std::size_t to) {
                 const Vec3d middle = (chart.positions[from] + chart.positions[to]) * 0.5;
                 return kMiddleWeight * walk_to_closest(source, middle, start).squared;
             };
-            const auto with_middle = [&](unsigned diagonal) {
-                return sums[quad][diagonal] + (diagonal == 0 ? off(a, a + n + 1) : off(a + n, a + 1));
+            const auto middle = [&](unsigned diagonal) {
+                return diagonal == 0 ? off(a, a + n + 1) : off(a + n, a + 1);
             };
-            const std::uint8_t old = chart.diagonals[quad];
-            const bool old_bad = splits_badly(chart, i, j, old), other_bad = splits_badly(chart, i, j, !old);
-            wanted[quad] = old_bad;
-            if (old_bad != other_bad) continue;
-            const double before = other_bad ? 0 : with_middle(old);  // the other middle is looked up where it may gain
-            wanted[quad] = !other_bad && sums[quad][!old] < before && with_middle(!old) < before;
+            before += middle(old);
+            const auto split = quad_triangles(i, j, n, !old);
+            const std::array other{triangle(split[0]), triangle(split[1])};
+            for (const std::uint32_t k : points.of(quad)) {
+                const Vec3d& p = matches.points[k].position;
+                after += std::min(other[0].squared_distance(p), other[1].squared_distance(p));
+                if (!(after < before)) break;
+            }
+            wanted[quad] = after < before && after + middle(!old) < before;
         }
     });
     std::vector<char> changed(grid.surface.faces.size(), 0);

@@ -2,7 +2,11 @@
 // cli/geometry/fit/fit.cpp
 #include "geometry/fit/fit.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -107,31 +111,54 @@ bool lower_mean_once(FitState& fit, bool guarded) {
     return fit.take_back(before, [&] { return without(fit.inverted.doubtful_faces(fit.matches, kEndUpright), left); });
 }
 
+/// The rounds for the mean error, which may be done in parts.
+class MeanRounds {
+ public:
+    MeanRounds(FitState& fit, const Plan& plan, FitReport& report) : fit_(fit), plan_(plan), report_(report) {
+        if (plan.options.split_quads) fit.split_quads();
+        if (fit.sliding.occupy_corners()) fit.matches.update(false);
+        if (repair_by_vertex(fit.source, fit.grid, fit.matches, fit.fixed, kStartUpright)) fit.matches.update(false);
+        fit.keep();
+    }
+
+    /// Goes on until so many rounds are done, or they gain nothing.
+    void run(int rounds) {
+        for (; round_ < rounds && gained_ + gained_before_ > kGainOfRounds && !fit_.is_spent(); ++round_) {
+            plan_.begin_round(round_);
+            if (plan_.options.split_quads && round_ % 2 == 0) fit_.split_quads();
+            kept_ = lower_mean_once(fit_, plan_.options.guarded) && fit_.matches.rms < fit_.kept.rms;
+            gained_before_ = gained_;
+            gained_ = std::max(0.0, 1 - fit_.matches.rms / fit_.kept.rms);
+            if (!kept_) {
+                fit_.rest();
+                continue;
+            }
+            fit_.keep();
+            ++report_.rounds;
+        }
+    }
+
+    /// The grid lies in the best state.
+    void finish() {
+        if (kept_ && plan_.options.worst_rounds <= 0) return;
+        fit_.restore();
+        fit_.matches.update(false);
+    }
+
+ private:
+    FitState& fit_;
+    const Plan& plan_;
+    FitReport& report_;
+    int round_ = 0;
+    bool kept_ = true;
+    double gained_ = 1, gained_before_ = 1;
+};
+
 /// The rounds for the mean error. The grid lies in the best state afterwards.
 void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
-    const FitOptions& options = plan.options;
-    if (options.split_quads) fit.split_quads();
-    if (fit.sliding.occupy_corners()) fit.matches.update(false);
-    if (repair_by_vertex(fit.source, fit.grid, fit.matches, fit.fixed, kStartUpright)) fit.matches.update(false);
-    fit.keep();
-    bool kept = true;
-    double gained = 1, gained_before = 1;
-    for (int round = 0; round < options.rounds && gained + gained_before > kGainOfRounds && !fit.is_spent(); ++round) {
-        plan.begin_round(round);
-        if (options.split_quads && round % 2 == 0) fit.split_quads();
-        kept = lower_mean_once(fit, options.guarded) && fit.matches.rms < fit.kept.rms;
-        gained_before = gained;
-        gained = std::max(0.0, 1 - fit.matches.rms / fit.kept.rms);
-        if (!kept) {
-            fit.rest();
-            continue;
-        }
-        fit.keep();
-        ++report.rounds;
-    }
-    if (kept && options.worst_rounds <= 0) return;
-    fit.restore();
-    fit.matches.update(false);
+    MeanRounds rounds(fit, plan, report);
+    rounds.run(plan.options.rounds);
+    rounds.finish();
 }
 
 /// Samples go to edges that the rounds have left faces across, and a few rounds follow. The grid lies in the best state
@@ -325,18 +352,73 @@ FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model:
     return report;
 }
 
+namespace {
+
+FitOptions trial_options() {
+    FitOptions out;
+    out.points_per_sample = kTrialPoints;
+    return out;
+}
+
+/// A trial fit while it goes on.
+class TrialRounds {
+ public:
+    TrialRounds(SampledChart& chart, const model::Progress& progress)
+        : chart_(chart), start_(placement_of(chart)), plan_{options_, progress}, fit_(chart, options_) {
+        fit_.matches.update(false);
+        out_.start_rms = fit_.matches.rms;
+        rounds_.emplace(fit_, plan_, report_);
+        rounds_->run(1);
+        out_.first_rms = fit_.kept.rms;
+    }
+    [[nodiscard]] double first_rms() const { return out_.first_rms; }
+    void run_all() { rounds_->run(options_.rounds); }
+    /// The chart is as before afterwards.
+    [[nodiscard]] TrialFit result() && {
+        rounds_->finish();
+        write_chart(fit_);
+        swap_placement(chart_, start_);
+        out_.placement = std::move(start_);
+        out_.rms = fit_.kept.rms;
+        return std::move(out_);
+    }
+
+ private:
+    SampledChart& chart_;
+    Placement start_;
+    FitOptions options_ = trial_options();
+    Plan plan_;
+    FitState fit_;
+    FitReport report_;
+    std::optional<MeanRounds> rounds_;
+    TrialFit out_;
+};
+
+}  // namespace
+
 TrialFit trial_fit(SampledChart& chart, const model::Progress& progress) {
-    Placement placement = placement_of(chart);
-    FitOptions options;
-    options.points_per_sample = kTrialPoints;
-    FitState fit(chart, options);
-    fit.matches.update(false);
-    const double start_rms = fit.matches.rms;
-    FitReport report;
-    lower_mean(fit, {options, progress}, report);
-    write_chart(fit);
-    swap_placement(chart, placement);
-    return {std::move(placement), start_rms, fit.kept.rms};
+    TrialRounds rounds(chart, progress);
+    rounds.run_all();
+    return std::move(rounds).result();
+}
+
+void fit_trials(const std::array<TrialOf, 2>& trials, double clearly, const model::Progress& progress) {
+    const model::Progress silent{{}, progress.cancelled};  // one of two threads reports
+    std::array<std::optional<TrialRounds>, 2> rounds;
+    std::array<double, 2> first{};
+    const auto begin = [&](std::size_t k) {
+        if (!trials[k].fit)
+            first[k] = rounds[k].emplace(trials[k].chart, k == 0 ? progress : silent).first_rms();
+        else
+            first[k] = trials[k].fit->first_rms;
+    };
+    const auto end = [&](std::size_t k) {
+        if (!rounds[k]) return;
+        if (!(first[k] > clearly * first[1 - k])) rounds[k]->run_all();
+        trials[k].fit = std::move(*rounds[k]).result();
+    };
+    tbb::parallel_invoke([&] { begin(0); }, [&] { begin(1); });
+    tbb::parallel_invoke([&] { end(0); }, [&] { end(1); });
 }
 
 }  // namespace dgm::bake

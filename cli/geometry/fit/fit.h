@@ -6,6 +6,7 @@
 // surfaces by Gauss-Newton steps whose rows are the distances to tangent planes [Chen, Medioni 1992]: nothing holds a
 // sample along the surface but a small damping, so the grid gathers and aligns its edges where the error is.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -80,10 +81,21 @@ struct Placement {
 struct TrialFit {
     Placement placement;
     double start_rms = 0, rms = 0;  ///< normalised units, over the points of the trial
+    double first_rms = 0;           ///< after the first round
 };
 
 /// @param chart  fitted in its place, and as before afterwards
 [[nodiscard]] TrialFit trial_fit(SampledChart& chart, const model::Progress& progress);
+
+/// A chart and its trial fit, if there is one already.
+struct TrialOf {
+    SampledChart& chart;
+    std::optional<TrialFit>& fit;
+};
+
+/// Makes the trial fits of two charts of one component that lack one. A chart whose error is more than `clearly` times
+/// the other one's after the first round gets no further rounds.
+void fit_trials(const std::array<TrialOf, 2>& trials, double clearly, const model::Progress& progress);
 
 /// Fits `chart.positions` and `chart.diagonals`; the copies of a class move as one unknown, samples on the source's
 /// real border slide along it and stay on its corners (border_rails.h), and a step is shortened where it would invert a

@@ -24,6 +24,7 @@ void RingError::set_split(std::uint32_t c, const Vec3d& position, std::size_t k,
         split.thickness = std::min(split.thickness, longest > 0 ? length(split.normals[f]) / longest : 0);
     }
     if (!(split.thickness >= thickness)) split.count = 0;
+    for (int f = 0; f < split.count; ++f) split.prepared[f] = PreparedTriangle(split.corners[f]);
 }
 
 /// Looks up the middles of a split's faces.
@@ -78,7 +79,6 @@ bool RingError::gather(double limit) {
     squared_.clear();
     weights_.clear();
     for (std::size_t k = 0; k < cells_.size(); ++k) set_box(k);
-    std::array<double, 3> ignored{};
     double least_sum = 0;
     for (std::size_t own = 0; own < cells_.size(); ++own)
         for (const std::uint32_t point : around_.points[cells_[own]]) {
@@ -92,7 +92,7 @@ bool RingError::gather(double limit) {
                     const Split& split = splits_[k][d];
                     double& here = squared_[row + 2 * k + d];
                     for (int f = 0; f < split.count; ++f)
-                        here = std::min(here, closest_on_triangle(m.position, split.corners[f], ignored));
+                        here = std::min(here, split.prepared[f].squared_distance(m.position));
                     least = std::min(least, here);
                     if (split.count > 0) most = std::max(most, here);
                 }

@@ -9,6 +9,7 @@
 
 #include "geometry/fit/grid_cells.h"
 #include "geometry/fit/matches.h"
+#include "geometry/mesh/triangle.h"
 
 namespace dgm::bake {
 
@@ -54,6 +55,7 @@ class RingError {
     /// A cell split one way.
     struct Split {
         std::array<std::array<Vec3d, 3>, 2> corners;
+        std::array<PreparedTriangle, 2> prepared;
         std::array<Vec3d, 2> normals;       // of length twice the area
         int count = 0;                      // 0: not possible
         double error = -1;                  // of its faces, back to the source; below 0: not looked up yet

@@ -88,6 +88,48 @@ inline double closest_on_triangle(const Vec3d& p, const std::array<Vec3d, 3>& q,
     return best;
 }
 
+/// A triangle that many points are measured to: the squared distances of closest_on_triangle(), bit for bit.
+class PreparedTriangle {
+ public:
+    PreparedTriangle() = default;
+    explicit PreparedTriangle(const std::array<Vec3d, 3>& q)
+        : a_(q[0]),
+          b_(q[1]),
+          e0_(q[1] - q[0]),
+          e1_(q[2] - q[0]),
+          e2_(q[2] - q[1]),
+          g00_(dot(e0_, e0_)),
+          g01_(dot(e0_, e1_)),
+          g11_(dot(e1_, e1_)),
+          g22_(dot(e2_, e2_)),
+          det_(g00_ * g11_ - g01_ * g01_) {}
+
+    [[nodiscard]] double squared_distance(const Vec3d& p) const {
+        const Vec3d d = p - a_;
+        const double r0 = dot(e0_, d), r1 = dot(e1_, d), s = g11_ * r0 - g01_ * r1, t = g00_ * r1 - g01_ * r0;
+        if (det_ > 0 && s >= 0 && t >= 0 && s + t <= det_) {
+            const Vec3d r = d - e0_ * (s / det_) - e1_ * (t / det_);
+            return dot(r, r);
+        }
+        double best = INFINITY;
+        if (!(t > 0) || !(det_ > 0)) best = std::min(best, to_segment(d, e0_, g00_));
+        if (!(s > 0) || !(det_ > 0)) best = std::min(best, to_segment(d, e1_, g11_));
+        if (!(s + t < det_) || !(det_ > 0)) best = std::min(best, to_segment(p - b_, e2_, g22_));
+        return best;
+    }
+
+ private:
+    /// @param v  from the segment's start to the point
+    static double to_segment(const Vec3d& v, const Vec3d& e, double squared_length) {
+        const double t = squared_length > 0 ? std::clamp(dot(v, e) / squared_length, 0.0, 1.0) : 0.0;
+        const Vec3d r = v - e * t;
+        return dot(r, r);
+    }
+
+    Vec3d a_, b_, e0_, e1_, e2_;
+    double g00_ = 0, g01_ = 0, g11_ = 0, g22_ = 0, det_ = 0;
+};
+
 /// Some unit vector at right angles to `v`; the same for the same `v`.
 [[nodiscard]] inline Vec3d any_perpendicular(const Vec3d& v) {
     return normalized(cross(v, std::abs(v.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "geometry/chart/square_chart.h"
@@ -17,9 +18,11 @@
 #include "geometry/fit/normal_equations.h"
 #include "geometry/fit/search_repair.h"
 #include "geometry/fit/sliding.h"
+#include "geometry/mesh/triangle.h"
 #include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/repair/repair.h"
+#include "sheet_chart.h"
 #include "support/meshes.h"
 
 namespace dgm::bake {
@@ -128,6 +131,20 @@ TEST(LinkedSurface, ClosestPointOfATriangleInEachRegion) {
     EXPECT_DOUBLE_EQ(b[0], 1);
     const std::array<Vec3d, 3> flat{Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{3, 0, 0}};  // no area
     EXPECT_DOUBLE_EQ(closest_on_triangle({2, 1, 0}, flat, b), 1);
+}
+
+TEST(PreparedTriangle, HasTheSquaredDistancesOfClosestOnTriangleBitForBit) {
+    const std::array<std::array<Vec3d, 3>, 3> triangles{{{{{0.1, 0, 0.2}, {1, 0.3, 0}, {0.2, 1.1, 0.4}}},
+                                                         {{{0, 0, 0}, {1, 0, 0}, {0.5, 1e-9, 0}}},
+                                                         {{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}}}};
+    for (const auto& q : triangles) {
+        const PreparedTriangle prepared(q);
+        for (int k = 0; k < 343; ++k) {
+            const Vec3d p{k % 7 / 2.3 - 1, k / 7 % 7 / 2.1 - 1, k / 49 / 1.9 - 1};
+            std::array<double, 3> b{};
+            EXPECT_EQ(prepared.squared_distance(p), closest_on_triangle(p, q, b)) << k;
+        }
+    }
 }
 
 /// A ball's distance has one local minimum for points outside it, so a walk must find what trying all faces finds.
@@ -342,6 +359,32 @@ TEST(Fit, SlidesToWhereTheErrorIs) {
         return count;
     };
     EXPECT_GT(beyond(fitted), beyond(c.chart));
+}
+
+/// The same sheet, sampled well and badly: the bad one is far behind after a round.
+TEST(FitTrials, EndTheOneThatIsClearlyBehindAfterARound) {
+    const auto sheet = [] {
+        return fit_test::sheet_chart(17, 24, [](double x, double y) { return 0.3 * x * x + y * y; });
+    };
+    SampledChart good = sheet(), bad = sheet();
+    for (std::size_t s = 0; s < bad.positions.size(); ++s)
+        if (bad.representative[s] == s && s / 17 % 16 != 0 && s % 17 % 16 != 0)
+            bad.positions[s].z += s % 2 ? 0.02 : -0.02;
+    const std::vector<Vec3d> before = bad.positions;
+    std::optional<TrialFit> first, second;
+    fit_trials({{{good, first}, {bad, second}}}, 1.15, {});
+    EXPECT_EQ(bad.positions, before);
+    EXPECT_GT(second->first_rms, 1.15 * first->first_rms);
+    EXPECT_EQ(second->rms, second->first_rms);
+    EXPECT_LT(first->rms, first->first_rms);
+    const TrialFit alone = trial_fit(good, {});
+    EXPECT_EQ(first->placement.positions, alone.placement.positions);
+    EXPECT_EQ(first->rms, alone.rms);
+    // Without a bound both go on to the end, from the trial that is there already.
+    second.reset();
+    fit_trials({{{good, first}, {bad, second}}}, 1e9, {});
+    EXPECT_EQ(first->rms, alone.rms);
+    EXPECT_LT(second->rms, second->first_rms);
 }
 
 TEST(Fit, MendsFacesThatTheStartTurns) {
