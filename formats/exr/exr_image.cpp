@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <exception>
+#include <new>
 #include <string>
 #include <system_error>
 
@@ -45,7 +46,8 @@ void write_exr_image(const fs::path& path, std::uint32_t width, std::uint32_t he
     } catch (const std::exception& e) {
         std::error_code error;
         if (fs::is_regular_file(path, error)) fs::remove(path, error);
-        throw_exr_failure(e, path);
+        if (dynamic_cast<const std::bad_alloc*>(&e) != nullptr) throw;
+        throw exr_failure(e, path);
     }
 }
 

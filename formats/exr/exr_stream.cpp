@@ -5,7 +5,6 @@
 #include <ImfMultiPartInputFile.h>
 
 #include <cerrno>
-#include <new>
 #include <string>
 #include <system_error>
 
@@ -15,11 +14,10 @@
 
 namespace dgm::formats {
 
-void throw_exr_failure(const std::exception& caught, const std::filesystem::path& path) {
-    if (dynamic_cast<const std::bad_alloc*>(&caught) != nullptr) throw;
+model::Error exr_failure(const std::exception& caught, const std::filesystem::path& path) {
     const auto* system = dynamic_cast<const std::system_error*>(&caught);
-    throw model::Error(system != nullptr ? write_failure(system->code().value()) : model::codes::kWriteFailed,
-                       std::string("OpenEXR: ") + caught.what(), path.string());
+    return {system != nullptr ? write_failure(system->code().value()) : model::codes::kWriteFailed,
+            std::string("OpenEXR: ") + caught.what(), path.string()};
 }
 
 ExrStream::ExrStream(const std::filesystem::path& path)

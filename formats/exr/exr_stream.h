@@ -13,9 +13,8 @@
 
 namespace dgm::formats {
 
-/// For what was caught while `path` was written: a lack of memory goes on as it is.
-/// @throws std::bad_alloc; model::Error with write_failure()
-[[noreturn]] void throw_exr_failure(const std::exception& caught, const std::filesystem::path& path);
+/// What was caught while `path` was written, but for a lack of memory, which goes on as it is: with write_failure().
+[[nodiscard]] model::Error exr_failure(const std::exception& caught, const std::filesystem::path& path);
 
 class ExrStream : public Imf::OStream {
  public:

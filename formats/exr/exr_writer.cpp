@@ -241,7 +241,8 @@ void write_file(const fs::path& path, const PlannedFile& file, const MapSet& map
         stream.finish();
     } catch (const std::exception& e) {
         remove_file(path);
-        throw_exr_failure(e, path);
+        if (dynamic_cast<const std::bad_alloc*>(&e) != nullptr) throw;
+        throw exr_failure(e, path);
     }
 }
 

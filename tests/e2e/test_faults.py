@@ -282,7 +282,7 @@ class Faults(support.Folder):
     def test_validation_ends_where_no_copy_of_it_can_begin(self):
         case = next(case for case in all_cases(long=True) if case.name == "validate")
         place = Place(self.folder / case.name, case)
-        for fault in ("map:2:on", "map:3:on"):
+        for fault in ("map:3:on", "map:4:on"):
             run = place.run(fault)
             self.assertEqual((run.code, broken_laws(place, fault, run)), (75, []), run.text)
             self.assertIn("could not begin", run.text)

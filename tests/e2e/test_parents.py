@@ -119,7 +119,7 @@ class Bounds(Parents):
         self.ball()
         result = subprocess.run(["sh", "-c", 'ulimit -n 6; exec "$0" "$@"', support.BAKE, "ball.obj", *SIZE],
                                 cwd=self.folder, capture_output=True, text=True, timeout=60)
-        self.code(result, 75, 9007)
+        self.code(result, 75, 5007)
 
     @unittest.skipIf(support.SANITIZED, "the address sanitizer needs unlimited address space")
     def test_little_memory_is_no_internal_error(self):

@@ -24,11 +24,12 @@ constexpr double kRefitGain = 2e-3;        // in rms, of two rounds, to go on
 
 /// Some seconds. Over walls thinner than a cell a face is upright once its middle is nearer to the wall that it stands
 /// for.
-SearchEffort long_search(double rms) {
+SearchEffort long_search(double rms, std::size_t tries) {
     // In rms, so that what is tried for one face costs no more than many others have.
     constexpr double kUnit = 10, kLeastUnit = 1e-6;
     SearchEffort out;
-    out.most_tries = 400'000;
+    constexpr std::size_t kMostInOneSearch = 400'000;
+    out.tries = std::min(tries, kMostInOneSearch);
     out.unit = std::max(kUnit * rms, kLeastUnit);
     out.lift = 0.5;
     return out;
@@ -155,7 +156,7 @@ std::vector<char> LocalRepair::held_while_searching(const std::vector<std::uint3
 
 SearchEffort LocalRepair::search_effort() const {
     if (!is_at_a_price()) return {};
-    SearchEffort out = long_search(fit_.kept.rms);
+    SearchEffort out = long_search(fit_.kept.rms, long_tries_);
     if (means_ == Means::kDearPlaces) out.unit = SearchEffort{}.unit;
     return out;
 }
@@ -165,9 +166,12 @@ SearchEffort LocalRepair::search_effort() const {
 bool LocalRepair::search_places(const std::vector<std::uint32_t>& left) {
     const std::vector<Vec3d> positions = fit_.grid.surface.positions;
     const std::vector<std::uint8_t> diagonals = fit_.chart.diagonals;
-    if (!repair_by_search(fit_.source, fit_.inverted.source_index(), fit_.grid, fit_.matches,
-                          held_while_searching(left), left, search_effort()))
-        return false;
+    SearchEffort effort = search_effort();
+    const std::size_t tries = effort.tries;
+    const bool found = repair_by_search(fit_.source, fit_.inverted.source_index(), fit_.grid, fit_.matches,
+                                        held_while_searching(left), left, effort);
+    if (is_at_a_price()) long_tries_ -= tries - effort.tries;
+    if (!found) return false;
     if (!fit_.flip_quads(inverted_now(), true)) fit_.matches.update(false);
     const bool cheap = is_at_a_price() || fit_.matches.rms <= kSearchPrice * fit_.kept.rms;
     if (cheap && inverted_now().size() < left.size()) return true;

@@ -55,6 +55,7 @@ class LocalRepair {
     std::size_t most_patch_effort_;
     std::optional<std::vector<std::uint32_t>> unrepaired_;  // inverted faces that the last repair has left
     std::size_t patch_effort_;
+    std::size_t long_tries_ = 800'000;  ///< that searches at a price may yet make
     Means means_ = Means::kCheap;
     bool nearly_ = false;  // repairs faces that rounding may invert, too
 };

@@ -84,11 +84,10 @@ class SearchRepair {
     }
 
     [[nodiscard]] std::uint64_t looked() const { return looked_; }
+    [[nodiscard]] std::size_t tries() const { return tries_; }
 
  private:
-    [[nodiscard]] bool has_effort() const {
-        return tries_ < effort_.most_tries && looked_ < Matches::kMostLooksOfRepair;
-    }
+    [[nodiscard]] bool has_effort() const { return tries_ < effort_.tries && looked_ < Matches::kMostLooksOfRepair; }
 
     struct Price {
         double value;
@@ -300,11 +299,11 @@ class SearchRepair {
 }  // namespace
 
 bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
-                      std::span<const char> fixed, std::span<const std::uint32_t> inverted,
-                      const SearchEffort& effort) {
+                      std::span<const char> fixed, std::span<const std::uint32_t> inverted, SearchEffort& effort) {
     if (inverted.size() > kMostFaces) return false;
     SearchRepair repair(source, index, grid, matches, fixed, effort);
     const bool moved = repair.run(inverted);
+    effort.tries -= std::min(effort.tries, repair.tries());
     matches.count_looks(repair.looked());
     return moved;
 }

@@ -10,8 +10,8 @@
 namespace dgm::bake {
 
 struct SearchEffort {
-    std::size_t most_tries = 40'000;  ///< in one call: some tenths of a second
-    double unit = 1;  ///< distance from the source that costs a share of an inverted face, a spacing at most
+    std::size_t tries = 40'000;  ///< at most, less by those that were made: some tenths of a second
+    double unit = 1;             ///< distance from the source that costs a share of an inverted face, a spacing at most
     double lift = 0;  ///< spacings of the grid by which samples may leave the source, to the side of their faces
 };
 
@@ -23,7 +23,6 @@ struct SearchEffort {
 /// @param index  of the source
 /// @return  true if a sample moved
 bool repair_by_search(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
-                      std::span<const char> fixed, std::span<const std::uint32_t> inverted,
-                      const SearchEffort& effort = {});
+                      std::span<const char> fixed, std::span<const std::uint32_t> inverted, SearchEffort& effort);
 
 }  // namespace dgm::bake

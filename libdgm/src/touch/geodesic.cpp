@@ -38,6 +38,11 @@ struct Turn {
     Vec2 apex{};  ///< the third corner
 };
 
+/// Everything between v and `far` is nearer by way of v [Xin, Wang 2009, section 3.3].
+[[nodiscard]] DGM_INLINE bool is_behind(float known, Vec2 v, Vec2 far, float offset) noexcept {
+    return known + length(far - v) < offset + length(far);
+}
+
 class Fan {
  public:
     /// Lengths in steps. Distances go to FootprintScratch::key.
@@ -124,11 +129,6 @@ class Fan {
         });
     }
 
-    /// Everything between v and `far` is nearer by way of v [Xin, Wang 2009, section 3.3].
-    [[nodiscard]] static bool is_behind(float known, Vec2 v, Vec2 far, float offset) noexcept {
-        return known + length(far - v) < offset + length(far);
-    }
-
     void cross_triangle(const Window& w) noexcept {
         const Across in = surface_.across(w.way);
         const Vec2 a{w.ax, w.ay}, e{w.ex, w.ey}, ac = surface_.to_third(in, e), c = a + ac, cb = e - ac;
@@ -176,7 +176,7 @@ class Fan {
     }
     /// Lines from a corner into the triangles around it, from the one that a way straight on goes into, until that of
     /// the other side, `far`, which is entered at `end`. @return whether it was met
-    bool shine(Turn t, int hand, Vec2 ray, float d, std::uint32_t end, const Turn& far) noexcept {
+    [[gnu::noinline]] bool shine(Turn t, int hand, Vec2 ray, float d, std::uint32_t end, const Turn& far) noexcept {
         float begin = meet(ray, facing(t, hand));
         for (int k = 0; t.way != kNone && k < kMostAround; ++k) {
             const Across at = surface_.across(t.way);

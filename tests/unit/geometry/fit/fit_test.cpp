@@ -419,8 +419,11 @@ TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
         surface.faces = grid.surface.faces;
         const std::vector<char> none(grid.sample_of.size(), 0);
         const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
-        const bool moved =
-            repair_by_search(source, index, grid, matches, held.empty() ? std::span<const char>(none) : held, turned);
+        SearchEffort effort;
+        const bool moved = repair_by_search(source, index, grid, matches,
+                                            held.empty() ? std::span<const char>(none) : held, turned, effort);
+        EXPECT_LE(effort.tries, SearchEffort{}.tries);
+        EXPECT_EQ(effort.tries < SearchEffort{}.tries, held.empty());
         EXPECT_EQ(moved, held.empty());
         SampledChart out = c.chart;
         grid.write_positions(out);

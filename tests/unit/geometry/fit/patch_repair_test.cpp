@@ -79,7 +79,8 @@ Result unfolded(const SampledChart& chart, bool held) {
     const std::vector<char> fixed = held ? std::vector<char>(grid.sample_of.size(), 1) : grid.on_border;
     const std::vector<std::uint32_t> faces = turned(grid.surface);
     out.start = faces.size();
-    repair_by_search(source, index, other, other_matches, fixed, faces);
+    SearchEffort tries;
+    repair_by_search(source, index, other, other_matches, fixed, faces, tries);
     out.searched = turned(other.surface).size();
     std::size_t effort = 100'000;
     out.moved = repair_by_patch(source, index, source.normals, grid, matches, fixed, faces, effort);
