@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "baking/materials.h"
 #include "baking/option_names.h"
 #include "batch/repeat_command.h"
 #include "batch/report_text.h"
+#include "worker/material_json.h"
 
 namespace dgm::bake {
 namespace {
@@ -34,10 +34,7 @@ json settings_json(const BakeOptions& options) {
     if (options.texture_bytes) out["texture_bytes"] = *options.texture_bytes;
     if (options.texel_length) out["texel_length"] = *options.texel_length;
     if (options.metres_per_unit) out["metres_per_unit"] = *options.metres_per_unit;
-    if (options.material) {
-        json& material = out["material"] = json::object();
-        for (const MaterialKey& key : kMaterialKeys) material[key.name] = *options.material.*key.field;
-    }
+    if (options.material) out["material"] = material_json(*options.material);
     if (!options.ablate.empty()) out["ablate"] = options.ablate;
     if (options.max_error)
         out["max_error"] = {{options.max_error->percent ? "percent" : "source_units", options.max_error->value},

@@ -12,6 +12,7 @@
 #include "baking/option_names.h"
 #include "model/codes.h"
 #include "process/worker_io.h"
+#include "worker/material_json.h"
 
 namespace dgm::bake {
 namespace {
@@ -86,10 +87,7 @@ json to_object(const BakeOptions& options) {
     if (options.texel_length) out["texel_length"] = *options.texel_length;
     if (options.metres_per_unit) out["metres_per_unit"] = *options.metres_per_unit;
     out["material_file"] = encode_path(options.material_file);
-    if (options.material) {
-        json& material = out["material"] = json::object();
-        for (const MaterialKey& key : kMaterialKeys) material[key.name] = *options.material.*key.field;
-    }
+    if (options.material) out["material"] = material_json(*options.material);
     out["ablate"] = options.ablate;
     json roots = json::array();
     for (const std::filesystem::path& root : options.asset_roots) roots.push_back(encode_path(root));

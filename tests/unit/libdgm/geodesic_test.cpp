@@ -216,6 +216,13 @@ TEST(Geodesic, SliversOfOneToFifty) {
     }
 }
 
+/// Distances from `contact` of samples in the xy plane.
+std::function<double(std::uint32_t)> in_plane(const PointView& rest, std::uint32_t contact) {
+    return [=](std::uint32_t k) {
+        return std::hypot(double{rest[k].x} - rest[contact].x, double{rest[k].y} - rest[contact].y);
+    };
+}
+
 /// A flat sheet in which a sample lies on its neighbour, or nearly so: triangles there have no width, and edges no
 /// direction.
 TEST(Geodesic, BesideSamplesInOnePlace) {
@@ -232,10 +239,7 @@ TEST(Geodesic, BesideSamplesInOnePlace) {
             const PointView rest = state.rest_positions();
             for (const auto& [i, j] : {std::array{12, 12}, {12 + di, 12 + dj}, {11, 12}, {12, 10}, {15, 14}, {6, 12}}) {
                 const std::uint32_t contact = static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j);
-                const auto flat = [&](std::uint32_t k) {
-                    return std::hypot(double{rest[k].x} - rest[contact].x, double{rest[k].y} - rest[contact].y);
-                };
-                EXPECT_LT(worst_weight(state, table, contact, flat), 0.02)
+                EXPECT_LT(worst_weight(state, table, contact, in_plane(rest, contact)), 0.02)
                     << gap << ' ' << di << dj << ": " << i << ' ' << j;
             }
         }
@@ -260,10 +264,7 @@ TEST(Geodesic, BesideABorderSampleOnTheGrid) {
             const PointView rest = state.rest_positions();
             for (const auto& [i, j] : {std::array{8, 3}, {8, 1}, {7, 2}, {9, 4}}) {
                 const std::uint32_t contact = static_cast<std::uint32_t>(i) * n + static_cast<std::uint32_t>(j);
-                const auto straight = [&](std::uint32_t k) {
-                    return std::hypot(double{rest[k].x} - rest[contact].x, double{rest[k].y} - rest[contact].y);
-                };
-                EXPECT_LT(worst_weight(state, table, contact, straight), 0.02)
+                EXPECT_LT(worst_weight(state, table, contact, in_plane(rest, contact)), 0.02)
                     << turn << ' ' << gap << ": " << i << ' ' << j;
             }
         }
