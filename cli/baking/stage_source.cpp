@@ -12,6 +12,7 @@
 #include "mesh/asset_folders.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "model/shortage.h"
 
 namespace dgm::bake {
 namespace {
@@ -162,7 +163,10 @@ MaterialImages load_images(std::span<const model::Material> materials, const std
         if (picture.empty()) return;
         try {
             into = read(picture);
-        } catch (const Error& e) { warnings.push_back("texture " + picture.name() + " left out: " + e.what()); }
+        } catch (const Error& e) {
+            if (model::may_pass(e)) throw;
+            warnings.push_back("texture " + picture.name() + " left out: " + e.what());
+        }
     };
     for (const model::Material& material : materials) {
         try_read(material.diffuse_map, formats::read_image, out.colour.emplace_back());

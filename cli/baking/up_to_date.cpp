@@ -20,6 +20,7 @@
 #include "mesh/source_inputs.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
+#include "model/shortage.h"
 
 namespace dgm::bake {
 namespace {
@@ -42,7 +43,10 @@ class InputHashes {
             const auto [place, is_new] = known_.try_emplace(file.identity());
             if (is_new) place->second = formats::to_hex(formats::hash_file(file, kMostBytes));
             return place->second;
-        } catch (const model::Error&) { return "unreadable"; }
+        } catch (const model::Error& error) {
+            if (model::may_pass(error)) throw;
+            return "unreadable";
+        }
     }
 
  private:
@@ -73,7 +77,10 @@ model::MapSet read_head(const fs::path& map) {
 std::vector<std::string> layers_in(const std::string& report_json) {
     try {
         return edited_layers(report_from_json(report_json));
-    } catch (const model::Error&) { return {}; }
+    } catch (const model::Error& error) {
+        if (model::may_pass(error)) throw;
+        return {};
+    }
 }
 
 /// The origin that a map names; of an EXR without layers.
@@ -145,7 +152,10 @@ std::vector<std::string> edited_layers(const fs::path& map) {
         std::error_code ignored;
         if (!is_map(map) || !fs::is_regular_file(map, ignored)) return {};
         return layers_in(read_head(map).report_json);
-    } catch (const model::Error&) { return {}; }
+    } catch (const model::Error& error) {
+        if (model::may_pass(error)) throw;  // a painted map would be baked over
+        return {};
+    }
 }
 
 std::optional<std::string> baked_from(const fs::path& map) {

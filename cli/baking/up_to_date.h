@@ -49,6 +49,7 @@ namespace dgm::bake {
 
 /// The layers that dgm-edit has put into a .dgm or .exr, each once, in their order of time: "stiffness", "texture".
 /// None for a map as it was baked and for what cannot be read. Not thread-safe: HDF5.
+/// @throws model::Error if the system failed for the moment (model::may_pass)
 [[nodiscard]] std::vector<std::string> edited_layers(const std::filesystem::path& map);
 [[nodiscard]] std::vector<std::string> edited_layers(const BakeReport& report);
 

@@ -13,6 +13,8 @@
 #include "baking/option_names.h"
 #include "batch/file_pattern.h"
 #include "dgm/hash.h"
+#include "files/folder_list.h"
+#include "files/io_failure.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
 #include "model/layer_names.h"
@@ -78,6 +80,7 @@ class Siblings {
             if (formats::has_mesh_extension(name) && name.native().front() != '.' && it->is_regular_file(ignored))
                 place->second[name.stem()].push_back(key_of(name));
         }
+        formats::check_look(error, folder);
         return place->second;
     }
 
@@ -89,30 +92,6 @@ fs::path folder_name(const fs::path& folder) {
     fs::path full = fs::absolute(folder, ignored).lexically_normal();
     if (!full.has_filename()) full = full.parent_path();
     return full.filename();
-}
-
-void sort_paths(std::vector<fs::path>& paths) {
-    std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
-}
-
-/// The relative paths of the files below `folder` that are no hidden ones, sorted.
-std::vector<fs::path> files_below(const fs::path& folder) {
-    std::vector<fs::path> out;
-    std::error_code error;
-    fs::recursive_directory_iterator it(folder, error);
-    for (const fs::recursive_directory_iterator end; !error && it != end; it.increment(error)) {
-        const fs::path& path = it->path();
-        std::error_code ignored;
-        if (path.filename().native().front() == '.') {
-            if (it->is_directory(ignored)) it.disable_recursion_pending();
-            continue;
-        }
-        if (it->is_regular_file(ignored)) out.push_back(path.lexically_relative(folder));
-    }
-    if (error)
-        throw model::Error(codes::kReadFailed, "the folder cannot be listed: " + error.message(), folder.string());
-    sort_paths(out);
-    return out;
 }
 
 bool is_layer(std::string_view name) {
@@ -131,7 +110,7 @@ class Planner {
     Planner(const PlanRequest& request, const BakeOptions& options) : request_(request), options_(options) {}
 
     BatchPlan plan() {
-        for (const fs::path& input : request_.inputs) add(input);
+        for (const fs::path& input : request_.inputs) try_add(input);
         find_target();
         settle_collisions();
         for (const Found& f : found_)
@@ -149,14 +128,21 @@ class Planner {
     }
 
  private:
+    void try_add(const fs::path& input) {
+        try {
+            add(input);
+        } catch (const model::Error& error) { refuse(input, error); }
+    }
+
     void add(const fs::path& input) {
         std::error_code error;
         const fs::file_status status = fs::status(input, error);
+        formats::check_look(error, input);
         if (!fs::exists(status) && is_pattern(input.native())) return add_pattern(input);
-        if (!fs::exists(status)) return refuse(input, codes::kFileMissing, "there is no such file or folder");
+        if (!fs::exists(status)) return refuse(input, {codes::kFileMissing, "there is no such file or folder"});
         if (fs::is_regular_file(status)) return add_file(input);
-        if (!fs::is_directory(status)) return refuse(input, codes::kReadFailed, "it is neither a file nor a folder");
-        add_files(input, input, files_below(input), "the folder holds no meshes");
+        if (!fs::is_directory(status)) return refuse(input, {codes::kReadFailed, "it is neither a file nor a folder"});
+        add_files(input, input, formats::files_below(input), "the folder holds no meshes");
     }
 
     /// Takes the meshes among `files`, which lie below `folder`, and remembers those that it cannot take.
@@ -179,7 +165,7 @@ class Planner {
         if (taken > 0) return;
         std::string message(nothing);
         if (out_.left_out.size() > left_before) message += " that a search takes";
-        refuse(input, codes::kNothingToDo, message);
+        refuse(input, {codes::kNothingToDo, message});
     }
 
     void add_pattern(const fs::path& pattern) {
@@ -197,10 +183,10 @@ class Planner {
         found_.push_back(std::move(found));
     }
 
-    void refuse(const fs::path& input, const model::Code& code, const std::string& message) {
+    void refuse(const fs::path& input, const model::Error& error) {
         // Each refusal stands where its assets would have stood; those before it have moved it on already.
         refused_.emplace_back(found_.size() + refused_.size(),
-                              PlannedAsset{input, {}, {}, model::Error(code, message), input.string(), options_});
+                              PlannedAsset{input, {}, {}, error, input.string(), options_});
     }
 
     /// Is -o the one output file, or the folder of outputs?

@@ -41,8 +41,9 @@ Outcome outcome_of(const model::Error& error) {
 }
 
 /// For an asset that is not up to date: why it is not baked all the same, if dgm-edit has painted its map. Which of the
-/// map and the meshes beside it is old, only a look at the source would tell, and that is not the parent's to read.
-std::optional<model::Error> keep_edits(const PlannedAsset& asset) {
+/// map and the meshes beside it is old, only a look at the source would tell, and that is not the parent's to read. Nor
+/// is it baked where the system fails for the moment and nobody knows.
+std::optional<model::Error> keep_edits(const PlannedAsset& asset) try {
     for (const fs::path& map : {asset.dgm, asset.exr}) {
         if (map.empty()) continue;
         const std::vector<std::string> layers = edited_layers(map);
@@ -59,7 +60,7 @@ std::optional<model::Error> keep_edits(const PlannedAsset& asset) {
                             map.string(), asset.exports[0].string()));
     }
     return std::nullopt;
-}
+} catch (const model::Error& error) { return error; }
 
 /// Where a worker completes the outputs of an asset; goes away with all that was not published.
 struct Staging {

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 
+#include "files/folder_list.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -35,13 +37,14 @@ void collect(const fs::path& root, const fs::path& folder, std::span<const std::
             if (components.size() == 1 && it->is_regular_file(ignored)) out.push_back(folder / name);
         }
     }
+    formats::check_listed(error, listed);
 }
 
 /// Sorted, and each once.
 std::vector<fs::path> collected(const fs::path& root, const std::vector<std::string>& components) {
     std::vector<fs::path> out;
     if (!components.empty()) collect(root, {}, components, out);
-    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+    formats::sort_paths(out);
     out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
 }
@@ -63,10 +66,6 @@ std::pair<fs::path, std::vector<fs::path>> files_matching(const fs::path& patter
             components.push_back(text);
     }
     return {root, collected(root, components)};
-}
-
-std::vector<fs::path> files_below(const fs::path& folder) {
-    return collected(folder, {"**"});
 }
 
 }  // namespace dgm::bake

@@ -15,12 +15,8 @@ namespace dgm::bake {
 /// The folder in front of the first wildcard (empty: the current one), and the relative paths of the regular files
 /// below it that match, in byte order. A component `**` matches any number of folders, none too; the others match one
 /// name each, as fnmatch(3) does. Hidden names match only where the pattern has the dot; links to folders are not
-/// followed. A folder that cannot be listed holds nothing.
+/// followed. @throws model::Error if a folder cannot be listed, as formats::files_below()
 [[nodiscard]] std::pair<std::filesystem::path, std::vector<std::filesystem::path>> files_matching(
     const std::filesystem::path& pattern);
-
-/// The relative paths of the regular files below `folder`, as files_matching() finds them for `**`, whatever the
-/// folder's name.
-[[nodiscard]] std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder);
 
 }  // namespace dgm::bake

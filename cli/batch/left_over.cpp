@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "baking/up_to_date.h"
+#include "files/folder_list.h"
 
 namespace dgm::bake {
 namespace {
@@ -42,7 +43,7 @@ std::vector<fs::path> maps_below(const fs::path& folder) {
             out.push_back(it->path());
         }
     }
-    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+    formats::sort_paths(out);
     return out;
 }
 
@@ -59,7 +60,7 @@ std::vector<fs::path> other_names(const BatchPlan& plan) {
                 if (fs::is_regular_file(fs::symlink_status(path += extension, ignored))) out.push_back(path);
             }
     }
-    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) { return a.native() < b.native(); });
+    formats::sort_paths(out);
     out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
 }
@@ -77,13 +78,17 @@ const PlannedAsset* asset_of(const BatchPlan& plan, const fs::path& map, const s
 /// searched, or in one of that name where the output was put below a folder of the input's name.
 bool mesh_is_there(const BatchPlan& plan, const fs::path& map, const std::string& source_name) {
     const fs::path place = map.parent_path().lexically_relative(plan.folder);
-    std::error_code ignored;
+    // Where the system cannot tell, it is there: its map would be removed.
+    const auto may_be = [](const fs::path& mesh) {
+        std::error_code error;
+        return fs::exists(mesh, error) || error;
+    };
     for (const fs::path& root : plan.roots) {
-        if (fs::exists(root / place / source_name, ignored)) return true;
+        if (may_be(root / place / source_name)) return true;
         fs::path below;
         for (auto part = place.begin(); part != place.end(); ++part)
             if (part != place.begin()) below /= *part;
-        if (fs::exists(root / below / source_name, ignored)) return true;
+        if (may_be(root / below / source_name)) return true;
     }
     return false;
 }

@@ -9,6 +9,7 @@
 
 #include <cstring>
 
+#include "model/codes.h"
 #include "process/byte_stream.h"
 #include "process/error_stream.h"
 
@@ -16,9 +17,9 @@ namespace dgm::bake {
 
 void answer_in_sandbox(const Sandbox& sandbox, std::uint64_t memory_bytes, const std::function<bool()>& answer) {
     limit_worker_memory(memory_bytes, 1);
-    static_cast<void>(enter_sandbox(sandbox));
     bool is_sent = false;
     try {
+        static_cast<void>(enter_sandbox(sandbox));
         is_sent = answer();
     } catch (const model::Error& error) { is_sent = send_head(encode_error(error)); }
     if (is_sent) _exit(0);
@@ -52,6 +53,9 @@ std::string ApartAnswer::failure(std::string_view reader, unsigned seconds) {
     if (lacked_memory()) return fmt::format("{} needs too much memory for it", reader);
     if (end.signal == SIGALRM || end.signal == SIGXCPU)
         return fmt::format("{} has not read it after {} seconds", reader, seconds);
+    if (end.signal == SIGKILL || end.signal == SIGTERM)
+        throw model::Error(model::codes::kWorkerKilled,
+                           fmt::format("the process that reads strangers' files was ended by signal {}", end.signal));
     if (end.signal != 0)
         return fmt::format("{} crashes on it: signal {} ({})", reader, end.signal, strsignal(end.signal));
     return fmt::format("{} sends nothing of use about it", reader);

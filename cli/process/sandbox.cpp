@@ -10,6 +10,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -22,6 +23,8 @@
 #include <new>
 #include <utility>
 
+#include "files/io_failure.h"
+#include "model/codes.h"
 #include "model/error.h"
 #include "process/child_process.h"
 #include "process/worker_io.h"
@@ -127,11 +130,12 @@ constexpr std::uint64_t kWriteRights = kReadRights | LANDLOCK_ACCESS_FS_WRITE_FI
                                        LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_REMOVE_FILE |
                                        LANDLOCK_ACCESS_FS_REMOVE_DIR | LANDLOCK_ACCESS_FS_REFER;
 
-void limit(int resource, rlim_t most) {
+/// @param grace  between the limit that is told and the one that ends the process without a word
+void limit(int resource, rlim_t most, rlim_t grace = 0) {
     rlimit now{};
     if (getrlimit(static_cast<__rlimit_resource_t>(resource), &now) != 0) return;
-    now.rlim_max = std::min(now.rlim_max, most);
-    now.rlim_cur = std::min(now.rlim_cur, now.rlim_max);
+    now.rlim_max = std::min(now.rlim_max, most + grace);
+    now.rlim_cur = std::min({now.rlim_cur, now.rlim_max, most});
     setrlimit(static_cast<__rlimit_resource_t>(resource), &now);
 }
 
@@ -139,12 +143,21 @@ std::string failed(const char* what, int error) {
     return std::string(what) + ": " + std::strerror(error);
 }
 
+/// Why Landlock is not to be had. A moment's trouble may not make a sandbox without it, or without one of the files:
+/// what cannot be read would look as if it were not there.
+std::string no_landlock(const char* what, int error) {
+    if (formats::may_pass(error))
+        throw model::Error(model::codes::kSystemBusy, failed("the sandbox cannot be made", error));
+    return failed(what, error);
+}
+
 /// Lets `path`, and all that is in a folder, be used with `rights`. False if Landlock takes no rule.
 bool add_rule(const Descriptor& rules, const std::filesystem::path& path, std::uint64_t rights) {
     const Descriptor target(open(path.c_str(), O_PATH | O_CLOEXEC));
-    if (!target.is_open()) return true;  // what is not there cannot be used
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(path, ignored)) rights &= LANDLOCK_ACCESS_FS_READ_FILE;
+    if (!target.is_open()) return !formats::may_pass(errno);  // what is not there cannot be used
+    struct stat status {};
+    if (fstat(target.get(), &status) != 0) return false;
+    if (!S_ISDIR(status.st_mode)) rights &= LANDLOCK_ACCESS_FS_READ_FILE;
     const landlock_path_beneath_attr rule{.allowed_access = rights, .parent_fd = target.get()};
     return syscall(SYS_landlock_add_rule, rules.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
 }
@@ -157,19 +170,19 @@ long landlock_version() {
 /// Empty if the process may use the files given and no others; else why not.
 std::string restrict_files(const Sandbox& files) {
     const long version = landlock_version();
-    if (version < 0) return failed("Landlock is not there", errno);
+    if (version < 0) return no_landlock("Landlock is not there", errno);
     // The first version cannot let a file be moved from one folder to another.
     if (version < 2 && !files.writable.empty()) return "Landlock is of its first version, which forbids all moves";
     constexpr std::uint64_t kFirst = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;
     const landlock_ruleset_attr handled{.handled_access_fs = version < 2 ? kFirst : kFirst | LANDLOCK_ACCESS_FS_REFER};
     const Descriptor rules(static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0)));
-    if (!rules.is_open()) return failed("Landlock makes no rules", errno);
+    if (!rules.is_open()) return no_landlock("Landlock makes no rules", errno);
     for (const std::filesystem::path& path : files.readable)
-        if (!add_rule(rules, path, kReadRights)) return failed("Landlock takes no rule", errno);
+        if (!add_rule(rules, path, kReadRights)) return no_landlock("Landlock takes no rule", errno);
     for (const std::filesystem::path& path : files.writable)
-        if (!add_rule(rules, path, kWriteRights)) return failed("Landlock takes no rule", errno);
+        if (!add_rule(rules, path, kWriteRights)) return no_landlock("Landlock takes no rule", errno);
     if (syscall(SYS_landlock_restrict_self, rules.get(), 0) != 0)
-        return failed("Landlock does not restrict this process", errno);
+        return no_landlock("Landlock does not restrict this process", errno);
     return {};
 }
 
@@ -303,7 +316,7 @@ Sandbox worker_sandbox(const std::filesystem::path& mesh, std::vector<std::files
 std::vector<std::string> enter_sandbox(const Sandbox& sandbox) {
     std::vector<std::string> missing;
     limit(RLIMIT_CORE, 0);
-    if (sandbox.cpu_seconds > 0) limit(RLIMIT_CPU, sandbox.cpu_seconds);
+    if (sandbox.cpu_seconds > 0) limit(RLIMIT_CPU, sandbox.cpu_seconds, 1);  // SIGXCPU: not killed from outside
     limit(RLIMIT_NOFILE, sandbox.descriptors);
     signal(SIGXFSZ, SIG_IGN);
     limit(RLIMIT_FSIZE, sandbox.file_bytes);

@@ -33,8 +33,9 @@ struct Sandbox {
 /// descriptors. Memory is the caller's to limit (limit_worker_memory()). A call that is refused fails with an error
 /// (EPERM, EACCES); the limit of processor time ends the process, that of file sizes makes writing fail (EFBIG).
 /// @return what this system cannot take away, a line each; empty if all of it is gone. Never throws for that reason.
-/// @throws std::bad_alloc if memory is short, after the new handler. Where libseccomp does not come back for want of
-///         memory, the process sends kOutOfMemoryLine and ends.
+/// @throws model::Error kSystemBusy if a part of it failed for the moment; std::bad_alloc if memory is short, after the
+///         new handler. Where libseccomp does not come back for want of memory, the process sends kOutOfMemoryLine and
+///         ends.
 /// The process must have one thread. There is no way back.
 [[nodiscard]] std::vector<std::string> enter_sandbox(const Sandbox& sandbox);
 

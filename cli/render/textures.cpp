@@ -2,7 +2,7 @@
 // cli/render/textures.cpp
 #include "render/textures.h"
 
-#include "model/error.h"
+#include "model/shortage.h"
 
 namespace dgm::render {
 
@@ -15,6 +15,7 @@ std::vector<formats::Image> read_textures(const model::TriMesh& mesh,
         try {
             textures.back() = formats::read_image(material.diffuse_map);
         } catch (const model::Error& error) {
+            if (model::may_pass(error)) throw;
             warn("texture " + material.diffuse_map.path.string() + " is left out: " + error.what());
         }
     }

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "exr/exr_files.h"
+#include "files/folder_list.h"
+#include "files/io_failure.h"
 
 namespace dgm::validate {
 namespace {
@@ -17,8 +19,8 @@ std::vector<fs::path> files_like(const std::string& pattern) {
     const fs::path start = slash == std::string::npos ? fs::path(".") : fs::path(pattern.substr(0, slash + 1));
     const std::string wanted = fs::path(pattern).lexically_normal().generic_string();
     std::vector<fs::path> out;
-    for (const fs::path& file : files_below(start)) {
-        const fs::path name = file.lexically_normal();
+    for (const fs::path& file : formats::files_below(start)) {
+        const fs::path name = (start / file).lexically_normal();
         if (matches(wanted, name.generic_string())) out.push_back(name);
     }
     return out;
@@ -34,16 +36,6 @@ bool belongs_to_another(const fs::path& file, const std::vector<fs::path>& list)
     });
 }
 }  // namespace
-
-std::vector<fs::path> files_below(const fs::path& folder) {
-    std::vector<fs::path> out;
-    std::error_code error;
-    const auto skip = fs::directory_options::skip_permission_denied;
-    for (fs::recursive_directory_iterator it(folder, skip, error), end; !error && it != end; it.increment(error))
-        if (std::error_code ignored; it->is_regular_file(ignored)) out.push_back(it->path());
-    std::sort(out.begin(), out.end());
-    return out;
-}
 
 bool matches(std::string_view pattern, std::string_view text) {
     // Only the last star has to give way: an earlier one can keep its characters. A double star that fails behind a
@@ -102,10 +94,11 @@ std::vector<fs::path> expand_names(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         std::error_code error;
         const auto status = fs::status(name, error);
+        formats::check_look(error, name);
         std::vector<fs::path> found;
         if (fs::is_directory(status)) {
-            for (const fs::path& file : files_below(name))
-                if (file.extension() == ".dgm" || file.extension() == ".exr") found.push_back(file);
+            for (const fs::path& file : formats::files_below(name))
+                if (file.extension() == ".dgm" || file.extension() == ".exr") found.push_back(name / file);
         } else if (!fs::exists(status) && name.find_first_of("*?") != std::string::npos) {
             found = files_like(name);
         }

@@ -10,12 +10,13 @@
 
 #include "dgm/hash.h"
 #include "exr/exr_reader.h"
+#include "files/folder_list.h"
 #include "files/regular_file.h"
 #include "geometry/metrics/reconstruction.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
-#include "validate/file_list.h"
+#include "model/shortage.h"
 #include "validate/finding_list.h"
 #include "validate/layer_checks.h"
 #include "validate/report_checks.h"
@@ -33,7 +34,10 @@ namespace codes = model::codes;
 bool has_hash(const std::filesystem::path& file, const formats::Hash128& hash) {
     try {
         return formats::hash_file(file, formats::MeshReadLimits{}.max_file_bytes) == hash;
-    } catch (const model::Error&) { return false; }
+    } catch (const model::Error& error) {
+        if (model::may_pass(error)) throw;
+        return false;
+    }
 }
 
 /// The mesh that the file says it was baked from; nothing, with a finding, if it cannot be read.
@@ -44,8 +48,9 @@ std::optional<Source> find_source(const MapSet& maps, const Options& options, Fi
     std::filesystem::path path = folder / std::filesystem::path(maps.source_name).filename();
     try {
         std::vector<std::filesystem::path> candidates;
-        for (const std::filesystem::path& file : files_below(folder))
-            if (file.filename() == path.filename()) candidates.push_back(file);
+        for (const std::filesystem::path& file :
+             formats::files_below(folder, std::filesystem::directory_options::skip_permission_denied))
+            if (file.filename() == path.filename()) candidates.push_back(folder / file);
         const auto same = std::find_if(candidates.begin(), candidates.end(),
                                        [&](const auto& file) { return has_hash(file, maps.source_hash); });
         if (!candidates.empty()) path = same == candidates.end() ? candidates.front() : *same;

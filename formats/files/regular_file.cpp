@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "files/io_failure.h"
 #include "model/codes.h"
 #include "model/file_errors.h"
 
@@ -22,11 +23,14 @@ RegularFile::RegularFile(const std::filesystem::path& path)
         if (error == ENOENT || error == ENOTDIR) throw model::missing_file(path);
         // A socket, or a device without a driver behind it.
         if (error == ENXIO || error == ENODEV) throw model::no_regular_file(path);
-        throw model::unreadable_file(path, std::generic_category().message(error));
+        throw model::unreadable_file(path, std::generic_category().message(error), read_failure(error));
     }
     struct stat status {};
-    if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    const int trouble = ::fstat(file_, &status) != 0 ? errno : 0;
+    if (trouble != 0 || !S_ISREG(status.st_mode)) {
         ::close(file_);
+        if (trouble != 0)
+            throw model::unreadable_file(path, std::generic_category().message(trouble), read_failure(trouble));
         throw model::no_regular_file(path);
     }
     size_ = static_cast<std::uint64_t>(status.st_size);
@@ -44,7 +48,7 @@ std::size_t RegularFile::read(std::span<std::byte> block) {
         const ssize_t got = ::read(file_, block.data() + done, block.size() - done);
         if (got < 0 && errno == EINTR) continue;
         if (got < 0)
-            throw model::Error(model::codes::kReadFailed,
+            throw model::Error(read_failure(errno),
                                "the file cannot be read to its end: " + std::generic_category().message(errno),
                                path_.string());
         if (got == 0) break;

@@ -17,7 +17,7 @@ namespace dgm::formats {
 class RegularFile {
  public:
     /// Opens without waiting, and asks afterwards what was opened: nobody can exchange the file in between.
-    /// @throws model::Error kFileMissing, kReadFailed (also for anything but a regular file)
+    /// @throws model::Error kFileMissing, kReadFailed (also for anything but a regular file), kIoTrouble
     explicit RegularFile(const std::filesystem::path& path);
     ~RegularFile();
     RegularFile(const RegularFile&) = delete;
@@ -26,10 +26,10 @@ class RegularFile {
     [[nodiscard]] std::uint64_t size() const { return size_; }
     /// One number a file, whatever names lead to it.
     [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> identity() const { return {device_, inode_}; }
-    /// Fills as much of `block` as there is; less only at the end of the file. @throws model::Error kReadFailed
+    /// Fills as much of `block` as there is; less only at the end of the file. @throws model::Error with read_failure()
     [[nodiscard]] std::size_t read(std::span<std::byte> block);
     /// The rest of the file. Its size is looked at before any byte.
-    /// @throws model::Error kReadFailed; kTooLarge beyond `max_bytes`
+    /// @throws model::Error with read_failure(); kTooLarge beyond `max_bytes`
     [[nodiscard]] std::string read_text(std::uint64_t max_bytes);
     /// @throws model::Error kTooLarge if the file has more than `max_bytes`
     void check_size(std::uint64_t max_bytes) const;

@@ -17,6 +17,7 @@
 #include <new>
 #include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -31,6 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr const char *kPrefix = ".dgm-", *kLock = ".lock";
 constexpr std::size_t kRandom = 6;
+constexpr int kDepth = 8;  ///< of folders in a staging folder
 
 int open_folder(const fs::path& path) {
     return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
@@ -45,21 +47,39 @@ void close_if_open(int& descriptor) {
     if (descriptor >= 0) ::close(std::exchange(descriptor, -1));
 }
 
-/// Removes the files in an open folder, the lock last. Takes no memory and opens nothing, both of which may be short.
-void remove_files(int folder) noexcept {
+void remove_content(int folder, int depth) noexcept;
+
+/// @param depth  of folders in it that are removed as well
+bool remove_folder(int parent, const char* name, int depth) noexcept {
+    int folder = depth > 0 ? ::openat(parent, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW) : -1;
+    if (folder < 0) return false;
+    remove_content(folder, depth - 1);
+    close_if_open(folder);
+    return ::unlinkat(parent, name, AT_REMOVEDIR) == 0;
+}
+
+/// Removes what is in an open folder; the lock last, and only if nothing else is left: what stays is then the next
+/// program's to remove. Takes no memory and opens nothing but folders: both may be short.
+void remove_content(int folder, int depth) noexcept {
     alignas(dirent64) std::array<char, 4096> entries;
-    bool has_removed = true;
+    bool has_removed = true, is_empty = false;
     while (has_removed) {  // a folder may pass over entries while others are removed
         has_removed = false;
+        is_empty = true;
         ::lseek(folder, 0, SEEK_SET);
         for (ssize_t size; (size = ::getdents64(folder, entries.data(), entries.size())) > 0;)
             for (ssize_t at = 0; at < size;) {
                 const auto* entry = reinterpret_cast<const dirent64*>(&entries[static_cast<std::size_t>(at)]);
-                if (std::strcmp(entry->d_name, kLock) != 0) has_removed |= ::unlinkat(folder, entry->d_name, 0) == 0;
                 at += entry->d_reclen;
+                const std::string_view name = entry->d_name;
+                if (name == "." || name == ".." || name == kLock) continue;
+                const bool is_gone =
+                    ::unlinkat(folder, entry->d_name, 0) == 0 || remove_folder(folder, entry->d_name, depth);
+                has_removed |= is_gone;
+                is_empty &= is_gone;
             }
     }
-    ::unlinkat(folder, kLock, 0);
+    if (is_empty) ::unlinkat(folder, kLock, 0);
 }
 
 bool is_staging_name(const fs::path& name) {
@@ -106,24 +126,6 @@ void clear_once(const fs::path& folder) {
 }
 
 }  // namespace
-
-const model::Code& write_failure(int error_number) {
-    switch (error_number) {
-        case ENOSPC:
-        case EDQUOT:
-            return codes::kNoSpace;
-        case EIO:
-        case ESTALE:
-        case ETIMEDOUT:
-        case EAGAIN:
-        case ENFILE:
-        case EMFILE:
-        case ENOMEM:
-            return codes::kIoTrouble;
-        default:
-            return codes::kWriteFailed;
-    }
-}
 
 StagingFolder::StagingFolder(const fs::path& output, const char* failed) {
     const fs::path parent = output.has_parent_path() ? output.parent_path() : fs::path(".");
@@ -175,11 +177,8 @@ StagingFolder& StagingFolder::operator=(StagingFolder&& other) noexcept {
 
 StagingFolder::~StagingFolder() {
     if (path_.empty()) return;
-    remove_files(folder_);
-    std::error_code ignored;
-    if (::rmdir(path_.c_str()) != 0) try {
-            fs::remove_all(path_, ignored);  // it has folders
-        } catch (const std::bad_alloc&) {}
+    remove_content(folder_, kDepth);
+    ::rmdir(path_.c_str());
     close_if_open(lock_);
     close_if_open(folder_);
 }

@@ -4,13 +4,9 @@
 #pragma once
 #include <filesystem>
 
-#include "model/error.h"
+#include "files/io_failure.h"
 
 namespace dgm::formats {
-
-/// kNoSpace for a full disk or quota, kIoTrouble for a disk, network or system that failed for the moment, else
-/// kWriteFailed.
-[[nodiscard]] const model::Code& write_failure(int error_number);
 
 /// Its name (".dgm-" and six random characters) cannot be foretold, and nobody but its owner may look or write into it:
 /// whoever else may write to the folder around it can plant no link in the way of a file. A lock tells later programs

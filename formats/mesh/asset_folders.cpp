@@ -3,6 +3,9 @@
 #include "mesh/asset_folders.h"
 
 #include <system_error>
+#include <utility>
+
+#include "files/io_failure.h"
 
 namespace dgm::formats {
 namespace {
@@ -23,6 +26,7 @@ AssetFolders::AssetFolders(const fs::path& mesh_file, std::span<const fs::path> 
     for (const fs::path& folder : folders_) {
         std::error_code error;
         fs::path real = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+        check_look(error, folder);
         real_.push_back(error ? fs::path() : std::move(real));
     }
 }
@@ -30,6 +34,7 @@ AssetFolders::AssetFolders(const fs::path& mesh_file, std::span<const fs::path> 
 bool AssetFolders::hold(const fs::path& file) const {
     std::error_code error;
     const fs::path real = fs::canonical(file, error);
+    check_look(error, file);
     if (error) return false;
     for (const fs::path& folder : real_)
         if (!folder.empty() && !below(real, folder).empty()) return true;
@@ -42,6 +47,7 @@ std::string AssetFolders::name_of(const fs::path& file) const {
     fs::path name = below(file.lexically_normal(), folders_[0].lexically_normal());
     std::error_code error;
     const fs::path real = fs::canonical(file, error);
+    check_look(error, file);
     for (std::size_t k = 0; name.empty() && k < real_.size(); ++k)
         if (!real_[k].empty()) name = below(real, real_[k]);
     return name.generic_string();
@@ -49,9 +55,13 @@ std::string AssetFolders::name_of(const fs::path& file) const {
 
 std::optional<fs::path> AssetFolders::resolve(std::string_view name) const {
     if (leads_outside(name)) return std::nullopt;
-    std::error_code error;
-    for (const fs::path& folder : folders_)
-        if (fs::path file = folder / name; fs::is_regular_file(file, error) && hold(file)) return file;
+    for (const fs::path& folder : folders_) {
+        fs::path file = folder / name;
+        std::error_code error;
+        const bool is_file = fs::is_regular_file(file, error);
+        check_look(error, file);
+        if (is_file && hold(file)) return file;
+    }
     return std::nullopt;
 }
 

@@ -12,6 +12,8 @@
 namespace dgm::formats {
 
 /// The folder of a mesh, and the asset roots that the user allows beside it.
+/// Its functions throw model::Error kIoTrouble where the system fails for the moment: a file that is there must not
+/// look like one that is not.
 class AssetFolders {
  public:
     explicit AssetFolders(const std::filesystem::path& mesh_file, std::span<const std::filesystem::path> roots = {});

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <system_error>
 
+#include "files/io_failure.h"
 #include "mesh/text_input.h"
 #include "model/codes.h"
 
@@ -37,7 +38,9 @@ std::string unread(const model::Code& code, std::string_view what, std::string_v
 
 bool is_file(const fs::path& path) {
     std::error_code error;
-    return fs::is_regular_file(path, error);
+    const bool is_there = fs::is_regular_file(path, error);
+    check_look(error, path);
+    return is_there;
 }
 
 /// "/C:/My Files/a.png" for "file:///C:/My%20Files/a.png".
@@ -85,6 +88,7 @@ const FileFinder::Listing& FileFinder::listing(const fs::path& folder) {
         const std::string name = files->path().filename().string();
         entry->second[lower_case(name)].push_back(name);
     }
+    check_look(error, folder);
     for (auto& [lowered, names] : entry->second) std::sort(names.begin(), names.end());
     return entry->second;
 }

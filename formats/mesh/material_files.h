@@ -44,6 +44,7 @@ class FileFinder {
     ///
     /// A file outside those folders is not found, whether the name leads there or a link, nor is a pipe or a device:
     /// `why` tells. For a name that leads outside it does not depend on what is there.
+    /// @throws model::Error kIoTrouble if the system failed for the moment
     [[nodiscard]] FoundFile find(std::string_view name);
 
  private:

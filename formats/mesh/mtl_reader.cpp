@@ -13,6 +13,7 @@
 
 #include "files/regular_file.h"
 #include "mesh/text_input.h"
+#include "model/shortage.h"
 
 namespace dgm::formats {
 namespace {
@@ -191,6 +192,7 @@ void read_mtl_libraries(std::span<const std::string> statements, FileFinder& fin
             if (read.insert(RegularFile(*found).identity()).second)
                 read_mtl(*found, finder, library, warnings, dependencies);
         } catch (const model::Error& error) {  // as one that is not there: the shape can be baked all the same
+            if (model::may_pass(error)) throw;
             warnings.push_back(error.code().id() + ": material library left out: " + std::string(name) + ": " +
                                error.what());
         }

@@ -27,13 +27,13 @@ using MtlLibrary = std::map<std::string, MtlMaterial, std::less<>>;
 /// Reads `path` into `library`; a material that is there already is kept, as the first of two definitions counts.
 /// Known: newmtl, Kd, d, Tr, map_Kd, map_Bump, bump, norm, map_Kn, with their options. Found textures go to
 /// `dependencies`, missing or misunderstood ones to `warnings`.
-/// @throws model::Error kReadFailed, kTooLarge
+/// @throws model::Error kReadFailed, kTooLarge, kIoTrouble
 void read_mtl(const std::filesystem::path& path, FileFinder& finder, MtlLibrary& library,
               std::vector<std::string>& warnings, std::vector<std::filesystem::path>& dependencies);
 
 /// Reads the files of the `mtllib` statements of an OBJ, each once: the rest of the line as one name with spaces, or
 /// several names. Libraries that are found go to `dependencies`, those that are missing to `warnings`.
-/// @throws as read_mtl
+/// @throws model::Error kIoTrouble; a library that cannot be read for another reason is left out with a warning
 void read_mtl_libraries(std::span<const std::string> statements, FileFinder& finder, MtlLibrary& library,
                         std::vector<std::string>& warnings, std::vector<std::filesystem::path>& dependencies);
 

@@ -25,9 +25,10 @@ namespace dgm::model {
     return {codes::kReadFailed, "not a regular file", path.string()};
 }
 
-/// kReadFailed. @param reason  what the system says, or empty
-[[nodiscard]] inline Error unreadable_file(const std::filesystem::path& path, const std::string& reason = {}) {
-    return {codes::kReadFailed, "the file cannot be read" + (reason.empty() ? "" : ": " + reason), path.string()};
+/// @param reason  what the system says, or empty. @param code  kReadFailed, or a reason that may pass
+[[nodiscard]] inline Error unreadable_file(const std::filesystem::path& path, const std::string& reason = {},
+                                           const Code& code = codes::kReadFailed) {
+    return {code, "the file cannot be read" + (reason.empty() ? "" : ": " + reason), path.string()};
 }
 
 /// For a file that did not open: missing_file() or unreadable_file().

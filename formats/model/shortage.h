@@ -9,11 +9,15 @@
 
 namespace dgm::model {
 
-/// A fault of this machine for now. Trying the next method must not hide it: the same input would have another map
+/// A fault of this machine for now, which may be gone at the next try.
+[[nodiscard]] inline bool may_pass(const Error& error) {
+    return error.code().exit == ExitCode::kTransient || error.code().number == codes::kWorkerMemory.number;
+}
+
+/// A fault of this machine. Trying the next method must not hide it: the same input would have another map
 /// where threads, memory or descriptors are short.
 [[nodiscard]] inline bool is_shortage(const Error& error) {
-    return error.code().exit == ExitCode::kTransient || error.code().exit == ExitCode::kIo ||
-           error.code().number == codes::kWorkerMemory.number;
+    return may_pass(error) || error.code().exit == ExitCode::kIo;
 }
 
 /// An exception of a library as an error of ours: what is short for now (memory, threads, descriptors) is kSystemBusy,

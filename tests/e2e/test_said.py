@@ -170,6 +170,15 @@ class Said(support.Folder):
         result = self.bake("one", "two", "-o", "out", *SIZE, "--prune")  # a disk that is not mounted
         self.assertEqual(result.returncode, 2)
         self.assertEqual(self.names(self.folder / "out"), ["one.dgm", "two.dgm"])
+        # Nor where the system cannot tell whether it is there: a loop of links here, a share that fails elsewhere.
+        (self.folder / "in" / "sub").mkdir(parents=True)
+        meshes.write_obj(self.folder / "in" / "sub" / "three.obj", meshes.sheet(4))
+        meshes.write_obj(self.folder / "in" / "four.obj", meshes.sheet(4))
+        self.bake_well("in", "-o", "maps", *SIZE)
+        shutil.rmtree(self.folder / "in" / "sub")
+        (self.folder / "in" / "sub").symlink_to("sub")
+        self.bake_well("in", "-o", "maps", *SIZE, "--prune")
+        self.assertTrue((self.folder / "maps" / "sub" / "three.dgm").exists())
         # One file under a name of the user's own says nothing about others.
         self.assertNotIn("left over", self.bake_well("one/one.obj", "-o", "out/mine.dgm", *SIZE).stdout)
         self.assertNotIn("left over", self.bake_well("one/one.obj", "-o", "out/", *SIZE).stdout)

@@ -12,6 +12,8 @@
 
 #include "batch/file_pattern.h"
 #include "exr/exr_files.h"
+#include "files/folder_list.h"
+#include "files/io_failure.h"
 #include "model/codes.h"
 #include "model/shortage.h"
 #include "validate/validation.h"
@@ -54,8 +56,8 @@ struct Search {
     void add(const fs::path& source, fs::path stem, const fs::path& group) {
         if (seen.insert(true_path(source)).second) found.push_back({source, stem.replace_extension(), group});
     }
-    void refuse(const fs::path& input, const model::Code& code, const std::string& message) {
-        refused.emplace_back(found.size(), ExportJob{input, {}, {}, model::Error(code, message)});
+    void refuse(const fs::path& input, const model::Error& error) {
+        refused.emplace_back(found.size(), ExportJob{input, {}, {}, error});
     }
     void add_below(const fs::path& folder, const std::vector<fs::path>& files, const fs::path& input,
                    const char* nothing) {
@@ -66,18 +68,24 @@ struct Search {
             ++taken;
             add(folder / relative, relative, folder_name(folder));
         }
-        if (taken == 0) refuse(input, codes::kFileMissing, nothing);
+        if (taken == 0) refuse(input, {codes::kFileMissing, nothing});
+    }
+    void try_add(const fs::path& input) {
+        try {
+            add_input(input);
+        } catch (const model::Error& error) { refuse(input, error); }
     }
     void add_input(const fs::path& input) {
         std::error_code error;
         const fs::file_status status = fs::status(input, error);
+        formats::check_look(error, input);
         if (fs::is_directory(status))
-            return add_below(input, bake::files_below(input), input, "the folder holds no maps");
+            return add_below(input, formats::files_below(input), input, "the folder holds no maps");
         if (!fs::exists(status) && bake::is_pattern(input.native())) {
             const auto [folder, matches] = bake::files_matching(input);
             return add_below(folder, matches, input, "no map (.dgm, .exr) matches the pattern");
         }
-        if (!fs::exists(status)) return refuse(input, codes::kFileMissing, "there is no such file or folder");
+        if (!fs::exists(status)) return refuse(input, {codes::kFileMissing, "there is no such file or folder"});
         add(input, input.filename(), folder_name(input.parent_path()));
     }
 };
@@ -183,7 +191,7 @@ model::Error caught() {
 
 ExportPlan plan_exports(const ExportRequest& request) {
     Search search;
-    for (const std::string& input : request.inputs) search.add_input(input);
+    for (const std::string& input : request.inputs) search.try_add(input);
     ExportPlan plan;
     if (const std::optional<fs::path> file = only_output(request, search)) {
         plan.folder = file->has_parent_path() ? file->parent_path() : fs::path(".");

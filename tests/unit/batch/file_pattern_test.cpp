@@ -6,6 +6,10 @@
 
 #include <fstream>
 
+#include "model/error.h"
+#include "support/no_descriptors.h"
+#include "support/temp_folder.h"
+
 namespace dgm::bake {
 namespace {
 
@@ -34,6 +38,12 @@ TEST(FilePattern, MatchesByComponents) {
     EXPECT_EQ(found("gone/*"), "");
     EXPECT_EQ(files_matching(root / "a" / "*.obj").first, root / "a");
     fs::remove_all(root);
+}
+
+TEST(FilePattern, AFolderThatCannotBeListedIsNotEmpty) {
+    const test::TempFolder root;
+    const test::NoDescriptors none;
+    EXPECT_THROW((void)files_matching(root / "*.obj"), model::Error);
 }
 
 }  // namespace

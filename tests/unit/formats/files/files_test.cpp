@@ -4,16 +4,20 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "files/folder_list.h"
+#include "files/io_failure.h"
 #include "files/nesting.h"
 #include "files/output_file.h"
 #include "files/regular_file.h"
@@ -21,6 +25,7 @@
 #include "files/whole_file.h"
 #include "model/codes.h"
 #include "model/printable.h"
+#include "support/no_descriptors.h"
 #include "support/temp_folder.h"
 
 namespace dgm::formats {
@@ -80,18 +85,36 @@ TEST_F(Files, AWholeFileIsAllThereOrSaysWhyNot) {
     } catch (const model::Error& error) { EXPECT_EQ(error.place(), "output"); }
 }
 
-// Where none can be opened, as in a program with all its descriptors taken.
 TEST_F(Files, AStagingFolderIsRemovedWithoutADescriptor) {
-    rlimit before{};
-    ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+    std::optional<StagingFolder> staging(folder_ / "output");
+    for (const char* name : {"a", "b"}) write_whole_file(staging->where(name), "x");
     {
-        const StagingFolder staging(folder_ / "output");
-        for (const char* name : {"a", "b"}) write_whole_file(staging.where(name), "x");
-        const rlimit none{0, before.rlim_max};
-        ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+        const test::NoDescriptors none;
+        staging.reset();
     }
-    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
     EXPECT_EQ(entries(), 0U);
+}
+
+// A file that cannot be opened for now is no missing one, and a folder that cannot be listed is no empty one.
+TEST_F(Files, WhatMayPassIsToldApart) {
+    std::ofstream(folder_ / "file") << "x";
+    const test::NoDescriptors none;
+    EXPECT_EQ(code_of([&] { RegularFile file(folder_ / "file"); }), codes::kIoTrouble.number);
+    EXPECT_EQ(code_of([&] { RegularFile file(folder_ / "none"); }), codes::kIoTrouble.number);
+    EXPECT_EQ(code_of([&] { (void)files_below(folder_); }), codes::kIoTrouble.number);
+    for (const int passing : {EIO, EMFILE, ENFILE, ENOMEM, ESTALE})
+        EXPECT_EQ(&read_failure(passing), &codes::kIoTrouble);
+    for (const int lasting : {EACCES, ELOOP, ENAMETOOLONG}) EXPECT_EQ(&read_failure(lasting), &codes::kReadFailed);
+    EXPECT_EQ(&write_failure(EDQUOT), &codes::kNoSpace);
+}
+
+TEST_F(Files, HiddenFilesBelongToNoFoldersList) {
+    fs::create_directories(folder_ / "b/c");
+    fs::create_directories(folder_ / ".dgm-abcdef");
+    for (const char* name : {"b/c/1", "b.2", "b/.3", ".dgm-abcdef/4"}) std::ofstream(folder_ / name) << "x";
+    fs::create_directory_symlink(folder_, folder_ / "b/round");
+    EXPECT_EQ(files_below(folder_), (std::vector<fs::path>{"b.2", "b/c/1"}));
+    EXPECT_TRUE(files_below(folder_ / "gone").empty());
 }
 
 TEST_F(Files, AStagingFolderIsPrivateAndLeavesNothing) {
@@ -107,6 +130,28 @@ TEST_F(Files, AStagingFolderIsPrivateAndLeavesNothing) {
         std::ofstream(staging.where("left")) << "x";
     }
     EXPECT_EQ(entries(), 0u);
+}
+
+// One whose folder inside cannot be opened stays, with its lock: the next program removes it, and need not wait.
+TEST_F(Files, AStagingFolderThatStaysKeepsItsLock) {
+    fs::path path;
+    {
+        std::optional<StagingFolder> staging(folder_ / "output");
+        path = staging->path();
+        fs::create_directories(staging->where("inner/deep"));
+        std::ofstream(staging->where("inner/deep/file")) << "x";
+        const test::NoDescriptors none;
+        staging.reset();
+    }
+    EXPECT_TRUE(fs::exists(path / ".lock"));
+    remove_dead_staging_folders(folder_);
+    EXPECT_EQ(entries(), 0U);
+    {
+        const StagingFolder staging(folder_ / "output");
+        fs::create_directories(staging.where("inner/deep"));
+        std::ofstream(staging.where("inner/deep/file")) << "x";
+    }
+    EXPECT_EQ(entries(), 0U);
 }
 
 TEST_F(Files, FoldersOfKilledProgramsAreCollectedAndThoseOfLivingOnesStay) {

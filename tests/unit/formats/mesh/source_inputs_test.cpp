@@ -6,7 +6,11 @@
 #include <chrono>
 #include <fstream>
 
+#include "mesh/material_files.h"
 #include "mesh/mesh_reader.h"
+#include "mesh/mtl_reader.h"
+#include "model/error.h"
+#include "support/no_descriptors.h"
 #include "support/temp_folder.h"
 
 namespace dgm::formats {
@@ -77,6 +81,19 @@ TEST_F(SourceInputsTest, AnUnreadableLibraryIsAWarning) {
     const auto inputs = source_inputs(write("m.obj", "mtllib huge.mtl\n"));
     ASSERT_EQ(inputs->missing.size(), 1u);
     EXPECT_EQ(inputs->missing[0].substr(0, 7), "DGM3007");
+}
+
+// Else the same mesh has another map, and another hash, where descriptors or memory are short.
+TEST_F(SourceInputsTest, AShortageIsNoMissingFile) {
+    write("a.mtl", "newmtl x\n");
+    FileFinder finder(root_ / "m.obj");
+    MtlLibrary library;
+    std::vector<std::string> warnings;
+    std::vector<fs::path> dependencies;
+    const std::vector<std::string> names{"a.mtl"};
+    const test::NoDescriptors none;
+    EXPECT_THROW(read_mtl_libraries(names, finder, library, warnings, dependencies), model::Error);
+    EXPECT_THROW((void)finder.find("A.MTL"), model::Error) << "the folder cannot be listed";
 }
 
 TEST_F(SourceInputsTest, ThreeDsNamesTextures) {

@@ -23,6 +23,7 @@ TEST(Shortage, LibrariesRunShortForNow) {
 TEST(Shortage, InputsAreNotToBlame) {
     for (const Code* code : {&codes::kSystemBusy, &codes::kIoTrouble, &codes::kWorkerMemory, &codes::kReadFailed})
         EXPECT_TRUE(is_shortage(Error(*code, ""))) << code->name;
+    EXPECT_FALSE(may_pass(Error(codes::kReadFailed, "")));
     for (const Code* code : {&codes::kMapInvalid, &codes::kGridTooSmall, &codes::kInternal, &codes::kInterrupted})
         EXPECT_FALSE(is_shortage(Error(*code, ""))) << code->name;
 }
