@@ -14,6 +14,7 @@
 #include "dgm/hash.h"
 #include "export/map_stamp.h"
 #include "exr/exr_reader.h"
+#include "files/io_failure.h"
 #include "files/regular_file.h"
 #include "mesh/material_files.h"
 #include "mesh/mesh_reader.h"
@@ -149,8 +150,11 @@ std::vector<std::string> edited_layers(const BakeReport& report) {
 
 std::vector<std::string> edited_layers(const fs::path& map) {
     try {
-        std::error_code ignored;
-        if (!is_map(map) || !fs::is_regular_file(map, ignored)) return {};
+        if (!is_map(map)) return {};
+        std::error_code error;
+        const bool is_there = fs::is_regular_file(map, error);
+        formats::check_look(error, map);
+        if (!is_there) return {};
         return layers_in(read_head(map).report_json);
     } catch (const model::Error& error) {
         if (model::may_pass(error)) throw;  // a painted map would be baked over

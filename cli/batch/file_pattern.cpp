@@ -9,6 +9,7 @@
 #include <string>
 
 #include "files/folder_list.h"
+#include "files/io_failure.h"
 
 namespace dgm::bake {
 namespace {
@@ -25,8 +26,9 @@ void collect(const fs::path& root, const fs::path& folder, std::span<const std::
     fs::directory_iterator it(listed.empty() ? fs::path(".") : listed, error);
     for (; !error && it != fs::directory_iterator(); it.increment(error)) {
         const std::string name = it->path().filename().string();
-        std::error_code ignored;
-        const bool is_folder = it->is_directory(ignored) && !it->is_symlink(ignored);
+        std::error_code of_entry, ignored;
+        const bool is_folder = it->is_directory(of_entry) && !it->is_symlink(ignored);
+        formats::check_look(of_entry, it->path());
         if (any_depth) {
             if (name.front() == '.') continue;
             if (is_folder) collect(root, folder / name, components, out);

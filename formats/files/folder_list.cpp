@@ -27,12 +27,13 @@ std::vector<fs::path> files_below(const fs::path& folder, fs::directory_options 
     fs::recursive_directory_iterator it(folder, options, error);
     for (const fs::recursive_directory_iterator end; !error && it != end; it.increment(error)) {
         const fs::path& path = it->path();
-        std::error_code ignored;
+        std::error_code of_entry;
         if (path.filename().native().front() == '.') {
-            if (it->is_directory(ignored)) it.disable_recursion_pending();
+            if (it->is_directory(of_entry)) it.disable_recursion_pending();
             continue;
         }
-        if (it->is_regular_file(ignored)) out.push_back(path.lexically_relative(folder));
+        if (it->is_regular_file(of_entry)) out.push_back(path.lexically_relative(folder));
+        check_look(of_entry, path);
     }
     check_listed(error, folder);
     sort_paths(out);
