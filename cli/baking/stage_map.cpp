@@ -220,15 +220,19 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
     if (options.method != Method::kAuto || inverted > kMostAtAPrice) return inverted;
     double rms = quick_error(task.component, mapped.chart, kTrialSamples).rms;
     const DomainChoice domain = options.domain;
+    bool has_slim = false;  // an LSCM map that overlaps itself is laid out again by the energy of SLIM
     for (const Method method : {Method::kLscm, Method::kSlim, Method::kStretch}) {
         const std::uint64_t own = std::uint64_t{task.size.rows} * task.size.cols;
         if (inverted == 0 || own > samples) break;
-        if (method == mapped.method || (domain != DomainChoice::kAuto && row_of(method).domain != domain)) continue;
+        if (method == mapped.method || (method == Method::kSlim && has_slim) ||
+            (domain != DomainChoice::kAuto && row_of(method).domain != domain))
+            continue;
         samples -= own;
         options.method = method;
         CutMemory cuts;
         Attempt<ComponentResult> other = bake_component(task, options, cuts, progress);
         if (!other) continue;
+        has_slim = has_slim || (method == Method::kLscm && !other->chart.note.empty());
         const std::size_t left = fit_chart(other->chart, fit, progress).inverted;
         if (left >= inverted) break;
         const double error = quick_error(task.component, other->chart, kTrialSamples).rms;
