@@ -57,6 +57,10 @@ std::size_t RegularFile::read(std::span<std::byte> block) {
     return done;
 }
 
+bool RegularFile::seek(std::uint64_t at) {
+    return ::lseek(file_, static_cast<off_t>(at), SEEK_SET) >= 0;
+}
+
 void RegularFile::check_size(std::uint64_t max_bytes) const {
     if (size_ > max_bytes)
         throw model::Error(model::codes::kTooLarge,

@@ -13,7 +13,7 @@
 
 namespace dgm::formats {
 
-/// Read-only descriptor of a regular file, read from front to back.
+/// Read-only descriptor of a regular file.
 class RegularFile {
  public:
     /// Opens without waiting, and asks afterwards what was opened: nobody can exchange the file in between.
@@ -28,6 +28,8 @@ class RegularFile {
     [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> identity() const { return {device_, inode_}; }
     /// Fills as much of `block` as there is; less only at the end of the file. @throws model::Error with read_failure()
     [[nodiscard]] std::size_t read(std::span<std::byte> block);
+    /// What is read next, counted from the front. False if the file cannot be read from there.
+    [[nodiscard]] bool seek(std::uint64_t at);
     /// The rest of the file. Its size is looked at before any byte.
     /// @throws model::Error with read_failure(); kTooLarge beyond `max_bytes`
     [[nodiscard]] std::string read_text(std::uint64_t max_bytes);

@@ -13,7 +13,6 @@
 #include <system_error>
 
 #include <assimp/BaseImporter.h>
-#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/metadata.h>
@@ -22,6 +21,7 @@
 #include <assimp/Importer.hpp>
 
 #include "mesh/asset_folders.h"
+#include "mesh/guarded_io.h"
 #include "mesh/material_files.h"
 #include "mesh/mtl_reader.h"
 #include "mesh/polygon.h"
@@ -34,48 +34,6 @@ namespace {
 namespace codes = model::codes;
 namespace fs = std::filesystem;
 using model::Vec3d;
-
-/// Files that an importer asked for beside the mesh itself.
-struct OpenedFiles {
-    std::vector<fs::path> opened, refused;
-};
-
-/// Opens the further files that an importer asks for (the buffers of a glTF, say), for reading, if they lie where a
-/// mesh may name files. Remembers which.
-class GuardedIo : public Assimp::DefaultIOSystem {
- public:
-    GuardedIo(const fs::path& mesh_file, std::span<const fs::path> asset_roots, OpenedFiles& files)
-        : mesh_file_(mesh_file.string()), folders_(mesh_file, asset_roots), files_(files) {}
-
-    bool Exists(const char* file) const override { return may_open(file) && DefaultIOSystem::Exists(file); }
-
-    Assimp::IOStream* Open(const char* file, const char* mode) override {
-        const bool reads =
-            mode != nullptr && mode[0] == 'r' && std::string_view(mode).find('+') == std::string_view::npos;
-        if (!reads) return nullptr;
-        if (!may_open(file)) {
-            files_.refused.emplace_back(file);
-            return nullptr;
-        }
-        Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
-        if (stream != nullptr) files_.opened.emplace_back(file);
-        return stream;
-    }
-
- private:
-    /// True for a file that is not there as well, unless its name leads elsewhere.
-    [[nodiscard]] bool may_open(const fs::path& file) const {
-        if (file == mesh_file_) return true;
-        std::error_code error;
-        const fs::file_status status = fs::status(file, error);
-        if (fs::exists(status)) return fs::is_regular_file(status) && folders_.hold(file);
-        return folders_.hold(file.has_parent_path() ? file.parent_path() : fs::path("."));
-    }
-
-    fs::path mesh_file_;
-    AssetFolders folders_;
-    OpenedFiles& files_;
-};
 
 /// A node's place in the scene, in double: position = linear * p + offset.
 struct Placement {
@@ -391,7 +349,7 @@ ImportedMesh read_with_assimp(const fs::path& path, const MeshReadLimits& limits
     ImportedMesh out;
     OpenedFiles files;
     Assimp::Importer importer;
-    importer.SetIOHandler(new GuardedIo(path, limits.asset_roots, files));  // the importer owns it
+    importer.SetIOHandler(new GuardedIo(path, limits.asset_roots, limits.max_file_bytes, files));  // it owns it
     drop_importers(importer, path);
     // Degenerate and invalid data stay in: repair counts what it drops. assimp computes no normals either.
     const aiScene* scene = nullptr;
@@ -400,9 +358,11 @@ ImportedMesh read_with_assimp(const fs::path& path, const MeshReadLimits& limits
         if (scene != nullptr && largest_polygon(*scene) <= kLargestForAssimp)
             scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     } catch (const std::exception& e) {
+        if (files.trouble) throw model::Error(*files.trouble);
         if (!files.refused.empty()) throw refusal(files.refused.front(), path);
         throw model::Error(codes::kImportFailed, std::string("assimp: ") + e.what(), path.string());
     }
+    if (files.trouble) throw model::Error(*files.trouble);
     if (!files.refused.empty()) throw refusal(files.refused.front(), path);
     if (scene == nullptr || scene->mRootNode == nullptr)
         throw model::Error(codes::kImportFailed, std::string("assimp: ") + importer.GetErrorString(), path.string());

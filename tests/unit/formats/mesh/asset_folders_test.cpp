@@ -5,9 +5,13 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <assimp/IOStream.hpp>
+
+#include "mesh/guarded_io.h"
 #include "mesh/material_files.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "support/no_descriptors.h"
 #include "test_maps.h"
 
 namespace dgm::formats {
@@ -129,6 +133,52 @@ TEST_F(AssetFoldersTest, ImportersOpenNothingElse) {
     EXPECT_EQ(code_with("../library/far.bin", {library_}), 0);
     EXPECT_EQ(code_with("pipe.bin"), model::codes::kReferenceNoFile.number);
     EXPECT_EQ(code_with("none.bin"), model::codes::kImportFailed.number);
+    test::write_bytes(root_ / "in/huge.bin", "");
+    fs::resize_file(root_ / "in/huge.bin", std::uintmax_t{1} << 40);
+    EXPECT_EQ(code_with("huge.bin"), model::codes::kTooLarge.number);
+}
+
+// assimp would take a file that cannot be opened for one that is broken.
+TEST_F(AssetFoldersTest, TroubleWithAFileIsKept) {
+    test::write_bytes(root_ / "in/near.bin", "abcdef");
+    OpenedFiles files;
+    GuardedIo io(root_ / "in/m.gltf", {}, 5, files);
+    {
+        const test::NoDescriptors none;
+        EXPECT_EQ(io.Open((root_ / "in/near.bin").c_str(), "rb"), nullptr);
+    }
+    ASSERT_TRUE(files.trouble);
+    EXPECT_EQ(&files.trouble->code(), &model::codes::kIoTrouble);
+    files.trouble.reset();
+    EXPECT_EQ(io.Open((root_ / "in/near.bin").c_str(), "rb"), nullptr) << "more bytes than it may have";
+    EXPECT_EQ(&files.trouble->code(), &model::codes::kTooLarge);
+    files.trouble.reset();
+    EXPECT_EQ(io.Open((root_ / "in/none.bin").c_str(), "rb"), nullptr);
+    EXPECT_FALSE(files.trouble);
+}
+
+// As fread() and fseek() do it.
+TEST_F(AssetFoldersTest, StreamsAreReadInItems) {
+    test::write_bytes(root_ / "in/near.bin", "abcdefg");
+    OpenedFiles files;
+    GuardedIo io(root_ / "in/m.gltf", {}, 7, files);
+    Assimp::IOStream* const stream = io.Open((root_ / "in/near.bin").c_str(), "rb");
+    ASSERT_NE(stream, nullptr);
+    char items[8] = {};
+    EXPECT_EQ(stream->FileSize(), 7U);
+    EXPECT_EQ(stream->Read(items, 2, 2), 2U);
+    EXPECT_EQ(std::string(items), "abcd");
+    EXPECT_EQ(stream->Tell(), 4U);
+    EXPECT_EQ(stream->Seek(2, aiOrigin_SET), aiReturn_SUCCESS);
+    EXPECT_EQ(stream->Seek(1, aiOrigin_CUR), aiReturn_SUCCESS);
+    EXPECT_EQ(stream->Read(items, 3, 2), 1U) << "the rest is no whole item";
+    EXPECT_EQ(std::string(items, 3), "def");
+    EXPECT_EQ(stream->Seek(1, aiOrigin_END), aiReturn_FAILURE);
+    EXPECT_EQ(stream->Seek(0, aiOrigin_END), aiReturn_SUCCESS);
+    EXPECT_EQ(stream->Tell(), 7U);
+    EXPECT_EQ(stream->Write("x", 1, 1), 0U);
+    io.Close(stream);
+    EXPECT_EQ(files.opened, std::vector<fs::path>{root_ / "in/near.bin"});
 }
 
 TEST_F(AssetFoldersTest, PlyHeadersEnd) {
