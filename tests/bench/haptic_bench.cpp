@@ -11,6 +11,7 @@
 // Time is simulated: what is slow on this machine is not slow in the loop. A frame of physics that begins at a sample
 // is seen a whole frame later.
 #include <dgm/compliance.h>
+#include <dgm/encoder.h>
 
 #include <chrono>
 #include <optional>
@@ -37,11 +38,22 @@ struct Mode {
     const char* name;
     int ticks;  ///< of a step of physics
     bool compliance;
-    float damper;  ///< N s/m
+    float damper;        ///< N s/m
+    float layer = 0;     ///< N/m^3, under the ball
+    float quantum = 30;  ///< um, of the encoder
+    bool tracked = false;
 };
-constexpr Mode kModes[] = {{"physics in the tick", 1, false, 0}, {"compliance, 200 Hz", 5, true, 0},
-                           {"compliance, 100 Hz", 10, true, 0},  {"damped, 200 Hz", 5, true, 4},
-                           {"damped, 100 Hz", 10, true, 4},      {"force held, 100 Hz", 10, false, 0}};
+constexpr Mode kModes[] = {{"physics in the tick", 1, false, 0},
+                           {"layer", 1, false, 0, 2e6F},
+                           {"layer, tracked", 1, false, 0, 2e6F, 30, true},
+                           {"tracked", 1, false, 0, 0, 30, true},
+                           {"exact places", 1, false, 0, 0, 0},
+                           {"layer, exact places", 1, false, 0, 2e6F, 0},
+                           {"compliance, 200 Hz", 5, true, 0},
+                           {"compliance, 100 Hz", 10, true, 0},
+                           {"damped, 200 Hz", 5, true, 4},
+                           {"damped, 100 Hz", 10, true, 4},
+                           {"force held, 100 Hz", 10, false, 0}};
 
 /// How the loop went.
 struct Outcome {
@@ -73,6 +85,7 @@ class Body {
         physics_.emplace(value_of(Physics::create(state_, o)));
         how_.cycles = 5;
         how_.tool_radius = static_cast<float>(0.1 * map.diagonal());
+        how_.tool_layer = mode.layer;
         if (!mode.compliance) return;
         compliance_.emplace(value_of(Compliance::create(state_, *physics_)));
         ReaderOptions reading;
@@ -126,8 +139,22 @@ D3 wanted_at(double t) {
     return {{0.01 * share(kHeld, kSlid), 0, kGap - (kGap + kDepth) * (share(0, kIn) - share(kSlid, kOut))}};
 }
 
+/// What the encoder says.
+D3 read(D3 place, const Mode& mode) {
+    const double quantum = 1e-6 * double{mode.quantum};
+    for (double& x : place.v) x = quantum > 0 ? quantum * std::floor(x / quantum + 0.5) : x;
+    return place;
+}
+Vec3 narrow(const D3& a) {
+    return {static_cast<float>(a.v[0]), static_cast<float>(a.v[1]), static_cast<float>(a.v[2])};
+}
+D3 wide(Vec3 a) {
+    return {{double{a.x}, double{a.y}, double{a.z}}};
+}
+
 Outcome run_loop(const PhysicsMap& map, Mode mode, double stiffer) {
     Body body(map, mode, stiffer);
+    EncoderTrack track(1e-6F * mode.quantum);
     Outcome out;
     D3 place = wanted_at(0), speed;
     double low = 1, high = -1, weakest = 1e9, strongest = 0, energy = 0, most = 0, change = 0;
@@ -135,8 +162,8 @@ Outcome run_loop(const PhysicsMap& map, Mode mode, double stiffer) {
     std::vector<double> times;
     for (int k = 0; k * kTick < kEnd; ++k) {
         const double now = k * kTick;
-        D3 seen;
-        for (int c = 0; c < 3; ++c) seen.v[c] = kQuantum * std::floor(place.v[c] / kQuantum + 0.5);
+        D3 seen = read(place, mode);
+        if (mode.tracked) seen = wide(track.follow(narrow(seen)));
         double seconds = 0;
         const Vec3 force = body.tick(k, seen, seconds);
         times.push_back(seconds);

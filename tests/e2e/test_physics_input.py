@@ -48,7 +48,8 @@ class Obstacle(Sized):
 
 class StepOptions(Sized):
     _fields_ = [("size", u32), ("cycles", u32), ("gravity", f32 * 3), ("tool_radius", f32), ("obstacles", ctypes.POINTER(Obstacle)),
-                ("obstacle_count", ctypes.c_size_t), ("pins", ctypes.POINTER(Pin)), ("pin_count", ctypes.c_size_t)]
+                ("obstacle_count", ctypes.c_size_t), ("pins", ctypes.POINTER(Pin)), ("pin_count", ctypes.c_size_t),
+                ("tool_layer", f32), ("reserved", u32)]
 
 
 class Report(Sized):
@@ -142,9 +143,11 @@ class PhysicsInput(support.Folder):
             self.assertEqual(self.step(s, p, **good), 0, self.error.message)
         before = self.shape(state).tobytes()
         faults = [{"cycles": 1001}, {"pins": [Pin(sample=17 * 17)]}, {"pins": [Pin(sample=5)] * 2}, {"tool_radius": 0},
-                  {"tool_radius": -1}, {"tool": Tool(kind=9)}, {"obstacle": Obstacle(kind=9)}, {"obstacle": Obstacle()}]
+                  {"tool_radius": -1}, {"tool_layer": -1}, {"tool_layer": .5}, {"tool": Tool(kind=9)},
+                  {"obstacle": Obstacle(kind=9)}, {"obstacle": Obstacle()}]
         for value in NONE + (1e30,):
             faults += [{"gravity": (0, value, 0)}, {"tool": Tool(position=(value, 0, 0))}, {"tool_radius": value},
+                       {"tool_layer": value},
                        {"pins": [Pin(sample=5, position=(0, 0, value))]},
                        {"obstacle": Obstacle(point=(0, 0, value), normal=(0, 0, 1))}]
         for fault in faults:

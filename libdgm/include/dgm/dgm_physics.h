@@ -58,6 +58,8 @@ typedef struct dgm_step_options {
     size_t obstacle_count;         /* length of the array above */
     const dgm_pin* pins;           /* pin_count of them, at most 256 here; physics.h takes any number */
     size_t pin_count;              /* length of the array above */
+    float tool_layer;              /* N/m^3, 1 .. 1e12: soft layer between surface and tools. 0: contact is hard */
+    uint32_t reserved;             /* 0 */
 } dgm_step_options;
 
 /* What a step did. */
@@ -71,6 +73,7 @@ typedef struct dgm_step_report {
     double residual;     /* force left unbalanced over force at the start of the step */
     double kinetic;      /* J */
     double elastic;      /* J */
+    double layers;       /* J, in the soft layer under tools */
 } dgm_step_report;
 
 /* Answer to a tool. */

@@ -83,6 +83,9 @@ struct StepOptions {
     /// Tools are spheres of this radius, local units. A grasp holds the samples within it of the sample nearest at its
     /// start, but those that another tool holds.
     float tool_radius = 0;
+    /// Stiffness of a soft layer between the surface and tools that touch, N/m^3: 1 .. 1e12. The force on a tool is
+    /// then the sum of what the layer presses with, and does not jump where samples come to touch. 0: contact is hard.
+    float tool_layer = 0;
 };
 
 /// What a step did.
@@ -92,6 +95,7 @@ struct StepReport {
     double residual = 0;         ///< force left unbalanced over force at the start of the step; 0 where nothing acts
     double kinetic = 0;          ///< J
     double elastic = 0;          ///< J: membrane, bending, foundation
+    double layers = 0;           ///< J, in the soft layer under tools
     std::uint32_t contacts = 0;  ///< unknowns that press against obstacles or tools
     std::uint32_t cycles = 0;    ///< that were run
     bool clamped = false;        ///< the step led to numbers that are not finite, and nothing has moved

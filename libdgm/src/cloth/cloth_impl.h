@@ -134,6 +134,7 @@ struct ClothImpl {
     std::uint64_t known = 0;  ///< tools whose place before is known
     Array<cloth::Meeting> meetings;
     std::uint32_t meeting_count = 0;
+    double stiff = 0;                                 ///< J: twice the energy of a unit strain everywhere
     double elastic = 0, kinetic = 0, moment[3] = {};  ///< J, J, kg m: at the end of the frame before
 
     [[nodiscard]] cloth::Level& fine() noexcept { return level[0]; }

@@ -60,6 +60,7 @@ Result<dgm::StepOptions> step_options(const dgm_step_options* from, Scene& scene
     if (o.cycles != 0) options.cycles = o.cycles;
     options.gravity = vec(o.gravity);
     options.tool_radius = o.tool_radius;
+    options.tool_layer = o.tool_layer;
     options.obstacles = {scene.obstacles, o.obstacle_count};
     options.pins = {scene.pins, o.pin_count};
     return options;
@@ -128,7 +129,7 @@ dgm_code dgm_physics_step(dgm_state* state, dgm_physics* physics, const dgm_step
     }
     const dgm::StepReport& r = done.value();
     put(report, dgm_step_report{0, r.contacts, r.cycles, r.clamped ? 1u : 0u, r.volume_error, r.pressure, r.residual,
-                                r.kinetic, r.elastic});
+                                r.kinetic, r.elastic, r.layers});
     return finish({}, error);
 }
 

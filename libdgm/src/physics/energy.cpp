@@ -24,19 +24,16 @@ void add_diagonal(PhysicsImpl& p, Potential& to) noexcept {
     to.elastic += 0.5 * energies[1];
 }
 
-/// The augmented Lagrangian of  gap >= 0: (max(0, multiplier - stiffness gap)^2 - multiplier^2) / (2 stiffness).
 double add_contacts(PhysicsImpl& p) noexcept {
     Array<Touching>& list = p.touching[p.touching_now];
     double energy = 0;
     for (std::uint32_t k = 0; k < p.touching_count; ++k) {
         Touching& t = list[k];
         const double gap = t.gap + dot(t.normal, point(p.delta, t.sample));
-        t.force = t.multiplier - t.stiffness * gap;
-        if (t.force > 0)
-            t.met = true;
-        else
-            t.force = 0;
-        energy += (t.force * t.force - t.multiplier * t.multiplier) / (2 * t.stiffness);
+        const Press now = press_of(t, gap);
+        t.force = now.force;
+        t.met = t.met || now.force > 0;
+        energy += now.energy;
         const Vec3 f = narrow(t.force * t.normal);
         const float away[3] = {f.x, f.y, f.z};
         for (int c = 0; c < 3; ++c) p.gradient.p[c][t.sample] -= p.free[t.sample] * away[c];
@@ -59,6 +56,24 @@ double add_grasps(PhysicsImpl& p) noexcept {
 }
 }  // namespace
 
+// Hard: the augmented Lagrangian of  gap >= 0, (max(0, multiplier - stiffness gap)^2 - multiplier^2) / (2 stiffness).
+// Soft: springs side by side [Johnson 1985, 4.3]. A ball touches 2 pi R depth of a sample's cell, which is flat for it,
+// until that is all of the cell: `stiffness` is that of all of it.
+Press press_of(const Touching& t, double gap) noexcept {
+    Press out;
+    if (!t.soft()) {
+        const double force = t.multiplier - t.stiffness * gap;
+        if (force > 0) out = {force, t.stiffness, 0};
+        out.energy = (out.force * out.force - t.multiplier * t.multiplier) / (2 * t.stiffness);
+        return out;
+    }
+    const double depth = -gap, part = depth / t.blunt;
+    if (!(depth > 0)) return out;
+    if (part < 1) return {0.5 * t.stiffness * depth * part, t.stiffness * part, t.stiffness * depth * depth * part / 6};
+    return {t.stiffness * (depth - 0.5 * t.blunt), t.stiffness,
+            t.stiffness * (0.5 * depth * (depth - t.blunt) + t.blunt * t.blunt / 6)};
+}
+
 double press(PhysicsImpl& p) noexcept {
     for (int c = 0; c < 3; ++c) std::copy(p.smooth.p[c], p.smooth.p[c] + p.fine().count(), p.gradient.p[c]);
     const double energy = add_contacts(p) + add_grasps(p);
@@ -73,10 +88,9 @@ Slope pressed_slope(const PhysicsImpl& p, const Field& way, double step) noexcep
         const Touching& t = list[k];
         const double speed = double{p.free[t.sample]} * dot(t.normal, point(way, t.sample));
         const double gap = t.gap + dot(t.normal, point(p.delta, t.sample)) + step * speed;
-        const double force = t.multiplier - t.stiffness * gap;
-        if (!(force > 0)) continue;
-        slope.first -= force * speed;
-        slope.second += t.stiffness * speed * speed;
+        const Press now = press_of(t, gap);
+        slope.first -= now.force * speed;
+        slope.second += now.stiffness * speed * speed;
     }
     for (std::uint32_t k = 0; k < p.grasped_count; ++k) {
         const Grasped& g = p.grasped[k];

@@ -94,6 +94,8 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
         return Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"};
     if (!tools.empty() && !(o.tool_radius > 0 && o.tool_radius <= kMaxCoordinate))
         return bad("the tools' radius is not a number above 0");
+    if (o.tool_layer != 0 && !within(double{o.tool_layer}, 1, 1e12))
+        return bad("the layer under tools is not 0 or in 1 .. 1e12 N/m^3");
     std::uint64_t named = 0;
     for (const ToolInput& in : tools) {
         if (!is_place(in.position)) return bad("a coordinate of a tool is beyond 1e18");
@@ -191,6 +193,7 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     p.elastic_before = p.elastic;
     p.energy_before = p.elastic + 0.5 * moving;
     p.driven = false;
+    p.layer = double{o.tool_layer};
     if (kFactors) p.few_held = o.pins.empty();
     for (const Pin& pin : o.pins) {
         const Double3 way = by * (widen(pin.position) - widen(StateImpl::at(s.rest, pin.sample)));
@@ -311,11 +314,21 @@ void end_step(PhysicsImpl& p, const StepOptions& o, bool keep, StepReport& repor
     }
 }
 
+/// What the soft layer under a sample holds when it presses with the contact's force.
+double layer_energy(const Touching& t) noexcept {
+    const double all = 0.5 * t.stiffness * t.blunt;  // the force when all of the cell has come to touch
+    return press_of(t, t.force < all ? -t.blunt * std::sqrt(t.force / all) : -t.force / t.stiffness - 0.5 * t.blunt)
+        .energy;
+}
+
 /// Sums of the multipliers, over samples.
 void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<StepTool> answers,
             StepReport& report) noexcept {
     const Array<Touching>& list = p.touching[p.touching_now];
-    for (std::uint32_t k = 0; k < p.touching_count; ++k) report.contacts += list[k].force > 0 ? 1 : 0;
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) {
+        report.contacts += list[k].force > 0 ? 1 : 0;
+        report.layers += list[k].soft() ? layer_energy(list[k]) : 0;
+    }
     for (std::size_t t = 0; t < tools.size() && !answers.empty(); ++t) {
         Double3 sum;
         StepTool out;

@@ -27,7 +27,15 @@ struct Touching {
     double force = 0;       ///< now
     bool met = false;       ///< had a force at some time in this step
     bool moves = true;      ///< the obstacle is not as in the step before
+    double blunt = 0;       ///< soft layer: depth at which all of the sample's cell is in touch, metres; 0: hard
+    [[nodiscard]] bool soft() const noexcept { return blunt > 0; }
 };
+
+/// Force of a contact, its growth by depth, and its energy.
+struct Press {
+    double force = 0, stiffness = 0, energy = 0;
+};
+[[nodiscard]] Press press_of(const Touching& t, double gap) noexcept;
 
 /// Obstacles and tools of a step, checked.
 struct Scene {
@@ -112,6 +120,7 @@ struct PhysicsImpl {
     float hold = 0;              ///< entry of `extra` that stands for a held sample on coarser levels
     Array<std::uint8_t> pinned;  ///< by unknown, while a step runs: 1 by a pin, 2 by a pin where it was held anyway
     bool driven = false;         ///< a pin moves in this step
+    double layer = 0;            ///< of tools in this step, N/m^3; 0: hard
     bool few_held = true;        ///< no pins, and few samples are pressed or grasped
     double unsure = 0;           ///< of `elastic`: at most about so much below what evaluate() would find
     double energy_before = 0;    ///< kinetic and elastic, at the start of the step

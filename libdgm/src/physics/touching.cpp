@@ -79,6 +79,15 @@ bool is_in(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
     return false;
 }
 
+/// Makes a contact with a ball one by way of its soft layer.
+void soften(const PhysicsImpl& p, const Shape& ball, Touching& t) noexcept {
+    constexpr double kTurn = 6.283185307179586;
+    const double cell = double{p.mass[t.sample]} / double{p.material.density};
+    t.stiffness = p.layer * cell;
+    t.blunt = cell / (kTurn * ball.radius * p.scale);
+    t.multiplier = 0;
+}
+
 /// Distance within which a sample may come to touch in this step, local units.
 double reach_of(const PhysicsImpl& p, const StateImpl& s) noexcept {
     double fastest = 0;
@@ -114,9 +123,11 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
                 fits = false;
                 return;
             }
-            const double firm = double{p.grip[k]};
-            to[count++] = {k, scene.ids[o], normal, there.distance * p.scale, firm, memory.of(scene.ids[o], k),
-                           0, false,        moves};
+            Touching& t = to[count++];
+            t = {
+                k,     scene.ids[o], normal, there.distance * p.scale, double{p.grip[k]}, memory.of(scene.ids[o], k), 0,
+                false, moves,        0};
+            if (p.layer > 0 && is_tool(t)) soften(p, shape, t);
         };
         for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
             if (i % kTile == 0)
@@ -187,7 +198,7 @@ void take_holds(PhysicsImpl& p) noexcept {
     for (std::uint32_t k = 0; k < p.touching_count; ++k) {
         const Touching& t = list[k];
         if (!(t.multiplier > 0 || t.gap < 0)) continue;
-        p.pressed[t.sample] += static_cast<float>(t.stiffness);
+        p.pressed[t.sample] += static_cast<float>(t.soft() ? press_of(t, t.gap).stiffness : t.stiffness);
         ++count;
     }
     if (kFactors) p.few_held = p.few_held && count <= l.dofs / kFew;
@@ -214,9 +225,9 @@ Outside outside(const PhysicsImpl& p) noexcept {
     Outside found = Outside::Nothing;
     for (std::uint32_t k = 0; k < p.touching_count; ++k)
         if (list[k].met)
-            found = std::max(found, list[k].moves      ? Outside::Moving
-                                    : is_tool(list[k]) ? Outside::AtRest
-                                                       : Outside::Obstacles);
+            found = std::max(found, list[k].moves || list[k].soft() ? Outside::Moving
+                                    : is_tool(list[k])              ? Outside::AtRest
+                                                                    : Outside::Obstacles);
     return found;
 }
 

@@ -562,6 +562,17 @@ TEST(Physics, TheCInterfaceGivesTheSameSteps) {
     EXPECT_EQ(answer.contacts, expected.contacts);
     EXPECT_EQ(report.elastic, told.elastic);
     EXPECT_EQ(report.pressure, told.pressure);
+    EXPECT_EQ(report.layers, 0);
+    o.tool_layer = cpp.tool_layer = 2e6f;
+    const ToolInput in = ball(7.2);
+    dgm_tool_input tool{};
+    tool.struct_size = sizeof tool;
+    tool.position[2] = in.position.z;
+    ASSERT_EQ(dgm_physics_step(state, physics, &o, &tool, 1, &answer, &report, &error), DGM_OK) << error.message;
+    told = step(body.state, body.physics, cpp, {&in, 1}, {&expected, 1}).value();
+    EXPECT_EQ(answer.force[2], expected.force.z);
+    EXPECT_GT(report.layers, 0);
+    EXPECT_EQ(report.layers, told.layers);
     EXPECT_EQ(dgm_physics_set_dt(physics, -1, &error), DGM_BAD_ARGUMENT);
     EXPECT_EQ(dgm_physics_set_dt(physics, 0.01f, &error), DGM_OK);
     EXPECT_EQ(dgm_physics_step(state, nullptr, &o, nullptr, 0, nullptr, nullptr, &error), DGM_BAD_ARGUMENT);
