@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -25,13 +26,12 @@ namespace {
 
 constexpr double kStartUpright = 0.2;   // cosine to the source below which faces are repaired at the start
 constexpr double kGainOfRounds = 3e-3;  // in rms, of two rounds, to go on: 0.03 dB
-// Samples from which on the rounds for the largest error leave alone what is not near it.
-constexpr std::size_t kLargeGrid = 30'000;
 // Facets of the source a face of the grid, up to which samples go to its edges: beyond, none of many is worth more.
 constexpr double kFacets = 2.5, kFacetsOfLargeGrid = 0.4;
-constexpr double kFarOff = 0.15;                          // of the largest error: faces that the rounds for it work on
-constexpr double kSureGain = 0.6;                         // in rms; ordinary charts reach 0.2
-constexpr double kInvertedPrice = 1.25;                   // in rms, of faces that a fit inverts
+constexpr double kRoundsOfDense = 0.64;  // of the rounds for the mean, with the points of a dense source
+constexpr double kFarOff = 0.15;         // of the largest error: faces that the rounds for it work on
+constexpr double kSureGain = 0.6;        // in rms; ordinary charts reach 0.2
+constexpr double kInvertedPrice = 1.25;  // in rms, of faces that a fit inverts
 constexpr double kRepairPrice = 1.5, kRepairLargest = 3;  // in rms and in the largest error, of fewer inverted faces
 // The same where no more than one in so many is left: a tree of tubes keeps 10 of 1,159 at 1.63 in rms, a Schwarz
 // lantern 0 of 1,185 at 1.02 and 3.6.
@@ -40,6 +40,8 @@ constexpr std::size_t kFewInverted = 20;
 constexpr std::uint64_t kFewSamples = 20'000;
 // The hardest shapes measured, at 65 x 65, take 14,000 faces a sample; 190,000 are allowed there.
 constexpr std::uint64_t kLooksPerSample = 40'000, kFewestSamples = 20'000;
+// A sample. With 8, `l2` needs 11 rounds for less than it reaches in 7 with these, and `best` its snaps.
+constexpr double kPointsOfDense = 16, kPointsOfDenseBest = 24;
 constexpr double kTrialPoints = 3;  // a sample, and three times as many on small grids
 constexpr double kExact = 1e-10;    // normalised units: nothing is left to fit
 
@@ -154,10 +156,12 @@ class MeanRounds {
     double gained_ = 1, gained_before_ = 1;
 };
 
-/// The rounds for the mean error. The grid lies in the best state afterwards.
+/// The rounds for the mean error, fewer where many points make each of them better. The grid lies in the best state
+/// afterwards.
 void lower_mean(FitState& fit, const Plan& plan, FitReport& report) {
     MeanRounds rounds(fit, plan, report);
-    rounds.run(plan.options.rounds);
+    const int count = plan.options.rounds;
+    rounds.run(fit.has_dense_points ? static_cast<int>(std::lround(kRoundsOfDense * count)) : count);
     rounds.finish();
 }
 
@@ -185,7 +189,8 @@ void snap_and_lower_mean(FitState& fit, FitReport& report) {
 void lower_mean_with_snaps(FitState& fit, const Plan& plan, FitReport& report) {
     constexpr double kGainOfSnap = 0.97;  // in rms, of one, to go on
     // On large grids each snap takes as long as all rounds of a source of many facets, and gains little there.
-    const double facets = plan.options.worst_rounds > 0 || !is_large(fit.grid) ? kFacets : kFacetsOfLargeGrid;
+    const bool dear = is_large(fit.grid) && (plan.options.worst_rounds <= 0 || fit.has_dense_points);
+    const double facets = dear ? kFacetsOfLargeGrid : kFacets;
     const bool snaps = plan.options.snaps > 0 && plan.options.split_quads && facets_per_face(fit) <= facets;
     if (snaps) {
         fit.split_quads();
@@ -280,6 +285,7 @@ bool is_worse_than(Placement& start, FitState& fit) {
 
 FitOptions l2_fit() {
     FitOptions o;
+    o.points_of_dense = kPointsOfDense;
     o.rounds = 11;
     o.snaps = 2;
     return o;
@@ -287,6 +293,7 @@ FitOptions l2_fit() {
 
 FitOptions best_fit() {
     FitOptions o;
+    o.points_of_dense = kPointsOfDenseBest;
     o.rounds = 20;
     o.worst_rounds = 8;
     o.snaps = 4;

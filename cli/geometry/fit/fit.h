@@ -45,6 +45,7 @@ struct FitOptions {
     std::size_t patch_effort = kPatchEffort;  ///< of a repair of inverted faces, and of each attempt of the last resort
     double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes points_of_small at most
     std::size_t points_of_small = kPointsOfSmall;
+    double points_of_dense = 0;  ///< the same as points_per_sample where a large grid has a dense source, if more
 };
 
 /// `l2`: a few rounds, for the mean error. `best`: more of them, then rounds for the largest error. Both put samples on

@@ -15,8 +15,20 @@ namespace {
 // Of the last step, in the next one: at most, and how slowly it comes to that [Nesterov 1983].
 constexpr double kMomentum = 0.85, kRamp = 3;
 
-std::size_t point_count(const SampledChart& chart, const FitOptions& options) {
-    const double samples = static_cast<double>(chart.grid_count()), wanted = options.points_per_sample * samples;
+// Facets of the source a face of the grid from which on points are what the fit lacks, and how many there may be: 80
+// bytes each.
+constexpr double kDense = 0.4, kMostPoints = 2e6;
+
+/// Source points a sample of a grid that is not small.
+double points_per_sample(const SampledChart& chart, const FitOptions& options) {
+    const auto samples = static_cast<double>(chart.grid_count());
+    const bool dense = static_cast<double>(chart.disk->mesh.faces.size()) >= kDense * 2 * samples;
+    const bool many = dense && chart.grid_count() >= kLargeGrid && options.points_of_dense * samples <= kMostPoints;
+    return many ? std::max(options.points_per_sample, options.points_of_dense) : options.points_per_sample;
+}
+
+std::size_t point_count(const SampledChart& chart, const FitOptions& options, double per_sample) {
+    const double samples = static_cast<double>(chart.grid_count()), wanted = per_sample * samples;
     return static_cast<std::size_t>(
         std::max(wanted, std::min(static_cast<double>(options.points_of_small), 3 * wanted)));
 }
@@ -28,15 +40,17 @@ FitState::FitState(SampledChart& fitted, const FitOptions& options)
       most_looks(options.most_looks != 0 ? options.most_looks : most_looks_of(fitted.grid_count())),
       holds_largest(options.worst_rounds > 0),
       damping(options.hold.damping),
+      points_a_sample(points_per_sample(fitted, options)),
+      has_dense_points(points_a_sample > options.points_per_sample),
       source(link_source(*fitted.disk)),
       grid(fitted),
-      matches(fitted, source, grid, point_count(fitted, options), options.hold),
+      matches(fitted, source, grid, point_count(fitted, options, points_a_sample), options.hold),
       fixed(grid.on_border),
       rails(fitted, source, grid),
       upward(normals_at_scale(source, surface_area(source) / static_cast<double>(fitted.grid_count()))),
       sliding(grid, matches, rails, upward, fixed),
       inverted(source, grid.surface, matches.source_index()),
-      rows(source, grid, matches, rails, options.points_per_sample),
+      rows(source, grid, matches, rails, points_a_sample),
       equations(grid) {}
 
 double FitState::largest() const {

@@ -81,6 +81,8 @@ struct FitState {
     std::uint64_t most_looks;
     bool holds_largest;  // with the middles of the edges: what is done besides the mean may hardly raise it
     double damping;
+    double points_a_sample;  // of the source
+    bool has_dense_points;   // more than usual: FitOptions::points_of_dense
     LinkedSurface source;
     WeldedGrid grid;
     Matches matches;

@@ -8,6 +8,8 @@ namespace dgm::bake {
 
 /// Source points of a small grid, up to three times as many a sample as a large one has.
 inline constexpr std::size_t kPointsOfSmall = 200'000;
+/// Samples of a grid on which a pass over all of it costs so much that less is done where that does.
+inline constexpr std::size_t kLargeGrid = 30'000;
 /// Samples that repairs of patches may move: some seconds at most.
 inline constexpr std::size_t kPatchEffort = 500'000;
 

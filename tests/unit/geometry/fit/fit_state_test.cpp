@@ -208,6 +208,26 @@ TEST(FitState, NoDiagonalCutsOffACornerOfAStraightBorder) {
     EXPECT_TRUE(c.fit.inverted.faces({}, true).empty());
 }
 
+/// Two or three times the points on a large grid with a dense source, where they are not too many; the usual ones
+/// everywhere else.
+TEST(FitState, GivesALargeGridOfADenseSourceMorePoints) {
+    constexpr std::uint32_t kLarge = 174, kSmall = 173;  // 30,276 and 29,929 samples
+    const auto points_a_sample = [](std::uint32_t side, std::uint32_t source_side, const FitOptions& options) {
+        SampledChart chart = fit_test::flat_chart(side, source_side);
+        const FitState fit(chart, options);
+        EXPECT_EQ(fit.has_dense_points, fit.points_a_sample > options.points_per_sample);
+        return static_cast<double>(fit.matches.area_points) / static_cast<double>(chart.grid_count());
+    };
+    FitOptions plain, many = l2_fit();
+    many.points_of_dense = 80;  // 2.4 million
+    EXPECT_NEAR(points_a_sample(kLarge, 120, l2_fit()), 16, 0.01);
+    EXPECT_NEAR(points_a_sample(kLarge, 120, best_fit()), 24, 0.01);
+    EXPECT_NEAR(points_a_sample(kLarge, 100, l2_fit()), 8, 0.01) << "a third of a facet a face";
+    EXPECT_NEAR(points_a_sample(kSmall, 120, l2_fit()), 8, 0.01) << "a small grid";
+    EXPECT_NEAR(points_a_sample(kLarge, 120, plain), 8, 0.01) << "not asked for";
+    EXPECT_NEAR(points_a_sample(kLarge, 120, many), 8, 0.01) << "beyond what memory is worth";
+}
+
 TEST(Without, LeavesOutWhatIsKnown) {
     EXPECT_EQ(without({1, 2, 5, 9}, {2, 3, 9}), (std::vector<std::uint32_t>{1, 5}));
     EXPECT_TRUE(without({4}, {4}).empty());
