@@ -40,10 +40,9 @@ constexpr std::size_t kFewInverted = 20;
 constexpr std::uint64_t kFewSamples = 20'000;
 // The hardest shapes measured, at 65 x 65, take 14,000 faces a sample; 190,000 are allowed there.
 constexpr std::uint64_t kLooksPerSample = 40'000, kFewestSamples = 20'000;
-// A sample. With 8, `l2` needs 11 rounds for less than it reaches in 7 with these, and `best` its snaps.
-constexpr double kPointsOfDense = 16, kPointsOfDenseBest = 24;
-constexpr double kTrialPoints = 3;  // a sample, and three times as many on small grids
-constexpr double kExact = 1e-10;    // normalised units: nothing is left to fit
+constexpr double kPointsOfDense = 16;  // a sample; with 8, `l2` needs 11 rounds for less than it reaches in 7
+constexpr double kTrialPoints = 3;     // a sample, and three times as many on small grids
+constexpr double kExact = 1e-10;       // normalised units: nothing is left to fit
 
 /// Options and progress of one fit.
 struct Plan {
@@ -189,8 +188,7 @@ void snap_and_lower_mean(FitState& fit, FitReport& report) {
 void lower_mean_with_snaps(FitState& fit, const Plan& plan, FitReport& report) {
     constexpr double kGainOfSnap = 0.97;  // in rms, of one, to go on
     // On large grids each snap takes as long as all rounds of a source of many facets, and gains little there.
-    const bool dear = is_large(fit.grid) && (plan.options.worst_rounds <= 0 || fit.has_dense_points);
-    const double facets = dear ? kFacetsOfLargeGrid : kFacets;
+    const double facets = plan.options.worst_rounds > 0 || !is_large(fit.grid) ? kFacets : kFacetsOfLargeGrid;
     const bool snaps = plan.options.snaps > 0 && plan.options.split_quads && facets_per_face(fit) <= facets;
     if (snaps) {
         fit.split_quads();
@@ -293,7 +291,6 @@ FitOptions l2_fit() {
 
 FitOptions best_fit() {
     FitOptions o;
-    o.points_of_dense = kPointsOfDenseBest;
     o.rounds = 20;
     o.worst_rounds = 8;
     o.snaps = 4;
