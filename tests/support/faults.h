@@ -23,7 +23,7 @@ namespace dgm::test {
 /// among them where the system has all of the sandbox.
 inline std::vector<std::pair<std::string, std::function<void()>>> faults() {
     const auto end_unless = [](bool is_out) {
-        if (!is_out) raise(SIGKILL);
+        if (!is_out) std::abort();
     };
     std::vector<std::pair<std::string, std::function<void()>>> out = {
         {"crash", [] { raise(SIGSEGV); }},

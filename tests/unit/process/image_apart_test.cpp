@@ -3,6 +3,7 @@
 #include "process/image_apart.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <cstring>
 #include <memory>
@@ -72,6 +73,17 @@ TEST(ImageApart, WhateverTheDecoderDoesIsAnErrorOfThePicture) {
         EXPECT_EQ(test::code_of([&] { (void)formats::read_image({folder / "a.png"}); }), codes::kImageUnreadable.number)
             << name;
     }
+}
+
+// By somebody, or by a system that is short of memory.
+TEST(ImageApart, ADecoderKilledFromOutsideSaysNothingOfThePicture) {
+    formats::ImageReader decoder = formats::image_reader_here();
+    decoder.bits = [](const model::PictureFile&) -> unsigned {
+        raise(SIGKILL);
+        return 0;
+    };
+    const ImageApart images(decoder);
+    EXPECT_EQ(test::code_of([&] { (void)formats::image_bits({"a.png"}); }), codes::kWorkerKilled.number);
 }
 
 TEST(ImageApart, AShortageOfMemoryIsNoFaultOfThePicture) {
