@@ -157,6 +157,9 @@ std::optional<model::Error> error_of(const Running& r, std::uint64_t memory_byte
                             fmt::format("the worker process was ended by signal {} ({}) from outside, as the "
                                         "system does where memory runs out",
                                         end.signal, strsignal(end.signal)));
+    if (end.signal == SIGXCPU)
+        return model::Error(codes::kWorkerTimeout,
+                            fmt::format("it has used the processor time that it may (signal {})", end.signal));
     if (end.signal == 0 && r.last_word && !has_result) return std::get<ErrorMessage>(*r.last_word).error;
     return r.crash("result");
 }

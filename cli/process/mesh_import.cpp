@@ -191,6 +191,8 @@ ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits&
     if (end.signal == SIGKILL || end.signal == SIGTERM)
         throw model::Error(codes::kWorkerKilled, fmt::format("the import's process was ended by signal {}", end.signal),
                            path.string());
+    if (end.signal == SIGXCPU)
+        throw model::Error(codes::kWorkerTimeout, "the import has used the processor time that it may", path.string());
     if (end.signal != 0)
         throw model::Error(
             codes::kWorkerCrashed,

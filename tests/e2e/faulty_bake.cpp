@@ -84,6 +84,7 @@ BakeResult bake(const std::filesystem::path& source, const BakeOptions& options,
     }
     if (fault.starts_with("real-")) return dgm::bake::bake_asset(source, options, progress);
     if (fault == "segfault") std::raise(SIGSEGV);
+    if (fault == "processor-time") std::raise(SIGXCPU);
     if (fault == "abort") {
         std::fputs("free(): invalid pointer\n", stderr);
         std::abort();

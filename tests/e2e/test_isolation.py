@@ -38,6 +38,9 @@ class Isolation(support.Folder):
     def test_abort_tells_what_the_library_said(self):
         self.check_one("abort", 4, 9002, ["signal 6", "it said: free(): invalid pointer"])
 
+    def test_processor_time(self):
+        self.check_one("processor-time", 3, 9003, ["processor time", "--time-limit"])
+
     def test_hang(self):
         start = time.monotonic()
         self.check_one("hang", 3, 9003, ["after 1 s", "--time-limit"], "--time-limit", "1")
