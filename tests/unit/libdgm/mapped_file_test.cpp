@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 struct Folder {
     fs::path path;
     Folder() : path(fs::path(testing::TempDir()) / fs::path(u8"dgm_\u0142\u6e2c\U0001F9E0")) {
+        path += testing::UnitTest::GetInstance()->current_test_info()->name();  // ctest runs tests side by side
         fs::remove_all(path);
         fs::create_directories(path);
     }
