@@ -150,11 +150,7 @@ std::vector<std::string> edited_layers(const BakeReport& report) {
 
 std::vector<std::string> edited_layers(const fs::path& map) {
     try {
-        if (!is_map(map)) return {};
-        std::error_code error;
-        const bool is_there = fs::is_regular_file(map, error);
-        formats::check_look(error, map);
-        if (!is_there) return {};
+        if (!is_map(map) || !fs::is_regular_file(formats::look_at(map))) return {};
         return layers_in(read_head(map).report_json);
     } catch (const model::Error& error) {
         if (model::may_pass(error)) throw;  // a painted map would be baked over

@@ -135,9 +135,7 @@ class Planner {
     }
 
     void add(const fs::path& input) {
-        std::error_code error;
-        const fs::file_status status = fs::status(input, error);
-        formats::check_look(error, input);
+        const fs::file_status status = formats::look_at(input);
         if (!fs::exists(status) && is_pattern(input.native())) return add_pattern(input);
         if (!fs::exists(status)) return refuse(input, {codes::kFileMissing, "there is no such file or folder"});
         if (fs::is_regular_file(status)) return add_file(input);

@@ -151,8 +151,7 @@ std::optional<model::Error> error_of(const Running& r, std::uint64_t memory_byte
                                 ? "the system ran out of memory"
                                 : fmt::format("it needs more than the {} MiB it may take", memory_bytes >> 20));
     }
-    // Not by us, and not by itself: the kernel where memory ran out, a scheduler, or a person.
-    if (end.signal == SIGKILL || end.signal == SIGTERM)
+    if (end.is_killed())
         return model::Error(codes::kWorkerKilled,
                             fmt::format("the worker process was ended by signal {} ({}) from outside, as the "
                                         "system does where memory runs out",

@@ -53,7 +53,7 @@ std::string ApartAnswer::failure(std::string_view reader, unsigned seconds) {
     if (lacked_memory()) return fmt::format("{} needs too much memory for it", reader);
     if (end.signal == SIGALRM || end.signal == SIGXCPU)
         return fmt::format("{} has not read it after {} seconds", reader, seconds);
-    if (end.signal == SIGKILL || end.signal == SIGTERM)
+    if (end.is_killed())
         throw model::Error(model::codes::kWorkerKilled,
                            fmt::format("the process that reads strangers' files was ended by signal {}", end.signal));
     if (end.signal != 0)

@@ -2,6 +2,7 @@
 // cli/process/child_process.h
 // One disposable copy of this program (POSIX). The copy dies with its parent, dumps no core, and its output is bounded.
 #pragma once
+#include <signal.h>
 #include <sys/types.h>
 
 #include <chrono>
@@ -41,6 +42,9 @@ inline constexpr int kCannotRunAgain = 127;
 struct ChildEnd {
     int exit_code = 0;
     int signal = 0;  ///< 0 if it exited by itself
+
+    /// Not by itself: the kernel where memory ran out, a scheduler, or a person.
+    [[nodiscard]] bool is_killed() const { return signal == SIGKILL || signal == SIGTERM; }
 };
 
 /// Runs /proc/self/exe with `--worker`, or a copy of this process; see worker_io.h for the descriptors it finds. Killed

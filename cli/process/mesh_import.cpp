@@ -188,7 +188,7 @@ ImportedMesh import_apart(const std::filesystem::path& path, const ImportLimits&
         throw model::Error(codes::kWorkerMemory,
                            fmt::format("the import needs more than the {} MiB it may take", limits.memory_bytes >> 20),
                            path.string());
-    if (end.signal == SIGKILL || end.signal == SIGTERM)
+    if (end.is_killed())
         throw model::Error(codes::kWorkerKilled, fmt::format("the import's process was ended by signal {}", end.signal),
                            path.string());
     if (end.signal == SIGXCPU)

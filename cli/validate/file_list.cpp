@@ -92,9 +92,7 @@ std::vector<fs::path> expand_names(const std::vector<std::string>& names) {
         if (seen.insert(file.lexically_normal().string()).second) out.push_back(file);
     };
     for (const std::string& name : names) {
-        std::error_code error;
-        const auto status = fs::status(name, error);
-        formats::check_look(error, name);
+        const fs::file_status status = formats::look_at(name);
         std::vector<fs::path> found;
         if (fs::is_directory(status)) {
             for (const fs::path& file : formats::files_below(name))

@@ -39,4 +39,11 @@ void check_look(const std::error_code& error, const std::filesystem::path& at) {
     if (error && may_pass(error.value())) throw model::unreadable_file(at, error.message(), codes::kIoTrouble);
 }
 
+std::filesystem::file_status look_at(const std::filesystem::path& path) {
+    std::error_code error;
+    const std::filesystem::file_status out = std::filesystem::status(path, error);
+    check_look(error, path);
+    return out;
+}
+
 }  // namespace dgm::formats

@@ -22,4 +22,8 @@ namespace dgm::formats {
 /// For a look at a file or folder, which may be missing. @throws model::Error kIoTrouble if it was what may pass
 void check_look(const std::error_code& error, const std::filesystem::path& at);
 
+/// What is there, links followed; file_type::not_found and ::none as std::filesystem::status() has them.
+/// @throws model::Error as check_look()
+[[nodiscard]] std::filesystem::file_status look_at(const std::filesystem::path& path);
+
 }  // namespace dgm::formats

@@ -3,7 +3,6 @@
 #include "mesh/asset_folders.h"
 
 #include <system_error>
-#include <utility>
 
 #include "files/io_failure.h"
 
@@ -18,24 +17,25 @@ fs::path below(const fs::path& file, const fs::path& folder) {
     return out.empty() || out.is_absolute() || *out.begin() == ".." ? fs::path() : out;
 }
 
+/// Without links; empty if it is not there.
+fs::path real_path(const fs::path& path) {
+    std::error_code error;
+    fs::path out = fs::canonical(path, error);
+    check_look(error, path);
+    return error ? fs::path() : out;
+}
+
 }  // namespace
 
 AssetFolders::AssetFolders(const fs::path& mesh_file, std::span<const fs::path> roots) {
     folders_.push_back(mesh_file.parent_path());
     folders_.insert(folders_.end(), roots.begin(), roots.end());
-    for (const fs::path& folder : folders_) {
-        std::error_code error;
-        fs::path real = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
-        check_look(error, folder);
-        real_.push_back(error ? fs::path() : std::move(real));
-    }
+    for (const fs::path& folder : folders_) real_.push_back(real_path(folder.empty() ? fs::path(".") : folder));
 }
 
 bool AssetFolders::hold(const fs::path& file) const {
-    std::error_code error;
-    const fs::path real = fs::canonical(file, error);
-    check_look(error, file);
-    if (error) return false;
+    const fs::path real = real_path(file);
+    if (real.empty()) return false;
     for (const fs::path& folder : real_)
         if (!folder.empty() && !below(real, folder).empty()) return true;
     return false;
@@ -45,9 +45,7 @@ std::string AssetFolders::name_of(const fs::path& file) const {
     if (!hold(file)) return {};
     // As it is spelled, where that is below the mesh: a link that is set to another file keeps its name.
     fs::path name = below(file.lexically_normal(), folders_[0].lexically_normal());
-    std::error_code error;
-    const fs::path real = fs::canonical(file, error);
-    check_look(error, file);
+    const fs::path real = real_path(file);
     for (std::size_t k = 0; name.empty() && k < real_.size(); ++k)
         if (!real_[k].empty()) name = below(real, real_[k]);
     return name.generic_string();
@@ -57,10 +55,7 @@ std::optional<fs::path> AssetFolders::resolve(std::string_view name) const {
     if (leads_outside(name)) return std::nullopt;
     for (const fs::path& folder : folders_) {
         fs::path file = folder / name;
-        std::error_code error;
-        const bool is_file = fs::is_regular_file(file, error);
-        check_look(error, file);
-        if (is_file && hold(file)) return file;
+        if (fs::is_regular_file(look_at(file)) && hold(file)) return file;
     }
     return std::nullopt;
 }

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string_view>
-#include <system_error>
 
 #include <assimp/IOStream.hpp>
 
@@ -88,9 +87,7 @@ void GuardedIo::Close(Assimp::IOStream* stream) {
 
 bool GuardedIo::may_open(const fs::path& file) const {
     if (file == mesh_file_) return true;
-    std::error_code error;
-    const fs::file_status status = fs::status(file, error);
-    check_look(error, file);
+    const fs::file_status status = look_at(file);
     if (fs::exists(status)) return fs::is_regular_file(status) && folders_.hold(file);
     return folders_.hold(file.has_parent_path() ? file.parent_path() : fs::path("."));
 }

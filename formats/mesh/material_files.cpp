@@ -36,13 +36,6 @@ std::string unread(const model::Code& code, std::string_view what, std::string_v
     return out;
 }
 
-bool is_file(const fs::path& path) {
-    std::error_code error;
-    const bool is_there = fs::is_regular_file(path, error);
-    check_look(error, path);
-    return is_there;
-}
-
 /// "/C:/My Files/a.png" for "file:///C:/My%20Files/a.png".
 std::string url_decoded(std::string_view name) {
     constexpr std::string_view kScheme = "file://";
@@ -71,7 +64,7 @@ std::string library_missing(std::string_view name, FoundFile::Why why) {
 
 bool FileFinder::may_read(const fs::path& file) {
     if (is_special_file(file)) why_ = FoundFile::Why::kSpecial;
-    if (!is_file(file)) return false;
+    if (!fs::is_regular_file(look_at(file))) return false;
     if (folders_.hold(file)) return true;
     why_ = FoundFile::Why::kOutside;
     return false;

@@ -38,17 +38,17 @@ struct Mode {
     const char* name;
     int ticks;  ///< of a step of physics
     bool compliance;
-    float damper;        ///< N s/m
-    float layer = 0;     ///< N/m^3, under the ball
-    float quantum = 30;  ///< um, of the encoder
+    float damper;     ///< N s/m
+    float layer = 0;  ///< N/m^3, under the ball
     bool tracked = false;
+    double quantum = kQuantum;  ///< of the encoder; 0: exact places
 };
 constexpr Mode kModes[] = {{"physics in the tick", 1, false, 0},
                            {"layer", 1, false, 0, 2e6F},
-                           {"layer, tracked", 1, false, 0, 2e6F, 30, true},
-                           {"tracked", 1, false, 0, 0, 30, true},
-                           {"exact places", 1, false, 0, 0, 0},
-                           {"layer, exact places", 1, false, 0, 2e6F, 0},
+                           {"layer, tracked", 1, false, 0, 2e6F, true},
+                           {"tracked", 1, false, 0, 0, true},
+                           {"exact places", 1, false, 0, 0, false, 0},
+                           {"layer, exact places", 1, false, 0, 2e6F, false, 0},
                            {"compliance, 200 Hz", 5, true, 0},
                            {"compliance, 100 Hz", 10, true, 0},
                            {"damped, 200 Hz", 5, true, 4},
@@ -141,8 +141,7 @@ D3 wanted_at(double t) {
 
 /// What the encoder says.
 D3 read(D3 place, const Mode& mode) {
-    const double quantum = 1e-6 * double{mode.quantum};
-    for (double& x : place.v) x = quantum > 0 ? quantum * std::floor(x / quantum + 0.5) : x;
+    for (double& x : place.v) x = mode.quantum > 0 ? mode.quantum * std::floor(x / mode.quantum + 0.5) : x;
     return place;
 }
 Vec3 narrow(const D3& a) {
@@ -154,7 +153,7 @@ D3 wide(Vec3 a) {
 
 Outcome run_loop(const PhysicsMap& map, Mode mode, double stiffer) {
     Body body(map, mode, stiffer);
-    EncoderTrack track(1e-6F * mode.quantum);
+    EncoderTrack track(static_cast<float>(mode.quantum));
     Outcome out;
     D3 place = wanted_at(0), speed;
     double low = 1, high = -1, weakest = 1e9, strongest = 0, energy = 0, most = 0, change = 0;

@@ -76,9 +76,7 @@ struct Search {
         } catch (const model::Error& error) { refuse(input, error); }
     }
     void add_input(const fs::path& input) {
-        std::error_code error;
-        const fs::file_status status = fs::status(input, error);
-        formats::check_look(error, input);
+        const fs::file_status status = formats::look_at(input);
         if (fs::is_directory(status))
             return add_below(input, formats::files_below(input), input, "the folder holds no maps");
         if (!fs::exists(status) && bake::is_pattern(input.native())) {
