@@ -57,6 +57,7 @@ CandidateReport report_of(const Candidate& candidate) {
         if (candidate.fitted) out.outcome += " after a trial fit";
         if (candidate.cut == CutKind::kOther) out.outcome += "; along another cut";
         if (candidate.cut == CutKind::kRing) out.outcome += "; loops on opposite sides";
+        if (candidate.cut == CutKind::kLimbs) out.outcome += "; cut to the tips of limbs";
         if (candidate.directed) out.outcome += "; along the directions of curvature";
         if (candidate.outcome == CandidateOutcome::kChosen && !candidate.note.empty())
             out.outcome += "; " + candidate.note;
@@ -143,8 +144,9 @@ bool Contest::wins_challenge(Entry& entry, Candidate& candidate, const model::Pr
 
 bool Contest::wins_fitted(Entry& entry, Candidate& candidate, double clearly, const model::Progress& progress) {
     candidate.fitted = true;
+    const bool other = candidate.cut == CutKind::kOther || candidate.cut == CutKind::kLimbs;
     fit_trials({{{entry.chart, entry.begun}, {best_->chart, best_->begun}}}, clearly, progress);
-    return entry.begun->rms < (candidate.cut == CutKind::kOther ? kGainOfOtherCut : kGain) * best_->begun->rms;
+    return entry.begun->rms < (other ? kGainOfOtherCut : kGain) * best_->begun->rms;
 }
 
 /// Between charts that differ by less than 1 % or by rounding, the one that uses all samples wins, then the earlier

@@ -29,7 +29,8 @@ enum class CandidateOutcome {
 enum class CutKind {
     kFirst,  ///< the search's own
     kOther,  ///< searched from another beginning
-    kRing    ///< of a ring, whose loops lie on opposite sides of the square
+    kRing,   ///< of a ring, whose loops lie on opposite sides of the square
+    kLimbs   ///< to the tips of all limbs
 };
 
 /// One method that was tried.
@@ -83,6 +84,7 @@ class Contest {
 
     [[nodiscard]] bool has_best() const { return best_.has_value(); }
     [[nodiscard]] double best_psnr() const { return candidates_[best_index_].psnr; }
+    [[nodiscard]] const SampledChart& best_chart() const { return best_->chart; }
     [[nodiscard]] Method best_method() const { return candidates_[best_index_].method; }
     [[nodiscard]] bool best_is_directed() const { return candidates_[best_index_].directed; }
     [[nodiscard]] bool tried(Method method) const;

@@ -14,9 +14,11 @@
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/chart/free_chart.h"
 #include "geometry/chart/square_chart.h"
+#include "geometry/cut_search/limb_cut.h"
 #include "geometry/cut_search/ring_cut.h"
 #include "geometry/mesh/infinity.h"
 #include "geometry/metrics/map_metrics.h"
+#include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/flat_map.h"
 #include "geometry/parameterize/free_methods.h"
 #include "math/portable.h"
@@ -217,6 +219,33 @@ void try_other_cuts(const ComponentTask& task, const BakeOptions& options, const
     }
 }
 
+/// Where limbs are crowded in the map of the first cut, `auto` tries one that runs to all of their tips: the search,
+/// which goes on while each limb pays for itself, ends long before that.
+void try_limbs(const ComponentTask& task, const BakeOptions& options, Contest& contest,
+               const model::Progress& progress) {
+    constexpr double kCrowded = 3;
+    constexpr std::uint32_t kSamplesToLimb = 8;  // of the border; a cut to more limbs starves the longer ones
+    if (!contest.has_best() || is_exact(contest) || contest.best_chart().domain != layout::Domain::kSquare) return;
+    const SampledChart& first = contest.best_chart();
+    if (!(l2_stretch(first.disk->mesh.positions, first.disk->mesh.faces, first.uv) > kCrowded)) return;
+    const std::uint32_t most = 2 * (task.size.rows + task.size.cols - 2) / kSamplesToLimb;
+    const std::optional<CutGraph> cut = limb_cut(task.component, most, progress);
+    if (!cut) return;
+    const Attempt<CutSearchResult> result = attempt([&] {
+        CutSearchResult out;
+        out.disk = cut->open();
+        out.cut_length = cut->length();
+        out.rotation = candidate_rotations(out.disk, task.size.rows, task.size.cols, 1).front();
+        return out;
+    });
+    if (!result) return;  // its paths are more than the border has samples for
+    Contest limbs(task.component, CutKind::kLimbs, task.trial_samples);
+    const SquareMaps maps(task, options, *result, progress);
+    maps.enter(Method::kStretch, limbs);
+    maps.challenge(Method::kStretch, limbs);
+    contest.meet(std::move(limbs), options.fit != Fit::kSample, progress);
+}
+
 /// The square of `auto` and of the methods that name it, and the free charts that `auto` tries beside it.
 void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts, Contest& contest,
                 const model::Progress& progress) {
@@ -247,6 +276,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
         maps.enter(method, contest);
         maps.challenge(method, contest);
         try_other_cuts(task, options, search, *cut, contest, progress);
+        if (any) try_limbs(task, options, contest, progress);
     }
     const bool may_unroll = task.rings == RingUse::kTried && (any || options.method == Method::kStretch);
     if (may_unroll && is_ring(task.component))

@@ -101,11 +101,8 @@ class StretchParameterizer final : public Parameterizer {
         return multilevel_stretch_map(disk, options, progress, &memory_->levels);
     }
 
-    /// Normalised stretch: the square has area 1.
     static bool crowded(const DiskView& on, const std::vector<Vec2d>& uv) {
-        double area = 0;
-        for (const Face& f : on.faces) area += face_area({on.positions[f[0]], on.positions[f[1]], on.positions[f[2]]});
-        return std::sqrt(stretch_energy(on.positions, on.faces, uv)) > kCrowded * area;
+        return l2_stretch(on.positions, on.faces, uv) > kCrowded;
     }
 
     /// The map before it is levelled.
@@ -116,7 +113,8 @@ class StretchParameterizer final : public Parameterizer {
             return stretch_energy(disk.positions, disk.faces, uv);
         };
         std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
-        return !map || energy(other) < energy(*map) ? other : std::move(*map);
+        if (map && energy(*map) <= energy(other)) other = std::move(*map);
+        return count_not_positive(disk.faces, other) > 0 ? other : uncrowd(disk, std::move(other), kCrowded, progress);
     }
 
     [[nodiscard]] std::vector<RestShape> rest_of(const DiskView& on) const {

@@ -151,6 +151,12 @@ double stretch_energy(std::span<const Vec3d> positions, std::span<const Face> fa
     return sum;
 }
 
+double l2_stretch(std::span<const Vec3d> positions, std::span<const Face> faces, std::span<const Vec2d> uv) {
+    double area = 0;
+    for (const Face& f : faces) area += face_area({positions[f[0]], positions[f[1]], positions[f[2]]});
+    return std::sqrt(stretch_energy(positions, faces, uv)) / area;
+}
+
 std::vector<Vec2d> reweighted_stretch_map(const DiskView& disk, const ReweightOptions& options,
                                           const model::Progress& progress) {
     ConvexMapSolver solver(disk.positions.size(), disk.faces, disk.border);

@@ -42,6 +42,11 @@ class ConvexMapSolver {
 [[nodiscard]] double stretch_energy(std::span<const Vec3d> positions, std::span<const Face> faces,
                                     std::span<const Vec2d> uv);
 
+/// L2 stretch of a whole map onto a figure of area 1 [Sander 2001]: 1 where it is a similarity, and more everywhere
+/// else.
+[[nodiscard]] double l2_stretch(std::span<const Vec3d> positions, std::span<const Face> faces,
+                                std::span<const Vec2d> uv);
+
 struct ReweightOptions {
     int iterations = 12;
     double exponent = 1.0;  ///< weight is divided by (stretch_i * stretch_j)^exponent

@@ -23,4 +23,13 @@ namespace dgm::bake {
 [[nodiscard]] std::vector<Vec2d> stretch_map(const DiskView& disk, std::size_t newton_steps,
                                              const model::Progress& progress);
 
+/// Goes on with a map that has crowded limbs into points: gives them room (limb_growth.h) and descends, by turns, until
+/// the stretch is `enough` or falls no more; 600 steps at most, fewer where there are more than some 7,000 faces.
+///
+/// @param uv  flip-free; its border stays
+/// @return  flip-free, with no more L2 stretch than `uv`
+/// @throws model::Error kInterrupted
+[[nodiscard]] std::vector<Vec2d> uncrowd(const DiskView& disk, std::vector<Vec2d> uv, double enough,
+                                         const model::Progress& progress);
+
 }  // namespace dgm::bake

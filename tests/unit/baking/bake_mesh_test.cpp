@@ -334,6 +334,27 @@ TEST(BakeMesh, TriesNothingBesideAChartWithoutError) {
     }
 }
 
+// Sixteen long teeth: the search for a cut ends after two of them, at 47 dB.
+TEST(BakeMesh, CutsAllLimbsWhereThatPays) {
+    BakeOptions options;
+    options.size = {65, 65};
+    const BakeResult result = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
+    const ChartReport& chart = result.report.charts.at(0);
+    EXPECT_GT(result.report.error.psnr(), 53);
+    EXPECT_EQ(chart.turned_faces, 0U);
+    const auto to_tips = [](const CandidateReport& tried) {
+        return tried.outcome.starts_with("chosen") &&
+               tried.outcome.find("cut to the tips of limbs") != std::string::npos;
+    };
+    EXPECT_TRUE(std::ranges::any_of(chart.candidates, to_tips));
+}
+
+TEST(BakeMesh, CutsNoLimbsWhereNothingIsCrowded) {
+    const BakeResult result = bake_mesh({.mesh = test::comb(3, 4), .name = "comb"}, small_grid());
+    for (const CandidateReport& tried : result.report.charts.at(0).candidates)
+        EXPECT_EQ(tried.outcome.find("limbs"), std::string::npos);
+}
+
 /// A wavy sheet of 12 x 12 quads with six straps, each a quad wide and six long.
 model::TriMesh apron() {
     constexpr int kSide = 12, kLength = 6;
