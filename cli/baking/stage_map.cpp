@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "baking/chart_effort.h"
 #include "baking/component/component_bake.h"
@@ -30,6 +31,7 @@ namespace codes = model::codes;
 
 constexpr std::uint64_t kRefinedSamples = 2;  // times those of the largest component
 constexpr std::uint64_t kOtherSamples = 3;    // likewise, of other maps
+constexpr std::size_t kFittedAgain = 4;       // likewise, in second and third fits of charts
 
 /// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;
@@ -156,56 +158,73 @@ constexpr std::size_t kHopeless = 8;          // more than one inverted face to 
 constexpr double kOtherMapPrice = 1.4;        // in rms, of another map with fewer: 3 dB
 constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
 
-/// A fitted chart and how good it is.
-struct Trial {
-    SampledChart chart;
-    std::size_t inverted;
-    double rms;
+/// The fits of one chart. If faces are inverted after the first one, or it has gained little of what there was to gain,
+/// also one with samples that are held firmly, then, if faces are inverted still, one in rounds that invert none. Keeps
+/// the fit with the fewest of them, then the one with the lowest error.
+class ChartFits {
+ public:
+    /// All must outlive the object.
+    ChartFits(const TriMesh& component, ComponentResult& mapped, const FitOptions& options, std::uint64_t trial_samples)
+        : component_(component), mapped_(mapped), options_(options), trial_samples_(trial_samples) {}
 
-    [[nodiscard]] bool beats(const Trial& other) const {
-        const double price = inverted < other.inverted   ? kInvertedPrice
-                             : inverted > other.inverted ? 1 / kInvertedPrice
-                                                         : 1;
-        return rms < price * other.rms;
+    void fit(const model::Progress& progress) {
+        if (component_.positions.size() <= kMostFitted) start_ = mapped_.chart;
+        const FitReport fit = fit_chart(mapped_.chart, options_, progress, mapped_.begun ? &*mapped_.begun : nullptr);
+        mapped_.begun.reset();
+        inverted_ = fit.inverted;
+        // Samples that are held firmly keep to edges of large facets. Where facets are small, a good map leaves little
+        // to gain: on 121 meshes at 65 x 65 and 129 x 129, 13 such fits lay between the two shares, and the other fit
+        // was 0.5 to 1.3 dB worse each time.
+        const double facets =
+            static_cast<double>(component_.faces.size()) / (2.0 * static_cast<double>(mapped_.chart.grid_count()));
+        const double ordinary = fit.inverted == 0 && facets >= kManyFacets ? kLittleGain : kOrdinaryGain;
+        const bool good = fit.was_exact || fit.rms < kBelowStored || fit.rms < ordinary * fit.start_rms;
+        // Where so many are, limbs have no room, and another fit takes as long and has as many.
+        const bool hopeless = kHopeless * fit.inverted > mapped_.chart.grid_count();
+        if ((fit.inverted == 0 && good) || hopeless) start_.reset();
     }
+    [[nodiscard]] bool may_gain() const { return start_.has_value(); }
+    void fit_firmly(const model::Progress& progress) { fit_again(firm(options_), progress); }
+    [[nodiscard]] bool may_gain_guarded() const { return start_ && inverted_ > 0 && inverted_ <= kMostAtAPrice; }
+    void fit_guarded(const model::Progress& progress) { fit_again(guarded(options_), progress); }
+
+    [[nodiscard]] std::size_t inverted() const { return inverted_; }
+    [[nodiscard]] std::size_t samples() const { return mapped_.chart.grid_count(); }
+
+ private:
+    [[nodiscard]] double measured(const SampledChart& chart) const {
+        return quick_error(component_, chart, trial_samples_).rms;
+    }
+    void fit_again(const FitOptions& options, const model::Progress& progress) {
+        if (!rms_) rms_ = measured(mapped_.chart);
+        SampledChart chart = *start_;
+        const std::size_t inverted = fit_chart(chart, options, progress).inverted;
+        if (options.guarded && inverted > inverted_) return;
+        const double rms = measured(chart);
+        const double price = inverted < inverted_ ? kInvertedPrice : inverted > inverted_ ? 1 / kInvertedPrice : 1;
+        if (!(rms < price * *rms_)) return;
+        mapped_.chart = std::move(chart);
+        inverted_ = inverted;
+        rms_ = rms;
+    }
+
+    const TriMesh& component_;
+    ComponentResult& mapped_;
+    const FitOptions& options_;
+    std::uint64_t trial_samples_;
+    std::optional<SampledChart> start_;
+    std::size_t inverted_ = 0;
+    std::optional<double> rms_;
 };
 
-/// Fits the chart. If faces are inverted or the fit has gained little of what there was to gain, also with samples that
-/// are held firmly, then, if faces are inverted still, in rounds that invert none. Keeps the fit with the fewest of
-/// them, then the one with the lowest error.
 /// @return  inverted faces
 std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, const FitOptions& options,
                           std::uint64_t trial_samples, const model::Progress& progress) {
-    const bool may_fit_again = component.positions.size() <= kMostFitted;
-    std::optional<SampledChart> start;
-    if (may_fit_again) start = mapped.chart;
-    const FitReport fit = fit_chart(mapped.chart, options, progress, mapped.begun ? &*mapped.begun : nullptr);
-    mapped.begun.reset();
-    // Samples that are held firmly keep to edges of large facets. Where facets are small, a good map leaves little to
-    // gain: on 121 meshes at 65 x 65 and 129 x 129, 13 such fits lay between the two shares, and the other fit was 0.5
-    // to 1.3 dB worse each time.
-    const double facets =
-        static_cast<double>(component.faces.size()) / (2.0 * static_cast<double>(mapped.chart.grid_count()));
-    const double ordinary = fit.inverted == 0 && facets >= kManyFacets ? kLittleGain : kOrdinaryGain;
-    const bool good = fit.was_exact || fit.rms < kBelowStored || fit.rms < ordinary * fit.start_rms;
-    // Where so many are, limbs have no room, and another fit takes as long and has as many.
-    const bool hopeless = kHopeless * fit.inverted > mapped.chart.grid_count();
-    if (!start || (fit.inverted == 0 && good) || hopeless) return fit.inverted;
-    const auto measured = [&](SampledChart chart, std::size_t inverted) {
-        const double rms = quick_error(component, chart, trial_samples).rms;
-        return Trial{std::move(chart), inverted, rms};
-    };
-    Trial best = measured(std::move(mapped.chart), fit.inverted);
-    const auto try_fit = [&](const FitOptions& other) {
-        SampledChart chart = *start;
-        const std::size_t inverted = fit_chart(chart, other, progress).inverted;
-        Trial trial = measured(std::move(chart), inverted);
-        if (trial.beats(best) && !(other.guarded && inverted > best.inverted)) best = std::move(trial);
-    };
-    try_fit(firm(options));
-    if (best.inverted > 0 && best.inverted <= kMostAtAPrice) try_fit(guarded(options));
-    mapped.chart = std::move(best.chart);
-    return best.inverted;
+    ChartFits fits(component, mapped, options, trial_samples);
+    fits.fit(progress);
+    if (fits.may_gain()) fits.fit_firmly(progress);
+    if (fits.may_gain_guarded()) fits.fit_guarded(progress);
+    return fits.inverted();
 }
 
 /// Where `auto` has left faces inverted, other maps of the component: they crowd its folds and thin parts elsewhere. A
@@ -288,10 +307,31 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
     out.inverted.resize(out.charts.size());
     const ChartEffort effort = effort_of(out.charts);
     const FitOptions fit = fit_options(options, u16, effort);
-    for_each_component(
-        out.charts.size(), part_of(progress, "fit", 0, 1), [&](std::size_t c, const model::Progress& part) {
-            out.inverted[c] = fit_component(source.components[c], out.charts[c], fit, effort.trial_samples, part);
-        });
+    std::vector<ChartFits> fits;
+    fits.reserve(out.charts.size());
+    std::size_t largest = 0;
+    for (std::size_t c = 0; c < out.charts.size(); ++c) {
+        fits.emplace_back(source.components[c], out.charts[c], fit, effort.trial_samples);
+        largest = std::max(largest, fits[c].samples());
+    }
+    const model::Progress all = part_of(progress, "fit", 0, 1);
+    for_each_component(fits.size(), all, [&](std::size_t c, const model::Progress& part) { fits[c].fit(part); });
+    // The others, as far as the effort goes: which they are must not depend on which chart is ready first.
+    std::size_t left = kFittedAgain * largest;
+    const auto again = [&](bool (ChartFits::*may_gain)() const, void (ChartFits::*fit_it)(const model::Progress&)) {
+        std::vector<std::size_t> chosen;
+        for (std::size_t c = 0; c < fits.size(); ++c) {
+            if (!(fits[c].*may_gain)() || fits[c].samples() > left) continue;
+            left -= fits[c].samples();
+            chosen.push_back(c);
+        }
+        const model::Progress silent{{}, progress.cancelled};
+        for_each_component(chosen.size(), silent,
+                           [&](std::size_t k, const model::Progress& part) { (fits[chosen[k]].*fit_it)(part); });
+    };
+    again(&ChartFits::may_gain, &ChartFits::fit_firmly);
+    again(&ChartFits::may_gain_guarded, &ChartFits::fit_guarded);
+    for (std::size_t c = 0; c < fits.size(); ++c) out.inverted[c] = fits[c].inverted();
     return out;
 }
 
