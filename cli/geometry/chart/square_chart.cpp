@@ -22,7 +22,8 @@
 namespace dgm::bake {
 namespace {
 
-constexpr double kCrowded = 2;  // L2 stretch, of 1 at least
+constexpr double kCrowded = 2;          // L2 stretch, of 1 at least
+constexpr std::size_t kLarge = 25'000;  // faces: a crowded map of more is mended on a coarser level
 constexpr std::size_t kLevelSteps = 5;
 // The square of an error grows with the fourth power of the stretch, as in multilevel_map.h.
 constexpr double kLevelPower = 4, kLevelEpsilon = 2;
@@ -105,10 +106,24 @@ class StretchParameterizer final : public Parameterizer {
         return l2_stretch(on.positions, on.faces, uv) > kCrowded;
     }
 
+    /// The room for limbs is found on a coarser level, where a step costs less than a tenth of one at full size.
+    [[nodiscard]] static std::vector<Vec2d> uncrowded_coarsely(const DiskView& disk, std::vector<Vec2d> map,
+                                                               const model::Progress& progress) {
+        MultilevelOptions options;
+        options.finish_faces = kLarge;
+        options.finish = [&](const DiskView& on, std::vector<Vec2d> uv) {
+            return uncrowd(on, std::move(uv), kCrowded, progress);
+        };
+        std::optional<std::vector<Vec2d>> other = multilevel_stretch_map(disk, options, progress);
+        const auto stretch = [&](const std::vector<Vec2d>& uv) { return l2_stretch(disk.positions, disk.faces, uv); };
+        return other && stretch(*other) < stretch(map) ? std::move(*other) : std::move(map);
+    }
+
     /// The map before it is levelled.
     [[nodiscard]] std::vector<Vec2d> plain_map(const DiskView& disk, const model::Progress& progress) const {
         std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress, &memory_->levels);
         if (map && !crowded(disk, *map)) return std::move(*map);
+        if (map && disk.faces.size() > kLarge) return uncrowded_coarsely(disk, std::move(*map), progress);
         const auto energy = [&](const std::vector<Vec2d>& uv) {
             return stretch_energy(disk.positions, disk.faces, uv);
         };

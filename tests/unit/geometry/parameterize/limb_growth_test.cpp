@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "disks.h"
+#include "geometry/chart/square_chart.h"
 #include "geometry/parameterize/convex_map.h"
 #include "geometry/parameterize/slim.h"
 #include "geometry/parameterize/stretch_map.h"
+#include "laid_disk.h"
+#include "support/meshes.h"
 
 namespace dgm::bake {
 namespace {
@@ -117,6 +120,18 @@ TEST(LimbGrowth, UncrowdingEndsNearTheLeastStretch) {
     options.patience = 5;
     flat = descend_flip_free(view, std::move(flat), options, {});
     EXPECT_LT(l2_stretch(view.positions, view.faces, uv), 1.02 * l2_stretch(view.positions, view.faces, flat));
+}
+
+// A finger 75 times as long as wide. Maps that were refined from a coarse one have a stretch of 12,000 and 44,000.
+TEST(LimbGrowth, FingersOfFewAndManyFacesGetRoom) {
+    for (const std::uint32_t along : {100u, 400u}) {
+        const TriMesh mesh = test::finger(0.02, 3, 40, along, 10);
+        EXPECT_EQ(mesh.faces.size() > 25'000, along == 400) << "many are mended on a coarser level";
+        const test::LaidDisk laid = test::lay(mesh, 129, 0);
+        const std::vector<Vec2d> uv = make_stretch_parameterizer(8)->solve(laid.view(), {});
+        EXPECT_EQ(count_not_positive(laid.view().faces, uv), 0u);
+        EXPECT_LT(l2_stretch(laid.view().positions, laid.view().faces, uv), 12);
+    }
 }
 
 }  // namespace
