@@ -7,6 +7,7 @@
 // more than it got (more than 1 % of the most that it had).
 //
 //   dgm-bench-haptic MAP.dgm...
+//   dgm-bench-haptic --path PATH.txt MAP.dgm...     the tool of a recorded path (docs/touch.md), whatever the force
 //
 // Time is simulated: what is slow on this machine is not slow in the loop. A frame of physics that begins at a sample
 // is seen a whole frame later.
@@ -14,9 +15,13 @@
 #include <dgm/encoder.h>
 
 #include <chrono>
+#include <filesystem>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "path/tool_path.h"
 #include "physics_map.h"
 
 namespace dgm::bench {
@@ -98,6 +103,16 @@ class Body {
         const double by = 1 / map_.metres();
         return {static_cast<float>(double{top.x} + by * way.v[0]), static_cast<float>(double{top.y} + by * way.v[1]),
                 static_cast<float>(double{top.z} + double{how_.tool_radius} + by * way.v[2])};
+    }
+    /// Force on a tool at `place`, local units, in a tick of physics; of one that is away, 0.
+    Vec3 force_at(Vec3 place, bool engaged) {
+        begun_ = place;
+        if (engaged) {
+            run_frame();
+            return felt_.force;
+        }
+        (void)value_of(step(state_, *physics_, how_, {}, {}));
+        return {};
     }
     /// Force on the device in tick number `tick`, at the place that its encoders tell.
     Vec3 tick(int tick, const D3& seen, double& seconds) {
@@ -202,6 +217,41 @@ Outcome run_loop(const PhysicsMap& map, Mode mode, double stiffer) {
     return out;
 }
 
+/// The largest change of the force in a tick over the largest force, of a tool that follows a path.
+void run_path(const PhysicsMap& map, const formats::ToolPath& path) {
+    std::printf("%s\n%-20s %9s %9s %9s %9s\n", map.file().c_str(), "loop", "force, N", "jump, %", "99th, %", "m/s");
+    for (const Mode& mode : kModes) {
+        if (mode.compliance || mode.ticks != 1) continue;
+        Body body(map, mode, 1);
+        EncoderTrack track(static_cast<float>(mode.quantum));
+        Vec3 before, last;
+        double most = 0, fastest = 0;
+        std::vector<double> changes;
+        path.replay(
+            kTick,
+            [&](std::span<const formats::Knot> knots, float) {
+                const D3 units = wide(knots[0].position);
+                D3 metres;
+                for (int c = 0; c < 3; ++c) metres.v[c] = units.v[c] * map.metres();
+                metres = read(metres, mode);
+                if (mode.tracked) metres = wide(track.follow(narrow(metres)));
+                for (double& x : metres.v) x /= map.metres();
+                const Vec3 force = body.force_at(narrow(metres), knots[0].engaged);
+                if (!changes.empty())
+                    fastest = std::max(fastest, length(knots[0].position - last) * map.metres() / kTick);
+                last = knots[0].position;
+                most = std::max(most, length(force));
+                changes.push_back(length(force - before));
+                before = force;
+            },
+            [](const std::string&) {});
+        std::sort(changes.begin(), changes.end());
+        const double share = most > 0 ? 100 / most : 0;
+        std::printf("%-20s %9.3f %9.2f %9.2f %9.2f\n", mode.name, most, share * changes.back(),
+                    share * changes[changes.size() * 99 / 100], fastest);
+    }
+}
+
 void run_map(const PhysicsMap& map) {
     const State s = map.state();
     std::printf("%s, %u x %u samples\n", map.file().c_str(), s.rows(), s.cols());
@@ -228,9 +278,15 @@ void run_map(const PhysicsMap& map) {
 }  // namespace dgm::bench
 
 int main(int argc, char** argv) {
-    if (argc < 2) {
-        std::fprintf(stderr, "usage: dgm-bench-haptic MAP.dgm...\n");
+    const bool follows = argc > 3 && std::string(argv[1]) == "--path";
+    if (argc < 2 || (argv[1][0] == '-' && !follows)) {
+        std::fprintf(stderr, "usage: dgm-bench-haptic [--path PATH.txt] MAP.dgm...\n");
         return 1;
+    }
+    if (follows) {
+        const dgm::formats::ToolPath path{std::filesystem::path(argv[2])};
+        for (int k = 3; k < argc; ++k) dgm::bench::run_path(dgm::bench::PhysicsMap(argv[k]), path);
+        return 0;
     }
     std::printf("Device %g kg, friction %g N s/m, encoder %g um, 1 kHz; hand %g N/m and %g N s/m.\n", dgm::bench::kMass,
                 dgm::bench::kFriction, 1e6 * dgm::bench::kQuantum, dgm::bench::kHandSpring, dgm::bench::kHandDamper);
