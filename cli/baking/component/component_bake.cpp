@@ -35,7 +35,8 @@ constexpr double kFarOther = 1.1;
 constexpr std::size_t kMostFacesCutAgain = 200'000;
 // dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
 constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
-constexpr double kExactPsnr = 200;  // what is left is rounding
+constexpr std::size_t kMostFacesFreeToo = 80'000;  // more take half a minute, and longer than the rest
+constexpr double kExactPsnr = 200;                 // what is left is rounding
 // A free chart beside a square one must not take longer than all the rest: it gets few cuts.
 constexpr int kSecondRounds = 2;
 
@@ -129,6 +130,7 @@ CutSearchOptions cut_options(GridSize size, const BakeOptions& options) {
 /// Loops about handles make a free chart ragged: with 6 and 11 handles it lost 2 to 3 dB to the square, with 81 it won
 /// 14 where the square had reached 51.
 bool free_may_help(const ComponentTask& task, const Contest& contest) {
+    if (task.component.faces.size() > kMostFacesFreeToo) return false;
     const bool handles = measure_topology(task.component).genus > 0;
     return contest.best_psnr() < poor_psnr(task.size) - (handles ? kHandles : 0);
 }
@@ -221,26 +223,17 @@ void try_other_cuts(const ComponentTask& task, const BakeOptions& options, const
 
 /// Where limbs are crowded in the map of the first cut, `auto` tries one that runs to all of their tips: the search,
 /// which goes on while each limb pays for itself, ends long before that.
-void try_limbs(const ComponentTask& task, const BakeOptions& options, Contest& contest,
+void try_limbs(const ComponentTask& task, const BakeOptions& options, const CutSearchResult& first, Contest& contest,
                const model::Progress& progress) {
     constexpr double kCrowded = 3;
-    constexpr std::uint32_t kSamplesToLimb = 8;  // of the border; a cut to more limbs starves the longer ones
     if (!contest.has_best() || is_exact(contest) || contest.best_chart().domain != layout::Domain::kSquare) return;
-    const SampledChart& first = contest.best_chart();
-    if (!(l2_stretch(first.disk->mesh.positions, first.disk->mesh.faces, first.uv) > kCrowded)) return;
-    const std::uint32_t most = 2 * (task.size.rows + task.size.cols - 2) / kSamplesToLimb;
-    const std::optional<CutGraph> cut = limb_cut(task.component, most, progress);
-    if (!cut) return;
-    const Attempt<CutSearchResult> result = attempt([&] {
-        CutSearchResult out;
-        out.disk = cut->open();
-        out.cut_length = cut->length();
-        out.rotation = candidate_rotations(out.disk, task.size.rows, task.size.cols, 1).front();
-        return out;
-    });
-    if (!result) return;  // its paths are more than the border has samples for
+    const SampledChart& best = contest.best_chart();
+    if (!(l2_stretch(best.disk->mesh.positions, best.disk->mesh.faces, best.uv) > kCrowded)) return;
+    const Attempt<std::optional<CutSearchResult>> cut =
+        attempt([&] { return open_limbs(task.component, task.size.rows, task.size.cols, progress); });
+    if (!cut || !*cut || (*cut)->cut_length == first.cut_length) return;
     Contest limbs(task.component, CutKind::kLimbs, task.trial_samples);
-    const SquareMaps maps(task, options, *result, progress);
+    const SquareMaps maps(task, options, **cut, progress);
     maps.enter(Method::kStretch, limbs);
     maps.challenge(Method::kStretch, limbs);
     contest.meet(std::move(limbs), options.fit != Fit::kSample, progress);
@@ -276,7 +269,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
         maps.enter(method, contest);
         maps.challenge(method, contest);
         try_other_cuts(task, options, search, *cut, contest, progress);
-        if (any) try_limbs(task, options, contest, progress);
+        if (any) try_limbs(task, options, *cut, contest, progress);
     }
     const bool may_unroll = task.rings == RingUse::kTried && (any || options.method == Method::kStretch);
     if (may_unroll && is_ring(task.component))

@@ -107,26 +107,38 @@ class StretchParameterizer final : public Parameterizer {
     }
 
     /// The room for limbs is found on a coarser level, where a step costs less than a tenth of one at full size.
-    [[nodiscard]] static std::vector<Vec2d> uncrowded_coarsely(const DiskView& disk, std::vector<Vec2d> map,
-                                                               const model::Progress& progress) {
+    [[nodiscard]] static std::optional<std::vector<Vec2d>> uncrowded_coarsely(const DiskView& disk,
+                                                                              std::size_t newton_steps,
+                                                                              const model::Progress& progress) {
         MultilevelOptions options;
+        options.map_coarsest = [&](const DiskView& on) -> std::optional<std::vector<Vec2d>> {
+            try {
+                return stretch_map(on, newton_steps, progress);
+            } catch (const model::Error& e) {
+                if (e.code().number != model::codes::kMapInvalid.number) throw;
+                return std::nullopt;
+            }
+        };
         options.finish_faces = kLarge;
         options.finish = [&](const DiskView& on, std::vector<Vec2d> uv) {
             return uncrowd(on, std::move(uv), kCrowded, progress);
         };
-        std::optional<std::vector<Vec2d>> other = multilevel_stretch_map(disk, options, progress);
-        const auto stretch = [&](const std::vector<Vec2d>& uv) { return l2_stretch(disk.positions, disk.faces, uv); };
-        return other && stretch(*other) < stretch(map) ? std::move(*other) : std::move(map);
+        return multilevel_stretch_map(disk, options, progress);
     }
 
     /// The map before it is levelled.
     [[nodiscard]] std::vector<Vec2d> plain_map(const DiskView& disk, const model::Progress& progress) const {
         std::optional<std::vector<Vec2d>> map = multilevel_stretch_map(disk, {}, progress, &memory_->levels);
         if (map && !crowded(disk, *map)) return std::move(*map);
-        if (map && disk.faces.size() > kLarge) return uncrowded_coarsely(disk, std::move(*map), progress);
         const auto energy = [&](const std::vector<Vec2d>& uv) {
             return stretch_energy(disk.positions, disk.faces, uv);
         };
+        if (disk.faces.size() > kLarge) {
+            std::optional<std::vector<Vec2d>> other = uncrowded_coarsely(disk, newton_steps_, progress);
+            if (other && map && energy(*map) <= energy(*other)) other.reset();
+            if (other) return std::move(*other);
+            if (map) return std::move(*map);
+        }
         std::vector<Vec2d> other = stretch_map(disk, newton_steps_, progress);
         if (map && energy(*map) <= energy(other)) other = std::move(*map);
         return count_not_positive(disk.faces, other) > 0 ? other : uncrowd(disk, std::move(other), kCrowded, progress);

@@ -13,6 +13,7 @@
 
 #include "geometry/cut_search/component_search.h"
 #include "geometry/cut_search/cut_transfer.h"
+#include "geometry/cut_search/limb_cut.h"
 #include "geometry/cut_search/straight_cut.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/simplify/simplify.h"
@@ -56,6 +57,10 @@ CutSearchResult search_measured(const TriMesh& component, const CutSearchOptions
     out.rotation = scaled_rotation(out.disk, grid, out.rotation, wanted);
     return out;
 }
+
+// Faces of a component. Where there are more and the search on a simplified one fails, its limbs are cut: to measure
+// cuts one by one takes minutes.
+constexpr std::size_t kMostMeasured = 40'000;
 
 /// Corners of the real border: a simplified border must keep them, they are nodes of it.
 std::vector<char> border_corners(const TriMesh& mesh) {
@@ -198,6 +203,9 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
         others.stars = 0;
         return search_cut(component, others, progress);
     }
+    if (component.faces.size() > kMostMeasured)
+        if (std::optional<CutSearchResult> limbs = open_limbs(component, wanted.m, wanted.n, progress))
+            return std::move(*limbs);
     return search_measured(component, options, wanted, progress);
 }
 

@@ -103,4 +103,16 @@ std::optional<CutGraph> limb_cut(const TriMesh& component, std::size_t most, con
     return cut;
 }
 
+std::optional<CutSearchResult> open_limbs(const TriMesh& component, std::uint32_t m, std::uint32_t n,
+                                          const model::Progress& progress) {
+    constexpr std::uint32_t kSamplesToLimb = 8;
+    const std::optional<CutGraph> cut = limb_cut(component, 2 * (m + n - 2) / kSamplesToLimb, progress);
+    if (!cut) return std::nullopt;
+    CutSearchResult out;
+    out.disk = cut->open();
+    out.cut_length = cut->length();
+    out.rotation = candidate_rotations(out.disk, m, n, 1).front();
+    return out;
+}
+
 }  // namespace dgm::bake

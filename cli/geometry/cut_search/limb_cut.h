@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "geometry/cut/cut_graph.h"
+#include "geometry/cut_search/cut_search.h"
 #include "model/progress.h"
 
 namespace dgm::bake {
@@ -21,5 +22,11 @@ namespace dgm::bake {
 /// Deterministic. Cost: little more than one search for shortest paths over the component.
 [[nodiscard]] std::optional<CutGraph> limb_cut(const TriMesh& component, std::size_t most,
                                                const model::Progress& progress);
+
+/// The component opened along that cut for an m x n grid, where its border has eight samples to a limb: a cut to more
+/// starves the longer ones.
+/// @throws model::Error kInterrupted; kGridTooSmall if its paths are more than the border has samples for
+[[nodiscard]] std::optional<CutSearchResult> open_limbs(const TriMesh& component, std::uint32_t m, std::uint32_t n,
+                                                        const model::Progress& progress);
 
 }  // namespace dgm::bake

@@ -11,6 +11,7 @@
 #include <set>
 #include <vector>
 
+#include "geometry/metrics/map_metrics.h"
 #include "support/meshes.h"
 
 namespace dgm::bake {
@@ -65,6 +66,17 @@ TEST(LimbCut, CombsHaveAWayToEachTooth) {
 TEST(LimbCut, NoMoreThanAsked) {
     const TriMesh mesh = test::comb(8, 12);
     EXPECT_FALSE(limb_cut(mesh, 3, {})) << "the ways to three of eight teeth are equally long";
+}
+
+TEST(LimbCut, OpensLimbsWhereTheBorderHasSamplesForThem) {
+    const TriMesh mesh = test::comb(8, 12);
+    const std::optional<CutSearchResult> opened = open_limbs(mesh, 33, 33, {});
+    ASSERT_TRUE(opened);
+    EXPECT_EQ(opened->cut_length, limb_cut(mesh, 40, {})->length());
+    const Topology topology = measure_topology(opened->disk.mesh);
+    EXPECT_EQ(topology.genus, 0);
+    EXPECT_EQ(topology.boundary_loops, 1u);
+    EXPECT_FALSE(open_limbs(mesh, 9, 9, {})) << "32 samples of the border for eight limbs";
 }
 
 TEST(LimbCut, BallsAndSheetsHaveNone) {
