@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -152,11 +153,12 @@ FitOptions fit_options(const BakeOptions& options, bool u16, const ChartEffort& 
 constexpr double kOrdinaryGain = 0.35;  // in rms; crowded maps of wrinkled cloth may gain little
 constexpr double kLittleGain = 0.4;     // likewise, where the source has at least kManyFacets a face of the grid
 constexpr double kManyFacets = 0.5;
-constexpr double kBelowStored = 1e-8;         // normalised units: positions that are stored are rounded to more
-constexpr double kInvertedPrice = 1.25;       // in rms, of fewer inverted faces
-constexpr std::size_t kHopeless = 8;          // more than one inverted face to so many samples
-constexpr double kOtherMapPrice = 1.4;        // in rms, of another map with fewer: 3 dB
-constexpr std::size_t kMostFitted = 200'000;  // vertices of a source that is worth a copy and a second fit
+constexpr double kBelowStored = 1e-8;             // normalised units: positions that are stored are rounded to more
+constexpr double kInvertedPrice = 1.25;           // in rms, of fewer inverted faces
+constexpr std::size_t kHopeless = 8;              // more than one inverted face to so many samples
+constexpr double kOtherMapPrice = 1.4;            // in rms, of another map with fewer: 3 dB
+constexpr std::size_t kMostFacesOfMany = 40'000;  // of a component with many inverted faces that is mapped again
+constexpr std::size_t kMostFitted = 200'000;      // vertices of a source that is worth a copy and a second fit
 
 /// The fits of one chart. If faces are inverted after the first one, or it has gained little of what there was to gain,
 /// also one with samples that are held firmly, then, if faces are inverted still, one in rounds that invert none. Keeps
@@ -227,6 +229,12 @@ std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, con
     return fits.inverted();
 }
 
+bool has_failed(const ComponentResult& mapped, Method method) {
+    return std::any_of(mapped.candidates.begin(), mapped.candidates.end(), [&](const Candidate& c) {
+        return c.method == method && c.outcome == CandidateOutcome::kFailed;
+    });
+}
+
 /// Where `auto` has left faces inverted, other maps of the component: they crowd its folds and thin parts elsewhere. A
 /// garment of doubled sheets kept 5 inverted faces on the square and has none on a free chart, with 33 dB less error.
 /// Each is fitted once, and the first that inverts as many ends it: then the shape is to blame.
@@ -236,14 +244,19 @@ std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, con
 std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const FitOptions& fit,
                            ComponentResult& mapped, std::size_t inverted, std::uint64_t& samples,
                            const model::Progress& progress) {
-    if (options.method != Method::kAuto || inverted > kMostAtAPrice) return inverted;
+    if (options.method != Method::kAuto) return inverted;
+    // Where so many are, limbs are crowded on the square, or walls are thinner than any map can draw: one tells.
+    const bool many = inverted > kMostAtAPrice;
+    if (many && (task.component.faces.size() > kMostFacesOfMany || options.material)) return inverted;
+    const std::initializer_list<Method> where_few = {Method::kLscm, Method::kSlim, Method::kStretch};
+    const std::initializer_list<Method> where_many = {Method::kArap};
     double rms = quick_error(task.component, mapped.chart, kTrialSamples).rms;
     const DomainChoice domain = options.domain;
     bool has_slim = false;  // an LSCM map that overlaps itself is laid out again by the energy of SLIM
-    for (const Method method : {Method::kLscm, Method::kSlim, Method::kStretch}) {
+    for (const Method method : many ? where_many : where_few) {
         const std::uint64_t own = std::uint64_t{task.size.rows} * task.size.cols;
         if (inverted == 0 || own > samples) break;
-        if (method == mapped.method || (method == Method::kSlim && has_slim) ||
+        if (method == mapped.method || (many && has_failed(mapped, method)) || (method == Method::kSlim && has_slim) ||
             (domain != DomainChoice::kAuto && row_of(method).domain != domain))
             continue;
         samples -= own;

@@ -30,7 +30,8 @@ enum class CutKind {
     kFirst,  ///< the search's own
     kOther,  ///< searched from another beginning
     kRing,   ///< of a ring, whose loops lie on opposite sides of the square
-    kLimbs   ///< to the tips of all limbs
+    kLimbs,  ///< to the tips of all limbs
+    kFree    ///< of a free chart beside a square one
 };
 
 /// One method that was tried.

@@ -33,13 +33,14 @@ constexpr double kFarRing = 1.5;                       // a ring whose cut is pr
 // The same for another cut onto the square, and the faces above which none is looked for.
 constexpr double kFarOther = 1.1;
 constexpr std::size_t kMostFacesCutAgain = 200'000;
-// dB at 257 samples a side: below this a square chart has something folded away, and a free one is tried as well.
-constexpr double kPoor = 75, kPerDoubling = 8.5, kHandles = 10;
+// dB before a fit, at 257 samples a side: below this a square chart has something folded away.
+constexpr double kPoor = 75, kPerDoubling = 8.5;
+// A free chart uses half of its samples: one without stretch can be better than square ones of more than these L2
+// stretches, where the source has fewer or more than so many facets a face of the grid.
+constexpr double kLargeFacets = 0.02, kStretchOfLarge = 1.3, kStretchOfSmall = 1.45;
 constexpr std::size_t kMostFacesFreeToo = 80'000;  // more take half a minute, and longer than the rest
+constexpr std::size_t kMostFacesArapToo = 20'000;  // beside LSCM
 constexpr double kExactPsnr = 200;                 // what is left is rounding
-// A free chart beside a square one must not take longer than all the rest: it gets few cuts.
-constexpr int kSecondRounds = 2;
-
 /// Nothing can have a smaller error than the best chart so far.
 bool is_exact(const Contest& contest) {
     return contest.has_best() && contest.best_psnr() > kExactPsnr;
@@ -49,8 +50,8 @@ double samples_of(GridSize size) {
     return static_cast<double>(size.rows) * size.cols;
 }
 
-FreeChartTools free_tools(int cut_rounds = FreeChartTools{}.cut_rounds) {
-    return {border_is_simple, constrained_triangulation, cut_rounds};
+FreeChartTools free_tools() {
+    return {border_is_simple, constrained_triangulation};
 }
 
 SampledChart free_chart(const ComponentTask& task, Method method, const FreeChartTools& tools,
@@ -87,9 +88,9 @@ SampledChart square_chart(const LaidDisk& laid, Method method, const Parameteriz
     return chart;
 }
 
-/// The PSNR below which another kind of chart is worth its time.
-double poor_psnr(GridSize size) {
-    return kPoor + kPerDoubling * std::min(0.0, 0.5 * math::log2(samples_of(size) / (257.0 * 257.0)));
+/// What a PSNR at 257 samples a side is at `size`.
+double psnr_at(GridSize size, double at_257) {
+    return at_257 + kPerDoubling * std::min(0.0, 0.5 * math::log2(samples_of(size) / (257.0 * 257.0)));
 }
 
 CutSearchOptions cut_options(GridSize size, const BakeOptions& options) {
@@ -125,14 +126,6 @@ CutSearchOptions cut_options(GridSize size, const BakeOptions& options) {
         out.only_stars = true;
     }
     return out;
-}
-
-/// Loops about handles make a free chart ragged: with 6 and 11 handles it lost 2 to 3 dB to the square, with 81 it won
-/// 14 where the square had reached 51.
-bool free_may_help(const ComponentTask& task, const Contest& contest) {
-    if (task.component.faces.size() > kMostFacesFreeToo) return false;
-    const bool handles = measure_topology(task.component).genus > 0;
-    return contest.best_psnr() < poor_psnr(task.size) - (handles ? kHandles : 0);
 }
 
 /// The maps of one cut onto the square.
@@ -239,6 +232,29 @@ void try_limbs(const ComponentTask& task, const BakeOptions& options, const CutS
     contest.meet(std::move(limbs), options.fit != Fit::kSample, progress);
 }
 
+/// Charts that stretch less beside the square's. What a fit makes of either cannot be told from the errors before it:
+/// where samples are many beside facets, a surface that is laid out nearly flat is fitted almost exactly (a bag with
+/// handles, 76 dB on either before, reached 89 on the square and 107 on a free chart), and where they are few, the
+/// samples that a free chart leaves unused are lost.
+void try_free(const ComponentTask& task, const BakeOptions& options, Contest& contest,
+              const model::Progress& progress) {
+    if (task.component.faces.size() > kMostFacesFreeToo || options.material || options.ablates("free-charts")) return;
+    const bool fitted = options.fit != Fit::kSample;
+    const SampledChart& best = contest.best_chart();
+    if (fitted) {
+        const double facets = static_cast<double>(task.component.faces.size()) / (2 * samples_of(task.size));
+        const double least = facets < kLargeFacets ? kStretchOfLarge : kStretchOfSmall;
+        if (!(l2_stretch(best.disk->mesh.positions, best.disk->mesh.faces, best.uv) > least)) return;
+    } else if (!(contest.best_psnr() < psnr_at(task.size, kPoor))) {
+        return;
+    }
+    Contest frees(task.component, CutKind::kFree, task.trial_samples);
+    for (const Method method : {Method::kLscm, Method::kArap})
+        if (method == Method::kLscm || task.component.faces.size() <= kMostFacesArapToo)
+            frees.enter(method, [&] { return free_chart(task, method, free_tools(), progress); });
+    contest.meet(std::move(frees), fitted, progress);
+}
+
 /// The square of `auto` and of the methods that name it, and the free charts that `auto` tries beside it.
 void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts, Contest& contest,
                 const model::Progress& progress) {
@@ -247,17 +263,17 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // the search for a cut goes.
     if (may_be_free && !task.component.corner_uvs.empty())
         contest.enter(Method::kUv, [&] { return uv_chart(task, progress); });
-    const auto arap = [&](const FreeChartTools& tools) {
-        contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, tools, progress); });
+    const auto arap = [&] {
+        contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, free_tools(), progress); });
     };
     // A flat panel full of needles has a chart without error, and none that stretches it costs less than minutes.
     if (may_be_free && flat_needle_map(task.component.positions, task.component.faces)) {
-        arap(free_tools());
+        arap();
         if (is_exact(contest)) return;
     }
     CutSearchOptions search = cut_options(task.size, options);
     if (task.rings == RingUse::kOnly) return try_ring(task, options, search, kInfinity, cuts, contest, progress);
-    search.only_simplified = contest.has_best() && contest.best_psnr() > poor_psnr(task.size);
+    search.only_simplified = contest.has_best() && contest.best_psnr() > psnr_at(task.size, kPoor);
     const Attempt<CutMemory::Cut> found =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!found) contest.fail(found.error());
@@ -278,7 +294,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
     // cloth above all.
     const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();
-    if (may_be_free && panel && !contest.tried(Method::kArap)) arap(free_tools());
+    if (may_be_free && panel && !contest.tried(Method::kArap)) arap();
     // A star that served the simplified component need not serve the component itself.
     if (contest.failed(Method::kSphere))
         contest.enter(Method::kStretch, [&] {
@@ -287,8 +303,11 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
             return square_chart(laid_on(task.size, other), Method::kStretch,
                                 *square_parameterizer(Method::kStretch, options), other, progress);
         });
-    if (may_be_free && !contest.tried(Method::kArap) && (!contest.has_best() || free_may_help(task, contest)))
-        arap(contest.has_best() ? free_tools(kSecondRounds) : free_tools());
+    if (!may_be_free || contest.tried(Method::kArap)) return;
+    if (contest.has_best())
+        try_free(task, options, contest, progress);
+    else
+        arap();
 }
 
 Attempt<ComponentResult> bake_on_grid(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts,

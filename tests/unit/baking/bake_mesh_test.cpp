@@ -338,6 +338,7 @@ TEST(BakeMesh, TriesNothingBesideAChartWithoutError) {
 TEST(BakeMesh, CutsAllLimbsWhereThatPays) {
     BakeOptions options;
     options.size = {65, 65};
+    options.domain = DomainChoice::kSquare;
     const BakeResult result = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
     const ChartReport& chart = result.report.charts.at(0);
     EXPECT_GT(result.report.error.psnr(), 53);
@@ -347,6 +348,33 @@ TEST(BakeMesh, CutsAllLimbsWhereThatPays) {
                tried.outcome.find("cut to the tips of limbs") != std::string::npos;
     };
     EXPECT_TRUE(std::ranges::any_of(chart.candidates, to_tips));
+}
+
+// Teeth that lie flat: 51 dB on the square, and samples to spare on a free chart.
+TEST(BakeMesh, TakesAFreeChartWhereItIsFittedBetter) {
+    BakeOptions options;
+    options.size = {65, 65};
+    const BakeResult either = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
+    options.domain = DomainChoice::kSquare;
+    const BakeResult square = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
+    EXPECT_GT(either.report.error.psnr(), square.report.error.psnr() + 6);
+    EXPECT_NE(either.report.charts.at(0).method, "stretch");
+    EXPECT_EQ(either.report.charts.at(0).turned_faces, 0U);
+}
+
+TEST(BakeMesh, MaterialsStayOnTheSquare) {
+    BakeOptions options;
+    options.size = {65, 65};
+    options.metres_per_unit = 0.01;
+    options.material = Material{};
+    const BakeResult result = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
+    for (const CandidateReport& tried : result.report.charts.at(0).candidates) EXPECT_EQ(tried.method, "stretch");
+}
+
+TEST(BakeMesh, TriesNoFreeChartWhereTheSquareStretchesLittle) {
+    const BakeResult result = bake_mesh({.mesh = test::icosphere(4), .name = "ball"}, small_grid());
+    for (const CandidateReport& tried : result.report.charts.at(0).candidates)
+        EXPECT_TRUE(tried.method == "sphere" || tried.method == "stretch") << tried.method;
 }
 
 TEST(BakeMesh, CutsNoLimbsWhereNothingIsCrowded) {
@@ -386,7 +414,9 @@ model::TriMesh apron() {
 }
 
 TEST(BakeMesh, TakesAnotherMapWhereFacesAreLeftInverted) {
-    const BakeResult result = bake_mesh({.mesh = apron(), .name = "apron"}, small_grid());
+    BakeOptions options = small_grid();
+    options.ablate = {"free-charts"};
+    const BakeResult result = bake_mesh({.mesh = apron(), .name = "apron"}, options);
     const ChartReport& chart = result.report.charts.at(0);
     EXPECT_EQ(chart.turned_faces, 0U);
     EXPECT_NE(chart.method, "stretch");
