@@ -247,11 +247,11 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
     if (options.method != Method::kAuto) return inverted;
     // Where so many are, limbs are crowded on the square, or walls are thinner than any map can draw: one tells.
     const bool many = inverted > kMostAtAPrice;
-    if (many && (task.component.faces.size() > kMostFacesOfMany || options.material)) return inverted;
+    if (many && task.component.faces.size() > kMostFacesOfMany) return inverted;
     const std::initializer_list<Method> where_few = {Method::kLscm, Method::kSlim, Method::kStretch};
     const std::initializer_list<Method> where_many = {Method::kArap};
     double rms = quick_error(task.component, mapped.chart, kTrialSamples).rms;
-    const DomainChoice domain = options.domain;
+    const DomainChoice domain = options.stays_on_square() ? DomainChoice::kSquare : options.domain;
     bool has_slim = false;  // an LSCM map that overlaps itself is laid out again by the energy of SLIM
     for (const Method method : many ? where_many : where_few) {
         const std::uint64_t own = std::uint64_t{task.size.rows} * task.size.cols;

@@ -39,8 +39,10 @@ constexpr double kPoor = 75, kPerDoubling = 8.5;
 // stretches, where the source has fewer or more than so many facets a face of the grid.
 constexpr double kLargeFacets = 0.02, kStretchOfLarge = 1.3, kStretchOfSmall = 1.45;
 constexpr std::size_t kMostFacesFreeToo = 80'000;  // more take half a minute, and longer than the rest
-constexpr std::size_t kMostFacesArapToo = 20'000;  // beside LSCM
-constexpr double kExactPsnr = 200;                 // what is left is rounding
+// Beside LSCM; above the first only where that is at most so many dB behind the square.
+constexpr std::size_t kFewFaces = 10'000, kMostFacesArapToo = 20'000;
+constexpr double kFarBehind = 2.5;
+constexpr double kExactPsnr = 200;  // what is left is rounding
 /// Nothing can have a smaller error than the best chart so far.
 bool is_exact(const Contest& contest) {
     return contest.has_best() && contest.best_psnr() > kExactPsnr;
@@ -238,7 +240,8 @@ void try_limbs(const ComponentTask& task, const BakeOptions& options, const CutS
 /// samples that a free chart leaves unused are lost.
 void try_free(const ComponentTask& task, const BakeOptions& options, Contest& contest,
               const model::Progress& progress) {
-    if (task.component.faces.size() > kMostFacesFreeToo || options.material || options.ablates("free-charts")) return;
+    if (task.component.faces.size() > kMostFacesFreeToo || options.ablates("free-charts")) return;
+    if (options.stays_on_square()) return;
     const bool fitted = options.fit != Fit::kSample;
     const SampledChart& best = contest.best_chart();
     if (fitted) {
@@ -249,9 +252,13 @@ void try_free(const ComponentTask& task, const BakeOptions& options, Contest& co
         return;
     }
     Contest frees(task.component, CutKind::kFree, task.trial_samples);
-    for (const Method method : {Method::kLscm, Method::kArap})
-        if (method == Method::kLscm || task.component.faces.size() <= kMostFacesArapToo)
-            frees.enter(method, [&] { return free_chart(task, method, free_tools(), progress); });
+    const auto enter = [&](Method method) {
+        frees.enter(method, [&] { return free_chart(task, method, free_tools(), progress); });
+    };
+    enter(Method::kLscm);
+    const bool is_near = frees.has_best() && frees.best_psnr() > contest.best_psnr() - kFarBehind;
+    const std::size_t faces = task.component.faces.size();
+    if (faces <= kFewFaces || (is_near && faces <= kMostFacesArapToo)) enter(Method::kArap);
     contest.meet(std::move(frees), fitted, progress);
 }
 
@@ -261,7 +268,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     const bool any = options.method == Method::kAuto, may_be_free = any && options.domain != DomainChoice::kSquare;
     // Texture coordinates that lay the surface out well cost next to nothing, and the error they reach limits how far
     // the search for a cut goes.
-    if (may_be_free && !task.component.corner_uvs.empty())
+    if (may_be_free && !options.stays_on_square() && !task.component.corner_uvs.empty())
         contest.enter(Method::kUv, [&] { return uv_chart(task, progress); });
     const auto arap = [&] {
         contest.enter(Method::kArap, [&] { return free_chart(task, Method::kArap, free_tools(), progress); });
@@ -294,7 +301,8 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     // A free chart earns its unused samples only where the surface is a panel, a disk that needs no cut: flat pieces of
     // cloth above all.
     const bool panel = cut ? cut->cut_length == 0 : !contest.has_best();
-    if (may_be_free && panel && !contest.tried(Method::kArap)) arap();
+    if (may_be_free && panel && !contest.tried(Method::kArap) && !(contest.has_best() && options.stays_on_square()))
+        arap();
     // A star that served the simplified component need not serve the component itself.
     if (contest.failed(Method::kSphere))
         contest.enter(Method::kStretch, [&] {

@@ -44,7 +44,7 @@ bool within(double v, double low, double high) noexcept {
 }
 
 [[gnu::cold]] Result<void> check_map(const StateImpl& s, const ClothOptions& o) noexcept {
-    if (s.tables.free_domain) return unsupported("free domains have no cloth");
+    if (s.tables.free_domain) return unsupported("free domains have no cloth; bake it with --domain square");
     if (!s.reversed.empty()) return unsupported("a surface with one side has no cloth");
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
     for (std::uint32_t k = 0; k < s.total(); ++k)

@@ -57,7 +57,7 @@ bool is_dt(float dt) noexcept {
 }
 
 [[gnu::cold]] Result<void> check_map(const StateImpl& s, const PhysicsOptions& o) noexcept {
-    if (s.tables.free_domain) return unsupported("free domains have no physics yet");
+    if (s.tables.free_domain) return unsupported("free domains have no physics; bake it with --domain square");
     if (!s.reversed.empty()) return unsupported("a surface with one side has no physics");
     if (s.tables.rows < 3 || s.tables.cols < 3) return unsupported("the grid has fewer than 3 x 3 samples");
     if (kFactors && o.solver == Solver::Factors && s.total() > kMostFactored)

@@ -350,39 +350,6 @@ TEST(BakeMesh, CutsAllLimbsWhereThatPays) {
     EXPECT_TRUE(std::ranges::any_of(chart.candidates, to_tips));
 }
 
-// Teeth that lie flat: 51 dB on the square, and samples to spare on a free chart.
-TEST(BakeMesh, TakesAFreeChartWhereItIsFittedBetter) {
-    BakeOptions options;
-    options.size = {65, 65};
-    const BakeResult either = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
-    options.domain = DomainChoice::kSquare;
-    const BakeResult square = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
-    EXPECT_GT(either.report.error.psnr(), square.report.error.psnr() + 6);
-    EXPECT_NE(either.report.charts.at(0).method, "stretch");
-    EXPECT_EQ(either.report.charts.at(0).turned_faces, 0U);
-}
-
-TEST(BakeMesh, MaterialsStayOnTheSquare) {
-    BakeOptions options;
-    options.size = {65, 65};
-    options.metres_per_unit = 0.01;
-    options.material = Material{};
-    const BakeResult result = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
-    for (const CandidateReport& tried : result.report.charts.at(0).candidates) EXPECT_EQ(tried.method, "stretch");
-}
-
-TEST(BakeMesh, TriesNoFreeChartWhereTheSquareStretchesLittle) {
-    const BakeResult result = bake_mesh({.mesh = test::icosphere(4), .name = "ball"}, small_grid());
-    for (const CandidateReport& tried : result.report.charts.at(0).candidates)
-        EXPECT_TRUE(tried.method == "sphere" || tried.method == "stretch") << tried.method;
-}
-
-TEST(BakeMesh, CutsNoLimbsWhereNothingIsCrowded) {
-    const BakeResult result = bake_mesh({.mesh = test::comb(3, 4), .name = "comb"}, small_grid());
-    for (const CandidateReport& tried : result.report.charts.at(0).candidates)
-        EXPECT_EQ(tried.outcome.find("limbs"), std::string::npos);
-}
-
 /// A wavy sheet of 12 x 12 quads with six straps, each a quad wide and six long.
 model::TriMesh apron() {
     constexpr int kSide = 12, kLength = 6;
@@ -411,6 +378,41 @@ model::TriMesh apron() {
         out.faces.insert(out.faces.end(), {{a, b, c}, {a, c, d}});
     }
     return out;
+}
+
+// Teeth that lie flat: 51 dB on the square, and samples to spare on a free chart.
+TEST(BakeMesh, TakesAFreeChartWhereItIsFittedBetter) {
+    BakeOptions options;
+    options.size = {65, 65};
+    const BakeResult either = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
+    options.domain = DomainChoice::kSquare;
+    const BakeResult square = bake_mesh({.mesh = test::comb(16, 30), .name = "comb"}, options);
+    EXPECT_GT(either.report.error.psnr(), square.report.error.psnr() + 6);
+    EXPECT_NE(either.report.charts.at(0).method, "stretch");
+    EXPECT_EQ(either.report.charts.at(0).turned_faces, 0U);
+}
+
+TEST(BakeMesh, MaterialsStayOnTheSquare) {
+    BakeOptions options;
+    options.size = {65, 65};
+    options.metres_per_unit = 0.01;
+    options.material = Material{};
+    for (const model::TriMesh& mesh : {test::comb(16, 30), apron(), test::grid_sheet(20, 20)}) {
+        const BakeResult result = bake_mesh({.mesh = mesh, .name = "cloth"}, options);
+        for (const CandidateReport& tried : result.report.charts.at(0).candidates) EXPECT_EQ(tried.method, "stretch");
+    }
+}
+
+TEST(BakeMesh, TriesNoFreeChartWhereTheSquareStretchesLittle) {
+    const BakeResult result = bake_mesh({.mesh = test::icosphere(4), .name = "ball"}, small_grid());
+    for (const CandidateReport& tried : result.report.charts.at(0).candidates)
+        EXPECT_TRUE(tried.method == "sphere" || tried.method == "stretch") << tried.method;
+}
+
+TEST(BakeMesh, CutsNoLimbsWhereNothingIsCrowded) {
+    const BakeResult result = bake_mesh({.mesh = test::comb(3, 4), .name = "comb"}, small_grid());
+    for (const CandidateReport& tried : result.report.charts.at(0).candidates)
+        EXPECT_EQ(tried.outcome.find("limbs"), std::string::npos);
 }
 
 TEST(BakeMesh, TakesAnotherMapWhereFacesAreLeftInverted) {
