@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "geometry/mesh/half_edges.h"
+#include "geometry/mesh/infinity.h"
 #include "geometry/metrics/same_places.h"
 #include "geometry/spatial/closest_point.h"
 #include "math/portable.h"
@@ -143,16 +144,38 @@ std::vector<Sample> vertex_samples(const TriMesh& mesh) {
     return samples;
 }
 
+/// `count` points along the edge of a face that begins at `corner`, evenly.
+void append_along(const TriMesh& mesh, std::uint32_t face, std::uint32_t corner, std::uint64_t count,
+                  std::vector<Sample>& samples) {
+    const auto corners = mesh.corners(face);
+    const std::uint32_t next = (corner + 1) % 3;
+    for (std::uint64_t k = 0; k < count; ++k) {
+        const double t = (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+        std::array<double, 3> at{};
+        at[corner] = 1 - t;
+        at[next] = t;
+        const double r1 = at[1] + at[2];
+        samples.push_back({corners[corner] * (1 - t) + corners[next] * t, face, r1, r1 > 0 ? at[2] / r1 : 0});
+    }
+}
+
+/// The faces that can be used, and their numbers in the mesh.
+struct UsableFaces {
+    explicit UsableFaces(const TriMesh& mesh) {
+        for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+            if (usable(mesh, mesh.faces[f])) {
+                faces.push_back(mesh.faces[f]);
+                named.push_back(static_cast<std::uint32_t>(f));
+            }
+    }
+    std::vector<Face> faces;
+    std::vector<std::uint32_t> named;
+};
+
 /// Points along the edges with a face on one side only, as evenly as four or fewer an edge can be. Two surfaces may
 /// agree but where the border of one cuts a corner of the other's: in slivers that no sample by area falls into.
 std::vector<Sample> border_samples(const TriMesh& mesh, std::uint64_t at_most) {
-    std::vector<Face> faces;
-    std::vector<std::uint32_t> named;
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-        if (usable(mesh, mesh.faces[f])) {
-            faces.push_back(mesh.faces[f]);
-            named.push_back(static_cast<std::uint32_t>(f));
-        }
+    const auto [faces, named] = UsableFaces(mesh);
     const std::vector<std::uint32_t> opposite = opposite_half_edges(faces);
     const auto edges = static_cast<std::uint64_t>(std::count(opposite.begin(), opposite.end(), kNone));
     std::vector<Sample> samples;
@@ -161,16 +184,39 @@ std::vector<Sample> border_samples(const TriMesh& mesh, std::uint64_t at_most) {
     samples.reserve(edges * each);
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {
         if (opposite[h] != kNone) continue;
+        append_along(mesh, named[h / 3], h % 3, each, samples);
+    }
+    return samples;
+}
+
+/// Points along creases, a side of a random point's share of the area apart and `at_most` in all: a surface that cuts
+/// creases has its tops on them, sharper than points by area find on large facets. Shorter edges have their ends alone.
+std::vector<Sample> crease_samples(const TriMesh& mesh, double spacing, std::uint64_t at_most) {
+    constexpr double kCosine = 0.98;  // 11 degrees
+    constexpr double kLong = 4;       // spacings
+    const auto [faces, named] = UsableFaces(mesh);
+    const auto normal = [&mesh](std::uint32_t f) {
+        const auto [a, b, c] = mesh.corners(f);
+        return normalized(cross(b - a, c - a), {});
+    };
+    const std::vector<std::uint32_t> opposite = opposite_half_edges(faces);
+    std::vector<std::pair<std::uint32_t, double>> creases;  // half edge, length
+    double all = 0;
+    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+        if (opposite[h] == kNone || opposite[h] < h) continue;
         const auto corners = mesh.corners(named[h / 3]);
-        for (std::uint64_t k = 0; k < each; ++k) {
-            const double t = (static_cast<double>(k) + 0.5) / static_cast<double>(each);
-            std::array<double, 3> at{};
-            at[h % 3] = 1 - t;
-            at[(h + 1) % 3] = t;
-            const double r1 = at[1] + at[2];
-            samples.push_back(
-                {corners[h % 3] * (1 - t) + corners[(h + 1) % 3] * t, named[h / 3], r1, r1 > 0 ? at[2] / r1 : 0});
-        }
+        const double along = length(corners[(h + 1) % 3] - corners[h % 3]);
+        if (!(along > kLong * spacing) || !(dot(normal(named[h / 3]), normal(named[opposite[h] / 3])) < kCosine))
+            continue;
+        creases.emplace_back(h, along);
+        all += along;
+    }
+    std::vector<Sample> samples;
+    if (creases.size() > at_most) return samples;
+    spacing = std::max(spacing, all / static_cast<double>(at_most));
+    for (const auto& [h, along] : creases) {
+        const auto each = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(along / spacing));
+        append_along(mesh, named[h / 3], h % 3, each, samples);
     }
     return samples;
 }
@@ -224,18 +270,13 @@ class Direction {
 
     OneSided measure(const SurfaceErrorOptions& options, const model::Progress& progress, double progress_from,
                      double progress_to) {
-        const std::vector<double> areas = face_areas(from_, unit_);
-        const std::vector<Sample> surface = area_samples(from_, areas, options.samples, options.seed);
-        // A mesh without any area is measured by its vertices alone.
-        const std::vector<Sample> vertices =
-            options.vertices || surface.empty() ? vertex_samples(from_) : std::vector<Sample>{};
-        const std::vector<Sample> border =
-            options.vertices ? border_samples(from_, options.samples / 4) : std::vector<Sample>{};
-        std::vector<double> squared(surface.size()), vertex_squared(vertices.size()), border_squared(border.size());
+        const auto [surface, vertices, border, creases, spacing] = points(options);
+        std::vector<double> squared(surface.size()), vertex_squared(vertices.size()), border_squared(border.size()),
+            crease_squared(creases.size());
         if (with_normals_) angles_squared_.assign(surface.size(), kNoAngles);
         shading_ = &options.shading;
 
-        const std::size_t total = surface.size() + vertices.size() + border.size();
+        const std::size_t total = surface.size() + vertices.size() + border.size() + creases.size();
         std::size_t done = 0;
         const auto run = [&](std::span<const Sample> samples, std::span<double> out, bool angles) {
             const std::size_t step = std::max(kBlock, total / kProgressSteps / kBlock * kBlock);
@@ -254,16 +295,18 @@ class Direction {
         run(surface, squared, with_normals_);
         run_places(vertices, vertex_squared, run);
         run_places(border, border_squared, run);
+        run_places(creases, crease_squared, run);
 
         OneSided result;
         result.samples = total;
         double worst = 0;
         for (const std::span<const double> known :
-             {std::span<const double>(squared), {vertex_squared}, {border_squared}})
+             {std::span<const double>(squared), {vertex_squared}, {border_squared}, {crease_squared}})
             for (const double d : known) worst = std::max(worst, d);
         if (options.vertices)
-            worst = std::max(
-                {worst, highest(surface, squared, options.tops), highest(border, border_squared, options.tops)});
+            worst =
+                std::max({worst, highest(surface, squared, options.tops), highest(border, border_squared, options.tops),
+                          highest(creases, crease_squared, options.tops, spacing)});
         result.hausdorff = std::sqrt(worst) * unit_;
         const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
         if (!weighted.empty())
@@ -278,6 +321,24 @@ class Direction {
     }
 
  private:
+    struct Points {
+        std::vector<Sample> surface, vertices, border, creases;
+        double spacing = 0;  ///< side of a random point's share of the area
+    };
+    [[nodiscard]] Points points(const SurfaceErrorOptions& options) const {
+        Points out;
+        const std::vector<double> areas = face_areas(from_, unit_);
+        out.surface = area_samples(from_, areas, options.samples, options.seed);
+        // A mesh without any area is measured by its vertices alone.
+        if (options.vertices || out.surface.empty()) out.vertices = vertex_samples(from_);
+        if (!options.vertices) return out;
+        out.border = border_samples(from_, options.samples / 4);
+        if (out.surface.empty()) return out;
+        out.spacing = std::sqrt(pairwise_sum(areas) / static_cast<double>(out.surface.size())) * unit_;
+        out.creases = crease_samples(from_, out.spacing, options.samples / 4);
+        return out;
+    }
+
     using Angles = std::array<double, 3>;  // to the stored, the face's and the bump's normal
     static constexpr Angles kNoAngles{-1, -1, -1};
 
@@ -291,12 +352,15 @@ class Direction {
     /// Largest squared distance that is found uphill from a sample on its face: by steps towards the corners and away
     /// from them, halved where none leads up [Hooke, Jeeves 1961]. Samples alone find a sharp maximum to a few percent
     /// of its height, each seed others; from there any seed climbs to the same top.
-    [[nodiscard]] double climb(const Sample& sample, double squared) const {
+    /// @param reach  of the first step; infinity: half of the face
+    [[nodiscard]] double climb(const Sample& sample, double squared, double reach) const {
         constexpr int kRounds = 10;
         const auto corners = from_.corners(sample.face);
+        const double longest = std::max(
+            {length(corners[1] - corners[0]), length(corners[2] - corners[1]), length(corners[0] - corners[2])});
         std::array<double, 3> at{1 - sample.r1, sample.r1 * (1 - sample.r2), sample.r1 * sample.r2};
         std::uint32_t hint = ClosestPointIndex::kNoFace;
-        double step = 0.5;
+        double step = std::min(0.5, reach / longest);
         for (int round = 0; round < kRounds; ++round) {
             const std::array<double, 3> from = at;
             bool up = false;
@@ -323,12 +387,12 @@ class Direction {
     }
 
     /// The largest squared distance that is found uphill from the farthest samples.
-    [[nodiscard]] double highest(std::span<const Sample> samples, std::span<const double> squared,
-                                 std::size_t most) const {
+    [[nodiscard]] double highest(std::span<const Sample> samples, std::span<const double> squared, std::size_t most,
+                                 double reach = kInfinity) const {
         const std::vector<std::uint32_t> far = farthest(samples, squared, most);
         std::vector<double> tops(far.size());
         tbb::parallel_for(std::size_t{0}, far.size(),
-                          [&](std::size_t k) { tops[k] = climb(samples[far[k]], squared[far[k]]); });
+                          [&](std::size_t k) { tops[k] = climb(samples[far[k]], squared[far[k]], reach); });
         return far.empty() ? 0 : *std::max_element(tops.begin(), tops.end());
     }
 

@@ -32,8 +32,8 @@ inline constexpr std::uint64_t kSurfaceSamples = 400'000;
 inline constexpr std::size_t kSurfaceTops = 256;
 
 struct SurfaceErrorOptions {
-    std::uint64_t samples =
-        kSurfaceSamples;  ///< area-weighted random points each way, beside every vertex and points along the border
+    /// Area-weighted random points each way, beside every vertex and points along borders and long creases.
+    std::uint64_t samples = kSurfaceSamples;
     std::uint64_t seed = 1;
     /// Without them `hausdorff` is of the random points alone, and the faces of the worst are not looked at more
     /// closely; rms is the same.

@@ -139,6 +139,24 @@ TEST(SurfaceError, FindsWhereABorderCutsACorner) {
 }
 
 /// A map that misses one vertex's spike shows it in the maximum though hardly any area is there.
+/// A roof whose ridge has a slit, as long as random points are apart and a hundredth as wide: the ridge point above its
+/// bottom (0, 0, -d) is farthest, d e / sqrt(d^2 + e^2) from the line to the slit's end (e, 0, 0).
+TEST(SurfaceError, FindsWhereACreaseIsCut) {
+    const double e = 0.015, w = 3e-4, d = 1.5e-4;
+    TriMesh roof, slit;
+    roof.positions = {{-1, 0, 0}, {1, 0, 0}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, -1}, {1, -1, -1}};
+    roof.faces = {{0, 1, 3}, {0, 3, 2}, {1, 0, 4}, {1, 4, 5}};
+    slit.positions = {{-1, 0, 0},  {-e, 0, 0},  {e, 0, 0},  {1, 0, 0},    {0, 0, -d}, {0, w, -w},
+                      {0, -w, -w}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, -1}, {1, -1, -1}};
+    slit.faces = {{1, 4, 5}, {4, 2, 5}, {0, 1, 7}, {1, 5, 7}, {5, 8, 7},  {5, 2, 8},  {2, 3, 8},
+                  {4, 1, 6}, {2, 4, 6}, {1, 0, 9}, {6, 1, 9}, {6, 9, 10}, {2, 6, 10}, {3, 2, 10}};
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        const SurfaceError found = measure_surface_error(roof, slit, {.samples = 40'000, .seed = seed});
+        EXPECT_NEAR(found.hausdorff_forward, d * e / std::hypot(d, e), 1e-3 * d);  // the climb's last step
+        EXPECT_NEAR(found.hausdorff_backward, d / std::sqrt(2.0), 1e-8);
+    }
+}
+
 TEST(SurfaceError, VerticesCountForHausdorff) {
     TriMesh spiked = test::square(1, 0, 100);
     spiked.positions[101 * 50 + 50].z = 0.5;
