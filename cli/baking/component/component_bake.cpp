@@ -43,6 +43,7 @@ constexpr std::size_t kMostFacesFreeToo = 80'000;  // more take half a minute, a
 constexpr std::size_t kFewFaces = 10'000, kMostFacesArapToo = 20'000;
 constexpr double kFarBehind = 2.5;
 constexpr double kExactPsnr = 200;  // what is left is rounding
+
 /// Nothing can have a smaller error than the best chart so far.
 bool is_exact(const Contest& contest) {
     return contest.has_best() && contest.best_psnr() > kExactPsnr;

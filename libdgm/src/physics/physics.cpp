@@ -367,7 +367,7 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
     if (auto r = detail::check_map(s, options); !r) return r.error();
     const std::uint64_t bytes = detail::bytes_needed(s.tables.rows, s.tables.cols);
     if (bytes > options.max_bytes)
-        return Error{ErrorCode::LimitExceeded, kNoOffset, "the physics would take more memory than the limit allows"};
+        return Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
     detail::PhysicsImpl* p = detail::create<detail::PhysicsImpl>(options.allocator, options.allocator);
     if (p == nullptr) return detail::physics::kNoMemory;
     Physics made(p);
