@@ -12,10 +12,15 @@
 
 #include <dgm/allocator.h>
 #include <dgm/export.h>
+#include <dgm/result.h>
 
 namespace dgm::detail {
 
 inline constexpr std::size_t kMaxAlignment = 64;
+/// What an object answers that needs more bytes than its options' `max_bytes`.
+constexpr Error over_max_bytes() noexcept {
+    return {ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
+}
 
 [[nodiscard]] DGM_API void* allocate(const Allocator& allocator, std::size_t bytes, std::size_t alignment) noexcept;
 DGM_API void release(const Allocator& allocator, void* memory, std::size_t bytes) noexcept;

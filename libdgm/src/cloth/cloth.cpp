@@ -156,7 +156,7 @@ bool mark_pins(ClothImpl& c, std::span<const Pin> pins) noexcept {
     if (auto r = detail::check_options(options); !r) return r.error();
     if (auto r = detail::check_map(s, options); !r) return r.error();
     if (detail::bytes_needed(s.tables.rows, s.tables.cols, options.self_contact) > options.max_bytes)
-        return Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
+        return detail::over_max_bytes();
     auto* c = detail::create<detail::ClothImpl>(options.allocator, options.allocator);
     if (c == nullptr) return detail::cloth::kNoMemory;
     Cloth made(c);

@@ -48,7 +48,7 @@ Result<ContactSolver> ContactSolver::create(const State& state, const Allocator&
     const detail::StateImpl& s = *state.impl();
     const std::uint64_t tiles = std::uint64_t{s.tile_rows} * s.tile_cols;
     if (std::uint64_t{s.total()} * 64 + tiles * 80 + s.faces.size() * 12 + 131072 > max_bytes)
-        return Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
+        return detail::over_max_bytes();
     detail::ContactImpl* impl = detail::create<detail::ContactImpl>(allocator, allocator);
     if (impl == nullptr) return detail::kNoMemory;
     ContactSolver solver(impl);

@@ -303,7 +303,7 @@ bool fits(const ComplianceImpl& c, const PhysicsImpl& p, const StateImpl& s) noe
     const std::uint64_t plane = p.fine().count(), floats = std::uint64_t{o.tools} * (known + 1) * 3 * plane;
     const std::uint64_t words = std::uint64_t{o.tools} * detail::physics::kSlots * detail::physics::kLocalWords;
     if (4 * floats + words * sizeof(detail::physics::Word) + sizeof(detail::ComplianceImpl) > o.max_bytes)
-        return Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
+        return detail::over_max_bytes();
     auto* impl = detail::create<detail::ComplianceImpl>(o.allocator, o.allocator);
     if (impl == nullptr) return detail::kNoRoom;
     Compliance made(impl);

@@ -222,10 +222,7 @@ enum class Made : std::uint8_t { Whole, Indefinite, NoMemory };
         Making m{p, {}, {}, {}, {}};
         Array<std::uint16_t> kept;
         std::uint64_t needed = bytes;
-        if (!make_pattern(m, needed))
-            return needed > p.options.max_bytes
-                       ? Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"}
-                       : kNoMemory;
+        if (!make_pattern(m, needed)) return needed > p.options.max_bytes ? over_max_bytes() : kNoMemory;
         if (!kept.allocate(p.allocator, m.to.row.size()) || !add_matrix(m, 1 + more)) return kNoMemory;
         const Made made = eliminate_values(m, kept);
         if (made == Made::Indefinite) continue;

@@ -366,8 +366,7 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
     const detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_map(s, options); !r) return r.error();
     const std::uint64_t bytes = detail::bytes_needed(s.tables.rows, s.tables.cols);
-    if (bytes > options.max_bytes)
-        return Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
+    if (bytes > options.max_bytes) return detail::over_max_bytes();
     detail::PhysicsImpl* p = detail::create<detail::PhysicsImpl>(options.allocator, options.allocator);
     if (p == nullptr) return detail::physics::kNoMemory;
     Physics made(p);

@@ -218,7 +218,7 @@ Result<Snapshots> Snapshots::create(const State& state, const SnapshotOptions& o
     const std::uint64_t bytes = (words * planes + cell_words) * sizeof(Word) * options.slots +
                                 SnapshotImpl::stamps(grid) * sizeof(std::uint32_t);
     if (bytes + options.slots * sizeof(SnapshotSlot) + sizeof(SnapshotImpl) > options.max_bytes)
-        return Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
+        return detail::over_max_bytes();
     SnapshotImpl* impl = detail::create<SnapshotImpl>(options.allocator, options.allocator);
     if (impl == nullptr) return kNoMemory;
     Snapshots made(impl);

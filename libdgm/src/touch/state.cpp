@@ -81,8 +81,7 @@ RectList unlike_rest(const StateImpl& s) noexcept {
 }
 
 Result<void> fill(StateImpl& s, const ChartTables& tables, const StateOptions& options) noexcept {
-    if (bytes_needed(tables, options) > options.max_bytes)
-        return Error{ErrorCode::LimitExceeded, kNoOffset, "this would take more memory than the limit allows"};
+    if (bytes_needed(tables, options) > options.max_bytes) return over_max_bytes();
     s.max_reach = options.max_reach;
     if (auto r = fill_surface(s, tables, options.plain_loops); !r) return r;
     s.patch_count = patches_for(options);
