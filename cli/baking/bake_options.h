@@ -82,9 +82,9 @@ struct BakeOptions {
     ExrLayout exr_layout = ExrLayout::kAuto;
 
     [[nodiscard]] bool ablates(std::string_view part) const;
-    /// Whether `auto` takes a free chart only where the square has none: the runtime's physics and cloth, for which a
-    /// material is, refuse free charts.
-    [[nodiscard]] bool stays_on_square() const { return material && domain == DomainChoice::kAuto; }
+    /// Whether `auto` takes a free chart only where the square has none: the runtime's physics and cloth, for which unit
+    /// and material are, refuse free charts.
+    [[nodiscard]] bool stays_on_square() const { return metres_per_unit && domain == DomainChoice::kAuto; }
     /// Folders beside the mesh's that hold files it may name. Not a setting: what is found there is (inputs_hash).
     std::vector<std::filesystem::path> asset_roots = {};
     /// Where a search by budget may write a file to learn its size; removed again. Not a setting.
