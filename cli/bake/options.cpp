@@ -137,7 +137,7 @@ void set_grid(const Raw& raw, BakeOptions& bake) {
     else if (bake.max_error || bake.budget_bytes)
         bake.auto_samples = kLargestSearched;
     else
-        bake.shape_rings = true;
+        bake.any_aspect = true;
 }
 
 /// Format of the report: as asked, else by the file's extension.

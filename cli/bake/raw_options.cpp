@@ -67,10 +67,9 @@ void describe_files(CLI::App& app, Raw& raw) {
 
 void describe_grid(CLI::App& app, Raw& raw) {
     const Group group(app, "How fine");
-    group.text(
-        "--size", "MxN", raw.size,
-        "samples of the largest chart, MxN or N; auto:N: the best m x n with at most N samples [257x257; tubes and "
-        "skirts: another m x n]");
+    group.text("--size", "MxN", raw.size,
+               "samples of the largest chart, MxN or N; auto:N: the best m x n with at most N samples [257x257; long "
+               "bodies, tubes and skirts: another m x n]");
     group.text(
         "--max-error", "X", raw.max_error,
         "the smallest grid whose measured error is at most X% of the diagonal, or X in the mesh's units; --size is "

@@ -23,7 +23,7 @@ std::string canonical_settings(const BakeOptions& options) {
             layers.append(layers.empty() ? "" : ",").append(name);
     std::string size = options.auto_samples ? fmt::format("auto:{}", *options.auto_samples)
                                             : fmt::format("{}x{}", options.size.rows, options.size.cols);
-    if (options.shape_rings && !options.auto_samples) size += ";rings=shaped";
+    if (options.any_aspect && !options.auto_samples) size += ";shape=any";
     if (options.max_error)
         size += fmt::format(";max_error={}{};max_error_kind={}", options.max_error->value,
                             options.max_error->percent ? "%" : "", name_of(kErrorKindNames, options.max_error->kind));

@@ -50,8 +50,8 @@ struct Notice {
 struct BakeOptions {
     /// 257x257: each step to a finer grid quarters the rms and takes four times the bytes; there it is 0.001 to 0.01 %
     /// on organs, below a pixel of a screen that the asset fills, for 4 s and 4.6 MB.
-    GridSize size;             ///< of the largest chart, 3..8193 a side; the largest grid tried if one is searched
-    bool shape_rings = false;  ///< `size` was not asked for: rings get the m x n that suits them, of as many samples
+    GridSize size;            ///< of the largest chart, 3..8193 a side; the largest grid tried if one is searched
+    bool any_aspect = false;  ///< `size` was not asked for: rings and long surfaces get an m x n that suits them
     std::optional<std::uint64_t> auto_samples;  ///< instead of `size`: the best m x n with at most so many samples
     std::optional<ErrorGoal> max_error;         ///< the smallest grid that holds it
     std::optional<std::uint64_t> budget_bytes;  ///< the largest grid whose .dgm is not larger; with max_error: a limit
@@ -82,8 +82,8 @@ struct BakeOptions {
     ExrLayout exr_layout = ExrLayout::kAuto;
 
     [[nodiscard]] bool ablates(std::string_view part) const;
-    /// Whether `auto` takes a free chart only where the square has none: the runtime's physics and cloth, for which unit
-    /// and material are, refuse free charts.
+    /// Whether `auto` takes a free chart only where the square has none: the runtime's physics and cloth, for which
+    /// unit and material are, refuse free charts.
     [[nodiscard]] bool stays_on_square() const { return metres_per_unit && domain == DomainChoice::kAuto; }
     /// Folders beside the mesh's that hold files it may name. Not a setting: what is found there is (inputs_hash).
     std::vector<std::filesystem::path> asset_roots = {};

@@ -44,21 +44,17 @@ GridSize choose_shapes(PreparedAsset& asset) {
     return out;
 }
 
-/// No --size: rings get the shapes that suit them. @return the grid of the largest component
-GridSize shape_rings(PreparedAsset& asset) {
+/// No --size: rings and long surfaces get the shapes that suit them. @return the grid of the largest component
+GridSize shape_unasked(PreparedAsset& asset) {
     const GridSize named = asset.options.size;
-    const Repaired& source = asset.source;
-    const bool any = std::any_of(source.components.begin(), source.components.end(),
-                                 [&](const model::TriMesh& c) { return may_unroll(c, asset.options); });
-    if (!any) return named;
     const std::uint64_t samples = std::uint64_t{named.rows} * named.cols;
     ComponentShapes chosen = asset.log.run("shape", [&](const model::Progress& progress) {
-        return choose_ring_shapes(source.components, source.areas, samples, asset.options, asset.cuts,
-                                  part_of(progress, "shape", 0, 1));
+        return choose_unasked_shapes(asset.source.components, asset.source.areas, samples, asset.options, asset.cuts,
+                                     part_of(progress, "shape", 0, 1));
     });
     asset.aspects = std::move(chosen.aspects);
     asset.rings = std::move(chosen.rings);
-    const double aspect = asset.aspects[source.largest];
+    const double aspect = asset.aspects[asset.source.largest];
     return aspect == 1 ? named : even_grid_of(samples, aspect);
 }
 
@@ -99,13 +95,12 @@ BakeResult bake_imported(Imported imported, std::optional<MaterialImages> images
                         .cuts = std::vector<CutMemory>(components),
                         .shapes = std::nullopt,
                         .u16 = u16};
-    const GridSize largest = options.auto_samples  ? choose_shapes(asset)
-                             : options.shape_rings ? shape_rings(asset)
-                                                   : options.size;
+    const GridSize largest = options.auto_samples ? choose_shapes(asset)
+                             : options.any_aspect ? shape_unasked(asset)
+                                                  : options.size;
     if (options.max_error) return bake_to_error(asset, largest);
     if (options.budget_bytes) return bake_to_budget(asset, largest);
-    const CutUse use = options.auto_samples ? CutUse::kBest : CutUse::kSearch;
-    return finish(asset, map_and_fit(asset, largest, use), asset.shapes);
+    return finish(asset, map_and_fit(asset, largest, CutUse::kSearch), asset.shapes);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ void add_grid(const BakeOptions& options, std::string& out) {
     if (options.auto_samples) {
         if (!has_goal || *options.auto_samples != kLargestSearched)
             out += fmt::format(" --size auto:{}", *options.auto_samples);
-    } else if (has_goal || !options.shape_rings) {
+    } else if (has_goal || !options.any_aspect) {
         out += " --size " + size_text(options.size);
     }
     if (options.max_error) {

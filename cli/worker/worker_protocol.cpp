@@ -92,7 +92,7 @@ json to_object(const BakeOptions& options) {
     json roots = json::array();
     for (const std::filesystem::path& root : options.asset_roots) roots.push_back(encode_path(root));
     out["asset_roots"] = std::move(roots);
-    if (options.shape_rings) out["shape_rings"] = true;
+    if (options.any_aspect) out["any_aspect"] = true;
     if (options.auto_samples) out["auto_samples"] = *options.auto_samples;
     if (options.budget_bytes) out["budget_bytes"] = *options.budget_bytes;
     if (options.max_error)
@@ -134,7 +134,7 @@ BakeOptions options_from(const json& object) {
         for (const MaterialKey& key : kMaterialKeys)
             *out.material.*key.field = static_cast<float>(real_at(*material, std::string(key.name).c_str()));
     }
-    if (object.contains("shape_rings")) out.shape_rings = flag_at(object, "shape_rings");
+    if (object.contains("any_aspect")) out.any_aspect = flag_at(object, "any_aspect");
     if (object.contains("auto_samples")) out.auto_samples = number_at(object, "auto_samples", kMaxU64);
     if (object.contains("budget_bytes")) out.budget_bytes = number_at(object, "budget_bytes", kMaxU64);
     if (const auto goal = object.find("max_error"); goal != object.end()) {

@@ -11,9 +11,12 @@
 
 #include "baking/cpu_clock.h"
 #include "baking/search/size_search.h"
+#include "geometry/cut/cut_graph.h"
 #include "geometry/cut_search/ring_cut.h"
 #include "geometry/fit/fit.h"
 #include "geometry/mesh/infinity.h"
+#include "geometry/mesh/triangle.h"
+#include "math/portable.h"
 
 namespace dgm::bake {
 namespace {
@@ -23,10 +26,36 @@ constexpr std::uint64_t kLeast = 33 * 33;  // below, 17 samples a side leave no 
 constexpr std::size_t kMostComponents = 16;
 constexpr double kTrials = 6;                // of one component, about
 constexpr double kMuchLess = 0.8;            // 2 dB
-constexpr std::size_t kMostFaces = 100'000;  // of a ring whose shape is chosen unasked: the trials map all of them
+constexpr std::size_t kMostFaces = 100'000;  // of a surface whose shape is chosen unasked: the trials map all of them
 constexpr int kLongestRing = 8;              // 16:1
+constexpr int kFirst = 8, kLongest = 12;     // of a long surface: 16:1, 64:1
+constexpr double kFreeGain = 0.6;            // that more rounds give a free chart beside a square one
+constexpr double kLong = 4;                  // length : width
+constexpr double kNear = 0.25;               // of the longest way
+constexpr double kExact = 1e-7;              // of the diagonal
+
+bool by_stretch(const BakeOptions& options) {
+    return (options.method == Method::kAuto || options.method == Method::kStretch) &&
+           options.domain != DomainChoice::kFree;
+}
+
+/// True if `options` let `component` be unrolled as a ring.
+bool may_unroll(const TriMesh& component, const BakeOptions& options) {
+    return by_stretch(options) && is_ring(component);
+}
 
 }  // namespace
+
+double strip_length(const TriMesh& component) {
+    CutGraph graph(component);
+    const double way = graph.longest_way(), area = surface_area(component);
+    if (!(way * way > kLong * area)) return 1;
+    graph.cut_to_disk();
+    std::vector<double> off = graph.distance_to_cut();
+    graph.join(static_cast<std::uint32_t>(std::max_element(off.begin(), off.end()) - off.begin()));
+    off = graph.distance_to_cut();
+    return *std::max_element(off.begin(), off.end()) < kNear * way ? way * way / area : 1;
+}
 
 double free_chart_aspect(const SampledChart& chart) {
     // Partial derivatives S_s, S_t as [Sander 2001], squared, times the surface area of the face.
@@ -62,49 +91,83 @@ class ShapeTrials {
 
     /// @throws model::Error of a component that cannot be baked for another reason than the grid; kInterrupted
     [[nodiscard]] Shape best(std::uint64_t samples) {
-        if (!may_unroll(component_, options_)) return {by_map(samples, RingUse::kTried).aspect};
-        const AspectChoice plain = by_map(samples, RingUse::kNot);
-        return better({plain.aspect}, judged(grid_of(samples, plain.aspect), options_, RingUse::kNot), samples, 1);
+        if (!may_unroll(component_, options_))
+            return {by_fit(samples, RingUse::kTried, by_stretch(options_) ? strip_length(component_) : 1, 1)};
+        const double plain = by_fit(samples, RingUse::kNot, 1, 1);
+        return better({plain}, judged(grid_of(samples, plain), options_, RingUse::kNot, CutUse::kReuse).trial, samples,
+                      1);
     }
-    [[nodiscard]] Shape best_ring(std::uint64_t samples) {
-        if (component_.faces.size() > kMostFaces) return {};
-        return better({}, judged(grid_of(samples, 1), options_, RingUse::kNot), samples, kMuchLess);
+    /// 1:1 but for rings and long surfaces.
+    [[nodiscard]] Shape best_unasked(std::uint64_t samples) {
+        if (component_.faces.size() > kMostFaces || !by_stretch(options_)) return {};
+        if (is_ring(component_)) {
+            const AspectTrial square = judged(grid_of(samples, 1), options_, RingUse::kNot, CutUse::kReuse).trial;
+            return better({}, square, samples, kMuchLess);
+        }
+        const double length = strip_length(component_);
+        return length > 1 ? Shape{by_fit(samples, RingUse::kTried, length, kMuchLess)} : Shape{};
     }
 
+    [[nodiscard]] bool none() const { return trials_.empty(); }
     [[nodiscard]] std::vector<GridTrial> trials() && { return std::move(trials_); }
 
  private:
+    struct Judged {
+        AspectTrial trial;
+        Method method = Method::kAuto;  ///< of the chart, if there is one
+    };
+
     /// `plain`, or the best unrolled shape if its error is less than `share` of the plain one's.
     [[nodiscard]] Shape better(Shape plain, const AspectTrial& trial, std::uint64_t samples, double share) {
         BakeOptions stretch = options_;
         stretch.method = Method::kStretch;
         const AspectChoice unrolled = choose_aspect(
-            samples, [&](GridSize size) { return judged(size, stretch, RingUse::kOnly); }, kLongestRing);
+            samples, [&](GridSize size) { return judged(size, stretch, RingUse::kOnly, CutUse::kReuse).trial; },
+            {.longest = kLongestRing});
         if (trial.rms <= unrolled.rms && trial.rms < kInfinity) plain.rings = RingUse::kNot;
         if (!(unrolled.rms < share * trial.rms)) return plain;
         return {unrolled.aspect, unrolled.rms < kMuchLess * trial.rms ? RingUse::kOnly : RingUse::kTried};
     }
 
-    /// By the error before the fit.
-    [[nodiscard]] AspectChoice by_map(std::uint64_t samples, RingUse rings) {
+    /// The best aspect of a surface `length` times as long as wide; 1 unless it has less than `share` of the error
+    /// there. Errors before the fit do not tell: a wound tube has its least at 1:1, and after it far less at 1:16.
+    [[nodiscard]] double by_fit(std::uint64_t samples, RingUse rings, double length, double share) {
+        const bool is_long = length > 1;
+        AspectRange range;
+        if (is_long) {
+            const auto own = static_cast<int>(std::lround(2 * math::log(length) / math::log(2.0)));
+            range = {.longest = kLongest, .first = std::min(own, kFirst), .near = share == 1};
+        }
         BakeOptions trial_options = options_;  // `auto` chooses once: what is compared is the shape
-        return choose_aspect(samples, [&](GridSize size) {
-            AspectTrial trial{size, kInfinity, 0};
-            const Attempt<ComponentResult> result = baked(size, trial_options, rings, CutUse::kSearch);
-            if (!result) return trial;
-            trial_options.method = result->method;
-            trial.rms = trials_.back().rms;
-            if (result->chart.domain == layout::Domain::kFree) trial.chart_aspect = free_chart_aspect(result->chart);
-            return trial;
-        });
+        bool exact = false;
+        const AspectChoice choice = choose_aspect(
+            samples,
+            [&](GridSize size) {
+                if (exact) return AspectTrial{size, kInfinity, 0};
+                Judged judgement = judged(size, trial_options, rings, CutUse::kSearch);
+                AspectTrial& trial = judgement.trial;
+                exact = trial.rms < kExact;
+                if (trial.rms < kInfinity) trial_options.method = judgement.method;
+                if (!is_long || exact || judgement.method == Method::kUv) return trial;
+                if (options_.method == Method::kAuto) trial_options.method = Method::kStretch;
+                if (trial.chart_aspect > 0) trial.rms *= kFreeGain;  // it has to stand beside long squares
+                trial.chart_aspect = 0;
+                return trial;
+            },
+            range);
+        return choice.rms < share * choice.trials.front().rms ? choice.aspect : 1;
     }
 
     /// By the error after a trial fit, where samples will be fitted.
-    [[nodiscard]] AspectTrial judged(GridSize size, const BakeOptions& options, RingUse rings) {
-        Attempt<ComponentResult> result = baked(size, options, rings, CutUse::kReuse);
-        if (!result) return {size, kInfinity, 0};
-        if (options.fit == Fit::kSample) return {size, trials_.back().rms, 0};
-        return {size, result->begun ? result->begun->rms : trial_fit(result->chart, silent()).rms, 0};
+    [[nodiscard]] Judged judged(GridSize size, const BakeOptions& options, RingUse rings, CutUse use) {
+        Attempt<ComponentResult> result = baked(size, options, rings, use);
+        if (!result) return {{size, kInfinity, 0}};
+        double& rms = trials_.back().rms;
+        const bool is_free = result->chart.domain == layout::Domain::kFree;
+        const double aspect = is_free ? free_chart_aspect(result->chart) : 0;
+        if (options.fit != Fit::kSample)
+            rms = result->begun ? result->begun->rms : trial_fit(result->chart, silent()).rms;
+        return {{size, rms, aspect}, result->method};
     }
 
     Attempt<ComponentResult> baked(GridSize size, const BakeOptions& options, RingUse rings, CutUse use) {
@@ -167,11 +230,6 @@ ComponentShapes choose_shapes(std::span<const TriMesh> components, std::span<con
 
 }  // namespace
 
-bool may_unroll(const TriMesh& component, const BakeOptions& options) {
-    const bool by_stretch = options.method == Method::kAuto || options.method == Method::kStretch;
-    return by_stretch && options.domain != DomainChoice::kFree && is_ring(component);
-}
-
 ComponentShapes choose_component_shapes(std::span<const TriMesh> components, std::span<const double> areas,
                                         std::uint64_t samples, const BakeOptions& options, std::span<CutMemory> cuts,
                                         const model::Progress& progress) {
@@ -179,13 +237,18 @@ ComponentShapes choose_component_shapes(std::span<const TriMesh> components, std
                          [](ShapeTrials& trials, const TriMesh&, std::uint64_t share) { return trials.best(share); });
 }
 
-ComponentShapes choose_ring_shapes(std::span<const TriMesh> components, std::span<const double> areas,
-                                   std::uint64_t samples, const BakeOptions& options, std::span<CutMemory> cuts,
-                                   const model::Progress& progress) {
-    return choose_shapes(components, areas, samples, options, cuts, progress,
-                         [&](ShapeTrials& trials, const TriMesh& component, std::uint64_t share) {
-                             return may_unroll(component, options) ? trials.best_ring(share) : Shape{};
-                         });
+ComponentShapes choose_unasked_shapes(std::span<const TriMesh> components, std::span<const double> areas,
+                                      std::uint64_t samples, const BakeOptions& options, std::span<CutMemory> cuts,
+                                      const model::Progress& progress) {
+    bool gained = true;  // where one gains nothing, smaller ones, which are like it as a rule, are spared the trials
+    const auto choose = [&](ShapeTrials& trials, const TriMesh& component, std::uint64_t share) {
+        const bool ring = may_unroll(component, options);
+        if (!ring && !gained) return Shape{};
+        const Shape out = trials.best_unasked(share);
+        if (!ring && !trials.none()) gained = out.aspect != 1;
+        return out;
+    };
+    return choose_shapes(components, areas, samples, options, cuts, progress, choose);
 }
 
 }  // namespace dgm::bake

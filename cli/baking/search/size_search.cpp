@@ -262,7 +262,7 @@ SizeSearch largest_that_fits(std::span<const GridSize> ladder, double budget, st
     return out;
 }
 
-AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure, int longest) {
+AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure, AspectRange range) {
     constexpr double kGain = 0.98;
     AspectChoice out;
     const auto aspect_of = [](int step) { return math::pow(2.0, 0.5 * step); };  // in factors of sqrt 2
@@ -285,17 +285,19 @@ AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure, 
         return out;
     }
     const auto consider = [&](int step) {
-        if (std::abs(step) > longest) return;
+        if (std::abs(step) > range.longest) return;
         if (try_step(step) < (best == 0 ? kGain : 1.0) * rms[best]) best = step;
     };
-    consider(-2);
-    consider(2);
+    consider(-range.first);
+    consider(range.first);
+    const bool goes_on = best != 0 || range.near;
     for (int last = 0; best != last;) {
         last = best;
-        consider(last + (last < 0 ? -2 : 2));
+        for (const int step : {last + (last < 0 ? -2 : 2), last + (last < 0 ? 2 : -2)}) consider(step);
     }
     const int centre = best;
-    for (const int step : {centre - 1, centre + 1}) consider(step);
+    if (goes_on)
+        for (const int step : {centre - 1, centre + 1}) consider(step);
     out.aspect = aspect_of(best);
     out.rms = rms[best];
     return out;

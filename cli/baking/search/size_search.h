@@ -66,11 +66,17 @@ struct AspectChoice {
     std::vector<AspectTrial> trials;
 };
 
+/// Aspects of a square chart that choose_aspect() tries, as powers of sqrt 2.
+struct AspectRange {
+    int longest = 4;
+    int first = 2;     ///< beside 1:1, either way; at least 2
+    bool near = true;  ///< whether those beside 1:1 are tried where the first gain nothing
+};
+
 /// The aspect with the least measured error at `samples` samples. A free chart has one, that of its rectangle. For a
-/// square one: 1:2, 1:1, 2:1, beyond the better end also 4:1 and so on while that is better, then the neighbours (by
-/// sqrt 2) of the best. Another aspect than 1:1 must be better by 2 %.
-/// @param longest  aspect tried for a square chart, as a power of sqrt 2
-[[nodiscard]] AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure, int longest = 4);
+/// square one: 1:1 and the range's first either way, from the best of them on twice as long or short as long as that
+/// is better, then the neighbours (by sqrt 2) of the best. Another aspect than 1:1 must be better by 2 %.
+[[nodiscard]] AspectChoice choose_aspect(std::uint64_t samples, const MeasureAspect& measure, AspectRange range = {});
 
 /// grid_of(), but with numbers of intervals that 8 divides where both sides have at least 33 samples: three levels of
 /// detail keep the borders then.

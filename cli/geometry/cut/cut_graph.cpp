@@ -14,6 +14,10 @@
 namespace dgm::bake {
 namespace {
 
+std::uint32_t place_of_largest(const std::vector<double>& distance) {
+    return static_cast<std::uint32_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+}
+
 VertexGraph build_graph(const TriMesh& mesh, std::span<const std::uint32_t> opposite) {
     VertexGraph g;
     g.first.assign(mesh.positions.size() + 1, 0);
@@ -129,21 +133,24 @@ void CutGraph::cut_to_disk(std::uint32_t root, CutStart start) {
     }
 }
 
-void CutGraph::mark_first_path(CutStart start) {
-    const auto largest = [](const std::vector<double>& distance) {
-        return static_cast<std::uint32_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
-    };
+std::uint32_t CutGraph::farthest(std::uint32_t from, Search& out) const {
+    search(
+        std::span(&from, 1), [](std::uint32_t) { return false; }, out);
+    return place_of_largest(out.distance);
+}
+
+double CutGraph::longest_way() const {
     Search s;
-    const auto farthest = [&](std::uint32_t from) {
-        search(
-            std::span(&from, 1), [](std::uint32_t) { return false; }, s);
-        return largest(s.distance);
-    };
-    mark_path(s, farthest(farthest(outermost(mesh_->positions))));
+    return s.distance[farthest(farthest(outermost(mesh_->positions), s), s)];
+}
+
+void CutGraph::mark_first_path(CutStart start) {
+    Search s;
+    mark_path(s, farthest(farthest(outermost(mesh_->positions), s), s));
     if (start == CutStart::kLong) return;
-    const std::uint32_t aside = largest(distance_to_cut());
+    const std::uint32_t aside = place_of_largest(distance_to_cut());
     std::fill(cut_.begin(), cut_.end(), 0);
-    std::uint32_t end = farthest(aside);
+    std::uint32_t end = farthest(aside, s);
     if (start == CutStart::kShort) {
         std::vector<std::uint32_t> nearest(s.distance.size());
         std::iota(nearest.begin(), nearest.end(), 0u);
@@ -161,12 +168,7 @@ std::uint32_t CutGraph::middle() const {
     // The vertex nearest to the middle of the surface keeps the loops short on both sides.
     Search tree;
     std::uint32_t root = outermost(mesh_->positions);
-    for (int sweep = 0; sweep < 2; ++sweep) {
-        search(
-            std::span(&root, 1), [](std::uint32_t) { return false; }, tree);
-        root = static_cast<std::uint32_t>(std::max_element(tree.distance.begin(), tree.distance.end()) -
-                                          tree.distance.begin());
-    }
+    for (int sweep = 0; sweep < 2; ++sweep) root = farthest(root, tree);
     Search other = tree;  // distances from one end; now from the far end, then take a vertex between
     search(
         std::span(&root, 1), [](std::uint32_t) { return false; }, tree);

@@ -65,6 +65,8 @@ class CutGraph {
     /// The weld ids are the component's vertices. Sides along which the component was opened are not joined.
     [[nodiscard]] Disk open() const;
     [[nodiscard]] double length() const;
+    /// Cost of the shortest path between two points as far apart as two sweeps find.
+    [[nodiscard]] double longest_way() const;
     [[nodiscard]] double edge_cost(std::uint32_t half_edge) const;
     /// Factor of an edge by weigh(); 1 without.
     [[nodiscard]] double factor(std::uint32_t half_edge) const {
@@ -94,6 +96,8 @@ class CutGraph {
     std::uint32_t search(std::span<const std::uint32_t> sources, Stop stop, Search& out,
                          std::span<const char> closed = {}) const;
     void mark_path(const Search& search, std::uint32_t from);
+    /// The vertex farthest from `from`; distances and ways are left in `out`.
+    std::uint32_t farthest(std::uint32_t from, Search& out) const;
     [[nodiscard]] std::uint32_t middle() const;
     void cut_handles(std::uint32_t root);
     void join_boundary_loops();

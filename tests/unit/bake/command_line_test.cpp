@@ -28,10 +28,10 @@ std::string refusal(std::vector<const char*> arguments) {
 TEST(CommandLine, SizeIsAGridOrANumberOfSamples) {
     EXPECT_EQ(parsed({}).size, (GridSize{257, 257}));
     EXPECT_FALSE(parsed({}).auto_samples);
-    EXPECT_TRUE(parsed({}).shape_rings);
-    EXPECT_FALSE(parsed({"--size", "257x257"}).shape_rings) << "exact";
-    EXPECT_FALSE(parsed({"--size", "auto:66049"}).shape_rings);
-    EXPECT_FALSE(parsed({"--max-error", "1%"}).shape_rings);
+    EXPECT_TRUE(parsed({}).any_aspect);
+    EXPECT_FALSE(parsed({"--size", "257x257"}).any_aspect) << "exact";
+    EXPECT_FALSE(parsed({"--size", "auto:66049"}).any_aspect);
+    EXPECT_FALSE(parsed({"--max-error", "1%"}).any_aspect);
     EXPECT_EQ(parsed({"--size", "33x65"}).size, (GridSize{33, 65}));
     EXPECT_EQ(parsed({"--size", "auto:66049"}).auto_samples, 66049U);
     for (const char* bad : {"auto:", "auto:8", "auto:66049x", "auto:-1", "auto:99999999999", "auto", "2x9"})

@@ -392,6 +392,33 @@ TEST(BakeMesh, TakesAFreeChartWhereItIsFittedBetter) {
     EXPECT_EQ(either.report.charts.at(0).turned_faces, 0U);
 }
 
+/// A closed tube that winds: 24 times as long as it is around.
+model::TriMesh winding_tube() {
+    model::TriMesh mesh = test::finger(0.3, 44, 20, 360, 4);
+    const auto last = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back({0, 0, -0.2});
+    for (std::uint32_t j = 0; j < 20; ++j) mesh.faces.push_back({last, (j + 1) % 20, j});
+    for (model::Vec3d& p : mesh.positions) p = {2 * std::sin(p.z / 2) + p.x, 3 * std::cos(p.z / 3) + p.y, p.z / 2};
+    return mesh;
+}
+
+TEST(BakeMesh, LongSurfacesGetLongGrids) {
+    BakeOptions options;
+    options.size = {65, 65};
+    const BakeResult square = bake_mesh({.mesh = winding_tube(), .name = "tube"}, options);
+    EXPECT_EQ(square.maps.charts.at(0).rows, 65U) << "that was named";
+    BakeOptions unasked = options, asked = options;
+    unasked.any_aspect = true;
+    asked.auto_samples = 65 * 65;
+    for (const BakeOptions& searched : {unasked, asked}) {
+        const BakeResult result = bake_mesh({.mesh = winding_tube(), .name = "tube"}, searched);
+        const model::Chart& chart = result.maps.charts.at(0);
+        EXPECT_LE(chart.rows * chart.cols, 65U * 65);
+        EXPECT_GE(std::max(chart.rows, chart.cols), 4 * std::min(chart.rows, chart.cols));
+        EXPECT_GT(result.report.error.psnr(), square.report.error.psnr() + 6);
+    }
+}
+
 // Lengths in metres are for physics, which knows no free charts; its material may come at run time.
 TEST(BakeMesh, UnitsStayOnTheSquare) {
     BakeOptions options;

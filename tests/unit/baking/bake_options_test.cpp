@@ -34,9 +34,9 @@ TEST(CanonicalSettings, NamesEveryFieldThatChangesTheLayers) {
 
 TEST(CanonicalSettings, NamesWhatWasAsked) {
     BakeOptions options;
-    options.shape_rings = true;  // 257x257 that was named gives other layers of a ring
-    EXPECT_EQ(canonical_settings(options).substr(0, 26), "size=257x257;rings=shaped;");
-    options.shape_rings = false;
+    options.any_aspect = true;  // 257x257 that was named gives other layers of a ring
+    EXPECT_EQ(canonical_settings(options).substr(0, 23), "size=257x257;shape=any;");
+    options.any_aspect = false;
     options.auto_samples = 66049;
     options.max_error = ErrorGoal{0.05, true, ErrorKind::kHausdorff};
     options.budget_bytes = 262144;

@@ -32,9 +32,9 @@ void expect_same(const std::string& options, bool exr = false) {
 
 TEST(RepeatCommand, DefaultsAreLeftOut) {
     PlannedAsset asset{"in/m.obj", "out/./m.dgm", "", {}, "m.obj", {}};
-    asset.options.shape_rings = true;
+    asset.options.any_aspect = true;
     EXPECT_EQ(repeat_command(asset), "dgm-bake in/m.obj -o out/m.dgm");
-    asset.options.shape_rings = false;
+    asset.options.any_aspect = false;
     EXPECT_EQ(repeat_command(asset), "dgm-bake in/m.obj -o out/m.dgm --size 257x257");
 }
 

@@ -40,7 +40,7 @@ TEST(WorkerProtocol, JobComesBack) {
     job.options.ablate = {"diagonals"};
     job.options.exr_layout = ExrLayout::kMultipart;
     job.options.auto_samples = 66049;
-    job.options.shape_rings = true;
+    job.options.any_aspect = true;
     job.options.max_error = ErrorGoal{0.1 + 0.2, false, ErrorKind::kHausdorff};
     job.options.budget_bytes = 262144;
     job.options.metres_per_unit = 0.0254;
@@ -69,7 +69,7 @@ TEST(WorkerProtocol, JobComesBack) {
     EXPECT_EQ(back.options.ablate, job.options.ablate);
     EXPECT_EQ(back.options.exr_layout, ExrLayout::kMultipart);
     EXPECT_EQ(back.options.auto_samples, job.options.auto_samples);
-    EXPECT_TRUE(back.options.shape_rings);
+    EXPECT_TRUE(back.options.any_aspect);
     EXPECT_EQ(back.options.max_error, job.options.max_error);
     EXPECT_EQ(back.options.budget_bytes, job.options.budget_bytes);
     EXPECT_EQ(back.options.scratch, job.dgm);  // searched sizes are written where the file will be

@@ -180,10 +180,31 @@ TEST(ChooseAspect, GoesAsFarAsItIsAskedAndNoFarther) {
         return AspectTrial{size, aspect >= 1 ? 1 / aspect : 10.0, 0};
     };
     EXPECT_NEAR(choose_aspect(4225, longer_is_better).aspect, 4, 1e-12);
-    const AspectChoice far = choose_aspect(4225, longer_is_better, 8);
+    const AspectChoice far = choose_aspect(4225, longer_is_better, {.longest = 8});
     EXPECT_NEAR(far.aspect, 16, 1e-12);
     EXPECT_LT(far.rms, 0.07);
     EXPECT_EQ(far.trials.size(), 7U) << "1:1, 1:2, 2:1, 4:1, 8:1, 16:1 and the neighbour of the last";
+}
+
+TEST(ChooseAspect, FindsWhatOnlyTheFirstStepsReach) {
+    // Errors grow from 1:1 on before they fall. From a first step that was too far the search goes back.
+    for (const int best : {-9, -5, 6, 11}) {
+        const auto measure = [&](GridSize size) {
+            const double step = 2 * std::log2((size.rows - 1.0) / (size.cols - 1.0));
+            return AspectTrial{size,
+                               std::abs(step) < 3 ? 1.0 + 0.1 * std::abs(step) : 0.5 + 0.05 * std::abs(step - best), 0};
+        };
+        const AspectChoice choice = choose_aspect(66049, measure, {.longest = 12, .first = 8});
+        EXPECT_NEAR(choice.aspect, std::pow(2.0, 0.5 * best), 1e-12) << best;
+        EXPECT_LE(choice.trials.size(), 9U);
+        EXPECT_EQ(choose_aspect(66049, measure, {.longest = 12}).aspect, 1);
+    }
+}
+
+TEST(ChooseAspect, ThreeTrialsTellWhereOnlyTheFirstAreAsked) {
+    const auto square_is_best = [](GridSize size) { return AspectTrial{size, size.rows == size.cols ? 1.0 : 2.0, 0}; };
+    EXPECT_EQ(choose_aspect(4225, square_is_best, {.longest = 12, .first = 8}).trials.size(), 5U);
+    EXPECT_EQ(choose_aspect(4225, square_is_best, {.longest = 12, .first = 8, .near = false}).trials.size(), 3U);
 }
 
 TEST(EvenGridOf, HasIntervalsThatEightDivides) {
