@@ -34,14 +34,10 @@ constexpr double kLong = 4;                  // length : width
 constexpr double kNear = 0.25;               // of the longest way
 constexpr double kExact = 1e-7;              // of the diagonal
 
+/// True if `options` let rings be unrolled and long surfaces be laid out along long grids.
 bool by_stretch(const BakeOptions& options) {
     return (options.method == Method::kAuto || options.method == Method::kStretch) &&
            options.domain != DomainChoice::kFree;
-}
-
-/// True if `options` let `component` be unrolled as a ring.
-bool may_unroll(const TriMesh& component, const BakeOptions& options) {
-    return by_stretch(options) && is_ring(component);
 }
 
 }  // namespace
@@ -91,47 +87,48 @@ class ShapeTrials {
 
     /// @throws model::Error of a component that cannot be baked for another reason than the grid; kInterrupted
     [[nodiscard]] Shape best(std::uint64_t samples) {
-        if (!may_unroll(component_, options_))
-            return {by_fit(samples, RingUse::kTried, by_stretch(options_) ? strip_length(component_) : 1, 1)};
-        const double plain = by_fit(samples, RingUse::kNot, 1, 1);
-        return better({plain}, judged(grid_of(samples, plain), options_, RingUse::kNot, CutUse::kReuse).trial, samples,
-                      1);
+        const bool may_shape = by_stretch(options_);
+        if (!may_shape || !is_ring(component_))
+            return {by_fit(samples, RingUse::kTried, may_shape ? strip_length(component_) : 1, 1).aspect};
+        const Plain plain = by_fit(samples, RingUse::kNot, 1, 1);
+        return better({plain.aspect}, plain.rms, samples, 1);
     }
-    /// 1:1 but for rings and long surfaces.
-    [[nodiscard]] Shape best_unasked(std::uint64_t samples) {
-        if (component_.faces.size() > kMostFaces || !by_stretch(options_)) return {};
-        if (is_ring(component_)) {
-            const AspectTrial square = judged(grid_of(samples, 1), options_, RingUse::kNot, CutUse::kReuse).trial;
-            return better({}, square, samples, kMuchLess);
-        }
-        const double length = strip_length(component_);
-        return length > 1 ? Shape{by_fit(samples, RingUse::kTried, length, kMuchLess)} : Shape{};
+    /// 1:1 unless another shape has much less error.
+    [[nodiscard]] Shape best_ring(std::uint64_t samples) {
+        const double square = judged(grid_of(samples, 1), options_, RingUse::kNot, CutUse::kReuse).trial.rms;
+        return better({}, square, samples, kMuchLess);
+    }
+    /// Likewise for a surface `length` times as long as wide.
+    [[nodiscard]] Shape best_long(std::uint64_t samples, double length) {
+        return {by_fit(samples, RingUse::kTried, length, kMuchLess).aspect};
     }
 
-    [[nodiscard]] bool none() const { return trials_.empty(); }
     [[nodiscard]] std::vector<GridTrial> trials() && { return std::move(trials_); }
 
  private:
+    struct Plain {
+        double aspect, rms;  ///< of its trial
+    };
     struct Judged {
         AspectTrial trial;
         Method method = Method::kAuto;  ///< of the chart, if there is one
     };
 
-    /// `plain`, or the best unrolled shape if its error is less than `share` of the plain one's.
-    [[nodiscard]] Shape better(Shape plain, const AspectTrial& trial, std::uint64_t samples, double share) {
+    /// `plain`, or the best unrolled shape if its error is less than `share` of `rms`, the plain one's.
+    [[nodiscard]] Shape better(Shape plain, double rms, std::uint64_t samples, double share) {
         BakeOptions stretch = options_;
         stretch.method = Method::kStretch;
         const AspectChoice unrolled = choose_aspect(
             samples, [&](GridSize size) { return judged(size, stretch, RingUse::kOnly, CutUse::kReuse).trial; },
             {.longest = kLongestRing});
-        if (trial.rms <= unrolled.rms && trial.rms < kInfinity) plain.rings = RingUse::kNot;
-        if (!(unrolled.rms < share * trial.rms)) return plain;
-        return {unrolled.aspect, unrolled.rms < kMuchLess * trial.rms ? RingUse::kOnly : RingUse::kTried};
+        if (rms <= unrolled.rms && rms < kInfinity) plain.rings = RingUse::kNot;
+        if (!(unrolled.rms < share * rms)) return plain;
+        return {unrolled.aspect, unrolled.rms < kMuchLess * rms ? RingUse::kOnly : RingUse::kTried};
     }
 
     /// The best aspect of a surface `length` times as long as wide; 1 unless it has less than `share` of the error
     /// there. Errors before the fit do not tell: a wound tube has its least at 1:1, and after it far less at 1:16.
-    [[nodiscard]] double by_fit(std::uint64_t samples, RingUse rings, double length, double share) {
+    [[nodiscard]] Plain by_fit(std::uint64_t samples, RingUse rings, double length, double share) {
         const bool is_long = length > 1;
         AspectRange range;
         if (is_long) {
@@ -155,7 +152,8 @@ class ShapeTrials {
                 return trial;
             },
             range);
-        return choice.rms < share * choice.trials.front().rms ? choice.aspect : 1;
+        const double square = choice.trials.front().rms;
+        return choice.rms < share * square ? Plain{choice.aspect, choice.rms} : Plain{1, square};
     }
 
     /// By the error after a trial fit, where samples will be fitted.
@@ -242,10 +240,12 @@ ComponentShapes choose_unasked_shapes(std::span<const TriMesh> components, std::
                                       const model::Progress& progress) {
     bool gained = true;  // where one gains nothing, smaller ones, which are like it as a rule, are spared the trials
     const auto choose = [&](ShapeTrials& trials, const TriMesh& component, std::uint64_t share) {
-        const bool ring = may_unroll(component, options);
-        if (!ring && !gained) return Shape{};
-        const Shape out = trials.best_unasked(share);
-        if (!ring && !trials.none()) gained = out.aspect != 1;
+        if (component.faces.size() > kMostFaces || !by_stretch(options)) return Shape{};
+        if (is_ring(component)) return trials.best_ring(share);
+        const double length = gained ? strip_length(component) : 1;
+        if (length == 1) return Shape{};
+        const Shape out = trials.best_long(share, length);
+        gained = out.aspect != 1;
         return out;
     };
     return choose_shapes(components, areas, samples, options, cuts, progress, choose);
