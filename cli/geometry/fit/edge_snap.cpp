@@ -244,8 +244,4 @@ bool snap_to_edges(FitState& fit) {
     return true;
 }
 
-double facets_per_face(const FitState& fit) {
-    return static_cast<double>(fit.source.faces.size()) / static_cast<double>(fit.grid.surface.faces.size());
-}
-
 }  // namespace dgm::bake

@@ -15,7 +15,4 @@ namespace dgm::bake {
 /// @return  true if a sample moved; the matches are up to date then, but for those of the edges
 bool snap_to_edges(FitState& fit);
 
-/// Facets of the source over faces of the grid. Where it is large, edges are met by no grid.
-[[nodiscard]] double facets_per_face(const FitState& fit);
-
 }  // namespace dgm::bake

@@ -88,6 +88,9 @@ struct TrialFit {
 /// @param chart  fitted in its place, and as before afterwards
 [[nodiscard]] TrialFit trial_fit(SampledChart& chart, const model::Progress& progress);
 
+/// The chart takes the samples of a placement.
+void take_placement(SampledChart& chart, Placement from);
+
 /// A chart and its trial fit, if there is one already.
 struct TrialOf {
     SampledChart& chart;

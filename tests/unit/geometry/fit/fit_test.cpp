@@ -387,6 +387,23 @@ TEST(FitTrials, EndTheOneThatIsClearlyBehindAfterARound) {
     EXPECT_LT(second->rms, second->first_rms);
 }
 
+/// A trial that has left samples off the edges of a cube: the fit begins with the map's, as if there had been none.
+TEST(FitTrials, DoNotKeepSamplesFromEdges) {
+    const Case c = square_case(test::cubes(std::array<std::array<int, 3>, 1>{{{0, 0, 0}}}), 33);
+    SampledChart alone = c.chart, after_trial = c.chart;
+    TrialFit trial = trial_fit(after_trial, {});
+    ASSERT_EQ(after_trial.positions, c.chart.positions);
+    for (std::size_t s = 0; s < trial.placement.positions.size(); ++s)
+        if (c.chart.representative[s] == s && s / 33 % 32 != 0 && s % 33 % 32 != 0)
+            trial.placement.positions[s].z += s % 2 ? 0.005 : -0.005;
+    const FitReport expected = fit_chart(alone, l2_fit(), {});
+    const FitReport report = fit_chart(after_trial, l2_fit(), {}, &trial);
+    EXPECT_EQ(after_trial.positions, alone.positions);
+    EXPECT_EQ(after_trial.diagonals, alone.diagonals);
+    EXPECT_EQ(report.rms, expected.rms);
+    EXPECT_EQ(report.start_rms, trial.start_rms);
+}
+
 TEST(Fit, MendsFacesThatTheStartTurns) {
     Case c = square_case(test::icosphere(5), 33);
     // Sample (16, 16) goes beyond its neighbour (16, 18): the faces between them look inward.
