@@ -163,8 +163,12 @@ class ShapeTrials {
         double& rms = trials_.back().rms;
         const bool is_free = result->chart.domain == layout::Domain::kFree;
         const double aspect = is_free ? free_chart_aspect(result->chart) : 0;
-        if (options.fit != Fit::kSample)
-            rms = result->begun ? result->begun->rms : trial_fit(result->chart, silent()).rms;
+        if (options.fit != Fit::kSample) {
+            const TrialFit fitted = result->begun ? *std::move(result->begun) : trial_fit(result->chart, silent());
+            take_placement(result->chart, fitted.placement);
+            // The points of a fit flatter a chart that folds, as those of a Schwarz lantern do.
+            rms = std::max(fitted.rms, quick_error(component_, result->chart, kErrorSamples).rms);
+        }
         return {{size, rms, aspect}, result->method};
     }
 
