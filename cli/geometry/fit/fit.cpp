@@ -50,11 +50,11 @@ constexpr std::size_t kMostBegunTwice = 300'000;  // samples: two fits at once t
 /// Options and progress of one fit.
 struct Plan {
     const FitOptions& options;
-    const model::Progress& progress;
+    const model::Progress* progress;
 
     void begin_round(int round) const {
         constexpr int kRepair = 2;  // rounds that the steps after the last one take as long as
-        progress.update("fit", static_cast<double>(round) / (options.rounds + options.worst_rounds + kRepair));
+        progress->update("fit", static_cast<double>(round) / (options.rounds + options.worst_rounds + kRepair));
     }
 };
 
@@ -401,18 +401,19 @@ FitReport fit_better_start(SampledChart& chart, const Plan& plan, const TrialFit
     Placement start = placement_of(chart);
     SampledChart moved = chart;
     take_placement(moved, begun.placement);
-    const model::Progress silent{{}, plan.progress.cancelled};  // one of two threads reports
+    const model::Progress silent{{}, plan.progress->cancelled};  // one of two threads reports
     std::optional<Course> afresh, onwards;
     const auto begin = [](std::optional<Course>& course, SampledChart& its_chart, const Plan& its_plan) {
         course.emplace(its_chart, its_plan);
         if (!course->report.was_exact) course->begin(kTold);
     };
-    tbb::parallel_invoke([&] { begin(afresh, chart, plan); }, [&] { begin(onwards, moved, {plan.options, silent}); });
+    tbb::parallel_invoke([&] { begin(afresh, chart, plan); }, [&] { begin(onwards, moved, {plan.options, &silent}); });
     if (afresh->fit.kept.rms < onwards->fit.kept.rms) {
         onwards.reset();
         return finish(*afresh, std::move(start), begun.start_rms);
     }
     afresh.reset();
+    onwards->plan.progress = plan.progress;
     const FitReport report = finish(*onwards, std::move(start), begun.start_rms);
     onwards.reset();
     chart = std::move(moved);
@@ -427,7 +428,7 @@ void take_placement(SampledChart& chart, Placement from) {
 
 FitReport fit_chart(SampledChart& chart, const FitOptions& options, const model::Progress& progress,
                     const TrialFit* begun) {
-    const Plan plan{options, progress};
+    const Plan plan{options, &progress};
     if (begun != nullptr && begins_twice(chart, options)) return fit_better_start(chart, plan, *begun);
     Placement start = placement_of(chart);
     if (begun != nullptr) take_placement(chart, begun->placement);
@@ -448,7 +449,7 @@ FitOptions trial_options() {
 class TrialRounds {
  public:
     TrialRounds(SampledChart& chart, const model::Progress& progress)
-        : chart_(chart), start_(placement_of(chart)), plan_{options_, progress}, fit_(chart, options_) {
+        : chart_(chart), start_(placement_of(chart)), plan_{options_, &progress}, fit_(chart, options_) {
         fit_.matches.update(false);
         out_.start_rms = fit_.matches.rms;
         rounds_.emplace(fit_, plan_, report_);
