@@ -160,18 +160,21 @@ class ShapeTrials {
     [[nodiscard]] Judged judged(GridSize size, const BakeOptions& options, RingUse rings, CutUse use) {
         Attempt<ComponentResult> result = baked(size, options, rings, use);
         if (!result) return {{size, kInfinity, 0}};
-        double& rms = trials_.back().rms;
         const bool is_free = result->chart.domain == layout::Domain::kFree;
         const double aspect = is_free ? free_chart_aspect(result->chart) : 0;
+        double& rms = trials_.back().rms;
+        rms = 0;
         if (options.fit != Fit::kSample) {
-            const TrialFit fitted = result->begun ? *std::move(result->begun) : trial_fit(result->chart, silent());
-            take_placement(result->chart, fitted.placement);
-            // The points of a fit flatter a chart that folds, as those of a Schwarz lantern do.
-            rms = std::max(fitted.rms, quick_error(component_, result->chart, kErrorSamples).rms);
+            TrialFit fitted = result->begun ? *std::move(result->begun) : trial_fit(result->chart, silent());
+            take_placement(result->chart, std::move(fitted.placement));
+            rms = fitted.rms;
         }
+        // The points of a fit flatter a chart that folds, as those of a Schwarz lantern do.
+        rms = std::max(rms, quick_error(component_, result->chart, kErrorSamples).rms);
         return {{size, rms, aspect}, result->method};
     }
 
+    /// The error of its trial is left to be measured.
     Attempt<ComponentResult> baked(GridSize size, const BakeOptions& options, RingUse rings, CutUse use) {
         model::Progress inner = silent();
         inner.on_update = [&, done = static_cast<double>(trials_.size())](std::string_view stage, double part) {
@@ -180,10 +183,9 @@ class ShapeTrials {
         const CpuClock clock;
         Attempt<ComponentResult> result = bake_component({component_, size, size, use, rings}, options, cuts_, inner);
         if (!result && result.failure() == Failure::kOther && rings != RingUse::kOnly) throw result.error();
-        const double rms = result ? quick_error(component_, result->chart, kErrorSamples).rms : kInfinity;
         std::string outcome = result ? result->chart.method : result.error().what();
         if (result && rings == RingUse::kOnly) outcome += ", loops on opposite sides";
-        trials_.push_back({size.rows, size.cols, rms, std::nan(""), 0, outcome, clock.seconds()});
+        trials_.push_back({size.rows, size.cols, kInfinity, std::nan(""), 0, outcome, clock.seconds()});
         return result;
     }
 
