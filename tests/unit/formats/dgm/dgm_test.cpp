@@ -98,11 +98,13 @@ TEST(DgmFile, IndexFitsTheUserBlockOrMovesToADataset) {
     EXPECT_EQ(read_dgm(folder / "many.dgm"), many);
 }
 
-TEST(DgmFile, HoldsTwoThousandCharts) {
+// Groups whose names need more than one node, and an index beyond the user block. HDF5 looks for room in a list, so
+// that thousands of charts of layers as small as these take minutes; those of bakes do not.
+TEST(DgmFile, HoldsHundredsOfCharts) {
     const TempFolder folder;
     dgm::test::Random random(7);
     MapSet maps = random_maps(3, 0);
-    for (int k = 0; k < 2000; ++k) maps.charts.push_back(random_chart(random, {.rows = 3, .cols = 3}));
+    for (int k = 0; k < 500; ++k) maps.charts.push_back(random_chart(random, {.rows = 3, .cols = 3}));
     write_dgm(maps, folder / "a.dgm");
     EXPECT_EQ(read_dgm(folder / "a.dgm"), maps);
 }
