@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opens a page as a user's browser does, without a window or a network."""
+import io
 import shutil
-import struct
 import subprocess
-import zlib
 from pathlib import Path
 
 import numpy
+from PIL import Image
 
 
 def browser():
@@ -33,37 +33,5 @@ def screenshot(page, picture, fragment="", size=(1200, 1600)):
 
 
 def read_png(data):
-    """8-bit RGB or RGBA, not interlaced, as the browser writes them."""
-    at, packed = 8, b""
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + length]
-        if kind == b"IHDR":
-            width, height, bits, colour, _, _, interlaced = struct.unpack(">IIBBBBB", body)
-            assert bits == 8 and colour in (2, 6) and not interlaced
-        elif kind == b"IDAT":
-            packed += body
-        at += 12 + length
-    channels = 3 if colour == 2 else 4
-    rows = numpy.frombuffer(zlib.decompress(packed), numpy.uint8).reshape(height, 1 + channels * width)
-    out = numpy.zeros((height, width, channels), numpy.uint8)
-    above = numpy.zeros((width, channels), numpy.int64)
-    for y in range(height):
-        method, line = rows[y, 0], rows[y, 1:].reshape(width, channels).astype(numpy.int64)
-        if method == 2:
-            line = (line + above) % 256
-        elif method == 1:
-            line = numpy.cumsum(line, axis=0) % 256
-        elif method in (3, 4):
-            left = upper_left = numpy.zeros(channels, numpy.int64)
-            for x in range(width):
-                up = above[x]
-                if method == 3:
-                    guess = (left + up) // 2
-                else:
-                    a, b, c = abs(up - upper_left), abs(left - upper_left), abs(left + up - 2 * upper_left)
-                    guess = numpy.where((a <= b) & (a <= c), left, numpy.where(b <= c, up, upper_left))
-                left, upper_left = (line[x] + guess) % 256, up
-                line[x] = left
-        out[y], above = line, line
-    return out[:, :, :3]
+    """Rows x columns x 3, of 8 bits each."""
+    return numpy.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
