@@ -30,7 +30,6 @@ class Processors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.here = bits()
-        cls.few = bits("--few")
 
     def compare(self, there, here=None, at_least=5):
         here = here or self.here
@@ -39,19 +38,21 @@ class Processors(unittest.TestCase):
         different = [name for name in here if here[name] != there[name] and name != "control"]
         self.assertEqual(different, [])
 
-    def test_one_thread(self):
-        self.compare(bits("--threads", "1"))
-
-    def test_without_fused_instructions(self):
-        there = bits(GLIBC_TUNABLES=NO_FMA)
-        if there["control"] == self.here["control"]:
-            print("this processor has no fused instructions, or this C library takes no advice")
-        self.compare(there)
-
-    def test_another_c_library(self):
-        there = bits(LD_PRELOAD=ROUGH_MATHS)
+    def test_one_thread_no_fused_instructions_another_c_library(self):
+        """All three at once, as each takes all cases; only where that fails, one by one, to say which it was."""
+        changes = ((("--threads", "1"), {}), ((), {"GLIBC_TUNABLES": NO_FMA}), ((), {"LD_PRELOAD": ROUGH_MATHS}))
+        there = bits(*(argument for arguments, _ in changes for argument in arguments),
+                     **{name: value for _, environment in changes for name, value in environment.items()})
         self.assertNotEqual(there["control"], self.here["control"], "nothing was put before the C library's functions")
+        if any(there.get(name) != self.here[name] for name in self.here if name != "control"):
+            for arguments, environment in changes:
+                with self.subTest(arguments=arguments, environment=environment):
+                    self.compare(bits(*arguments, **environment))
         self.compare(there)
+
+    def test_this_processor_has_fused_instructions(self):
+        if bits("--case", "none", GLIBC_TUNABLES=NO_FMA)["control"] == self.here["control"]:
+            self.skipTest("or this C library takes no advice: the test before this one compared less")
 
     def test_emulated_processors(self):
         """Libraries that choose their loops, and blocks for caches, by what the processor says of itself."""
@@ -59,8 +60,9 @@ class Processors(unittest.TestCase):
         if not qemu or os.uname().machine != "x86_64":
             self.skipTest("needs qemu-x86_64 (Debian: qemu-user) and an x86-64 machine")
         # An emulator takes five times as long for AVX2 and fused instructions: there one bake stands for the others.
-        sheet = {name: self.few[name] for name in ("control", "sheet")}
-        for model, cases, here in (("Nehalem", ["--few"], self.few), ("Haswell", ["--case", "sheet"], sheet)):
+        few = bits("--few")
+        sheet = {name: few[name] for name in ("control", "sheet")}
+        for model, cases, here in (("Nehalem", ["--few"], few), ("Haswell", ["--case", "sheet"], sheet)):
             with self.subTest(model=model):
                 self.compare(bits(*cases, before=(qemu, "-cpu", model)), here, len(here))
 
