@@ -51,13 +51,16 @@ class Interrupt(support.Folder):
     def test_every_stage(self):
         meshes.write_obj(self.folder / "ball.obj", self.mesh)
         (self.folder / "out").mkdir()
-        hit = []
-        for stage in ("import", "repair", "cut", "map", "fit", "layers", "measure", "write"):
+        hit, must = set(), ("import", "cut", "map", "fit")
+        # On a busy machine this process may sleep while a short stage goes by: those that must be hit are tried again.
+        for stage in ("import", "repair", "cut", "map", "fit", "layers", "measure", "write", *must * 4):
+            if stage in hit:
+                continue
             with self.subTest(stage=stage):
                 process = self.start("--size", "257", "--fit", "l2", "--method", "stretch")
                 if self.wait_for(process, stage):
                     self.interrupt(process, signal.SIGINT, ["out/ball.dgm"] if stage == "write" else [])
-                    hit.append(stage)
+                    hit.add(stage)
                     written = self.folder / "out" / "ball.dgm"
                     if written.exists():
                         self.assertEqual(self.run_program(support.VALIDATE, written).returncode, 0)
@@ -65,8 +68,7 @@ class Interrupt(support.Folder):
                 else:  # too short to be caught in
                     self.assertEqual(process.returncode, 0)
                     (self.folder / "out" / "ball.dgm").unlink()
-        for stage in ("import", "cut", "map", "fit"):
-            self.assertIn(stage, hit)
+        self.assertGreaterEqual(hit, set(must))
 
     def test_a_search_by_budget(self):
         meshes.write_obj(self.folder / "ball.obj", meshes.icosphere(4))
