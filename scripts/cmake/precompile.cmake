@@ -2,12 +2,13 @@
 # Precompiled headers, one for the tools' libraries and one for the tests: most of a source's time is the standard
 # library's. Every source includes what it uses all the same. Builds with ccache, which keeps whole objects instead, do
 # without them, and so notice a source that does not.
+# Also the default of unity.cmake.
 if(DGM_CCACHE OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  set(default OFF)
+  set(dgm_whole_builds OFF)
 else()
-  set(default ON)
+  set(dgm_whole_builds ON)
 endif()
-option(DGM_PRECOMPILE "Precompiled headers (off by default with ccache and with other compilers than GCC)" ${default})
+option(DGM_PRECOMPILE "Precompiled headers (off by default with ccache and with other compilers than GCC)" ${dgm_whole_builds})
 
 set(DGM_STANDARD_HEADERS <algorithm> <array> <atomic> <bit> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fstream>
   <functional> <limits> <map> <memory> <numeric> <optional> <random> <set> <span> <sstream> <string> <string_view>

@@ -1,12 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Several sources compiled as one: most of a source's time goes into headers and templates that its neighbours need too.
 # Builds with ccache compile each source by itself, and so notice one that lacks an include.
-if(DGM_CCACHE OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  set(default OFF)
-else()
-  set(default ON)
-endif()
-option(DGM_UNITY "Compile several sources as one (off by default with ccache and with other compilers than GCC)" ${default})
+option(DGM_UNITY "Compile several sources as one (off by default with ccache and with other compilers than GCC)" ${dgm_whole_builds})
 
 # Sources whose names in unnamed namespaces others of their library have too, or whose headers claim common names.
 set(DGM_APART

@@ -44,11 +44,13 @@ class Processors(unittest.TestCase):
         there = bits(*(argument for arguments, _ in changes for argument in arguments),
                      **{name: value for _, environment in changes for name, value in environment.items()})
         self.assertNotEqual(there["control"], self.here["control"], "nothing was put before the C library's functions")
-        if any(there.get(name) != self.here[name] for name in self.here if name != "control"):
+        try:
+            self.compare(there)
+        except AssertionError:
             for arguments, environment in changes:
                 with self.subTest(arguments=arguments, environment=environment):
                     self.compare(bits(*arguments, **environment))
-        self.compare(there)
+            raise
 
     def test_this_processor_has_fused_instructions(self):
         if bits("--case", "none", GLIBC_TUNABLES=NO_FMA)["control"] == self.here["control"]:
