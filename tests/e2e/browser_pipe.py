@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drives a page in a browser without a window: mouse, fingers, keys, pictures, over pipes of our own."""
+import atexit
 import base64
 import contextlib
+import functools
 import json
 import os
 import select
@@ -15,12 +17,35 @@ import browser
 SECONDS = 120
 
 
-class Page:
-    """A page that is open. `console` has every line, exception and request that was not for the page itself."""
+class Browser:
+    """A browser that runs. Its pages have nothing of each other: no storage, cookies or caches."""
 
-    def __init__(self, process, to, back):
-        self.process, self.to, self.back = process, to, back
-        self.number, self.text, self.events, self.console, self.session = 0, b"", [], [], None
+    def __init__(self, arguments):
+        down, up = os.pipe(), os.pipe()  # to the browser, from it
+
+        def hand_over():
+            # The browser reads descriptor 3 and writes 4; take copies first, in case ours have those numbers.
+            mine = os.dup(down[0]), os.dup(up[1])
+            os.dup2(mine[0], 3)
+            os.dup2(mine[1], 4)
+
+        self.profile = tempfile.TemporaryDirectory(prefix="dgm-browser-", ignore_cleanup_errors=True)
+        command = [browser.browser(), "--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+                   "--enable-unsafe-swiftshader", "--hide-scrollbars", "--remote-debugging-pipe",
+                   f"--user-data-dir={self.profile.name}", *arguments, "about:blank"]
+        self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL, close_fds=False, preexec_fn=hand_over)
+        os.close(down[0])
+        os.close(up[1])
+        self.to, self.back = down[1], up[0]
+        self.number, self.text, self.pages = 0, b"", {}
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        os.close(self.to)
+        os.close(self.back)
+        self.profile.cleanup()
 
     def message(self, deadline):
         while b"\0" not in self.text:
@@ -33,6 +58,36 @@ class Page:
         line, self.text = self.text.split(b"\0", 1)
         return json.loads(line)
 
+    def note_next(self, deadline):
+        """Hands what the browser says of itself to the page it is about. Returns answers."""
+        said = self.message(deadline)
+        if "id" in said:
+            return said
+        if page := self.pages.get(said.get("sessionId")):
+            page.note(said)
+        return {}
+
+    def call(self, method, session=None, seconds=SECONDS, **facts):
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": facts}
+        if session:
+            message["sessionId"] = session
+        os.write(self.to, json.dumps(message).encode() + b"\0")
+        deadline = time.monotonic() + seconds
+        while (said := self.note_next(deadline)).get("id") != self.number:
+            pass
+        if "error" in said:
+            raise AssertionError(f"{method}: {said['error']}")
+        return said["result"]
+
+
+class Page:
+    """A page that is open. `console` has every line, exception and request that was not for the page itself."""
+
+    def __init__(self, of, session):
+        self.browser, self.session, self.events, self.console = of, session, [], []
+        of.pages[session] = self
+
     def note(self, said):
         method, facts = said.get("method"), said.get("params", {})
         if method in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded"):
@@ -43,25 +98,13 @@ class Page:
                 self.console.append("asked for " + address)
         self.events.append(said)
 
-    def call(self, method, seconds=SECONDS, **facts):
-        self.number += 1
-        message = {"id": self.number, "method": method, "params": facts}
-        if self.session:
-            message["sessionId"] = self.session
-        os.write(self.to, json.dumps(message).encode() + b"\0")
-        deadline = time.monotonic() + seconds
-        while True:
-            said = self.message(deadline)
-            if said.get("id") == self.number:
-                if "error" in said:
-                    raise AssertionError(f"{method}: {said['error']}")
-                return said["result"]
-            self.note(said)
+    def call(self, method, **facts):
+        return self.browser.call(method, self.session, **facts)
 
     def wait_event(self, method, seconds=SECONDS):
         deadline = time.monotonic() + seconds
         while not any(event.get("method") == method for event in self.events):
-            self.note(self.message(deadline))
+            self.browser.note_next(deadline)
 
     def run(self, script):
         """The value of an expression, which may be a promise."""
@@ -121,42 +164,32 @@ class Page:
         self.wait(still)
 
 
+@functools.cache
+def running(*arguments):
+    """One browser for all pages of a test program: to start one takes as long as most tests."""
+    out = Browser(arguments)
+    atexit.register(out.close)
+    return out
+
+
 @contextlib.contextmanager
 def opened(size=(1000, 700), dark=False, phone=False, arguments=(), offline=True):
-    """A Page without an address. Its profile is gone afterwards."""
-    down, up = os.pipe(), os.pipe()  # to the browser, from it
-
-    def hand_over():
-        # The browser reads descriptor 3 and writes 4; take copies first, in case ours have those numbers.
-        mine = os.dup(down[0]), os.dup(up[1])
-        os.dup2(mine[0], 3)
-        os.dup2(mine[1], 4)
-
-    with tempfile.TemporaryDirectory(prefix="dgm-browser-", ignore_cleanup_errors=True) as profile:
-        command = [browser.browser(), "--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
-                   "--enable-unsafe-swiftshader", "--hide-scrollbars", "--remote-debugging-pipe", f"--user-data-dir={profile}",
-                   f"--window-size={size[0]},{size[1]}", *arguments, "about:blank"]
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                                   close_fds=False, preexec_fn=hand_over)
-        os.close(down[0])
-        os.close(up[1])
-        try:
-            page = Page(process, down[1], up[0])
-            targets = page.call("Target.getTargets")["targetInfos"]
-            target = next(t["targetId"] for t in targets if t["type"] == "page")
-            page.session = page.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-            for domain in ("Page", "Runtime", "Log", "Network"):
-                page.call(domain + ".enable")
-            page.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=phone)
-            if phone:
-                page.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
-            page.call("Emulation.setEmulatedMedia", features=[
-                {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
-            page.call("Network.emulateNetworkConditions", offline=offline, latency=0, downloadThroughput=0 if offline else -1,
-                      uploadThroughput=0 if offline else -1)
-            yield page
-        finally:
-            process.kill()
-            process.wait()
-            os.close(down[1])
-            os.close(up[0])
+    """A Page without an address. What it has stored is gone afterwards."""
+    of = running(*arguments)
+    context = of.call("Target.createBrowserContext")["browserContextId"]
+    try:
+        target = of.call("Target.createTarget", url="about:blank", width=size[0], height=size[1],
+                         browserContextId=context)["targetId"]
+        page = Page(of, of.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"])
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            page.call(domain + ".enable")
+        page.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=phone)
+        if phone:
+            page.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
+        page.call("Emulation.setEmulatedMedia", features=[
+            {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+        page.call("Network.emulateNetworkConditions", offline=offline, latency=0, downloadThroughput=0 if offline else -1,
+                  uploadThroughput=0 if offline else -1)
+        yield page
+    finally:
+        of.call("Target.disposeBrowserContext", browserContextId=context)
