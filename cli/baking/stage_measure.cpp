@@ -45,7 +45,9 @@ SurfaceError whole_error(const Repaired& source, std::vector<MeasuredChart>& mea
         append(whole_map, measured[c].surface);
         measured[c].surface = {};
     }
-    SurfaceError out = measure_surface_error(whole_source, whole_map, {.samples = samples}, progress);
+    SurfaceErrorOptions sampling;
+    sampling.samples = std::min(samples, surface_samples(whole_source, whole_map));
+    SurfaceError out = measure_surface_error(whole_source, whole_map, sampling, progress);
     double squared[3] = {0, 0, 0};
     for (std::size_t c = 0; c < measured.size(); ++c) {
         const SurfaceError& e = measured[c].report.error;

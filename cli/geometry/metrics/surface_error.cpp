@@ -328,14 +328,14 @@ class Direction {
     [[nodiscard]] Points points(const SurfaceErrorOptions& options) const {
         Points out;
         const std::vector<double> areas = face_areas(from_, unit_);
-        out.surface = area_samples(from_, areas, options.samples, options.seed);
+        out.surface = area_samples(from_, areas, *options.samples, options.seed);
         // A mesh without any area is measured by its vertices alone.
         if (options.vertices || out.surface.empty()) out.vertices = vertex_samples(from_);
         if (!options.vertices) return out;
-        out.border = border_samples(from_, options.samples / 4);
+        out.border = border_samples(from_, *options.samples / 4);
         if (out.surface.empty()) return out;
         out.spacing = std::sqrt(pairwise_sum(areas) / static_cast<double>(out.surface.size())) * unit_;
-        out.creases = crease_samples(from_, out.spacing, options.samples / 4);
+        out.creases = crease_samples(from_, out.spacing, *options.samples / 4);
         return out;
     }
 
@@ -461,8 +461,15 @@ double SurfaceError::psnr() const {
     return std::min(kCap, 20 * math::log10(diagonal / rms));
 }
 
-SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, const SurfaceErrorOptions& options,
+std::uint64_t surface_samples(const TriMesh& source, const TriMesh& map) {
+    return std::clamp(kSamplesPerFace * (source.faces.size() + map.faces.size()), kLeastSurfaceSamples,
+                      kSurfaceSamples);
+}
+
+SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, const SurfaceErrorOptions& asked,
                                    const model::Progress& progress) {
+    SurfaceErrorOptions options = asked;
+    if (!options.samples) options.samples = surface_samples(source, map);
     SurfaceError out;
     out.diagonal = diagonal_of(source, "source");
     const double map_diagonal = diagonal_of(map, "map");

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "geometry/spatial/closest_point.h"
 #include "model/progress.h"
@@ -27,13 +28,19 @@ struct SurfaceError {
     [[nodiscard]] double psnr() const;  ///< 20 log10(diagonal / rms), capped at 300 dB for identical surfaces
 };
 
-/// Number of points with which baker and validator measure; the same seed gives them the same points.
+/// Most points with which baker and validator measure; the same seed gives them the same points.
 inline constexpr std::uint64_t kSurfaceSamples = 400'000;
+/// As many are enough for each face of the two meshes: the distance is smooth where a face of one lies over one
+/// face of the other, and there are hardly more of such places than faces. And the least of all.
+inline constexpr std::uint64_t kSamplesPerFace = 24, kLeastSurfaceSamples = 20'000;
+/// The points with which two meshes are measured each way.
+[[nodiscard]] std::uint64_t surface_samples(const model::TriMesh& source, const model::TriMesh& map);
 inline constexpr std::size_t kSurfaceTops = 256;
 
 struct SurfaceErrorOptions {
-    /// Area-weighted random points each way, beside every vertex and points along borders and long creases.
-    std::uint64_t samples = kSurfaceSamples;
+    /// Area-weighted random points each way, beside every vertex and points along borders and long creases; without a
+    /// number those of surface_samples().
+    std::optional<std::uint64_t> samples;
     std::uint64_t seed = 1;
     /// Without them `hausdorff` is of the random points alone, and the faces of the worst are not looked at more
     /// closely; rms is the same.

@@ -22,20 +22,41 @@ using model::TriMesh;
 using model::Vec3d;
 
 TEST(SurfaceError, ParallelSquares) {
-    const SurfaceError e = measure_surface_error(test::square(3, 0, 7), test::square(3, 0.25, 4));
+    const TriMesh low = test::square(3, 0, 7), high = test::square(3, 0.25, 4);
+    const SurfaceError e = measure_surface_error(low, high, {.samples = 1234});
     EXPECT_NEAR(e.rms, 0.25, 1e-14);
     EXPECT_NEAR(e.hausdorff, 0.25, 1e-14);
     EXPECT_NEAR(e.normal_rms_degrees, 0, 1e-12);
     EXPECT_NEAR(e.diagonal, 3 * std::sqrt(2.0), 1e-14);
     EXPECT_NEAR(e.psnr(), 20 * std::log10(3 * std::sqrt(2.0) / 0.25), 1e-10);
-    EXPECT_EQ(e.samples, 2 * 400'000u + (64 + 4 * 28) + (25 + 4 * 16));  // vertices, and four points a border edge
+    EXPECT_EQ(e.samples, 2 * 1234u + (64 + 4 * 28) + (25 + 4 * 16));  // vertices, and four points a border edge
+}
+
+TEST(SurfaceError, TakesAsManyPointsAsTheFacesAskFor) {
+    const TriMesh few = test::square(1, 0, 7), more = test::square(1, 0.1, 30), many = test::square(1, 0.2, 300);
+    EXPECT_EQ(surface_samples(few, few), 20'000u);
+    EXPECT_EQ(surface_samples(few, more), 24u * (2 * 7 * 7 + 2 * 30 * 30));
+    EXPECT_EQ(surface_samples(more, many), 400'000u);
+    EXPECT_EQ(measure_surface_error(few, more).samples, measure_surface_error(few, more, {.samples = 45'552}).samples);
+}
+
+/// The fewer points give the error of all of them, of a ball on some faces, to a few thousandths.
+TEST(SurfaceError, FewerPointsGiveTheSameError) {
+    for (const int around : {8, 16, 32}) {
+        const TriMesh ball = test::sphere(1, 48), rough = test::sphere(1, around);
+        const SurfaceError e = measure_surface_error(ball, rough);
+        const SurfaceError all = measure_surface_error(ball, rough, {.samples = 400'000, .seed = 7});
+        EXPECT_NEAR(e.rms, all.rms, 0.005 * all.rms);
+        EXPECT_NEAR(e.hausdorff, all.hausdorff, 1e-3 * all.hausdorff);
+        EXPECT_NEAR(e.normal_rms_degrees, all.normal_rms_degrees, 0.005 * all.normal_rms_degrees);
+    }
 }
 
 /// [0, 1]^2 against [0, 2] x [0, 1]: nothing forwards, the distance x - 1 over half of the larger one backwards.
 TEST(SurfaceError, OneSidedOverhang) {
     TriMesh wide = test::square(1, 0, 1);
     for (Vec3d& p : wide.positions) p.x *= 2;
-    const SurfaceError e = measure_surface_error(test::square(1, 0, 3), wide);
+    const SurfaceError e = measure_surface_error(test::square(1, 0, 3), wide, {.samples = 400'000});
     EXPECT_NEAR(e.rms_forward, 0, 1e-14);
     EXPECT_NEAR(e.rms_backward, std::sqrt(1.0 / 6), 2e-6);  // mean of max(0, x - 1)^2 on [0, 2]
     EXPECT_EQ(e.rms, e.rms_backward);
@@ -95,7 +116,7 @@ TEST(SurfaceError, WeightsByArea) {
     const TriMesh crumbs = test::square(0.1, 1, 30);  // area 0.01 at height 1, 1800 faces
     for (const Face& f : crumbs.faces) mesh.faces.push_back({f[0] + 4, f[1] + 4, f[2] + 4});
     mesh.positions.insert(mesh.positions.end(), crumbs.positions.begin(), crumbs.positions.end());
-    const SurfaceError e = measure_surface_error(mesh, test::square(1, 0, 1));
+    const SurfaceError e = measure_surface_error(mesh, test::square(1, 0, 1), {.samples = 400'000});
     EXPECT_NEAR(e.rms_forward, std::sqrt(0.01 / 1.01), 1e-5);
     EXPECT_DOUBLE_EQ(e.hausdorff_forward, 1);
 }
