@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <limits>
 #include <random>
-#include <unordered_map>
 #include <vector>
 
+#include "geometry/fit/cover.h"
 #include "geometry/fit/inverted_faces.h"
 #include "geometry/mesh/infinity.h"
 #include "math/portable.h"
@@ -30,26 +30,6 @@ constexpr double kCover = 3;              // price of a source vertex a unit awa
 constexpr double kThinnest = 0.01, kThin = 0.2;  // twice the area over the longest edge squared, and its price
 constexpr double kLeastGain = 1e-4;
 
-/// Source vertices by the face of the grid that they lie over.
-using Covered = std::unordered_map<std::uint32_t, std::vector<Vec3d>>;
-
-/// Squared distance of the source vertex farthest from faces that cover it, among those over `faces`.
-double uncovered(const LinkedSurface& grid, const Covered& covered, std::span<const std::uint32_t> faces) {
-    double farthest = 0;
-    std::array<double, 3> ignored;
-    for (const std::uint32_t f : faces) {
-        const auto here = covered.find(f);
-        if (here == covered.end()) continue;
-        for (const Vec3d& p : here->second) {
-            double least = kInfinity;
-            for (const std::uint32_t g : faces)
-                least = std::min(least, closest_on_triangle(p, grid.corners(g), ignored));
-            farthest = std::max(farthest, least);
-        }
-    }
-    return farthest;
-}
-
 class SearchRepair {
  public:
     SearchRepair(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
@@ -63,10 +43,8 @@ class SearchRepair {
           rings_(grid.rings()),
           squared_spacing_(surface_area(source) / static_cast<double>(grid.surface.positions.size())),
           squared_unit_(std::min(squared_spacing_, effort.unit * effort.unit)),
-          price_(grid_.faces.size(), {std::numeric_limits<double>::quiet_NaN(), false}) {
-        for (std::size_t k = matches.area_points; k < matches.points.size(); ++k)
-            covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
-    }
+          cover_(matches, grid_.faces.size()),
+          price_(grid_.faces.size(), {std::numeric_limits<double>::quiet_NaN(), false}) {}
 
     bool run(std::span<const std::uint32_t> inverted) {
         std::vector<std::uint32_t> left(inverted.begin(), inverted.end());
@@ -129,9 +107,13 @@ class SearchRepair {
                 inverted};
     }
 
-    [[nodiscard]] double total(std::span<const std::uint32_t> faces) {
-        double sum = kCover * uncovered(grid_, covered_, faces) / squared_unit_;
-        for (const std::uint32_t f : faces) sum += judge(f).value;
+    /// Price of some faces; of a part of them that is too dear, if there is: no price is negative.
+    /// @param is_too_dear  of a price; true for all greater ones, too
+    template <class IsTooDear>
+    [[nodiscard]] double total(std::span<const std::uint32_t> faces, const IsTooDear& is_too_dear) {
+        const auto price = [&](double squared) { return kCover * squared / squared_unit_; };
+        double sum = price(cover_.farthest(grid_, faces, [&](double squared) { return is_too_dear(price(squared)); }));
+        for (std::size_t k = 0; k < faces.size() && !is_too_dear(sum); ++k) sum += judge(faces[k]).value;
         return sum;
     }
 
@@ -198,14 +180,15 @@ class SearchRepair {
             std::sort(affected_.begin(), affected_.end());
             affected_.erase(std::unique(affected_.begin(), affected_.end()), affected_.end());
         }
-        const double before = total(affected_);
+        const double before = total(affected_, [](double) { return false; });
         known_.clear();
         for (const std::uint32_t f : affected_) {
             known_.push_back(price_[f]);
             forget(f);
         }
         for (std::size_t k = 0; k < count; ++k) grid_.positions[moving[k]] = fresh[k].position;
-        if (const double change = total(affected_) - before; change < allowed) {
+        const double after = total(affected_, [&](double price) { return !(price - before < allowed); });
+        if (const double change = after - before; change < allowed) {
             change_ += change;
             for (std::size_t k = 0; k < count; ++k) {
                 log_.push_back({moving[k], old[k]});
@@ -281,7 +264,7 @@ class SearchRepair {
     WeldedGrid::Rings rings_;
     double squared_spacing_;
     double squared_unit_;  // of the distances that are paid for
-    Covered covered_;
+    Cover cover_;
     std::vector<Price> price_;  // per face; NaN: not known
     std::mt19937 random_{1};    // the same places each time
     std::vector<std::uint32_t> affected_, reached_;

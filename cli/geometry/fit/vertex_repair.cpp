@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unordered_map>
 
+#include "geometry/fit/cover.h"
 #include "geometry/mesh/infinity.h"
 #include "math/portable.h"
 
@@ -27,11 +27,14 @@ constexpr std::size_t kMostEffort = 4'000'000;
 class VertexRepair {
  public:
     VertexRepair(const LinkedSurface& source, WeldedGrid& grid, Matches& matches, std::span<const char> fixed)
-        : source_(source), grid_(grid.surface), matches_(matches), fixed_(fixed), rings_(grid.rings()) {
+        : source_(source),
+          grid_(grid.surface),
+          matches_(matches),
+          fixed_(fixed),
+          rings_(grid.rings()),
+          cover_(matches, grid.surface.faces.size()) {
         settled_.assign(grid_.positions.size(), 0);
         squared_spacing_ = surface_area(source) / static_cast<double>(grid_.positions.size());
-        for (std::size_t k = matches.area_points; k < matches.points.size(); ++k)
-            covered_[matches.points[k].hit.face].push_back(matches.points[k].position);
     }
 
     bool run(double upright) {
@@ -63,10 +66,10 @@ class VertexRepair {
         return std::span(rings_.faces).subspan(rings_.first[c], rings_.first[c + 1] - rings_.first[c]);
     }
 
-    [[nodiscard]] double penalty(std::uint32_t c, double reach) {
-        double sum = 0, farthest = 0;
+    /// Exact if it is less than `least`.
+    [[nodiscard]] double penalty(std::uint32_t c, double reach, double least) {
+        double sum = 0;
         effort_ += ring(c).size();
-        std::array<double, 3> ignored;
         for (const std::uint32_t f : ring(c)) {
             const auto q = grid_.corners(f);
             const Vec3d area = cross(q[1] - q[0], q[2] - q[0]), normal = normalized(area, Vec3d{});
@@ -76,17 +79,10 @@ class VertexRepair {
             sum += std::max(0.0, kWanted - dot(normal, source_.normals[hit.face])) *
                    (kInverted + length(area) / (reach * reach));
             sum += kOff * std::min(1.0, hit.squared / (reach * reach));
-            const auto here = covered_.find(f);
-            if (here == covered_.end()) continue;
-            effort_ += here->second.size();
-            for (const Vec3d& p : here->second) {
-                double least = kInfinity;
-                for (const std::uint32_t g : ring(c))
-                    least = std::min(least, closest_on_triangle(p, grid_.corners(g), ignored));
-                farthest = std::max(farthest, least);
-            }
+            effort_ += cover_.over(f).size();
         }
-        return sum + kCover * farthest / squared_spacing_;
+        const auto price = [&](double squared) { return sum + kCover * squared / squared_spacing_; };
+        return price(cover_.farthest(grid_, ring(c), [&](double squared) { return price(squared) >= least; }));
     }
 
     bool improve(std::uint32_t c) {
@@ -108,11 +104,11 @@ class VertexRepair {
         const Vec3d x = any_perpendicular(up), y = cross(up, x);
 
         Vec3d best = old;
-        double least = penalty(c, reach) - kLeastGain;
+        double least = penalty(c, reach, kInfinity) - kLeastGain;
         const auto attempt = [&](const Vec3d& to) {
             grid_.positions[c] =
                 point_at(source_, walk_to_closest(source_, to, matches_.classes[c].hit.face, &looked_));
-            const double now = penalty(c, reach);
+            const double now = penalty(c, reach, least);
             if (now < least) {
                 least = now;
                 best = grid_.positions[c];
@@ -140,7 +136,7 @@ class VertexRepair {
     Matches& matches_;
     std::span<const char> fixed_;
     WeldedGrid::Rings rings_;
-    std::unordered_map<std::uint32_t, std::vector<Vec3d>> covered_;  // source vertices by the face they lie over
+    Cover cover_;
     double squared_spacing_ = 1;
     std::vector<char> settled_;  // per class: nothing that it depends on has changed since it stayed
     std::size_t effort_ = 0;     // faces judged
