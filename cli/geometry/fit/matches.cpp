@@ -216,8 +216,7 @@ void Matches::look_again_far_off(std::span<const char> near) {
     const std::array lists{&points, &classes, &middles, &edges};
     std::size_t all = 0;
     for (const std::vector<Match>* list : lists) all += list->size();
-    const std::size_t most =
-        std::min<std::size_t>(5000, all / 8);  // few faces are all alike, and far off means nothing
+    const std::size_t most = std::min<std::size_t>(5000, all / 64);  // more of them are far off where all are alike
     const double squared = farthest_squared();
     std::size_t count = 0;
     NearbySearch on_grid_surface(grid_.surface), on_source_surface(source_);
