@@ -79,7 +79,7 @@ class Figures(unittest.TestCase):
                             r"([\d.]+) cm deep\n", result.stdout)
         self.assertIsNotNone(told, result.stdout)
         self.assertGreater(int(told[1]), 50)
-        self.assertLess(float(told[2]), 1e-3)  # a sheet of 0.1 kg that fell by 10 cm had 0.1 J
+        self.assertLess(float(told[2]), 2e-3)  # a sheet of 0.1 kg that fell by 10 cm had 0.1 J
         self.assertLess(float(told[3]), 0.1)
         self.assertEqual(self.size_of(picture)[0], 3 * 480)
 
