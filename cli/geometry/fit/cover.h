@@ -46,7 +46,7 @@ class Cover {
         std::array<double, 3> ignored;
         for (std::size_t own = 0; own < faces.size(); ++own)
             for (const Vec3d& p : over(faces[own])) {
-                // Most lie over their own face still; from where they are no farther than another, they do not count.
+                // Most lie over their own face still, no farther than the farthest so far: the others do not matter.
                 double least = closest_on_triangle(p, corners_[own], ignored);
                 for (std::size_t k = 0; k < faces.size() && least > farthest; ++k)
                     if (k != own) least = std::min(least, closest_on_triangle(p, corners_[k], ignored));

@@ -30,12 +30,13 @@ struct SurfaceError {
 
 /// Most points with which baker and validator measure; the same seed gives them the same points.
 inline constexpr std::uint64_t kSurfaceSamples = 400'000;
-/// As many are enough for each face of the two meshes: the distance is smooth where a face of one lies over one
-/// face of the other, and there are hardly more of such places than faces. And the least of all.
+/// Enough points for each face of the two meshes: the distance is smooth where a face of one lies over one face of the
+/// other, and there are hardly more of such places than faces. And the least of all.
 inline constexpr std::uint64_t kSamplesPerFace = 24, kLeastSurfaceSamples = 20'000;
-/// The points with which two meshes are measured each way.
-[[nodiscard]] std::uint64_t surface_samples(const model::TriMesh& source, const model::TriMesh& map);
 inline constexpr std::size_t kSurfaceTops = 256;
+
+/// With how many points two meshes are measured each way: kSamplesPerFace, within the two limits.
+[[nodiscard]] std::uint64_t surface_samples(const model::TriMesh& source, const model::TriMesh& map);
 
 struct SurfaceErrorOptions {
     /// Area-weighted random points each way, beside every vertex and points along borders and long creases; without a
