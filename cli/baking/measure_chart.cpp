@@ -61,10 +61,9 @@ MeasuredChart measure_chart(const TriMesh& component, const SampledChart& chart,
     const ClosestPointIndex index(component.positions, component.faces);
     report.turned_faces = count_turned_faces(component, map, &index, faces_beside_reversed(reconstruction));
     SurfaceErrorOptions sampling;
-    sampling.samples =
-        std::min(surface_samples(component, map),
-                 std::max(measuring.least,
-                          static_cast<std::uint64_t>(static_cast<double>(measuring.samples) * measuring.share)));
+    const auto most =
+        std::max(measuring.least, static_cast<std::uint64_t>(static_cast<double>(measuring.samples) * measuring.share));
+    sampling.samples = surface_samples(component, map, most);
     sampling.tops = static_cast<std::size_t>(std::max(kLeastTops, kSurfaceTops * measuring.share));
     sampling.source_index = &index;
     if (bump) sampling.shading = [&](std::uint32_t face, const double(&b)[3]) { return bump->at(face, b); };

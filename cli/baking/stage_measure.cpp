@@ -45,9 +45,8 @@ SurfaceError whole_error(const Repaired& source, std::vector<MeasuredChart>& mea
         append(whole_map, measured[c].surface);
         measured[c].surface = {};
     }
-    SurfaceErrorOptions sampling;
-    sampling.samples = std::min(samples, surface_samples(whole_source, whole_map));
-    SurfaceError out = measure_surface_error(whole_source, whole_map, sampling, progress);
+    SurfaceError out = measure_surface_error(whole_source, whole_map,
+                                             {.samples = surface_samples(whole_source, whole_map, samples)}, progress);
     double squared[3] = {0, 0, 0};
     for (std::size_t c = 0; c < measured.size(); ++c) {
         const SurfaceError& e = measured[c].report.error;

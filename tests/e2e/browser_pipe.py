@@ -10,6 +10,7 @@ import select
 import subprocess
 import tempfile
 import time
+import weakref
 from pathlib import Path
 
 import browser
@@ -38,7 +39,7 @@ class Browser:
         os.close(down[0])
         os.close(up[1])
         self.to, self.back = down[1], up[0]
-        self.number, self.text, self.pages = 0, b"", {}
+        self.number, self.text, self.pages = 0, b"", weakref.WeakValueDictionary()
 
     def close(self):
         self.process.kill()
@@ -59,7 +60,7 @@ class Browser:
         return json.loads(line)
 
     def note_next(self, deadline):
-        """Hands what the browser says of itself to the page it is about. Returns answers."""
+        """Hands what the browser says of itself to the page it is about. Returns an answer, else {}."""
         said = self.message(deadline)
         if "id" in said:
             return said
@@ -67,13 +68,13 @@ class Browser:
             page.note(said)
         return {}
 
-    def call(self, method, session=None, seconds=SECONDS, **facts):
+    def call(self, method, session=None, **facts):
         self.number += 1
         message = {"id": self.number, "method": method, "params": facts}
         if session:
             message["sessionId"] = session
         os.write(self.to, json.dumps(message).encode() + b"\0")
-        deadline = time.monotonic() + seconds
+        deadline = time.monotonic() + SECONDS
         while (said := self.note_next(deadline)).get("id") != self.number:
             pass
         if "error" in said:
@@ -192,4 +193,7 @@ def opened(size=(1000, 700), dark=False, phone=False, arguments=(), offline=True
                   uploadThroughput=0 if offline else -1)
         yield page
     finally:
-        of.call("Target.disposeBrowserContext", browserContextId=context)
+        if of.process.poll() is None:
+            of.call("Target.disposeBrowserContext", browserContextId=context)
+        else:  # the next page gets another
+            running.cache_clear()

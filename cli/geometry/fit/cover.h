@@ -7,9 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "geometry/fit/matches.h"
+#include "geometry/fit/points_by_face.h"
 #include "geometry/mesh/triangle.h"
 
 namespace dgm::bake {
@@ -18,17 +19,12 @@ namespace dgm::bake {
 class Cover {
  public:
     /// @param faces  of the grid
-    Cover(const Matches& matches, std::size_t faces) : first_(faces + 1, 0) {
+    Cover(const Matches& matches, std::size_t faces) {
         const std::span<const Match> vertices = std::span(matches.points).subspan(matches.area_points);
-        const auto each = [&](const auto& take) {
-            for (const Match& v : vertices)
-                if (v.hit.face < faces) take(v);
-        };
-        each([&](const Match& v) { ++first_[v.hit.face + 1]; });
-        for (std::size_t f = 0; f < faces; ++f) first_[f + 1] += first_[f];
-        points_.resize(first_.back());
-        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-        each([&](const Match& v) { points_[next[v.hit.face]++] = v.position; });
+        PointsByFace by_face(vertices, faces);
+        first_ = std::move(by_face.first);
+        points_.reserve(vertices.size());
+        for (const std::uint32_t k : by_face.of) points_.push_back(vertices[k].position);
     }
 
     [[nodiscard]] std::span<const Vec3d> over(std::uint32_t face) const {
@@ -58,7 +54,7 @@ class Cover {
     }
 
  private:
-    std::vector<std::size_t> first_;  // of a face in points_; one more at the end
+    std::vector<std::uint32_t> first_;  // of a face in points_; one more at the end
     std::vector<Vec3d> points_;
     std::vector<std::array<Vec3d, 3>> corners_;  // of the faces asked for
 };

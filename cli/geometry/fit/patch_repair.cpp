@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/fit/inverted_faces.h"
+#include "geometry/fit/points_by_face.h"
 #include "geometry/mesh/infinity.h"
 #include "math/portable.h"
 
@@ -104,16 +105,9 @@ class PatchRepair {
           rings_(grid.rings()),
           in_patch_(grid_.positions.size(), 0),
           number_(grid_.faces.size(), kNone),
-          first_point_(grid_.faces.size() + 1, 0),
-          point_(matches.points.size()) {
-        for (const Match& m : matches.points) {
-            ++first_point_[m.hit.face + 1];
-            purse_ += allowance.squares * m.hit.squared;
-        }
+          over_(matches.points, grid_.faces.size()) {
+        for (const Match& m : matches.points) purse_ += allowance.squares * m.hit.squared;
         limit_ = allowance.largest * allowance.largest * (matches.largest * matches.largest);
-        for (std::size_t f = 0; f < grid_.faces.size(); ++f) first_point_[f + 1] += first_point_[f];
-        std::vector<std::uint32_t> next(first_point_.begin(), first_point_.end() - 1);
-        for (std::uint32_t k = 0; k < point_.size(); ++k) point_[next[matches.points[k].hit.face]++] = k;
     }
 
     bool run(std::span<const std::uint32_t> inverted) {
@@ -258,8 +252,8 @@ class PatchRepair {
             return squared;
         };
         for (const std::uint32_t f : faces) {
-            for (std::uint32_t k = first_point_[f]; k < first_point_[f + 1]; ++k) {
-                out.squares += add(walk_to_closest(grid_, matches_.points[point_[k]].position, f).squared);
+            for (std::uint32_t k = over_.first[f]; k < over_.first[f + 1]; ++k) {
+                out.squares += add(walk_to_closest(grid_, matches_.points[over_.of[k]].position, f).squared);
             }
             const auto q = grid_.corners(f);
             add(walk_to_closest(source_, (q[0] + q[1] + q[2]) / 3, matches_.middles[f].hit.face).squared);
@@ -323,9 +317,9 @@ class PatchRepair {
     std::span<const char> fixed_;
     std::size_t& effort_;
     WeldedGrid::Rings rings_;
-    std::vector<char> in_patch_;                      // per class, while a patch is gathered
-    std::vector<std::uint32_t> number_;               // per face: in the patch
-    std::vector<std::uint32_t> first_point_, point_;  // source points over each face
+    std::vector<char> in_patch_;         // per class, while a patch is gathered
+    std::vector<std::uint32_t> number_;  // per face: in the patch
+    PointsByFace over_;                  // source points over each face
     std::vector<std::uint32_t> patch_, faces_;
     double limit_ = 0;           // squared distance, of a patch that lies flat
     double purse_ = 0;           // squared distances that laying flat may yet add

@@ -461,9 +461,8 @@ double SurfaceError::psnr() const {
     return std::min(kCap, 20 * math::log10(diagonal / rms));
 }
 
-std::uint64_t surface_samples(const TriMesh& source, const TriMesh& map) {
-    return std::clamp(kSamplesPerFace * (source.faces.size() + map.faces.size()), kLeastSurfaceSamples,
-                      kSurfaceSamples);
+std::uint64_t surface_samples(const TriMesh& source, const TriMesh& map, std::uint64_t most) {
+    return std::min(most, std::max(kLeastSurfaceSamples, kSamplesPerFace * (source.faces.size() + map.faces.size())));
 }
 
 SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, const SurfaceErrorOptions& asked,

@@ -35,8 +35,10 @@ inline constexpr std::uint64_t kSurfaceSamples = 400'000;
 inline constexpr std::uint64_t kSamplesPerFace = 24, kLeastSurfaceSamples = 20'000;
 inline constexpr std::size_t kSurfaceTops = 256;
 
-/// With how many points two meshes are measured each way: kSamplesPerFace, within the two limits.
-[[nodiscard]] std::uint64_t surface_samples(const model::TriMesh& source, const model::TriMesh& map);
+/// With how many points two meshes are measured each way: kSamplesPerFace, kLeastSurfaceSamples at least; `most` at
+/// most.
+[[nodiscard]] std::uint64_t surface_samples(const model::TriMesh& source, const model::TriMesh& map,
+                                            std::uint64_t most = kSurfaceSamples);
 
 struct SurfaceErrorOptions {
     /// Area-weighted random points each way, beside every vertex and points along borders and long creases; without a
