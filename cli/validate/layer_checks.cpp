@@ -68,11 +68,6 @@ const std::vector<LayerRule>& rules() {
     return table;
 }
 
-std::uint64_t border_samples(const Chart& chart) {
-    const Layer* border = chart.find("border_geometry");
-    return border == nullptr || border->shape.empty() ? 0 : border->shape[0];
-}
-
 bool extent_fits(std::uint64_t is, std::int64_t want, const Chart& chart) {
     switch (want) {
         case kRows:
@@ -319,6 +314,11 @@ void check_unit(const Chart& chart, const Layer& geometry, std::size_t chart_ind
                        {value->front(), std::nullopt});
 }
 }  // namespace
+
+std::uint64_t border_samples(const Chart& chart) {
+    const Layer* border = chart.find("border_geometry");
+    return border == nullptr || border->shape.empty() ? 0 : border->shape[0];
+}
 
 bool check_layers(const Chart& chart, std::size_t chart_index, FindingList& findings) {
     bool good = check_frame(chart, chart_index, findings);

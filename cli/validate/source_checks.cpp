@@ -15,6 +15,7 @@
 #include "geometry/repair/repair.h"
 #include "mesh/mesh_reader.h"
 #include "model/codes.h"
+#include "validate/layer_checks.h"
 
 namespace dgm::validate {
 namespace {
@@ -83,6 +84,22 @@ Limits limits_for(const Options& options, const ClaimedError& claimed, double di
     return limits;
 }
 
+/// Where to look for a face of all charts: on the grid and in space.
+std::string place_of(const SourceComparison& file, std::uint32_t face) {
+    const auto [a, b, c] = file.surface.corners(face);
+    const model::Vec3d middle = (a + b + c) / 3;
+    std::size_t chart = 0;
+    std::uint64_t sample = file.surface.faces[face][0];
+    const auto grid = [&] { return std::uint64_t{file.maps.charts[chart].rows} * file.maps.charts[chart].cols; };
+    for (; sample >= grid() + border_samples(file.maps.charts[chart]); ++chart)
+        sample -= grid() + border_samples(file.maps.charts[chart]);
+    const std::uint32_t cols = file.maps.charts[chart].cols;
+    return fmt::format("chart {} at {}, near ({:.9g}, {:.9g}, {:.9g})", chart,
+                       sample < grid() ? fmt::format("row {}, column {}", sample / cols, sample % cols)
+                                       : fmt::format("border sample {}", sample - grid()),
+                       middle.x, middle.y, middle.z);
+}
+
 }  // namespace
 
 void append_mesh(TriMesh& whole, const TriMesh& part) {
@@ -147,12 +164,15 @@ void check_source(const SourceComparison& file, const Options& options, FileVali
                        {error.hausdorff, claims.hausdorff});
     if (options.source->oriented.faces.empty()) return;
     check_source_topology(file, *options.source, findings);
-    out.turned_faces = bake::count_turned_faces(options.source->oriented, file.surface, nullptr, file.either_side);
-    if (*out.turned_faces > 0)
-        findings.warning(
-            codes::kTurnedFaces, "/charts",
-            fmt::format("{} of {} triangles look against the source", *out.turned_faces, file.surface.faces.size()),
-            {static_cast<double>(*out.turned_faces), 0});
+    const bake::ClosestPointIndex index(options.source->oriented.positions, options.source->oriented.faces);
+    const std::vector<std::uint32_t> turned =
+        bake::find_turned_faces(index, file.surface, bake::kTurnedTie, 0, file.either_side);
+    out.turned_faces = turned.size();
+    if (!turned.empty())
+        findings.warning(codes::kTurnedFaces, "/charts",
+                         fmt::format("{} of {} triangles look against the source, the first in {}", turned.size(),
+                                     file.surface.faces.size(), place_of(file, turned.front())),
+                         {static_cast<double>(turned.size()), 0});
 }
 
 }  // namespace dgm::validate

@@ -28,8 +28,9 @@ SearchEffort long_search(double rms, std::size_t tries) {
     // In rms, so that what is tried for one face costs no more than many others have.
     constexpr double kUnit = 10, kLeastUnit = 1e-6;
     SearchEffort out;
-    constexpr std::size_t kMostInOneSearch = 400'000;
+    constexpr std::size_t kMostInOneSearch = 400'000, kMostOfOneFace = 30'000;
     out.tries = std::min(tries, kMostInOneSearch);
+    out.most_a_face = kMostOfOneFace;
     out.unit = std::max(kUnit * rms, kLeastUnit);
     out.lift = 0.5;
     return out;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kPasses = 10, kPlainPasses = 3;
 constexpr std::array<double, kPlainPasses> kLiftShares{0.1, 0.3, 1};  // of the most, by pass
-constexpr int kTries = 120, kHeatedTries = 3000;                      // places an inverted face, in one pass
+constexpr std::size_t kTries = 120;                                   // places an inverted face, in one pass
 constexpr double kHeat = 0.4;             // price that a try may cost when an annealing begins
 constexpr std::size_t kMostFaces = 1000;  // with more, the source has no distinct sides (slivers, folds onto itself)
 constexpr double kInverted = 2;           // price of an inverted face, more the further it is inverted
@@ -52,6 +52,7 @@ class SearchRepair {
         for (int pass = 0; pass < kPasses && !left.empty() && has_effort(); ++pass) {
             lift_ = effort_.lift * kLiftShares[static_cast<std::size_t>(std::min(pass, kPlainPasses - 1))];
             reached_.clear();
+            heated_tries_ = tries_a_face(left.size(), kPasses - pass);
             for (const std::uint32_t f : left) moved = (pass < kPlainPasses ? mend(f) : anneal(f)) || moved;
             left.insert(left.end(), reached_.begin(), reached_.end());
             std::sort(left.begin(), left.end());
@@ -66,6 +67,13 @@ class SearchRepair {
 
  private:
     [[nodiscard]] bool has_effort() const { return tries_ < effort_.tries && looked_ < Matches::kMostLooksOfRepair; }
+
+    /// Of one annealing. A few faces may have more than many, and leave half of the effort to what comes after them.
+    [[nodiscard]] std::size_t tries_a_face(std::size_t faces, int passes) const {
+        const std::size_t left = tries_ < effort_.tries ? effort_.tries - tries_ : 0;
+        return std::clamp(left / (2 * faces * static_cast<std::size_t>(passes)), SearchEffort{}.most_a_face,
+                          effort_.most_a_face);
+    }
 
     struct Price {
         double value;
@@ -209,7 +217,7 @@ class SearchRepair {
 
     void forget(std::uint32_t f) { price_[f].value = std::numeric_limits<double>::quiet_NaN(); }
 
-    bool attempt_about(std::uint32_t face, int k, double allowed) {
+    bool attempt_about(std::uint32_t face, std::size_t k, double allowed) {
         const Face& own = grid_.faces[face];
         std::uint32_t c = own[below(3)], with = kNone;
         if (k % 3 == 1) {  // makes room beside it
@@ -224,7 +232,7 @@ class SearchRepair {
 
     bool mend(std::uint32_t face) {
         bool moved = false;
-        for (int k = 0; k < kTries && has_effort() && judge(face).inverted; ++k)
+        for (std::size_t k = 0; k < kTries && has_effort() && judge(face).inverted; ++k)
             moved = attempt_about(face, k, -kLeastGain) || moved;
         return moved;
     }
@@ -234,8 +242,9 @@ class SearchRepair {
         if (!judge(face).inverted) return false;
         log_.clear();
         change_ = 0;
-        for (int k = 0; k < kHeatedTries && has_effort(); ++k) {
-            const double left = 1 - static_cast<double>(k) / kHeatedTries, heat = kHeat * (left * left);
+        for (std::size_t k = 0; k < heated_tries_ && has_effort(); ++k) {
+            const double left = 1 - static_cast<double>(k) / static_cast<double>(heated_tries_),
+                         heat = kHeat * (left * left);
             attempt_about(face, k, -kLeastGain - heat * math::log(std::max(uniform(), 1e-9)));
             if (change_ < -0.5 * kInverted && !judge(face).inverted) break;
         }
@@ -274,7 +283,8 @@ class SearchRepair {
         Place before;
     };
     std::vector<Step> log_;
-    double change_ = 0;  // of the price, by the steps of the log
+    std::size_t heated_tries_ = 0;  // places an inverted face, in one annealing of this pass
+    double change_ = 0;             // of the price, by the steps of the log
     std::size_t tries_ = 0;
     std::uint64_t looked_ = 0;  // faces that walks looked at
 };

@@ -10,8 +10,9 @@
 namespace dgm::bake {
 
 struct SearchEffort {
-    std::size_t tries = 40'000;  ///< at most, less by those that were made: some tenths of a second
-    double unit = 1;             ///< distance from the source that costs a share of an inverted face, a spacing at most
+    std::size_t tries = 40'000;       ///< at most, less by those that were made: some tenths of a second
+    std::size_t most_a_face = 3'000;  ///< of these in one annealing, which has as many in any case
+    double unit = 1;  ///< distance from the source that costs a share of an inverted face, a spacing at most
     double lift = 0;  ///< spacings of the grid by which samples may leave the source, to the side of their faces
 };
 

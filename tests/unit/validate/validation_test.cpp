@@ -16,6 +16,7 @@
 #include "mesh/mesh_writer.h"
 #include "model/codes.h"
 #include "support/temp_folder.h"
+#include "validate/source_checks.h"
 #include "validation_maps.h"
 
 namespace dgm::validate {
@@ -385,6 +386,32 @@ TEST(Validation, WarnsOfFacesTurnedAgainstTheSource) {
     EXPECT_EQ(last.severity, formats::Severity::kWarning);
     EXPECT_EQ(last.measured, static_cast<double>(tube.mesh.faces.size()));
     EXPECT_EQ(validation.exit_code(), model::ExitCode::kOk);
+}
+
+TEST(Validation, NamesThePlaceOfAFaceTurnedAgainstTheSource) {
+    const test::TempFolder folder;
+    MapSet maps = test::good_maps();
+    ASSERT_EQ(maps.charts.size(), 2u);
+    const bake::Reconstruction first = bake::reconstruct(maps.charts[0]), second = bake::reconstruct(maps.charts[1]);
+    model::TriMesh source_mesh;
+    append_mesh(source_mesh, first.mesh);
+    append_mesh(source_mesh, second.mesh);
+    source_mesh.corner_normals.clear();
+    source_mesh.corner_uvs.clear();
+    // The second chart as it is seen from its back: in the file the first of its faces is wrong.
+    for (std::size_t f = first.mesh.faces.size(); f < source_mesh.faces.size(); ++f)
+        std::swap(source_mesh.faces[f][1], source_mesh.faces[f][2]);
+    formats::write_obj(folder / "source.obj", source_mesh);
+    const Source source = load_source(folder / "source.obj");
+    maps.source_hash = source.hash;
+    maps.report_json.clear();
+    Options options;
+    options.sampling.samples = 1000;
+    options.source = &source;
+    const FileValidation validation = validate_maps(maps, options);
+    EXPECT_EQ(validation.turned_faces, second.mesh.faces.size());
+    const formats::Finding& last = validation.findings.back();
+    EXPECT_NE(last.message.find("the first in chart 1 at row 0, column 0, near ("), std::string::npos) << last.message;
 }
 
 TEST(Validation, WorseFollowsTheBatchRule) {

@@ -461,6 +461,34 @@ TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
     EXPECT_EQ(search(all).positions, c.chart.positions);
 }
 
+TEST(TurnBack, GivesOneHopelessFaceMoreTriesAndKeepsSomeForTheNext) {
+    Case c = square_case(test::icosphere(4), 17);
+    std::swap(c.chart.positions[8 * 17 + 8], c.chart.positions[8 * 17 + 9]);
+    const LinkedSurface source = link_source(*c.chart.disk);
+    const ClosestPointIndex index(source.positions, source.faces);
+    const auto tries_made = [&](std::size_t most_a_face) {
+        WeldedGrid grid(c.chart);
+        Matches matches(c.chart, source, grid, 1000);
+        matches.update(false);
+        TriMesh surface;
+        surface.positions = grid.surface.positions;
+        surface.faces = grid.surface.faces;
+        const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
+        EXPECT_GT(turned.size(), 0u);
+        std::vector<char> held(grid.sample_of.size(), 0);  // its corners alone: what may move cannot turn it
+        for (const std::uint32_t v : grid.surface.faces[turned.front()]) held[v] = 1;
+        SearchEffort effort;
+        effort.tries = 400'000;
+        effort.most_a_face = most_a_face;
+        repair_by_search(source, index, grid, matches, held, std::span(turned).first(1), effort);
+        return 400'000 - effort.tries;
+    };
+    const std::size_t few = tries_made(3'000), many = tries_made(30'000);
+    EXPECT_GT(few, 0u);
+    EXPECT_GT(many, 5 * few);
+    EXPECT_LT(many, 210'000u);
+}
+
 double to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
     const double squared = dot(b - a, b - a);
     const double t = squared > 0 ? std::clamp(dot(p - a, b - a) / squared, 0.0, 1.0) : 0.0;
