@@ -125,8 +125,8 @@ constexpr double kNearTip = 0.4;  // of the first tip's distance to the cut: nea
 /// Joins the vertices farthest from the cut to it: tips of limbs before anything else. False if there are none.
 bool lengthen(CutGraph& cut, std::vector<std::uint32_t>& joined) {
     double first = 0;
-    for (int k = 0; k < kTipsPerRound; ++k) {
-        const std::vector<double> distance = cut.distance_to_cut();
+    std::vector<double> distance = cut.distance_to_cut();
+    for (int k = 0; k < kTipsPerRound; ++k, cut.follow_cut(distance)) {
         const auto tip = std::max_element(distance.begin(), distance.end());
         if (k == 0) first = *tip;
         if (!(*tip > 0) || *tip < kNearTip * first) return k > 0;

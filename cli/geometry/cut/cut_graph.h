@@ -56,6 +56,8 @@ class CutGraph {
 
     /// Distance of each vertex to the cut and the border along edges, in cost.
     [[nodiscard]] std::vector<double> distance_to_cut() const;
+    /// The same where `distance` is that to a part of the cut: visits only what has come nearer since.
+    void follow_cut(std::vector<double>& distance) const;
 
     /// Per vertex, nonzero where a dead end of the cut ends.
     [[nodiscard]] std::vector<char> tips() const;

@@ -70,8 +70,8 @@ std::vector<double> shrinkage(const Trial& trial, std::size_t vertices) {
 
 /// The vertex whose surroundings shrank most in the map; without a map, the one farthest from the cut. kNone if all
 /// vertices are on the cut.
-std::uint32_t extremity(const CutGraph& cut, const Trial& trial) {
-    const std::vector<double> distance = cut.distance_to_cut();
+/// @param distance  of each vertex to the cut
+std::uint32_t extremity(const std::vector<double>& distance, const Trial& trial) {
     std::vector<double> score = distance;
     if (!trial.uv.empty()) {
         score = shrinkage(trial, distance.size());
@@ -167,6 +167,7 @@ class ComponentSearch {
     void augment(CutGraph cut) {
         out_.rms = score_ = kInfinity;
         int idle = 0;
+        std::vector<double> distance(component_.positions.size(), kInfinity);
         for (int k = 0; k <= options_.max_extremities || (!best_ && k <= kMostLimbs); ++k) {
             const bool tried = best_ || is_worth_a_trial(k);
             const Trial trial = tried ? attempt(cut, std::nullopt) : Trial{};
@@ -183,7 +184,8 @@ class ComponentSearch {
                 break;
             // While nothing valid was found, keep going: a body with limbs needs its limbs cut first.
             if (idle > options_.patience && best_) break;
-            const std::uint32_t vertex = extremity(cut, trial);
+            cut.follow_cut(distance);
+            const std::uint32_t vertex = extremity(distance, trial);
             if (vertex == kNone || cut.join(vertex) <= 0) break;
         }
     }

@@ -222,12 +222,15 @@ TEST(CutGraph, JoinReachesTheVertexByAShortestPath) {
         CutGraph cut(s.mesh);
         cut.cut_to_disk();
         std::mt19937 random(4);
+        std::vector<double> followed = cut.distance_to_cut();
         for (int k = 0; k < 6; ++k) {
             const auto v = static_cast<std::uint32_t>(random() % s.mesh.positions.size());
             const double before = cut.length(), far = cut.distance_to_cut()[v], added = cut.join(v);
             EXPECT_DOUBLE_EQ(added, far);
             EXPECT_NEAR(cut.length(), before + added, 1e-12);
             EXPECT_EQ(cut.distance_to_cut()[v], 0);
+            cut.follow_cut(followed);
+            EXPECT_EQ(followed, cut.distance_to_cut());
             EXPECT_EQ(cut.join(v), 0);
             const Disk disk = cut.open();
             ASSERT_NO_FATAL_FAILURE(test::expect_links(disk));
