@@ -84,6 +84,10 @@ Limits limits_for(const Options& options, const ClaimedError& claimed, double di
     return limits;
 }
 
+std::string coordinates(const model::Vec3d& p) {
+    return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z);
+}
+
 /// Where to look for a face of all charts: on the grid and in space.
 std::string place_of(const SourceComparison& file, std::uint32_t face) {
     const auto [a, b, c] = file.surface.corners(face);
@@ -94,10 +98,10 @@ std::string place_of(const SourceComparison& file, std::uint32_t face) {
     for (; sample >= grid() + border_samples(file.maps.charts[chart]); ++chart)
         sample -= grid() + border_samples(file.maps.charts[chart]);
     const std::uint32_t cols = file.maps.charts[chart].cols;
-    return fmt::format("chart {} at {}, near ({:.9g}, {:.9g}, {:.9g})", chart,
+    return fmt::format("chart {} at {}, near {}", chart,
                        sample < grid() ? fmt::format("row {}, column {}", sample / cols, sample % cols)
                                        : fmt::format("border sample {}", sample - grid()),
-                       middle.x, middle.y, middle.z);
+                       coordinates(middle));
 }
 
 }  // namespace
@@ -150,10 +154,12 @@ void check_source(const SourceComparison& file, const Options& options, FileVali
                                    percent(error.rms), limits.origin_rms),
                        {error.rms, limits.rms});
     if (!(error.hausdorff <= limits.hausdorff))
-        findings.error(codes::kHausdorffExceeded, "/charts",
-                       fmt::format("largest distance {:.4g} ({:.4g} % of the diagonal) is above the limit of {}",
-                                   error.hausdorff, percent(error.hausdorff), limits.origin_hausdorff),
-                       {error.hausdorff, limits.hausdorff});
+        findings.error(
+            codes::kHausdorffExceeded, "/charts",
+            fmt::format("largest distance {:.4g} ({:.4g} % of the diagonal), near {}, is above the limit of {}",
+                        error.hausdorff, percent(error.hausdorff), coordinates(error.hausdorff_at),
+                        limits.origin_hausdorff),
+            {error.hausdorff, limits.hausdorff});
     // Limits of the caller's do not make a wrong report right.
     const Limits claims = limits_for({}, file.claimed, error.diagonal);
     if (same && options.max_rms_percent && !(error.rms <= claims.rms))

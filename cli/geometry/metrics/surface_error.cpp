@@ -40,8 +40,18 @@ struct Sample {
     double r1, r2;  // barycentric: 1 - r1, r1 (1 - r2), r1 r2
 };
 
+/// A place and its squared distance, in the unit of the measure.
+struct Top {
+    double squared = 0;
+    Vec3d at;
+    void take_higher(const Top& other) {
+        if (other.squared > squared) *this = other;
+    }
+};
+
 struct OneSided {
     double rms = 0, hausdorff = 0;
+    Vec3d hausdorff_at;
     double normals = 0, face_normals = 0, bump_normals = std::numeric_limits<double>::quiet_NaN();  // degrees
     std::uint64_t samples = 0;
 };
@@ -299,15 +309,21 @@ class Direction {
 
         OneSided result;
         result.samples = total;
-        double worst = 0;
-        for (const std::span<const double> known :
-             {std::span<const double>(squared), {vertex_squared}, {border_squared}, {crease_squared}})
-            for (const double d : known) worst = std::max(worst, d);
-        if (options.vertices)
-            worst =
-                std::max({worst, highest(surface, squared, options.tops), highest(border, border_squared, options.tops),
-                          highest(creases, crease_squared, options.tops, spacing)});
-        result.hausdorff = std::sqrt(worst) * unit_;
+        Top worst;
+        const auto take = [&worst](std::span<const Sample> samples, std::span<const double> known) {
+            for (std::size_t k = 0; k < known.size(); ++k) worst.take_higher({known[k], samples[k].point});
+        };
+        take(surface, squared);
+        take(vertices, vertex_squared);
+        take(border, border_squared);
+        take(creases, crease_squared);
+        if (options.vertices) {
+            worst.take_higher(highest(surface, squared, options.tops));
+            worst.take_higher(highest(border, border_squared, options.tops));
+            worst.take_higher(highest(creases, crease_squared, options.tops, spacing));
+        }
+        result.hausdorff = std::sqrt(worst.squared) * unit_;
+        result.hausdorff_at = worst.at;
         const std::vector<double>& weighted = squared.empty() ? vertex_squared : squared;
         if (!weighted.empty())
             result.rms = std::sqrt(pairwise_sum(weighted) / static_cast<double>(weighted.size())) * unit_;
@@ -349,11 +365,11 @@ class Direction {
         return std::sqrt(pairwise_sum(squares) / static_cast<double>(squares.size()));
     }
 
-    /// Largest squared distance that is found uphill from a sample on its face: by steps towards the corners and away
+    /// The place that is found uphill from a sample on its face: by steps towards the corners and away
     /// from them, halved where none leads up [Hooke, Jeeves 1961]. Samples alone find a sharp maximum to a few percent
     /// of its height, each seed others; from there any seed climbs to the same top.
     /// @param reach  of the first step; infinity: half of the face
-    [[nodiscard]] double climb(const Sample& sample, double squared, double reach) const {
+    [[nodiscard]] Top climb(const Sample& sample, double squared, double reach) const {
         constexpr int kRounds = 10;
         const auto corners = from_.corners(sample.face);
         const double longest = std::max(
@@ -361,6 +377,7 @@ class Direction {
         std::array<double, 3> at{1 - sample.r1, sample.r1 * (1 - sample.r2), sample.r1 * sample.r2};
         std::uint32_t hint = ClosestPointIndex::kNoFace;
         double step = std::min(0.5, reach / longest);
+        Top top{squared, sample.point};
         for (int round = 0; round < kRounds; ++round) {
             const std::array<double, 3> from = at;
             bool up = false;
@@ -375,25 +392,27 @@ class Direction {
                     const ClosestPoint found = index_.query(point, hint);
                     hint = found.face;
                     const double d = found.distance / unit_;
-                    if (d * d > squared) {
-                        squared = d * d;
+                    if (d * d > top.squared) {
+                        top = {d * d, point};
                         at = to;
                         up = true;
                     }
                 }
             if (!up) step /= 2;
         }
-        return squared;
+        return top;
     }
 
-    /// The largest squared distance that is found uphill from the farthest samples.
-    [[nodiscard]] double highest(std::span<const Sample> samples, std::span<const double> squared, std::size_t most,
-                                 double reach = kInfinity) const {
+    /// The highest place that is found uphill from the farthest samples.
+    [[nodiscard]] Top highest(std::span<const Sample> samples, std::span<const double> squared, std::size_t most,
+                              double reach = kInfinity) const {
         const std::vector<std::uint32_t> far = farthest(samples, squared, most);
-        std::vector<double> tops(far.size());
+        std::vector<Top> tops(far.size());
         tbb::parallel_for(std::size_t{0}, far.size(),
                           [&](std::size_t k) { tops[k] = climb(samples[far[k]], squared[far[k]], reach); });
-        return far.empty() ? 0 : *std::max_element(tops.begin(), tops.end());
+        Top out;
+        for (const Top& top : tops) out.take_higher(top);
+        return out;
     }
 
     void measure_block(std::span<const Sample> samples, std::span<double> out, std::size_t begin, std::size_t end,
@@ -491,6 +510,7 @@ SurfaceError measure_surface_error(const TriMesh& source, const TriMesh& map, co
     out.hausdorff_forward = forward.hausdorff;
     out.hausdorff_backward = backward.hausdorff;
     out.hausdorff = std::max(forward.hausdorff, backward.hausdorff);
+    out.hausdorff_at = (forward.hausdorff < backward.hausdorff ? backward : forward).hausdorff_at;
     out.normal_rms_degrees = forward.normals;
     out.normal_rms_face_degrees = forward.face_normals;
     out.normal_rms_bump_degrees = forward.bump_normals;

@@ -18,6 +18,7 @@ struct SurfaceError {
     double rms = 0, hausdorff = 0;             ///< symmetric: the larger of the two directions; units of the meshes
     double rms_forward = 0, rms_backward = 0;  ///< source to map, map to source
     double hausdorff_forward = 0, hausdorff_backward = 0;
+    model::Vec3d hausdorff_at;  ///< where `hausdorff` was found: a point of the source or of the map
     /// Angles of the source's normals to those of the closest map points, source to map. The source's are its corner
     /// normals, interpolated, if both meshes have some, else those of its faces.
     double normal_rms_degrees = 0;       ///< to the map's normals of the same kind

@@ -344,6 +344,7 @@ TEST(Validation, ComparesWithTheSource) {
     EXPECT_EQ(summary(validation), (std::vector{other, rms, hausdorff}));
     ASSERT_TRUE(validation.error.has_value());
     EXPECT_NEAR(validation.error->hausdorff, 0.1, 1e-9);
+    EXPECT_NE(validation.findings.back().message.find("of the diagonal), near ("), std::string::npos);
     const double diagonal = validation.error->diagonal;
     // 0.1 over the flat chart (3 quads, triangles of 1/4 and 3/8), 0..0.1 over a band of height 0.1 of the tube, 0
     // below.

@@ -61,6 +61,7 @@ TEST(SurfaceError, OneSidedOverhang) {
     EXPECT_NEAR(e.rms_backward, std::sqrt(1.0 / 6), 2e-6);  // mean of max(0, x - 1)^2 on [0, 2]
     EXPECT_EQ(e.rms, e.rms_backward);
     EXPECT_NEAR(e.hausdorff, 1, 1e-14);
+    EXPECT_NEAR(e.hausdorff_at.x, 2, 1e-14);  // of the map, which lies farther from the source
     EXPECT_NEAR(e.hausdorff_forward, 0, 1e-14);
 }
 
@@ -183,7 +184,9 @@ TEST(SurfaceError, VerticesCountForHausdorff) {
     spiked.positions[101 * 50 + 50].z = 0.5;
     SurfaceErrorOptions few;
     few.samples = 10;
-    EXPECT_NEAR(measure_surface_error(spiked, test::square(1, 0, 1), few).hausdorff, 0.5, 1e-15);
+    const SurfaceError e = measure_surface_error(spiked, test::square(1, 0, 1), few);
+    EXPECT_NEAR(e.hausdorff, 0.5, 1e-15);
+    EXPECT_EQ(e.hausdorff_at, spiked.positions[101 * 50 + 50]);
 }
 
 TEST(SurfaceError, ScaleAndOffsetDoNotMatter) {
