@@ -363,23 +363,28 @@ TEST(Validation, ComparesWithTheSource) {
     EXPECT_EQ(summary(validate_maps(maps, options)), (std::vector{other, rms}));
 }
 
-TEST(Validation, WarnsOfFacesTurnedAgainstTheSource) {
-    const test::TempFolder folder;
-    MapSet maps = test::good_maps();
-    maps.charts.resize(1);
-    const bake::Reconstruction tube = bake::reconstruct(maps.charts[0]);
-    model::TriMesh inside_out = tube.mesh;
-    inside_out.corner_normals.clear();
-    inside_out.corner_uvs.clear();
-    for (model::Face& f : inside_out.faces) std::swap(f[1], f[2]);
-    formats::write_obj(folder / "source.obj", inside_out);
+/// Validates maps as if they had been baked from `mesh`.
+FileValidation against(model::TriMesh mesh, MapSet& maps, const test::TempFolder& folder) {
+    mesh.corner_normals.clear();
+    mesh.corner_uvs.clear();
+    formats::write_obj(folder / "source.obj", mesh);
     const Source source = load_source(folder / "source.obj");
     maps.source_hash = source.hash;
     maps.report_json.clear();
     Options options;
     options.sampling.samples = 1000;
     options.source = &source;
-    const FileValidation validation = validate_maps(maps, options);
+    return validate_maps(maps, options);
+}
+
+TEST(Validation, WarnsOfFacesTurnedAgainstTheSource) {
+    const test::TempFolder folder;
+    MapSet maps = test::good_maps();
+    maps.charts.resize(1);
+    const bake::Reconstruction tube = bake::reconstruct(maps.charts[0]);
+    model::TriMesh inside_out = tube.mesh;
+    for (model::Face& f : inside_out.faces) std::swap(f[1], f[2]);
+    const FileValidation validation = against(inside_out, maps, folder);
     EXPECT_EQ(validation.turned_faces, tube.mesh.faces.size());
     ASSERT_FALSE(validation.findings.empty());
     const formats::Finding& last = validation.findings.back();
@@ -397,19 +402,10 @@ TEST(Validation, NamesThePlaceOfAFaceTurnedAgainstTheSource) {
     model::TriMesh source_mesh;
     append_mesh(source_mesh, first.mesh);
     append_mesh(source_mesh, second.mesh);
-    source_mesh.corner_normals.clear();
-    source_mesh.corner_uvs.clear();
     // The second chart as it is seen from its back: in the file the first of its faces is wrong.
     for (std::size_t f = first.mesh.faces.size(); f < source_mesh.faces.size(); ++f)
         std::swap(source_mesh.faces[f][1], source_mesh.faces[f][2]);
-    formats::write_obj(folder / "source.obj", source_mesh);
-    const Source source = load_source(folder / "source.obj");
-    maps.source_hash = source.hash;
-    maps.report_json.clear();
-    Options options;
-    options.sampling.samples = 1000;
-    options.source = &source;
-    const FileValidation validation = validate_maps(maps, options);
+    const FileValidation validation = against(source_mesh, maps, folder);
     EXPECT_EQ(validation.turned_faces, second.mesh.faces.size());
     const formats::Finding& last = validation.findings.back();
     EXPECT_NE(last.message.find("the first in chart 1 at row 0, column 0, near ("), std::string::npos) << last.message;

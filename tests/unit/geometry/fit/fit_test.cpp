@@ -419,6 +419,13 @@ TEST(Fit, MendsFacesThatTheStartTurns) {
     }
 }
 
+std::vector<std::uint32_t> turned_faces(const ClosestPointIndex& index, const WeldedGrid& grid) {
+    TriMesh surface;
+    surface.positions = grid.surface.positions;
+    surface.faces = grid.surface.faces;
+    return find_turned_faces(index, surface, kTurnedTie);
+}
+
 TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
     Case c = square_case(test::icosphere(5), 33);
     // Two rows change places: no single sample can go back without turning others.
@@ -431,11 +438,8 @@ TEST(TurnBack, UndoesAFoldOfSomeSamplesAndLeavesTheOthersAlone) {
         WeldedGrid grid(c.chart);
         Matches matches(c.chart, source, grid, 1000);
         matches.update(false);
-        TriMesh surface;
-        surface.positions = grid.surface.positions;
-        surface.faces = grid.surface.faces;
         const std::vector<char> none(grid.sample_of.size(), 0);
-        const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
+        const std::vector<std::uint32_t> turned = turned_faces(index, grid);
         SearchEffort effort;
         const bool moved = repair_by_search(source, index, grid, matches,
                                             held.empty() ? std::span<const char>(none) : held, turned, effort);
@@ -470,10 +474,7 @@ TEST(TurnBack, GivesOneHopelessFaceMoreTriesAndKeepsSomeForTheNext) {
         WeldedGrid grid(c.chart);
         Matches matches(c.chart, source, grid, 1000);
         matches.update(false);
-        TriMesh surface;
-        surface.positions = grid.surface.positions;
-        surface.faces = grid.surface.faces;
-        const std::vector<std::uint32_t> turned = find_turned_faces(index, surface, kTurnedTie);
+        const std::vector<std::uint32_t> turned = turned_faces(index, grid);
         EXPECT_GT(turned.size(), 0u);
         std::vector<char> held(grid.sample_of.size(), 0);  // its corners alone: what may move cannot turn it
         for (const std::uint32_t v : grid.surface.faces[turned.front()]) held[v] = 1;
