@@ -30,6 +30,19 @@ constexpr double kCover = 3;              // price of a source vertex a unit awa
 constexpr double kThinnest = 0.01, kThin = 0.2;  // twice the area over the longest edge squared, and its price
 constexpr double kLeastGain = 1e-4;
 
+/// Of one annealing, where `made` were made and so many annealings may follow. A few faces may have more than many, and
+/// leave half of the effort to what comes after them.
+std::size_t tries_a_face(const SearchEffort& effort, std::size_t made, std::size_t annealings) {
+    const std::size_t left = made < effort.tries ? effort.tries - made : 0;
+    return std::clamp(left / (2 * annealings), SearchEffort{}.most_a_face, effort.most_a_face);
+}
+
+/// After a share of an annealing's tries.
+double heat_after(double share) {
+    const double left = 1 - share;
+    return kHeat * (left * left);
+}
+
 class SearchRepair {
  public:
     SearchRepair(const LinkedSurface& source, const ClosestPointIndex& index, WeldedGrid& grid, Matches& matches,
@@ -52,7 +65,7 @@ class SearchRepair {
         for (int pass = 0; pass < kPasses && !left.empty() && has_effort(); ++pass) {
             lift_ = effort_.lift * kLiftShares[static_cast<std::size_t>(std::min(pass, kPlainPasses - 1))];
             reached_.clear();
-            heated_tries_ = tries_a_face(left.size(), kPasses - pass);
+            heated_tries_ = tries_a_face(effort_, tries_, left.size() * static_cast<std::size_t>(kPasses - pass));
             for (const std::uint32_t f : left) moved = (pass < kPlainPasses ? mend(f) : anneal(f)) || moved;
             left.insert(left.end(), reached_.begin(), reached_.end());
             std::sort(left.begin(), left.end());
@@ -67,13 +80,6 @@ class SearchRepair {
 
  private:
     [[nodiscard]] bool has_effort() const { return tries_ < effort_.tries && looked_ < Matches::kMostLooksOfRepair; }
-
-    /// Of one annealing. A few faces may have more than many, and leave half of the effort to what comes after them.
-    [[nodiscard]] std::size_t tries_a_face(std::size_t faces, int passes) const {
-        const std::size_t left = tries_ < effort_.tries ? effort_.tries - tries_ : 0;
-        return std::clamp(left / (2 * faces * static_cast<std::size_t>(passes)), SearchEffort{}.most_a_face,
-                          effort_.most_a_face);
-    }
 
     struct Price {
         double value;
@@ -243,8 +249,7 @@ class SearchRepair {
         log_.clear();
         change_ = 0;
         for (std::size_t k = 0; k < heated_tries_ && has_effort(); ++k) {
-            const double left = 1 - static_cast<double>(k) / static_cast<double>(heated_tries_),
-                         heat = kHeat * (left * left);
+            const double heat = heat_after(static_cast<double>(k) / static_cast<double>(heated_tries_));
             attempt_about(face, k, -kLeastGain - heat * math::log(std::max(uniform(), 1e-9)));
             if (change_ < -0.5 * kInverted && !judge(face).inverted) break;
         }
