@@ -5,17 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <queue>
 #include <utility>
 
+#include "geometry/cut/distance_queue.h"
 #include "geometry/mesh/infinity.h"
 #include "geometry/mesh/union_find.h"
 
 namespace dgm::bake {
 namespace {
-
-using Entry = std::pair<double, std::uint32_t>;  // distance, vertex
-using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
 std::uint32_t place_of_largest(const std::vector<double>& distance) {
     return static_cast<std::uint32_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
@@ -77,7 +74,7 @@ std::uint32_t CutGraph::search(std::span<const std::uint32_t> sources, Stop stop
                                std::span<const char> closed) const {
     out.distance.assign(mesh_->positions.size(), kInfinity);
     out.arc.assign(mesh_->positions.size(), kNone);
-    Queue queue;
+    DistanceQueue queue;
     for (std::uint32_t s : sources) {
         out.distance[s] = 0;
         queue.emplace(0.0, s);
@@ -351,20 +348,13 @@ std::vector<double> CutGraph::distance_to_cut() const {
 }
 
 void CutGraph::follow_cut(std::vector<double>& distance) const {
-    Queue queue;
-    const auto reach = [&](std::uint32_t v, double d) {
-        if (!(d < distance[v])) return;
-        distance[v] = d;
-        queue.emplace(d, v);
-    };
-    for (const std::uint32_t v : cut_vertices()) reach(v, 0);
-    while (!queue.empty()) {
-        const auto [d, v] = queue.top();
-        queue.pop();
-        if (d > distance[v]) continue;
-        for (std::uint32_t a = graph_.first[v]; a < graph_.first[v + 1]; ++a)
-            reach(graph_.arcs[a].to, d + graph_.arcs[a].cost);
+    DistanceQueue queue;
+    for (const std::uint32_t v : cut_vertices()) {
+        if (!(distance[v] > 0)) continue;
+        distance[v] = 0;
+        queue.emplace(0.0, v);
     }
+    spread(graph_, queue, distance);
 }
 
 double CutGraph::length() const {

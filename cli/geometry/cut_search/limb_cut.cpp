@@ -3,11 +3,11 @@
 #include "geometry/cut_search/limb_cut.h"
 
 #include <algorithm>
-#include <functional>
-#include <queue>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "geometry/cut/distance_queue.h"
 
 namespace dgm::bake {
 namespace {
@@ -28,8 +28,7 @@ class FarthestPoints {
     /// Half-edges of the shortest path from `v` to the cut, which it becomes a part of.
     std::vector<std::uint32_t> join(std::uint32_t v) {
         std::vector<std::uint32_t> path;
-        using Entry = std::pair<double, std::uint32_t>;
-        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+        DistanceQueue queue;
         for (Vec3d before; distance_[v] > 0;) {
             const VertexGraph::Arc* const next = way_on(v, before);
             distance_[v] = 0;
@@ -39,17 +38,7 @@ class FarthestPoints {
             path.push_back(next->half_edge);
             v = next->to;
         }
-        while (!queue.empty()) {
-            const auto [d, from] = queue.top();
-            queue.pop();
-            if (d > distance_[from]) continue;
-            for (std::uint32_t a = graph_.first[from]; a < graph_.first[from + 1]; ++a) {
-                const VertexGraph::Arc& arc = graph_.arcs[a];
-                if (!(d + arc.cost < distance_[arc.to])) continue;
-                distance_[arc.to] = d + arc.cost;
-                queue.emplace(d + arc.cost, arc.to);
-            }
-        }
+        spread(graph_, queue, distance_);
         return path;
     }
 
