@@ -49,7 +49,7 @@ class Obstacle(Sized):
 class StepOptions(Sized):
     _fields_ = [("size", u32), ("cycles", u32), ("gravity", f32 * 3), ("tool_radius", f32), ("obstacles", ctypes.POINTER(Obstacle)),
                 ("obstacle_count", ctypes.c_size_t), ("pins", ctypes.POINTER(Pin)), ("pin_count", ctypes.c_size_t),
-                ("tool_layer", f32), ("reserved", u32)]
+                ("tool_layer", f32), ("friction", f32)]
 
 
 class Report(Sized):
@@ -138,16 +138,16 @@ class PhysicsInput(support.Folder):
         state, twin = self.bake_mesh(meshes.icosphere(2), *SIZE, "--unit", "cm"), self.open("m.dgm")
         (_, physics), (_, other) = self.create(state), self.create(twin)
         good = {"tool": Tool(position=(0, 0, 1.1)), "tool_radius": .2, "gravity": (0, 0, -10),
-                "obstacle": Obstacle(point=(0, 0, -1.05), normal=(0, 0, 1))}
+                "friction": .5, "obstacle": Obstacle(point=(0, 0, -1.05), normal=(0, 0, 1))}
         for s, p in ((state, physics), (twin, other)):
             self.assertEqual(self.step(s, p, **good), 0, self.error.message)
         before = self.shape(state).tobytes()
         faults = [{"cycles": 1001}, {"pins": [Pin(sample=17 * 17)]}, {"pins": [Pin(sample=5)] * 2}, {"tool_radius": 0},
-                  {"tool_radius": -1}, {"tool_layer": -1}, {"tool_layer": .5}, {"tool": Tool(kind=9)},
+                  {"tool_radius": -1}, {"tool_layer": -1}, {"tool_layer": .5}, {"friction": -1}, {"friction": 101}, {"tool": Tool(kind=9)},
                   {"obstacle": Obstacle(kind=9)}, {"obstacle": Obstacle()}]
         for value in NONE + (1e30,):
             faults += [{"gravity": (0, value, 0)}, {"tool": Tool(position=(value, 0, 0))}, {"tool_radius": value},
-                       {"tool_layer": value},
+                       {"tool_layer": value}, {"friction": value},
                        {"pins": [Pin(sample=5, position=(0, 0, value))]},
                        {"obstacle": Obstacle(point=(0, 0, value), normal=(0, 0, 1))}]
         for fault in faults:

@@ -58,7 +58,7 @@ class Compliance {
     ///
     /// @param tools  of kinds and numbers as in step(); those not engaged, and those not named, are published as away
     /// @return as step(), nothing has been published then. BadArgument also: a tool's number beyond those of create(),
-    ///         a Physics or state of another size. Unsupported also: a soft layer under tools.
+    ///         a Physics or state of another size. Unsupported also: a soft layer under tools, friction.
     /// Wait-free towards readers, no allocation. O(samples columns cycles).
     DGM_PHYSICS_API Result<ComplianceReport> publish(const State& state, Physics& physics, const StepOptions& options,
                                                      std::span<const ToolInput> tools) noexcept;

@@ -59,7 +59,7 @@ typedef struct dgm_step_options {
     const dgm_pin* pins;           /* pin_count of them, at most 256 here; physics.h takes any number */
     size_t pin_count;              /* length of the array above */
     float tool_layer;              /* N/m^3, 1 .. 1e12: soft layer between surface and tools. 0: contact is hard */
-    uint32_t reserved;             /* 0 */
+    float friction;                /* Coulomb's coefficient, up to 100, see physics.h. 0: none */
 } dgm_step_options;
 
 /* What a step did. */

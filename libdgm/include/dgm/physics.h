@@ -86,6 +86,10 @@ struct StepOptions {
     /// Stiffness of a soft layer between the surface and tools that touch, N/m^3: 1 .. 1e12. The force on a tool is
     /// then the sum of what the layer presses with, and does not jump where samples come to touch. 0: contact is hard.
     float tool_layer = 0;
+    /// Coulomb's coefficient between the surface and obstacles and tools, 0 .. 100. The force along the surface is at
+    /// most that times what the sample was pressed with in the step before; less than that holds it in place. Tools
+    /// take the surface along as they move; other obstacles rub as if they stood still.
+    float friction = 0;
 };
 
 /// What a step did.
@@ -103,7 +107,7 @@ struct StepReport {
 
 /// Answer to a tool.
 struct StepTool {
-    Vec3 force;                  ///< N, on the tool: sum of the multipliers of its contact patch
+    Vec3 force;                  ///< N, on the tool: sum of the multipliers of its contact patch, and friction
     std::uint32_t contacts = 0;  ///< unknowns in the patch
 };
 
@@ -143,7 +147,7 @@ class Physics {
 /// Advances by one step: moves the tools, solves, answers forces and writes the present shape of the state, as an
 /// elastic touch of all its samples. Normals need State::update_normals() afterwards.
 ///
-/// @param tools    kinds as in tick(); Touch and Poke both press and slide without friction
+/// @param tools    kinds as in tick(); Touch and Poke both press
 /// @param answers  one for each tool, or empty
 /// @return BadArgument: a number is not finite or out of range, a sample that does not exist or is pinned twice, too
 ///         few answers, a Physics made for a state of another size, an obstacle that resolve_contact() refuses.

@@ -61,6 +61,9 @@ Result<dgm::StepOptions> step_options(const dgm_step_options* from, Scene& scene
     options.gravity = vec(o.gravity);
     options.tool_radius = o.tool_radius;
     options.tool_layer = o.tool_layer;
+#ifndef DGM_NO_FRICTION
+    options.friction = o.friction;
+#endif
     options.obstacles = {scene.obstacles, o.obstacle_count};
     options.pins = {scene.pins, o.pin_count};
     return options;

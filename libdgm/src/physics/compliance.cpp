@@ -331,6 +331,8 @@ Result<ComplianceReport> Compliance::publish(const State& state, Physics& physic
     if (auto r = detail::physics::check_tools(options, tools, 0); !r) return r.error();
     if (options.tool_layer != 0)
         return Error{ErrorCode::Unsupported, kNoOffset, "compliances have no soft layer under tools"};
+    if (detail::physics::kFriction && options.friction != 0)
+        return Error{ErrorCode::Unsupported, kNoOffset, "compliances have no friction"};
     for (const ToolInput& t : tools)
         if (t.tool >= c.options.tools) return bad("a tool's number is beyond those of the compliance");
     if (!detail::physics::mark_pins(p, options.pins)) return bad("a sample or a copy of it is pinned twice");

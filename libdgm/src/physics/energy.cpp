@@ -2,6 +2,7 @@
 // libdgm/src/physics/energy.cpp
 // Evaluates the potential of a step and its gradient.
 #include <algorithm>
+#include <cmath>
 
 #include "physics/physics_impl.h"
 
@@ -34,7 +35,14 @@ double add_contacts(PhysicsImpl& p) noexcept {
         t.force = now.force;
         t.met = t.met || now.force > 0;
         energy += now.energy;
-        const Vec3 f = narrow(t.force * t.normal);
+        Double3 force = t.force * t.normal;
+        t.met = t.met || t.rubs();
+        if (t.sticks()) {
+            const Rub rub = rub_of(t, point(p.delta, t.sample));
+            energy += rub.energy;
+            force = force + rub.force;
+        }
+        const Vec3 f = narrow(force);
         const float away[3] = {f.x, f.y, f.z};
         for (int c = 0; c < 3; ++c) p.gradient.p[c][t.sample] -= p.free[t.sample] * away[c];
     }
@@ -74,6 +82,35 @@ Press press_of(const Touching& t, double gap) noexcept {
             t.stiffness * (0.5 * depth * (depth - t.blunt) + t.blunt * t.blunt / 6)};
 }
 
+// The augmented Lagrangian of  slid = 0  while its force is at most `most`, which makes the potential grow like
+// a line from there on: Coulomb's friction with the normal force of the step before.
+Rub rub_of(const Touching& t, Double3 way) noexcept {
+    const Double3 hold = widen(t.hold), to = widen(t.slid) + way - dot(t.normal, way) * t.normal;
+    const Double3 wanted = hold - t.stiffness * to;
+    const double size = std::sqrt(dot(wanted, wanted)), most = double{t.most}, by = 1 / (2 * t.stiffness);
+    if (size <= most) return {wanted, to, (size * size - dot(hold, hold)) * by, false};
+    return {(most / size) * wanted, to, (most * (2 * size - most) - dot(hold, hold)) * by, true};
+}
+
+namespace {
+/// Adds what friction has along a line.
+void add_slope(const Touching& t, Double3 way, Double3 speed, Slope& to) noexcept {
+    const Rub rub = rub_of(t, way);
+    const Double3 along = speed - dot(t.normal, speed) * t.normal;
+    const double by = dot(rub.force, along);
+    to.first -= by;
+    if (!rub.slides) {
+        to.second += t.stiffness * dot(along, along);
+        return;
+    }
+    // The force keeps its size and turns.
+    const double most = double{t.most};
+    const Double3 wanted = widen(t.hold) - t.stiffness * rub.along;
+    const double across = dot(along, along) - by * by / (most * most);
+    to.second += t.stiffness * most / std::sqrt(dot(wanted, wanted)) * std::max(0.0, across);
+}
+}  // namespace
+
 double press(PhysicsImpl& p) noexcept {
     for (int c = 0; c < 3; ++c) std::copy(p.smooth.p[c], p.smooth.p[c] + p.fine().count(), p.gradient.p[c]);
     const double energy = add_contacts(p) + add_grasps(p);
@@ -86,11 +123,12 @@ Slope pressed_slope(const PhysicsImpl& p, const Field& way, double step) noexcep
     const Array<Touching>& list = p.touching[p.touching_now];
     for (std::uint32_t k = 0; k < p.touching_count; ++k) {
         const Touching& t = list[k];
-        const double speed = double{p.free[t.sample]} * dot(t.normal, point(way, t.sample));
-        const double gap = t.gap + dot(t.normal, point(p.delta, t.sample)) + step * speed;
+        const Double3 there = point(p.delta, t.sample), moves = double{p.free[t.sample]} * point(way, t.sample);
+        const double speed = dot(t.normal, moves), gap = t.gap + dot(t.normal, there) + step * speed;
         const Press now = press_of(t, gap);
         slope.first -= now.force * speed;
         slope.second += now.stiffness * speed * speed;
+        if (t.sticks()) add_slope(t, there + step * moves, moves, slope);
     }
     for (std::uint32_t k = 0; k < p.grasped_count; ++k) {
         const Grasped& g = p.grasped[k];

@@ -322,6 +322,11 @@ bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept
         take_pressure(p, v);
     }
     mend_length(p, s);
+    if constexpr (kFriction)
+        if (p.friction > 0 && outside(p) != Outside::Nothing && !is_held(p)) {
+            s.smooth += move_whole(p, s.contact);
+            take_pressure(p, v);
+        }
     const bool moved = put_out(p);
     report.volume_error = restore_volume(p, v);
     const double left = unbalanced(p);

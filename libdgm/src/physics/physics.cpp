@@ -73,7 +73,7 @@ bool is_dt(float dt) noexcept {
 /// Upper bound of what build_model() takes, measured on grids of 9 x 9 to 257 x 257.
 [[gnu::cold]] std::uint64_t bytes_needed(std::uint32_t rows, std::uint32_t cols) noexcept {
     const std::uint64_t plane = plane_size(rows, cols) * sizeof(float), grid = std::uint64_t{rows} * cols;
-    return 120 * plane + 1300 * grid + 65536;
+    return 120 * plane + 1430 * grid + 65536;
 }
 
 void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
@@ -112,6 +112,7 @@ void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {
     if (p.rows != s.tables.rows || p.cols != s.tables.cols || p.total != s.total())
         return bad("the physics was made for a state of another size");
     if (o.cycles < 1 || o.cycles > 1000) return bad("the number of cycles is not in 1 .. 1000");
+    if (kFriction && !within(double{o.friction}, 0, 100)) return bad("the friction is not in 0 .. 100");
     if (!is_finite(o.gravity) || !(dot(o.gravity, o.gravity) <= 1e12f)) return bad("gravity is not below 1e6 m/s^2");
     for (const Pin& pin : o.pins) {
         if (pin.sample >= p.total) return bad("a pin names no sample");
@@ -194,6 +195,7 @@ void begin_step(PhysicsImpl& p, const StateImpl& s, const StepOptions& o) noexce
     p.energy_before = p.elastic + 0.5 * moving;
     p.driven = false;
     p.layer = double{o.tool_layer};
+    if (kFriction) p.friction = double{o.friction};
     if (kFactors) p.few_held = o.pins.empty();
     for (const Pin& pin : o.pins) {
         const Double3 way = by * (widen(pin.position) - widen(StateImpl::at(s.rest, pin.sample)));
@@ -333,7 +335,9 @@ void answer(const PhysicsImpl& p, std::span<const ToolInput> tools, std::span<St
         Double3 sum;
         StepTool out;
         for (std::uint32_t k = 0; k < p.touching_count; ++k) {
-            if (list[k].obstacle != tools[t].tool || !(list[k].force > 0)) continue;
+            if (list[k].obstacle != tools[t].tool) continue;
+            if (list[k].rubs()) sum = sum - widen(list[k].hold);
+            if (!(list[k].force > 0)) continue;
             sum = sum - list[k].force * list[k].normal;
             ++out.contacts;
         }
@@ -436,11 +440,11 @@ Result<StepReport> step(State& state, Physics& physics, const StepOptions& optio
     detail::begin_step(p, s, options);
     if (!detail::physics::find_touching(p, s)) {
         detail::physics::release_pins(p, options.pins);
-        return Error{ErrorCode::LimitExceeded, kNoOffset,
-                     "obstacles are near more than twice the samples there are: use fewer"};
+        return Error{ErrorCode::LimitExceeded, kNoOffset, "more than twice the samples are near obstacles: use fewer"};
     }
     state.release();  // touches of tick() end
     StepReport report;
+    if (detail::physics::kFriction && p.friction > 0) detail::physics::let_slide(p);
     detail::physics::move_grasps(p, s, tools, options.tool_radius);
     const bool lower = p.solver.sound && detail::physics::minimise(p, options.cycles, report);
     report.clamped = !lower;

@@ -16,19 +16,31 @@ namespace physics {
 
 inline constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the physics"};
 inline constexpr float kFlat = 0.5f;  ///< see model.cpp
+#ifdef DGM_NO_FRICTION                // pages: as small as can be
+inline constexpr bool kFriction = false;
+#else
+inline constexpr bool kFriction = true;
+#endif
 
 /// A sample and the obstacle it may touch; sorted by obstacle, then sample.
 struct Touching {
-    std::uint32_t sample, obstacle;
+    std::uint32_t sample = kNone, obstacle = kNone;
     Double3 normal;         ///< out of the obstacle
-    double gap;             ///< without displacement in this step, metres
-    double stiffness;       ///< N/m
+    double gap = 0;         ///< without displacement in this step, metres
+    double stiffness = 0;   ///< N/m
     double multiplier = 0;  ///< at the start of the step, N; >= 0
     double force = 0;       ///< now
     bool met = false;       ///< had a force at some time in this step
     bool moves = true;      ///< the obstacle is not as in the step before
+    bool slides = false;    ///< friction is `hold`, and part of `inertial`
     double blunt = 0;       ///< soft layer: depth at which all of the sample's cell is in touch, metres; 0: hard
+    float most = 0;         ///< of the force of friction, N: the coefficient times what the step before pressed with
+    Vec3 slid = {};         ///< way along the obstacle that friction has yet to take back, metres
+    Vec3 hold = {};         ///< friction at the start of the step, N, on the sample; after it, at its end
     [[nodiscard]] bool soft() const noexcept { return blunt > 0; }
+    [[nodiscard]] bool rubs() const noexcept { return kFriction && most > 0; }
+    /// Whether friction is part of the potential of contacts.
+    [[nodiscard]] bool sticks() const noexcept { return rubs() && !slides; }
 };
 
 /// Force of a contact, its growth by depth, and its energy.
@@ -36,6 +48,16 @@ struct Press {
     double force = 0, stiffness = 0, energy = 0;
 };
 [[nodiscard]] Press press_of(const Touching& t, double gap) noexcept;
+
+/// Friction of a contact.
+struct Rub {
+    Double3 force;      ///< N, on the sample
+    Double3 along;      ///< way along the obstacle, metres
+    double energy = 0;  ///< J
+    bool slides = false;
+};
+/// @param way  of the sample in this step, metres
+[[nodiscard]] Rub rub_of(const Touching& t, Double3 way) noexcept;
 
 /// Obstacles and tools of a step, checked.
 struct Scene {
@@ -126,6 +148,7 @@ struct PhysicsImpl {
     double energy_before = 0;    ///< kinetic and elastic, at the start of the step
     double elastic_before = 0;   ///< J, at the start of the step
     double at_rest = 0;          ///< inertial part of the potential without displacement in this step
+    double friction = 0;         ///< coefficient in this step
 
     [[nodiscard]] physics::Level& fine() noexcept { return solver.level[0]; }
     [[nodiscard]] const physics::Level& fine() const noexcept { return solver.level[0]; }
@@ -172,6 +195,8 @@ struct Slope {
 /// Lists the samples that may touch what is in the scene beside `touching_now`, with the multipliers that they had, and
 /// makes that scene the present one. @return false, and nothing is changed: there are too many.
 [[nodiscard]] bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept;
+/// Puts the friction of samples that their mass alone keeps sliding into `inertial`, where it needs no search.
+void let_slide(PhysicsImpl& p) noexcept;
 /// Begins and ends grasps, and aims those that hold. A sample that a tool holds is not taken by another.
 void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept;
 /// Stiffness of pins, grasps and contacts on the diagonal.
@@ -184,7 +209,7 @@ enum class Outside : std::uint8_t {
     Moving
 };
 [[nodiscard]] Outside outside(const PhysicsImpl& p) noexcept;
-/// Multipliers for the next step.
+/// Multipliers for the next step, after one whose way is in `before`.
 void keep_multipliers(PhysicsImpl& p) noexcept;
 /// How a body that nothing outside holds moves as a whole.
 struct Drift {
@@ -192,6 +217,11 @@ struct Drift {
     double energy = 0;              ///< mass |mean|^2 / 2
 };
 [[nodiscard]] Drift drift_of(const PhysicsImpl& p, const Field& of) noexcept;
+/// Whether samples are held, or a foundation holds them all.
+[[nodiscard]] bool is_held(const PhysicsImpl& p) noexcept;
+/// Moves a body that nothing holds as a whole to where it lowers inertia and contacts, whose potential is `contact`.
+/// `before` is where it was. @return what inertia gains, J
+[[nodiscard]] double move_whole(PhysicsImpl& p, double contact) noexcept;
 /// Minimises the potential from `delta` on. @return false: nothing lower was found, or numbers overflowed.
 [[nodiscard]] bool minimise(PhysicsImpl& p, std::uint32_t cycles, StepReport& report) noexcept;
 

@@ -26,17 +26,17 @@ Double3 place(const PhysicsImpl& p, const StateImpl& s, std::uint32_t k) noexcep
             double{s.rest.z[k]} + by * p.at[2][k]};
 }
 
-/// Multipliers of the step before: both lists are sorted by obstacle, then sample.
+/// Contacts of the step before: both lists are sorted by obstacle, then sample.
 class Remembered {
  public:
     Remembered(const Array<Touching>& list, std::uint32_t count) noexcept : list_(list), count_(count) {}
-    double of(std::uint32_t obstacle, std::uint32_t sample) const noexcept {
+    const Touching* of(std::uint32_t obstacle, std::uint32_t sample) const noexcept {
         const auto before = [&](const Touching& t, int) {
             return t.obstacle != obstacle ? t.obstacle < obstacle : t.sample < sample;
         };
         const Touching* at = std::lower_bound(list_.begin(), list_.begin() + count_, 0, before);
         const bool found = at != list_.begin() + count_ && at->obstacle == obstacle && at->sample == sample;
-        return found ? at->multiplier : 0;
+        return found ? at : nullptr;
     }
 
  private:
@@ -88,6 +88,23 @@ void soften(const PhysicsImpl& p, const Shape& ball, Touching& t) noexcept {
     t.multiplier = 0;
 }
 
+/// How far a tool has gone since the step before, metres. Other obstacles rub as if they stood still.
+Double3 way_of(const PhysicsImpl& p, const Scene& before, const Scene& now, std::uint32_t o) noexcept {
+    if (now.ids[o] >= Scene::kMost) return {};
+    for (std::uint32_t k = 0; k < before.count; ++k)
+        if (before.ids[k] == now.ids[o]) return p.scale * (now.shapes[o].point - before.shapes[k].point);
+    return {};
+}
+
+/// Friction goes on from that of the step before, along the surface as it lies now.
+void take_friction(double friction, const Touching& was, Double3 way, Touching& t) noexcept {
+    const auto flat = [&](Double3 v) { return v - dot(t.normal, v) * t.normal; };
+    t.most = static_cast<float>(friction * was.multiplier);
+    if (!t.rubs()) return;
+    t.hold = narrow(flat(widen(was.hold)));
+    t.slid = narrow(flat(widen(was.slid) - way));
+}
+
 /// Distance within which a sample may come to touch in this step, local units.
 double reach_of(const PhysicsImpl& p, const StateImpl& s) noexcept {
     double fastest = 0;
@@ -109,25 +126,28 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
     for (std::uint32_t o = 0; o < scene.count; ++o) {
         const Shape& shape = scene.shapes[o];
         const bool moves = !is_in(before, scene, o);
+        const Double3 way = kFriction ? way_of(p, before, scene, o) : Double3{};
         const auto look = [&](std::uint32_t k) {
             if (l.own[k] == 0 || p.free[k] == 0) return;
             const Double3 x = place(p, s, k);
             const Probe there = probe(shape, x);
             if (!(there.distance < reach)) return;
-            const Double3 way = there.distance < 0 ? there.nearest - x : x - there.nearest;
-            const double length = std::sqrt(dot(way, way));
+            const Double3 off = there.distance < 0 ? there.nearest - x : x - there.nearest;
+            const double length = std::sqrt(dot(off, off));
             const bool flat = shape.kind == ObstacleKind::Plane;
             if (!(length > 0) && !flat) return;
-            const Double3 normal = flat ? shape.normal : (1 / length) * way;
+            const Double3 normal = flat ? shape.normal : (1 / length) * off;
             if (count == to.size()) {
                 fits = false;
                 return;
             }
             Touching& t = to[count++];
-            t = {
-                k,     scene.ids[o], normal, there.distance * p.scale, double{p.grip[k]}, memory.of(scene.ids[o], k), 0,
-                false, moves,        0};
+            const Touching* was = memory.of(scene.ids[o], k);
+            t = {k, scene.ids[o], normal, there.distance * p.scale, double{p.grip[k]}};
+            t.multiplier = was != nullptr ? was->multiplier : 0;
+            t.moves = moves;
             if (p.layer > 0 && is_tool(t)) soften(p, shape, t);
+            if (kFriction && p.friction > 0 && was != nullptr) take_friction(p.friction, *was, way, t);
         };
         for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
             if (i % kTile == 0)
@@ -143,6 +163,38 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
     p.touching_now = 1 - p.touching_now;
     p.touching_count = count;
     return true;
+}
+
+void let_slide(PhysicsImpl& p) noexcept {
+    Array<Touching>& list = p.touching[p.touching_now];
+    const double dt2 = double{p.options.dt} * double{p.options.dt};
+    bool any = false;
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) {
+        Touching& t = list[k];
+        if (!t.rubs()) continue;
+        const std::uint32_t s = t.sample;
+        const double mass = double{p.mass[s]}, back = double{t.most} * dt2 / mass;
+        const Double3 way{double{p.inertial.p[0][s]}, double{p.inertial.p[1][s]}, double{p.inertial.p[2][s]}};
+        const Double3 to = widen(t.slid) + way - dot(t.normal, way) * t.normal;
+        const double size = std::sqrt(dot(to, to));
+        if (!(size > back)) continue;
+        const Double3 force = (-double{t.most} / size) * to, now = way + (dt2 / mass) * force;
+        // The search starts where what bears the sample leads, but not beyond the border.
+        const double up = std::min(dt2 / mass * t.multiplier, std::max(0.0, -t.gap - dot(t.normal, way)));
+        const Double3 borne = now + up * t.normal;
+        const double x[3] = {now.x, now.y, now.z}, from[3] = {borne.x, borne.y, borne.z};
+        for (int c = 0; c < 3; ++c) {
+            p.inertial.p[c][s] = static_cast<float>(x[c]);
+            p.delta.p[c][s] = static_cast<float>(from[c]);
+        }
+        p.at_rest += 0.5 * mass * (dot(now, now) - dot(way, way)) / dt2;
+        t.hold = narrow(force);
+        t.slid = {};
+        t.slides = any = true;
+    }
+    if (!any) return;
+    share_copies(p.fine(), p.inertial);
+    share_copies(p.fine(), p.delta);
 }
 
 void move_grasps(PhysicsImpl& p, const StateImpl& s, std::span<const ToolInput> tools, float radius) noexcept {
@@ -233,7 +285,15 @@ Outside outside(const PhysicsImpl& p) noexcept {
 
 void keep_multipliers(PhysicsImpl& p) noexcept {
     Array<Touching>& list = p.touching[p.touching_now];
-    for (std::uint32_t k = 0; k < p.touching_count; ++k) list[k].multiplier = list[k].force;
+    for (std::uint32_t k = 0; k < p.touching_count; ++k) {
+        Touching& t = list[k];
+        t.multiplier = t.force;
+        if (!t.sticks()) continue;
+        const Rub rub = rub_of(
+            t, {double{p.before.p[0][t.sample]}, double{p.before.p[1][t.sample]}, double{p.before.p[2][t.sample]}});
+        t.hold = narrow(rub.force);
+        t.slid = rub.slides ? Vec3{} : narrow(rub.along);
+    }
     for (std::uint32_t k = 0; k < p.grasped_count; ++k) p.grasped[k].multiplier = p.grasped[k].force;
 }
 

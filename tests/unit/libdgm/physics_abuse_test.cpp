@@ -80,6 +80,7 @@ TEST(PhysicsAbuse, TenThousandTouchesByChance) {
             StepOptions how;
             how.cycles = 1 + random() % 3;
             how.tool_radius = chance(1, 40);
+            how.friction = float(tick / 50 % 3);
             how.gravity = {chance(-20, 20), 0, chance(-20, 20)};
             const std::size_t count = random() % 4;
             for (std::uint32_t t = 0; t < count; ++t)

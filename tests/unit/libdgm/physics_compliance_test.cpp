@@ -325,6 +325,11 @@ TEST(Compliance, RefusesByName) {
     EXPECT_EQ(compliance_tick(reader, {&tool, 1}, {&answer, 1}).error().code, ErrorCode::BadArgument);
     tool.position.x = 0;
     EXPECT_EQ(compliance_tick(reader, {&tool, 1}, {}).error().code, ErrorCode::BadArgument);
+    StepOptions soft = how, rough = how;
+    soft.tool_layer = 1e6f;
+    rough.friction = 0.5f;
+    EXPECT_EQ(published(soft, tool), ErrorCode::Unsupported);
+    EXPECT_EQ(published(rough, tool), ErrorCode::Unsupported);
     const Pin pins[2] = {{5, {}}, {5, {}}};
     how.pins = pins;
     EXPECT_EQ(published(how, tool), ErrorCode::BadArgument);

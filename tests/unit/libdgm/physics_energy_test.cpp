@@ -137,7 +137,7 @@ struct Fallen {
 };
 /// An ellipsoid that is 8 mm above a table, or two, or a ball that stands still.
 Fallen fall(const ChartSpec& chart, float dt, std::uint32_t cycles, std::span<const Obstacle> obstacles, int steps,
-            int more = 0) {
+            float friction = 0, int more = 0) {
     PhysicsOptions options{.material = Material{200, 0.3f, 1e-3f, 0, 5, 0}};
     options.dt = dt;
     Body body(chart, options);
@@ -146,6 +146,7 @@ Fallen fall(const ChartSpec& chart, float dt, std::uint32_t cycles, std::span<co
     how.cycles = cycles;
     how.gravity = {0, 0, -9.81f};
     how.obstacles = obstacles;
+    how.friction = friction;
     Fallen out;
     double mass = 0, kinetic = 0;
     for (std::uint32_t k = 0; k < p.total; ++k) mass += double{p.fine().own[k]} * double{p.mass[k]};
@@ -199,18 +200,20 @@ TEST(EnergyInContact, NeverRisesWhileABodyFallsOnWhatStandsStill) {
         int number = 0;
         for (const auto& obstacles : tables()) {
             SCOPED_TRACE(testing::Message() << "table " << number++ << ", dt " << s.dt << ", cycles " << s.cycles);
-            const Fallen f = fall(organ_chart(17), s.dt, s.cycles, obstacles, s.steps);
-            EXPECT_LE(f.rise, 1e-6 * f.first) << "energies are summed from floats";
-            EXPECT_LE(f.rises, 1e-5 * f.first);
-            EXPECT_LT(f.last, -0.5 * f.first) << "it fell";
-            EXPECT_GT(f.contacts, 10u);
+            for (const float friction : {0.0f, 0.5f}) {
+                const Fallen f = fall(organ_chart(17), s.dt, s.cycles, obstacles, s.steps, friction);
+                EXPECT_LE(f.rise, 1e-6 * f.first) << "energies are summed from floats; friction " << friction;
+                EXPECT_LE(f.rises, 1e-5 * f.first) << friction;
+                EXPECT_LT(f.last, -0.5 * f.first) << "it fell; " << friction;
+                EXPECT_GT(f.contacts, 10u) << friction;
+            }
         }
     }
 }
 
 void lies_on_a_table(int steps) {
     const auto obstacles = tables();
-    const Fallen f = fall(organ_chart(9), 1e-3f, 3, obstacles.front(), steps, 200);
+    const Fallen f = fall(organ_chart(9), 1e-3f, 3, obstacles.front(), steps, 0, 200);
     EXPECT_LE(f.rise, 1e-7 * f.first);
     EXPECT_LE(f.rises, 1e-6 * f.first);
     EXPECT_LT(f.speed, 1e-5) << "it lies still";

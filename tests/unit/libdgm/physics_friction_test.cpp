@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/libdgm/physics_friction_test.cpp
+// Friction of bodies against what Coulomb's law says of blocks on slopes, balls that roll and tools that hold.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <numbers>
+
+#include "physics/physics_impl.h"
+#include "physics_shapes.h"
+
+namespace dgm::test {
+namespace {
+
+using detail::Double3;
+using detail::widen;
+
+constexpr double kG = 9.81;
+constexpr float kStep = 1e-3f;
+
+/// Of the samples' masses.
+struct Motion {
+    double mass = 0;
+    Double3 place, speed, turning;  ///< metres, m/s; momentum of turning around the middle, kg m^2/s
+};
+Motion motion_of(const Body& body) {
+    const detail::PhysicsImpl& p = *body.physics.impl();
+    const PointView x = body.state.positions();
+    Motion m;
+    const auto each = [&](auto f) {
+        for (std::uint32_t k = 0; k < p.total; ++k)
+            f(double{p.fine().own[k]} * double{p.mass[k]}, p.scale * widen(x[k]),
+              Double3{double{p.velocity.p[0][k]}, double{p.velocity.p[1][k]}, double{p.velocity.p[2][k]}});
+    };
+    each([&](double mass, Double3 at, Double3 v) {
+        m.mass += mass;
+        m.place = m.place + mass * at;
+        m.speed = m.speed + mass * v;
+    });
+    m.place = (1 / m.mass) * m.place;
+    m.speed = (1 / m.mass) * m.speed;
+    each([&](double mass, Double3 at, Double3 v) { m.turning = m.turning + mass * cross(at - m.place, v - m.speed); });
+    return m;
+}
+/// A table at a slope, seen from the table.
+Vec3 down_slope(double slope) {
+    const double c = 1 / std::sqrt(1 + slope * slope);
+    return {float(kG * slope * c), 0, float(-kG * c)};
+}
+Obstacle table(float height) {
+    return {.kind = ObstacleKind::Plane, .point = {0, 0, height}, .normal = {0, 0, 1}};
+}
+PhysicsOptions loose(float membrane, float bending) {
+    PhysicsOptions options{.material = Material{membrane, 0.3f, bending, 0, 5, 0}};
+    options.dt = kStep;
+    return options;
+}
+StepOptions with(double friction, Vec3 gravity = {}, std::span<const Obstacle> obstacles = {},
+                 std::uint32_t cycles = 3) {
+    StepOptions how;
+    how.cycles = cycles;
+    how.gravity = gravity;
+    how.obstacles = obstacles;
+    how.friction = float(friction);
+    return how;
+}
+Body flat_sheet() {
+    return Body(grid_chart(9, 9,
+                           [](double i, double j) {
+                               return Point{float(10 * i), float(10 * j), 0};
+                           }),
+                loose(500, 1e-2f));
+}
+
+TEST(PhysicsFriction, HoldsASheetBelowItsAngleAndLetsItSlideBeyond) {
+    for (const auto& [slope, friction] : {std::pair{0.28, 0.3}, std::pair{0.5, 0.3}, std::pair{0.35, 0.3}}) {
+        SCOPED_TRACE(slope);
+        Body body = flat_sheet();
+        const Obstacle under[] = {table(0)};
+        const StepOptions how = with(friction, down_slope(slope), under);
+        const auto settle = [&](int steps) {
+            for (int k = 0; k < steps; ++k) (void)step(body.state, body.physics, how).value();
+        };
+        settle(100);
+        const Motion first = motion_of(body);
+        settle(400);
+        const Motion last = motion_of(body);
+        const double exact = kG / std::sqrt(1 + slope * slope) * (slope - friction);
+        if (slope < friction)
+            EXPECT_LT(std::fabs(last.place.x - first.place.x), 1e-5);
+        else
+            EXPECT_NEAR((last.speed.x - first.speed.x) / 0.4, exact, 0.01 * exact);
+    }
+}
+
+TEST(PhysicsFriction, StopsASheetThatSlidesAndGivesBackNothing) {
+    constexpr double kFriction = 0.4, kSpeed = 0.5;
+    Body body = flat_sheet();
+    detail::PhysicsImpl& p = *body.physics.impl();
+    const Obstacle under[] = {table(0)};
+    StepOptions how = with(0, down_slope(0), under);
+    for (int k = 0; k < 50; ++k) (void)step(body.state, body.physics, how).value();  // lies down
+    std::fill(p.velocity.p[0], p.velocity.p[0] + p.total, float(kSpeed));
+    how.friction = float(kFriction);
+    const double start = motion_of(body).place.x;
+    double last = 0.5 * motion_of(body).mass * kSpeed * kSpeed;
+    const double first = last;
+    for (int k = 0; k < 300; ++k) {
+        const StepReport r = step(body.state, body.physics, how).value();
+        const double now = r.kinetic + r.elastic + motion_of(body).mass * kG * motion_of(body).place.z;
+        EXPECT_LE(now, last + 1e-6 * first) << k;
+        last = now;
+    }
+    const double exact = kSpeed * kSpeed / (2 * kFriction * kG);
+    EXPECT_NEAR(motion_of(body).place.x - start, exact, 0.01 * exact);
+    EXPECT_LT(std::fabs(motion_of(body).speed.x), 1e-5);
+}
+
+TEST(PhysicsFriction, MakesAHollowBallRoll) {
+    // Without sliding 0.6 of what it would slide with [2/3 m r^2 of a shell]; with less friction than 0.4 of the slope
+    // it slides, and turns as friction makes it.
+    constexpr double kSlope = 0.3, kRadius = 0.05, kTime = 0.3;
+    for (const double friction : {0.6, 0.05}) {
+        SCOPED_TRACE(friction);
+        PhysicsOptions options = loose(20000, 1e-2f);
+        options.metres_per_unit = kRadius;
+        Body body(sphere_chart(33), options);
+        const Obstacle under[] = {table(-1)};
+        const StepOptions how = with(friction, down_slope(kSlope), under, 20);
+        for (int k = 0; k < 300; ++k) (void)step(body.state, body.physics, how).value();
+        const Motion last = motion_of(body);
+        const double down = kG / std::sqrt(1 + kSlope * kSlope);
+        const bool rolls = friction > 0.4 * kSlope;
+        const double exact = kTime * down * (rolls ? 0.6 * kSlope : kSlope - friction);
+        const double exact_turns = rolls ? exact / kRadius : kTime * down * 1.5 * friction / kRadius;
+        EXPECT_NEAR(last.speed.x, exact, 0.015 * exact);
+        EXPECT_NEAR(last.turning.y / (2.0 / 3 * last.mass * kRadius * kRadius), exact_turns, 0.03 * exact_turns);
+    }
+}
+
+/// Two balls press on a body from both sides, go up by 30 mm and stop.
+struct Lifted {
+    double height = 0;        ///< that the body goes up on the second half of their way, metres
+    Double3 force;            ///< N, on both tools at the end
+    double weight = 0;        ///< N
+    std::vector<Vec3> shape;  ///< at the end
+};
+Lifted lift(float friction, float layer, int steps = 1200, bool plain = false) {
+    Body body(organ_chart(33), loose(2000, 1e-2f), plain);
+    const Obstacle under[] = {table(-50)};
+    StepOptions how = with(double{friction}, down_slope(0), under);
+    how.tool_radius = 15;
+    how.tool_layer = layer;
+    Lifted out;
+    StepTool answers[2];
+    for (int k = 0; k < steps; ++k) {
+        const auto in = float(0.1 * std::min(k, 280)), up = float(0.1 * std::clamp(k - 300, 0, 300));
+        const ToolInput jaws[] = {{.tool = 0, .position = {0, 76 - in, up}}, {.tool = 1, .position = {0, in - 76, up}}};
+        (void)step(body.state, body.physics, how, jaws, answers).value();
+        if (k == 450 || k == 600) out.height = motion_of(body).place.z - out.height;
+    }
+    out.weight = motion_of(body).mass * kG;
+    for (const StepTool& a : answers) out.force = out.force + widen(a.force);
+    for (std::uint32_t k = 0; k < body.physics.impl()->total; ++k) out.shape.push_back(body.state.positions()[k]);
+    return out;
+}
+
+TEST(PhysicsFriction, HoldsABodyBetweenTwoTools) {
+    const Lifted held = lift(0.8f, 0);
+    EXPECT_NEAR(held.height, 0.015, 5e-4);
+    EXPECT_NEAR(held.force.z, -held.weight, 0.01 * held.weight);
+    EXPECT_NEAR(lift(0.8f, 1e7f, 601).height, 0.015, 1e-3) << "by way of a soft layer";
+    EXPECT_LT(lift(0, 0, 601).height, 1e-3) << "slips";
+}
+
+TEST(PhysicsFriction, HasTheSameBits) {
+    const Lifted once = lift(0.8f, 0, 400), again = lift(0.8f, 0, 400), plain = lift(0.8f, 0, 400, true);
+    const std::size_t bytes = once.shape.size() * sizeof(Vec3);
+    EXPECT_EQ(std::memcmp(once.shape.data(), again.shape.data(), bytes), 0);
+    EXPECT_EQ(std::memcmp(once.shape.data(), plain.shape.data(), bytes), 0);
+}
+
+TEST(PhysicsFriction, PullsAToolThatSlidesWithTheCoefficientTimesItsForce) {
+    // Over a sheet on a soft bed: the ball goes along, and the force along is mu times the force across.
+    constexpr double kFriction = 0.3;
+    for (const float layer : {0.0f, 1e6f}) {
+        SCOPED_TRACE(layer);
+        PhysicsOptions options{.material = Material{500, 0.3f, 1e-3f, 1e5f, 5, 0}};
+        options.dt = kStep;
+        Body body(grid_chart(33, 33, [](double i, double j) { return Point{float(4 * i), float(4 * j), 0}; }), options);
+        StepOptions how = with(kFriction, {}, {}, 10);
+        how.tool_radius = 30;
+        how.tool_layer = layer;
+        double along = 0, across = 0;
+        for (int k = 0; k < 600; ++k) {
+            const double down = std::min(0.02 * k, 2.0), way = 0.05 * std::max(k - 150, 0);
+            const ToolInput ball{.position = {float(50 + way), 64, float(30 - down)}};
+            StepTool answer;
+            (void)step(body.state, body.physics, how, {&ball, 1}, {&answer, 1}).value();
+            if (k < 300) continue;
+            along -= double{answer.force.x};
+            across += double{answer.force.z};
+        }
+        ASSERT_GT(across, 0);
+        EXPECT_NEAR(along / across, kFriction, 0.03 * kFriction);
+    }
+}
+
+TEST(PhysicsFriction, IsRefusedOutOfRange) {
+    Body body = flat_sheet();
+    for (const double wrong : {-0.1, 101.0, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_EQ(step(body.state, body.physics, with(wrong)).error().code, ErrorCode::BadArgument);
+}
+
+}  // namespace
+}  // namespace dgm::test
