@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "geometry/chart/bijective_layout.h"
@@ -60,28 +61,26 @@ std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t
     return solver.solve(positive_cotangent_weights(disk.mesh.positions, disk.mesh.faces, solver.edges()), circle);
 }
 
-SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m, std::uint32_t n, std::string method,
-                               const FreeChartTools& tools, Box box = Box::kLeastArea) {
-    check_map(disk, uv, method);
-    fit_to_square(uv, border_vertices(disk), m, n, box);
-    divide_border(disk, uv, m - 1.0, n - 1.0);
-    check_map(disk, uv, method);  // fitting and dividing round; nothing may have turned over
-    const std::vector<std::uint32_t> border = border_vertices(disk);
-    const std::vector<Vec2d> outline = points_at(uv, border);
-    if (!tools.is_simple(outline)) throw Error(codes::kMapInvalid, method + ": the chart overlaps itself");
+/// Halves the edges before and after some vertices of the border, on both sides of the cut.
+void halve_border_at(Disk& disk, std::vector<Vec2d>& uv, std::span<const std::uint32_t> places) {
+    const std::vector<std::uint32_t> border = disk.border();
+    std::set<std::uint32_t> edges;
+    for (const std::uint32_t b : places)
+        for (const std::uint32_t h : {border[b], border[(b + border.size() - 1) % border.size()]})
+            edges.insert(disk.mate[h] == kNone ? h : std::min(h, disk.mate[h]));
+    const auto middle = [&](std::uint32_t h) {
+        return 0.5 * (uv[origin(disk.mesh.faces, h)] + uv[target(disk.mesh.faces, h)]);
+    };
+    for (const std::uint32_t h : edges) {
+        const Vec2d here = middle(h), there = disk.mate[h] == kNone ? Vec2d{} : middle(disk.mate[h]);
+        const NewVertices added = disk.split(h, 0.5);
+        uv.push_back(here);
+        if (added.twin != kNone) uv.push_back(there);
+    }
+}
 
-    SampledChart chart;
-    chart.m = m;
-    chart.n = n;
-    chart.domain = layout::Domain::kFree;
-    chart.method = std::move(method);
-    const SampleGrid fine = rasterize(disk.mesh.faces, uv, 2 * m - 1, 2 * n - 1);
-    chart.samples = coarsen(fine, m, n);
-    chart.mask.resize(chart.samples.size());
-    for (std::size_t s = 0; s < chart.samples.size(); ++s) chart.mask[s] = chart.samples[s].face != kNone;
-    chart.border_uv = outline;
-
-    // Border samples, numbered after the grid, in border order; copies of a surface point share their weld id.
+/// Border samples, numbered after the grid, in border order; copies of a surface point share their weld id.
+void add_border_samples(SampledChart& chart, const Disk& disk, std::span<const std::uint32_t> border) {
     std::vector<std::uint32_t> face_of(disk.mesh.positions.size(), kNone), lowest(disk.weld_count, kNone);
     for (std::uint32_t f = 0; f < disk.mesh.faces.size(); ++f)
         for (std::uint32_t v : disk.mesh.faces[f])
@@ -101,10 +100,46 @@ SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m
         chart.representative[grid + b] = first;
         if (!reversed.empty()) chart.reversed[grid + b] = reversed[v] ^ reversed[border[first - grid]];
     }
-    join_lattice_to_border(chart, tools.triangulate);
+}
+
+/// The chart's lattice, border samples and strip. @return places on the border where more samples are needed
+std::vector<std::uint32_t> fill_chart(SampledChart& chart, const Disk& disk, std::span<const Vec2d> uv,
+                                      const SampleGrid& fine, const FreeChartTools& tools) {
+    const std::vector<std::uint32_t> border = border_vertices(disk);
+    const std::vector<Vec2d> outline = points_at(uv, border);
+    if (!tools.is_simple(outline)) throw Error(codes::kMapInvalid, chart.method + ": the chart overlaps itself");
+    chart.samples = coarsen(fine, chart.m, chart.n);
+    chart.mask.assign(chart.samples.size(), 0);
+    for (std::size_t s = 0; s < chart.samples.size(); ++s) chart.mask[s] = chart.samples[s].face != kNone;
+    chart.border_uv = outline;
+    chart.strip.clear();
+    add_border_samples(chart, disk, border);
+    return join_lattice_to_border(chart, tools.triangulate);
+}
+
+SampledChart sample_free_chart(Disk disk, std::vector<Vec2d> uv, std::uint32_t m, std::uint32_t n, std::string method,
+                               const FreeChartTools& tools, Box box = Box::kLeastArea) {
+    constexpr int kHalvings = 4;
+    check_map(disk, uv, method);
+    fit_to_square(uv, border_vertices(disk), m, n, box);
+    divide_border(disk, uv, m - 1.0, n - 1.0);
+    check_map(disk, uv, method);  // fitting and dividing round; nothing may have turned over
+    SampledChart chart;
+    chart.m = m;
+    chart.n = n;
+    chart.domain = layout::Domain::kFree;
+    chart.method = std::move(method);
+    SampleGrid fine;
+    for (int halvings = 0;; ++halvings) {
+        fine = rasterize(disk.mesh.faces, uv, 2 * m - 1, 2 * n - 1);
+        const std::vector<std::uint32_t> crowded = fill_chart(chart, disk, uv, fine, tools);
+        if (crowded.empty() || halvings == kHalvings) break;
+        halve_border_at(disk, uv, crowded);
+        check_map(disk, uv, chart.method);
+    }
     chart.disk = std::move(disk);
     chart.uv = std::move(uv);
-    for (std::size_t s = 0; s < grid; ++s)
+    for (std::size_t s = 0; s < chart.grid_count(); ++s)
         if (!chart.mask[s]) chart.samples[s] = {};
     place_samples(chart);
     choose_diagonals(chart, fine);

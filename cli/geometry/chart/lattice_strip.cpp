@@ -29,7 +29,7 @@ class Joiner {
         for (const Vec2d& p : chart.border_uv) border_.push_back({p.x * (m_ - 1), p.y * (n_ - 1)});
     }
 
-    void run(const Triangulate& triangulate) {
+    [[nodiscard]] std::vector<std::uint32_t> run(const Triangulate& triangulate) {
         const std::size_t count = border_.size();
         for (std::size_t k = 0; k < count; ++k) clear_near(border_[k], border_[(k + 1) % count]);
         for (std::size_t k = 0; k < count; ++k) open_crossed_cells(border_[k], border_[(k + 1) % count]);
@@ -39,9 +39,11 @@ class Joiner {
         if (chart_.strip.empty())
             throw model::Error(model::codes::kMapInvalid, chart_.method + ": the chart has no strip");
         flip_repeated_edges();
+        return crowded();
     }
 
  private:
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
     [[nodiscard]] std::size_t at(std::uint32_t i, std::uint32_t j) const { return std::size_t{i} * n_ + j; }
 
     struct Range {
@@ -150,9 +152,7 @@ class Joiner {
 
     /// Flips each chord at most once, and none beside another.
     Flipped flip_pass(bool convex) {
-        std::map<Edge, int> uses;  // of the whole welded surface
-        for (const Face& f : chart_.faces())
-            for (int k = 0; k < 3; ++k) ++uses[welded(f[k], f[(k + 1) % 3])];
+        std::map<Edge, int> uses = count_uses();
         std::map<Edge, std::array<std::uint32_t, 2>> sides;  // unwelded chord -> its two strip faces
         for (std::uint32_t f = 0; f < chart_.strip.size(); ++f)
             for (int k = 0; k < 3; ++k) {
@@ -176,7 +176,27 @@ class Joiner {
         return out;
     }
 
-    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    /// How often each edge of the welded surface is that of a face.
+    [[nodiscard]] std::map<Edge, int> count_uses() const {
+        std::map<Edge, int> uses;
+        for (const Face& f : chart_.faces())
+            for (int k = 0; k < 3; ++k) ++uses[welded(f[k], f[(k + 1) % 3])];
+        return uses;
+    }
+
+    [[nodiscard]] std::vector<std::uint32_t> crowded() const {
+        const std::map<Edge, int> uses = count_uses();
+        std::set<std::uint32_t> out;
+        for (const Face& f : chart_.strip)
+            for (int k = 0; k < 3; ++k) {
+                const Edge w = welded(f[k], f[(k + 1) % 3]);
+                if (uses.at(w) <= 2 && w.first != w.second) continue;
+                for (const std::uint32_t s : {f[k], f[(k + 1) % 3]})
+                    if (s >= chart_.grid_count()) out.insert(s - static_cast<std::uint32_t>(chart_.grid_count()));
+            }
+        return {out.begin(), out.end()};
+    }
+
     [[nodiscard]] Edge welded(std::uint32_t a, std::uint32_t b) const {
         a = chart_.representative[a];
         b = chart_.representative[b];
@@ -219,8 +239,8 @@ class Joiner {
 
 }  // namespace
 
-void join_lattice_to_border(SampledChart& chart, const Triangulate& triangulate) {
-    Joiner(chart).run(triangulate);
+std::vector<std::uint32_t> join_lattice_to_border(SampledChart& chart, const Triangulate& triangulate) {
+    return Joiner(chart).run(triangulate);
 }
 
 }  // namespace dgm::bake

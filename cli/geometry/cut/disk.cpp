@@ -24,6 +24,33 @@ std::vector<std::uint32_t> Disk::border() const {
     return cycle;
 }
 
+namespace {
+/// Marks the paths that join the same two points as others.
+void mark_parallel(const Disk& disk, std::vector<BorderPath>& paths) {
+    struct Ends {
+        std::uint32_t low, high;
+        std::size_t path;
+        [[nodiscard]] bool same_as(const Ends& o) const { return low == o.low && high == o.high; }
+    };
+    std::vector<Ends> all;
+    for (std::size_t p = 0; p < paths.size(); ++p) {
+        if (paths[p].is_loop || (paths[p].mate != kNone && paths[p].mate < p)) continue;
+        const std::uint32_t a = disk.weld[origin(disk.mesh.faces, paths[p].half_edges.front())];
+        const std::uint32_t b = disk.weld[target(disk.mesh.faces, paths[p].half_edges.back())];
+        all.push_back({std::min(a, b), std::max(a, b), p});
+    }
+    std::sort(all.begin(), all.end(), [](const Ends& a, const Ends& b) {
+        return std::tie(a.low, a.high, a.path) < std::tie(b.low, b.high, b.path);
+    });
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        if (!(k > 0 && all[k].same_as(all[k - 1])) && !(k + 1 < all.size() && all[k].same_as(all[k + 1]))) continue;
+        BorderPath& path = paths[all[k].path];
+        path.parallel = true;
+        if (path.mate != kNone) paths[path.mate].parallel = true;
+    }
+}
+}  // namespace
+
 std::vector<BorderPath> Disk::paths(double corner_degrees) const {
     const std::vector<std::uint32_t> cycle = border();
     const std::size_t n = cycle.size();
@@ -74,6 +101,7 @@ std::vector<BorderPath> Disk::paths(double corner_degrees) const {
         if (m != kNone) path.mate = path_of[m];
         path.same_way = same_way(path.half_edges.front());
     }
+    mark_parallel(*this, out);
     return out;
 }
 

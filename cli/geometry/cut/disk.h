@@ -19,6 +19,7 @@ struct BorderPath {
     double length = 0;
     bool is_loop = false;   ///< starts and ends at one surface point
     bool same_way = false;  ///< runs in the direction of its mate
+    bool parallel = false;  ///< a path that is not its mate joins the same two surface points
 };
 
 struct Disk {

@@ -315,7 +315,8 @@ bool transfer_cut(const CutGraph& coarse, std::span<const std::uint32_t> origina
 std::optional<std::uint32_t> transfer_rotation(const Disk& coarse, std::uint32_t coarse_m, std::uint32_t coarse_n,
                                                std::uint32_t rotation, std::span<const std::uint32_t> original,
                                                const Disk& fine, std::uint32_t m, std::uint32_t n) {
-    const std::vector<BorderPath> coarse_paths = coarse.paths(), paths = fine.paths();
+    const std::uint32_t total = BorderGrid{m, n}.count();
+    const std::vector<BorderPath> coarse_paths = border_paths(coarse, total), paths = border_paths(fine, total);
     if (paths.size() != coarse_paths.size()) return std::nullopt;
     const std::vector<std::uint32_t> points = points_of(coarse, coarse_paths.front());
     const std::uint32_t from = original[points.front()], to = original[points.back()];
@@ -331,7 +332,6 @@ std::optional<std::uint32_t> transfer_rotation(const Disk& coarse, std::uint32_t
         }
     }
     if (best == paths.size()) return std::nullopt;
-    const std::uint32_t total = BorderGrid{m, n}.count();
     const std::vector<std::uint32_t> intervals = allocate_intervals(paths, total);
     std::uint64_t before = 0;
     for (std::size_t p = 0; p < best; ++p) before += intervals[p];

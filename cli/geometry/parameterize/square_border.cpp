@@ -49,9 +49,10 @@ struct Laid {
     std::vector<double> tau;              // per vertex, from the path's own start
 };
 
-/// A path of least(path) intervals keeps its quads apart: a loop needs three, or its ends share a quad's triangle.
+/// A path of least(path) intervals keeps its quads apart: a loop needs three, or its ends share a quad's triangle. Of
+/// paths that join the same points one may have a single edge, or their edges would be the same: a hole would close.
 std::uint32_t least(const BorderPath& path, bool roomy) {
-    return path.is_loop ? 3u : roomy ? 2u : 1u;
+    return path.is_loop ? 3u : roomy || path.parallel ? 2u : 1u;
 }
 
 bool has_four_real_sides(const std::vector<BorderPath>& paths) {
@@ -112,7 +113,7 @@ Shares facing_loops(const std::vector<BorderPath>& paths, BorderGrid grid, bool 
 class BorderLayout {
  public:
     BorderLayout(Disk& disk, BorderGrid grid, std::uint32_t rotation, BorderShares shares) : disk_(disk), grid_(grid) {
-        const std::vector<BorderPath> paths = disk.paths();
+        const std::vector<BorderPath> paths = border_paths(disk, grid.count());
         std::uint32_t start = rotation % grid.count();
         std::vector<std::uint32_t> intervals;
         if (shares != BorderShares::kByLength) {
@@ -316,6 +317,17 @@ Vec2d BorderGrid::uv(double t) const {
     return {0, 1 - (t - corner(3)) / (n - 1)};
 }
 
+std::vector<BorderPath> border_paths(const Disk& disk, std::uint32_t total) {
+    std::vector<BorderPath> paths;
+    for (const double corner_degrees : {50, 75, 100, 125, 150, 180}) {
+        paths = disk.paths(corner_degrees);
+        std::uint64_t needed = 0;
+        for (const BorderPath& path : paths) needed += least(path, false);
+        if (needed <= total) break;
+    }
+    return paths;
+}
+
 std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& paths, std::uint32_t total) {
     // One entry per path or pair of mates; a pair costs two intervals for each one it gets.
     struct Share {
@@ -381,11 +393,11 @@ SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std
 namespace {
 
 /// The paths that lay_square_border() lays.
-std::vector<BorderPath> joined_paths(const Disk& disk) {
-    if (disk.mesh.points.empty()) return disk.paths();
+std::vector<BorderPath> joined_paths(const Disk& disk, std::uint32_t total) {
+    if (disk.mesh.points.empty()) return border_paths(disk, total);
     Disk joined = disk;
     joined.join_sides();
-    return joined.paths();
+    return border_paths(joined, total);
 }
 
 /// Marks the border samples of the unrotated cycle that are leaves of the cut, or corners of the real border.
@@ -415,7 +427,7 @@ struct BorderMarks {
 }  // namespace
 
 std::uint32_t nearest_rotation(const Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t wanted) {
-    const std::vector<BorderPath> paths = joined_paths(disk);
+    const std::vector<BorderPath> paths = joined_paths(disk, BorderGrid{m, n}.count());
     if (has_four_real_sides(paths)) return 0;
     const BorderMarks marks(paths, {m, n});
     const std::uint32_t total = marks.grid.count();
@@ -427,7 +439,7 @@ std::uint32_t nearest_rotation(const Disk& disk, std::uint32_t m, std::uint32_t 
 
 std::vector<std::uint32_t> candidate_rotations(const Disk& disk, std::uint32_t m, std::uint32_t n,
                                                std::size_t how_many) {
-    const std::vector<BorderPath> paths = joined_paths(disk);
+    const std::vector<BorderPath> paths = joined_paths(disk, BorderGrid{m, n}.count());
     if (has_four_real_sides(paths)) return {0};
     const BorderMarks marks(paths, {m, n});
     const std::uint32_t period = m == n ? m - 1 : marks.grid.count() / 2;

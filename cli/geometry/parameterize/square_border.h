@@ -67,6 +67,11 @@ enum class BorderShares {
 [[nodiscard]] SquareBorder lay_square_border(Disk& disk, std::uint32_t m, std::uint32_t n, std::uint32_t rotation,
                                              BorderShares shares = BorderShares::kByLength);
 
+/// The paths of the disk's border for a grid that has `total` border intervals: corners of the real border are nodes,
+/// but only the sharper ones, or none, where all need more intervals than that. A scan's holes are jagged, and may have
+/// more corners than the grid has samples.
+[[nodiscard]] std::vector<BorderPath> border_paths(const Disk& disk, std::uint32_t total);
+
 /// Whole numbers of intervals for each path (mates equal), all together `total`; by largest remainder, at least
 /// `least(path)`. Exposed for its test. @throws kGridTooSmall
 [[nodiscard]] std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& paths, std::uint32_t total);

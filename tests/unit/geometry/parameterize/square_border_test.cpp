@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <random>
 #include <set>
@@ -68,6 +69,13 @@ TEST(AllocateIntervals, ShortPathsGetTheirLeast) {
     EXPECT_EQ(std::accumulate(tight.begin(), tight.end(), 0u), 12u);
     EXPECT_EQ(*std::min_element(tight.begin(), tight.end()), 1u);
     EXPECT_EQ(*std::max_element(tight.begin(), tight.end()), 2u);
+}
+
+TEST(AllocateIntervals, PathsBetweenTheSamePointsKeepApart) {
+    std::vector<BorderPath> many(10, real_path(1));
+    many[3].parallel = many[7].parallel = true;
+    const Counts tight = allocate_intervals(many, 12);
+    EXPECT_EQ(tight, (Counts{1, 1, 1, 2, 1, 1, 1, 2, 1, 1})) << "one each would be the same edge";
 }
 
 TEST(AllocateIntervals, TooSmallAGridIsRefused) {
@@ -266,6 +274,41 @@ TEST(SquareBorder, KeepsItsPromisesOnEverySurface) {
             }
         }
         ++at;
+    }
+}
+
+/// Corners of holes are nodes where there is room for them; a scan may have more than the grid has samples. Each edge
+/// of a hole then is one of the welded border still, and no hole closes.
+TEST(SquareBorder, HolesMayHaveMoreCornersThanThereIsRoomFor) {
+    std::vector<std::array<std::uint32_t, 2>> quads;  // of 16 crosses: 12 corners each
+    for (std::uint32_t i = 3; i < 20; i += 5)
+        for (std::uint32_t j = 3; j < 20; j += 5)
+            for (const auto& quad : {std::array{i, j}, {i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}})
+                quads.push_back(quad);
+    const TriMesh mesh = test::sheet_with_holes(22, quads);
+    CutGraph cut(mesh);
+    cut.cut_to_disk();
+    for (const std::uint32_t side : {33u, 65u}) {
+        SCOPED_TRACE(side);
+        Disk disk = cut.open();
+        const std::uint32_t total = 4 * (side - 1);
+        EXPECT_EQ(disk.paths().size() > total, side == 33);
+        EXPECT_EQ(border_paths(disk, total).size() == disk.paths().size(), side == 65);
+        const SquareBorder border = lay_square_border(disk, side, side, 0);
+        ASSERT_NO_FATAL_FAILURE(expect_laid(disk, border, side, side));
+        std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+        for (std::size_t t = 0; t < border.samples.size(); ++t) {
+            const std::uint32_t a = border.samples[t].same_as;
+            const std::uint32_t b = border.samples[(t + 1) % border.samples.size()].same_as;
+            ++uses[std::minmax(a, b)];
+        }
+        std::size_t alone = 0;
+        for (const auto& [edge, count] : uses) {
+            EXPECT_NE(edge.first, edge.second);
+            EXPECT_LE(count, 2);
+            alone += count == 1;
+        }
+        EXPECT_GE(alone, 3u * (16 + 1)) << "three edges a hole";
     }
 }
 
