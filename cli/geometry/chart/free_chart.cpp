@@ -41,8 +41,9 @@ std::vector<Vec2d> points_at(std::span<const Vec2d> uv, std::span<const std::uin
 
 /// For a chart that overlaps itself whatever the cut: its border, edge lengths of the surface, on a circle, and the
 /// inside by positive cotangent weights, which Tutte's theorem makes one to one. No border edge is shorter than a tenth
-/// of its equal share.
-std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t> border) {
+/// of its equal share. Where doubles do not hold that map, by weights that crowd less behind narrow places.
+std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t> border,
+                                 const model::Progress& progress) {
     const std::size_t n = border.size();
     std::vector<double> lengths(n);
     double total = 0;
@@ -58,7 +59,13 @@ std::vector<Vec2d> lay_on_circle(const Disk& disk, std::span<const std::uint32_t
         at += lengths[k];
     }
     ConvexMapSolver solver(disk.mesh.positions.size(), disk.mesh.faces, border);
-    return solver.solve(positive_cotangent_weights(disk.mesh.positions, disk.mesh.faces, solver.edges()), circle);
+    std::vector<Vec2d> uv =
+        solver.solve(positive_cotangent_weights(disk.mesh.positions, disk.mesh.faces, solver.edges()), circle);
+    if (count_not_positive(disk.mesh.faces, uv) > 0)
+        if (auto spread = flip_free_start({disk.mesh.positions, disk.mesh.faces, border, circle}, progress,
+                                          FlipFreeStart::kSpread))
+            uv = std::move(*spread);
+    return uv;
 }
 
 /// Halves the edges before and after some vertices of the border, on both sides of the cut.
@@ -221,12 +228,12 @@ SampledChart chart_without_overlap(Disk disk, std::uint32_t m, std::uint32_t n, 
     constexpr double kCrowded = 1e4;  // energy; an isometric map has 2
     const std::vector<std::uint32_t> border = border_vertices(disk);
     const std::string name(method.name());
-    std::vector<Vec2d> circle = lay_on_circle(disk, border);
+    std::vector<Vec2d> circle = lay_on_circle(disk, border, progress);
     SlimOptions fixed;
     fixed.border_fixed = true;
     if (flip_free_energy({disk.mesh.positions, disk.mesh.faces, border, {}}, circle, fixed) > kCrowded) {
         split_chords(disk, border);
-        circle = lay_on_circle(disk, border);
+        circle = lay_on_circle(disk, border, progress);
     }
     const FlipFreeEnergy energy = name == "arap" ? FlipFreeEnergy::kArap : FlipFreeEnergy::kSymmetricDirichlet;
     std::string how = "; laid out again without overlap";
