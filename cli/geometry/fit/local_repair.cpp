@@ -53,6 +53,14 @@ Region around_moved(const WeldedGrid& grid, const std::vector<Vec3d>& before) {
 
 }  // namespace
 
+LocalRepair::LocalRepair(FitState& fit, std::size_t patch_effort)
+    : fit_(fit), most_patch_effort_(patch_effort), patch_effort_(patch_effort) {
+    constexpr std::size_t kLongTries = 800'000, kFewestLong = 40'000, kFewestShort = 10'000;
+    const auto share = [&](std::size_t tries) { return tries * patch_effort / kPatchEffort; };
+    short_tries_ = std::max(share(SearchEffort{}.tries), kFewestShort);
+    long_tries_ = std::max(share(kLongTries), kFewestLong);
+}
+
 void LocalRepair::repair() {
     const std::vector<std::uint32_t> inverted = inverted_now();
     if (inverted.empty() || fit_.is_spent() || (unrepaired_ && without(inverted, *unrepaired_).empty())) return;
@@ -156,7 +164,7 @@ std::vector<char> LocalRepair::held_while_searching(const std::vector<std::uint3
 }
 
 SearchEffort LocalRepair::search_effort() const {
-    if (!is_at_a_price()) return {};
+    if (!is_at_a_price()) return {.tries = short_tries_};
     SearchEffort out = long_search(fit_.kept.rms, long_tries_);
     if (means_ == Means::kDearPlaces) out.unit = SearchEffort{}.unit;
     return out;

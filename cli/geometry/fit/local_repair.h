@@ -22,9 +22,8 @@ inline constexpr std::size_t kMostAtAPrice = 100;
 class LocalRepair {
  public:
     /// @param fit  must outlive the object
-    /// @param patch_effort  FitOptions::patch_effort
-    explicit LocalRepair(FitState& fit, std::size_t patch_effort = kPatchEffort)
-        : fit_(fit), most_patch_effort_(patch_effort), patch_effort_(patch_effort) {}
+    /// @param patch_effort  FitOptions::patch_effort; searches have the same share of their tries
+    explicit LocalRepair(FitState& fit, std::size_t patch_effort = kPatchEffort);
 
     /// Repairs inverted faces where others do not invert for them; fit.kept and fit.matches follow.
     void repair();
@@ -55,7 +54,8 @@ class LocalRepair {
     std::size_t most_patch_effort_;
     std::optional<std::vector<std::uint32_t>> unrepaired_;  // inverted faces that the last repair has left
     std::size_t patch_effort_;
-    std::size_t long_tries_ = 800'000;  ///< that searches at a price may yet make
+    std::size_t short_tries_;  ///< of a search that is not at a price
+    std::size_t long_tries_;   ///< that searches at a price may yet make
     Means means_ = Means::kCheap;
     bool nearly_ = false;  // repairs faces that rounding may invert, too
 };
