@@ -136,14 +136,14 @@ struct PhysicsImpl {
     std::uint32_t touching_count = 0, touching_now = 0;
     Array<physics::Grasped> grasped;
     std::uint32_t grasped_count = 0;
+    float hold = 0;             ///< entry of `extra` that stands for a held sample on coarser levels
+    bool driven = false;        ///< a pin moves in this step
+    bool few_held = true;       ///< no pins, and few samples are pressed or grasped
     std::uint64_t holding = 0;  ///< bit by tool number
     double elastic = 0;         ///< at the end of the step before, J
     double pressure = 0;
-    float hold = 0;              ///< entry of `extra` that stands for a held sample on coarser levels
     Array<std::uint8_t> pinned;  ///< by unknown, while a step runs: 1 by a pin, 2 by a pin where it was held anyway
-    bool driven = false;         ///< a pin moves in this step
     double layer = 0;            ///< of tools in this step, N/m^3; 0: hard
-    bool few_held = true;        ///< no pins, and few samples are pressed or grasped
     double unsure = 0;           ///< of `elastic`: at most about so much below what evaluate() would find
     double energy_before = 0;    ///< kinetic and elastic, at the start of the step
     double elastic_before = 0;   ///< J, at the start of the step
