@@ -119,7 +119,7 @@ struct StoredMaterial {
 [[nodiscard]] DGM_PHYSICS_API StoredMaterial stored_material(const State& state) noexcept;
 
 /// Stencils of all strides, velocities and displacement of one state. One thread at a time, together with its state.
-/// Closed and open charts of the square domain. Memory: 1.5 KB a sample from 129 x 129 on, 1.7 KB at 33 x 33, and a
+/// Closed and open charts of the square domain. Memory: 1.7 KB a sample from 129 x 129 on, 1.8 KB at 33 x 33, and a
 /// tenth more while it is made.
 class Physics {
  public:
