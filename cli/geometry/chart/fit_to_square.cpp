@@ -79,6 +79,18 @@ void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border
              std::clamp((dot(p, across) - v0) / (v1 - v0), 0.0, 1.0)};
 }
 
+NewVertices split_border(Disk& disk, std::vector<Vec2d>& uv, std::uint32_t h, double t) {
+    const auto between = [&](std::uint32_t e, double s) {
+        return uv[origin(disk.mesh.faces, e)] * (1 - s) + uv[target(disk.mesh.faces, e)] * s;
+    };
+    const std::uint32_t mate = disk.mate[h];
+    const Vec2d here = between(h, t), there = mate == kNone ? Vec2d{} : between(mate, disk.same_way(h) ? t : 1 - t);
+    const NewVertices added = disk.split(h, t);
+    uv.push_back(here);
+    if (added.twin != kNone) uv.push_back(there);
+    return added;
+}
+
 void divide_border(Disk& disk, std::vector<Vec2d>& uv, double rows, double cols) {
     constexpr double kMaxPieces = 64;
     const auto cells = [&](std::uint32_t h) {
@@ -97,17 +109,8 @@ void divide_border(Disk& disk, std::vector<Vec2d>& uv, double rows, double cols)
         const double wanted = std::ceil(per_cell * longer_side(h) - 1e-9);
         std::uint32_t at = h;
         for (auto pieces = static_cast<int>(std::min(wanted, kMaxPieces)); pieces > 1; --pieces) {
-            const double t = (pieces - 1.0) / pieces;  // the last piece comes off, `at` keeps the rest
-            const auto between = [&](std::uint32_t e, double s) {
-                return uv[origin(disk.mesh.faces, e)] * (1 - s) + uv[target(disk.mesh.faces, e)] * s;
-            };
-            const Vec2d here = between(at, t), there = disk.mate[at] == kNone
-                                                           ? Vec2d{}
-                                                           : between(disk.mate[at], disk.same_way(at) ? t : 1 - t);
-            const NewVertices added = disk.split(at, t);
-            uv.push_back(here);
-            if (added.twin != kNone) uv.push_back(there);
-            at = added.first;
+            // The last piece comes off, `at` keeps the rest.
+            at = split_border(disk, uv, at, (pieces - 1.0) / pieces).first;
         }
     }
 }

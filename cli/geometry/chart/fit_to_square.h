@@ -21,6 +21,9 @@ enum class Box {
 void fit_to_square(std::vector<Vec2d>& uv, std::span<const std::uint32_t> border, std::uint32_t m, std::uint32_t n,
                    Box box);
 
+/// Splits a border edge at parameter t, and its mate at the same place; `uv` grows by the new vertices.
+NewVertices split_border(Disk& disk, std::vector<Vec2d>& uv, std::uint32_t h, double t);
+
 /// Divides border edges longer than one grid cell, on both sides of a cut at the same places. A border so long that
 /// this would add more than four vertices a sample of the grid is divided into longer pieces, so that it adds no more.
 /// @param rows, cols  cells of the grid

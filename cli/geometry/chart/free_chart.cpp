@@ -75,15 +75,7 @@ void halve_border_at(Disk& disk, std::vector<Vec2d>& uv, std::span<const std::ui
     for (const std::uint32_t b : places)
         for (const std::uint32_t h : {border[b], border[(b + border.size() - 1) % border.size()]})
             edges.insert(disk.mate[h] == kNone ? h : std::min(h, disk.mate[h]));
-    const auto middle = [&](std::uint32_t h) {
-        return 0.5 * (uv[origin(disk.mesh.faces, h)] + uv[target(disk.mesh.faces, h)]);
-    };
-    for (const std::uint32_t h : edges) {
-        const Vec2d here = middle(h), there = disk.mate[h] == kNone ? Vec2d{} : middle(disk.mate[h]);
-        const NewVertices added = disk.split(h, 0.5);
-        uv.push_back(here);
-        if (added.twin != kNone) uv.push_back(there);
-    }
+    for (const std::uint32_t h : edges) split_border(disk, uv, h, 0.5);
 }
 
 /// Border samples, numbered after the grid, in border order; copies of a surface point share their weld id.

@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "model/codes.h"
 
@@ -38,8 +39,7 @@ class Joiner {
             chart_.strip.push_back({sample_[f[0]], sample_[f[1]], sample_[f[2]]});
         if (chart_.strip.empty())
             throw model::Error(model::codes::kMapInvalid, chart_.method + ": the chart has no strip");
-        flip_repeated_edges();
-        return crowded();
+        return crowded(flip_repeated_edges());
     }
 
  private:
@@ -131,28 +131,32 @@ class Joiner {
     /// flipped within the strip: where its two triangles make a convex quad as long as there are such chords, since the
     /// others turn over in (u, v). A limb too thin for samples of the lattice is a tube of border samples alone: there
     /// one flip calls for the next, along the limb, so the passes go on while fewer and fewer such chords are left.
-    void flip_repeated_edges() {
+    /// @return  how often each edge of the welded surface is that of a face then
+    [[nodiscard]] std::map<Edge, int> flip_repeated_edges() {
         constexpr int kIdlePasses = 12;
         std::size_t fewest = std::numeric_limits<std::size_t>::max();
         bool convex = true;
         for (int idle = 0; idle < kIdlePasses; ++idle) {
-            const Flipped pass = flip_pass(convex);
-            if (pass.repeated == 0 || (pass.flipped == 0 && !convex)) return;
+            Flipped pass = flip_pass(convex);
+            if (pass.repeated == 0 || (pass.flipped == 0 && !convex)) return std::move(pass.uses);
             if (pass.repeated < fewest) {
                 fewest = pass.repeated;
                 idle = 0;
             }
             convex = pass.flipped > 0;
         }
+        return count_uses();
     }
 
     struct Flipped {
         std::size_t repeated = 0, flipped = 0;  // chords that should be flipped, and those that were
+        std::map<Edge, int> uses = {};          // those of the welded surface, if none was
     };
 
     /// Flips each chord at most once, and none beside another.
     Flipped flip_pass(bool convex) {
-        std::map<Edge, int> uses = count_uses();
+        Flipped out;
+        std::map<Edge, int>& uses = out.uses = count_uses();
         std::map<Edge, std::array<std::uint32_t, 2>> sides;  // unwelded chord -> its two strip faces
         for (std::uint32_t f = 0; f < chart_.strip.size(); ++f)
             for (int k = 0; k < 3; ++k) {
@@ -161,7 +165,6 @@ class Joiner {
                 if (!fresh) it->second[1] = f;
             }
         std::set<std::uint32_t> touched;
-        Flipped out;
         for (const auto& [edge, faces] : sides) {
             const Edge w = welded(edge.first, edge.second);
             if (faces[1] == kNone || (uses[w] <= 2 && w.first != w.second)) continue;
@@ -184,8 +187,7 @@ class Joiner {
         return uses;
     }
 
-    [[nodiscard]] std::vector<std::uint32_t> crowded() const {
-        const std::map<Edge, int> uses = count_uses();
+    [[nodiscard]] std::vector<std::uint32_t> crowded(const std::map<Edge, int>& uses) const {
         std::set<std::uint32_t> out;
         for (const Face& f : chart_.strip)
             for (int k = 0; k < 3; ++k) {

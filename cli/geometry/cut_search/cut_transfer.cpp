@@ -316,7 +316,8 @@ std::optional<std::uint32_t> transfer_rotation(const Disk& coarse, std::uint32_t
                                                std::uint32_t rotation, std::span<const std::uint32_t> original,
                                                const Disk& fine, std::uint32_t m, std::uint32_t n) {
     const std::uint32_t total = BorderGrid{m, n}.count();
-    const std::vector<BorderPath> coarse_paths = border_paths(coarse, total), paths = border_paths(fine, total);
+    const std::vector<BorderPath> coarse_paths = border_paths(coarse, BorderGrid{coarse_m, coarse_n}.count()),
+                                  paths = border_paths(fine, total);
     if (paths.size() != coarse_paths.size()) return std::nullopt;
     const std::vector<std::uint32_t> points = points_of(coarse, coarse_paths.front());
     const std::uint32_t from = original[points.front()], to = original[points.back()];

@@ -317,13 +317,20 @@ Vec2d BorderGrid::uv(double t) const {
     return {0, 1 - (t - corner(3)) / (n - 1)};
 }
 
+namespace {
+/// Of all paths, each of two mates among them.
+std::uint64_t intervals_needed(const std::vector<BorderPath>& paths, bool roomy) {
+    std::uint64_t needed = 0;
+    for (const BorderPath& path : paths) needed += least(path, roomy);
+    return needed;
+}
+}  // namespace
+
 std::vector<BorderPath> border_paths(const Disk& disk, std::uint32_t total) {
     std::vector<BorderPath> paths;
     for (const double corner_degrees : {50, 75, 100, 125, 150, 180}) {
         paths = disk.paths(corner_degrees);
-        std::uint64_t needed = 0;
-        for (const BorderPath& path : paths) needed += least(path, false);
-        if (needed <= total) break;
+        if (intervals_needed(paths, false) <= total) break;
     }
     return paths;
 }
@@ -338,13 +345,12 @@ std::vector<std::uint32_t> allocate_intervals(const std::vector<BorderPath>& pat
     for (bool roomy : {true, false}) {
         std::vector<Share> shares;
         double weighted = 0;
-        std::uint64_t needed = 0;
+        const std::uint64_t needed = intervals_needed(paths, roomy);
         for (std::size_t p = 0; p < paths.size(); ++p) {
             if (paths[p].mate != kNone && paths[p].mate < p) continue;
             const std::uint32_t cost = paths[p].mate == kNone ? 1 : 2;
             shares.push_back({p, cost, 0, least(paths[p], roomy), 0});
             weighted += cost * paths[p].length;
-            needed += std::uint64_t{cost} * shares.back().least;
         }
         if (needed > total) {
             if (roomy) continue;

@@ -245,7 +245,7 @@ class Maker {
         linear.solve(way, c_.options.cycles * kNew, true);
         Double3 pull;
         each([&](const Grasped& g) {
-            pull = pull - g.multiplier - g.stiffness * (aim(g) - of(way, g.sample));
+            pull = pull - g.multiplier - g.stiffness * (aim(g) - point(way, g.sample));
             ++report_.samples;
         });
         const double sum[3] = {pull.x, pull.y, pull.z};
@@ -260,7 +260,7 @@ class Maker {
             linear.solve(moved, c_.options.cycles * (known ? 1 : kNew), known);
             kept[c] = {kGrasp, c_.frame, c_.frame};
             Double3 force;
-            each([&](const Grasped& g) { force = force - g.stiffness * (e - of(moved, g.sample)); });
+            each([&](const Grasped& g) { force = force - g.stiffness * (e - point(moved, g.sample)); });
             const double row[3] = {force.x, force.y, force.z};
             for (std::uint32_t a = 0; a < 3; ++a) local_.stiffness[3 * a + c] = static_cast<float>(row[a]);
             ++report_.columns;

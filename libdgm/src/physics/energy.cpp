@@ -9,10 +9,6 @@
 namespace dgm::detail::physics {
 namespace {
 
-Double3 point(const Field& f, std::uint32_t s) noexcept {
-    return {f.p[0][s], f.p[1][s], f.p[2][s]};
-}
-
 /// Inertia and foundation: diagonal, so they are added after copies have been summed.
 void add_diagonal(PhysicsImpl& p, Potential& to) noexcept {
     const Level& l = p.fine();
@@ -33,10 +29,9 @@ double add_contacts(PhysicsImpl& p) noexcept {
         const double gap = t.gap + dot(t.normal, point(p.delta, t.sample));
         const Press now = press_of(t, gap);
         t.force = now.force;
-        t.met = t.met || now.force > 0;
+        t.met = t.met || now.force > 0 || t.rubs();
         energy += now.energy;
         Double3 force = t.force * t.normal;
-        t.met = t.met || t.rubs();
         if (t.sticks()) {
             const Rub rub = rub_of(t, point(p.delta, t.sample));
             energy += rub.energy;
@@ -85,29 +80,23 @@ Press press_of(const Touching& t, double gap) noexcept {
 // The augmented Lagrangian of  slid = 0  while its force is at most `most`, which makes the potential grow like
 // a line from there on: Coulomb's friction with the normal force of the step before.
 Rub rub_of(const Touching& t, Double3 way) noexcept {
-    const Double3 hold = widen(t.hold), to = widen(t.slid) + way - dot(t.normal, way) * t.normal;
+    const Double3 hold = widen(t.hold), to = widen(t.slid) + t.flat(way);
     const Double3 wanted = hold - t.stiffness * to;
     const double size = std::sqrt(dot(wanted, wanted)), most = double{t.most}, by = 1 / (2 * t.stiffness);
-    if (size <= most) return {wanted, to, (size * size - dot(hold, hold)) * by, false};
-    return {(most / size) * wanted, to, (most * (2 * size - most) - dot(hold, hold)) * by, true};
+    if (size <= most) return {wanted, to, (size * size - dot(hold, hold)) * by, t.stiffness, false};
+    return {(most / size) * wanted, to, (most * (2 * size - most) - dot(hold, hold)) * by, t.stiffness * most / size,
+            true};
 }
 
 namespace {
 /// Adds what friction has along a line.
 void add_slope(const Touching& t, Double3 way, Double3 speed, Slope& to) noexcept {
     const Rub rub = rub_of(t, way);
-    const Double3 along = speed - dot(t.normal, speed) * t.normal;
-    const double by = dot(rub.force, along);
+    const Double3 along = t.flat(speed);
+    const double by = dot(rub.force, along), most = double{t.most};
+    const double with = rub.slides ? by * by / (most * most) : 0;  // the force keeps its size and turns
     to.first -= by;
-    if (!rub.slides) {
-        to.second += t.stiffness * dot(along, along);
-        return;
-    }
-    // The force keeps its size and turns.
-    const double most = double{t.most};
-    const Double3 wanted = widen(t.hold) - t.stiffness * rub.along;
-    const double across = dot(along, along) - by * by / (most * most);
-    to.second += t.stiffness * most / std::sqrt(dot(wanted, wanted)) * std::max(0.0, across);
+    to.second += rub.stiffness * std::max(0.0, dot(along, along) - with);
 }
 }  // namespace
 

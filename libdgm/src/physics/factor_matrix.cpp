@@ -14,10 +14,6 @@ void add_outer(Block& to, double by, Double3 a, Double3 b) noexcept {
         for (int j = 0; j < 3; ++j) to.at[3 * i + j] += by * x[i] * y[j];
 }
 
-Double3 point(const Field& f, std::size_t s) noexcept {
-    return {f.p[0][s], f.p[1][s], f.p[2][s]};
-}
-
 /// Triangle t of quad q: its corners; rest edges inverted and weight, see kernels.h. @return whether there is one
 bool take_corners(const PhysicsImpl& p, std::uint32_t q, std::size_t t, std::uint32_t (&to)[3],
                   float (&data)[4]) noexcept {

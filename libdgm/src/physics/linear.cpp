@@ -18,7 +18,7 @@ void add_at(const Field& f, std::uint32_t k, Double3 v) noexcept {
 }
 /// Of a contact, before anything moves. Its gap is that of the start of the step before.
 double force_now(const PhysicsImpl& p, const Touching& t) noexcept {
-    const double gap = t.gap + double{p.options.dt} * dot(t.normal, of(p.velocity, t.sample));
+    const double gap = t.gap + double{p.options.dt} * dot(t.normal, point(p.velocity, t.sample));
     return std::max(0.0, t.multiplier - t.stiffness * gap);
 }
 /// Contacts that press, but the tool's own.
@@ -142,9 +142,9 @@ double Linear::product(const Field& way) const noexcept {
         for (std::size_t k = 0; k < p_.fine().count(); ++k)
             p_.before.p[c][k] = back * (p_.smooth.p[c][k] - p_.smooth_before.p[c][k]);
     each_other(p_, tool_, [&](const Touching& t) {
-        add_at(p_.before, t.sample, t.stiffness * dot(t.normal, of(way, t.sample)) * t.normal);
+        add_at(p_.before, t.sample, t.stiffness * dot(t.normal, point(way, t.sample)) * t.normal);
     });
-    each_grasp(p_, [&](const Grasped& g) { add_at(p_.before, g.sample, g.stiffness * of(way, g.sample)); });
+    each_grasp(p_, [&](const Grasped& g) { add_at(p_.before, g.sample, g.stiffness * point(way, g.sample)); });
     share_copies(p_.fine(), p_.before);
     return inner(way, p_.before);
 }

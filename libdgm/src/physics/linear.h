@@ -9,10 +9,6 @@
 
 namespace dgm::detail::physics {
 
-[[nodiscard]] inline Double3 of(const Field& f, std::uint32_t k) noexcept {
-    return {f.p[0][k], f.p[1][k], f.p[2][k]};
-}
-
 /// The second derivatives H of a step's potential at the present shape, and conjugate gradients on them, with the
 /// volume kept and contacts that press as springs. Works in memory that each step writes anew.
 class Linear {

@@ -279,16 +279,22 @@ double inertia_of(const PhysicsImpl& p) noexcept {
 }
 }  // namespace
 
+bool is_held(const PhysicsImpl& p) noexcept {
+    const Level& l = p.fine();
+    bool held = p.material.foundation > 0;
+    for (std::uint32_t k = 0; k < l.grid && !held; ++k) held = l.own[k] * p.mass[k] > 0 && p.free[k] == 0;
+    return held;
+}
+
 Drift drift_of(const PhysicsImpl& p, const Field& of) noexcept {
     const Level& l = p.fine();
     Drift out;
-    bool held = p.material.foundation > 0;
     for (std::uint32_t k = 0; k < l.grid; ++k) {
         const double m = double{l.own[k]} * double{p.mass[k]};
         out.mass += m;
-        held = held || (m > 0 && p.free[k] == 0);
         for (int c = 0; c < 3; ++c) out.mean[c] += m * double{of.p[c][k]};
     }
+    const bool held = is_held(p);
     for (double& v : out.mean) {
         v = held ? 0 : v / out.mass;
         out.energy += 0.5 * out.mass * v * v;

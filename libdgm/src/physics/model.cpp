@@ -36,9 +36,6 @@ Double3 unit(Double3 v) noexcept {
     const double l = length(v);
     return l > 0 ? (1 / l) * v : Double3{};
 }
-Double3 point(const Field& f, std::size_t s) noexcept {
-    return {f.p[0][s], f.p[1][s], f.p[2][s]};
-}
 
 Measured measure(const PhysicsImpl& p, const Triangle& t) noexcept {
     Measured m;

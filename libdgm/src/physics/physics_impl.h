@@ -22,6 +22,10 @@ inline constexpr bool kFriction = false;
 inline constexpr bool kFriction = true;
 #endif
 
+[[nodiscard]] inline Double3 point(const Field& f, std::size_t k) noexcept {
+    return {f.p[0][k], f.p[1][k], f.p[2][k]};
+}
+
 /// A sample and the obstacle it may touch; sorted by obstacle, then sample.
 struct Touching {
     std::uint32_t sample = kNone, obstacle = kNone;
@@ -41,6 +45,8 @@ struct Touching {
     [[nodiscard]] bool rubs() const noexcept { return kFriction && most > 0; }
     /// Whether friction is part of the potential of contacts.
     [[nodiscard]] bool sticks() const noexcept { return rubs() && !slides; }
+    /// The part along the obstacle.
+    [[nodiscard]] Double3 flat(Double3 v) const noexcept { return v - dot(normal, v) * normal; }
 };
 
 /// Force of a contact, its growth by depth, and its energy.
@@ -51,9 +57,10 @@ struct Press {
 
 /// Friction of a contact.
 struct Rub {
-    Double3 force;      ///< N, on the sample
-    Double3 along;      ///< way along the obstacle, metres
-    double energy = 0;  ///< J
+    Double3 force;         ///< N, on the sample
+    Double3 along;         ///< way along the obstacle, metres
+    double energy = 0;     ///< J
+    double stiffness = 0;  ///< N/m; where it slides, across the force alone
     bool slides = false;
 };
 /// @param way  of the sample in this step, metres
@@ -216,9 +223,9 @@ struct Drift {
     double mass = 0, mean[3] = {};  ///< mean by mass; 0 if the body is held, or has a foundation
     double energy = 0;              ///< mass |mean|^2 / 2
 };
-[[nodiscard]] Drift drift_of(const PhysicsImpl& p, const Field& of) noexcept;
 /// Whether samples are held, or a foundation holds them all.
 [[nodiscard]] bool is_held(const PhysicsImpl& p) noexcept;
+[[nodiscard]] Drift drift_of(const PhysicsImpl& p, const Field& of) noexcept;
 /// Moves a body that nothing holds as a whole to where it lowers inertia and contacts, whose potential is `contact`.
 /// `before` is where it was. @return what inertia gains, J
 [[nodiscard]] double move_whole(PhysicsImpl& p, double contact) noexcept;

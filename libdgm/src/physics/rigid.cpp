@@ -70,7 +70,7 @@ class Whole {
             const double xx = m * at.x * at.x, yy = m * at.y * at.y, zz = m * at.z * at.z;
             h[3][3] += yy + zz, h[4][4] += xx + zz, h[5][5] += xx + yy;
             h[4][3] -= m * at.x * at.y, h[5][3] -= m * at.x * at.z, h[5][4] -= m * at.y * at.z;
-            on_ways(at, of(p_.gradient, k), to);
+            on_ways(at, point(p_.gradient, k), to);
             for (int i = 0; i < kWays; ++i) by_[i] -= to[i];
         }
         for (int i = 0; i < 3; ++i) h[i][i] += by_dt2_ * mass_;
@@ -78,10 +78,10 @@ class Whole {
         const Array<Touching>& list = p_.touching[p_.touching_now];
         for (std::uint32_t k = 0; k < p_.touching_count; ++k) {
             const Touching& t = list[k];
-            const Double3 at = place(t.sample) - middle_, way = of(p_.before, t.sample);
+            const Double3 at = place(t.sample) - middle_, way = point(p_.before, t.sample);
             stiffen(at, t.normal, press_of(t, t.gap + dot(t.normal, way)).stiffness);
             if (!t.sticks() || rub_of(t, way).slides) continue;
-            for (const Double3 axis : kAxes) stiffen(at, axis - dot(axis, t.normal) * t.normal, t.stiffness);
+            for (const Double3 axis : kAxes) stiffen(at, t.flat(axis), t.stiffness);
         }
         return solve(h, by_);
     }
@@ -90,7 +90,7 @@ class Whole {
     double go(double part, double contact_before) noexcept {
         const Double3 way = part * Double3{by_[0], by_[1], by_[2]}, turn = part * Double3{by_[3], by_[4], by_[5]};
         for (std::uint32_t k = 0; k < p_.total; ++k) {
-            const Double3 d = of(p_.before, k) + way + cross(turn, place(k) - middle_);
+            const Double3 d = point(p_.before, k) + way + cross(turn, place(k) - middle_);
             const double x[3] = {d.x, d.y, d.z};
             for (int c = 0; c < 3; ++c) p_.delta.p[c][k] = static_cast<float>(x[c]);
         }
@@ -115,15 +115,12 @@ class Whole {
     }
 
  private:
-    static Double3 of(const Field& f, std::uint32_t k) noexcept {
-        return {double{f.p[0][k]}, double{f.p[1][k]}, double{f.p[2][k]}};
-    }
     [[nodiscard]] double mass_of(std::uint32_t k) const noexcept {
         return double{p_.fine().own[k]} * double{p_.mass[k]};
     }
     /// Where the search has led.
     [[nodiscard]] Double3 place(std::uint32_t k) const noexcept {
-        return of(p_.rest, k) + Double3{p_.at[0][k], p_.at[1][k], p_.at[2][k]} + of(p_.before, k);
+        return point(p_.rest, k) + Double3{p_.at[0][k], p_.at[1][k], p_.at[2][k]} + point(p_.before, k);
     }
 
     PhysicsImpl& p_;
@@ -133,12 +130,6 @@ class Whole {
     Row by_ = {};
 };
 }  // namespace
-
-bool is_held(const PhysicsImpl& p) noexcept {
-    bool held = p.material.foundation > 0;
-    for (std::uint32_t k = 0; k < p.fine().grid && !held; ++k) held = p.fine().own[k] != 0 && p.free[k] == 0;
-    return held;
-}
 
 double move_whole(PhysicsImpl& p, double contact) noexcept {
     constexpr int kTries = 4;

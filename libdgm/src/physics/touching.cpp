@@ -98,11 +98,10 @@ Double3 way_of(const PhysicsImpl& p, const Scene& before, const Scene& now, std:
 
 /// Friction goes on from that of the step before, along the surface as it lies now.
 void take_friction(double friction, const Touching& was, Double3 way, Touching& t) noexcept {
-    const auto flat = [&](Double3 v) { return v - dot(t.normal, v) * t.normal; };
     t.most = static_cast<float>(friction * was.multiplier);
     if (!t.rubs()) return;
-    t.hold = narrow(flat(widen(was.hold)));
-    t.slid = narrow(flat(widen(was.slid) - way));
+    t.hold = narrow(t.flat(widen(was.hold)));
+    t.slid = narrow(t.flat(widen(was.slid) - way));
 }
 
 /// Distance within which a sample may come to touch in this step, local units.
@@ -174,8 +173,7 @@ void let_slide(PhysicsImpl& p) noexcept {
         if (!t.rubs()) continue;
         const std::uint32_t s = t.sample;
         const double mass = double{p.mass[s]}, back = double{t.most} * dt2 / mass;
-        const Double3 way{double{p.inertial.p[0][s]}, double{p.inertial.p[1][s]}, double{p.inertial.p[2][s]}};
-        const Double3 to = widen(t.slid) + way - dot(t.normal, way) * t.normal;
+        const Double3 way = point(p.inertial, s), to = widen(t.slid) + t.flat(way);
         const double size = std::sqrt(dot(to, to));
         if (!(size > back)) continue;
         const Double3 force = (-double{t.most} / size) * to, now = way + (dt2 / mass) * force;
@@ -289,8 +287,7 @@ void keep_multipliers(PhysicsImpl& p) noexcept {
         Touching& t = list[k];
         t.multiplier = t.force;
         if (!t.sticks()) continue;
-        const Rub rub = rub_of(
-            t, {double{p.before.p[0][t.sample]}, double{p.before.p[1][t.sample]}, double{p.before.p[2][t.sample]}});
+        const Rub rub = rub_of(t, point(p.before, t.sample));
         t.hold = narrow(rub.force);
         t.slid = rub.slides ? Vec3{} : narrow(rub.along);
     }
