@@ -296,7 +296,7 @@ TEST(BakeMesh, ASmallPartThatNeedsALargerGridIsToldTheSizeOfTheWholeAsset) {
 }
 
 TEST(BakeMesh, AFlatPanelOfNeedlesIsItsOwnChart) {
-    // Teeth of 1/400 x 1 on a thin back.
+    // Teeth of 1/400 x 4 on a thin back.
     constexpr std::uint32_t kTeeth = 400;
     model::TriMesh comb;
     for (std::uint32_t k = 0; k <= kTeeth; ++k) {
@@ -305,7 +305,7 @@ TEST(BakeMesh, AFlatPanelOfNeedlesIsItsOwnChart) {
     }
     for (std::uint32_t k = 0; k < kTeeth; ++k) {
         const std::uint32_t a = 2 * k, tip = 2 * (kTeeth + 1) + k;
-        comb.positions.push_back({(k + 0.5) / kTeeth, 1.3, 0});
+        comb.positions.push_back({(k + 0.5) / kTeeth, 4, 0});
         comb.faces.insert(comb.faces.end(), {{a, a + 2, a + 3}, {a, a + 3, a + 1}, {a + 1, a + 3, tip}});
     }
     for (model::Vec3d& p : comb.positions) p = {p.x, 0.6 * p.y, 0.8 * p.y};
