@@ -36,6 +36,10 @@ constexpr std::size_t kMaxPagedLayers = 64;  ///< charts by the thousand are pac
 /// HDF5 takes room for its own structures in blocks; the rest of the last one is lost.
 constexpr hsize_t kMetadataBlock = 16384, kSmallMetadataBlock = 4096;
 
+/// A chart's group keeps its links in its header, which has room for them and, counted in links, for its attributes
+/// from the start: headers that grow leave gaps, among which HDF5 looks for each new one, in time quadratic in charts.
+constexpr unsigned kMostLinks = 64, kLinkName = 12, kAttributesInLinks = 14;
+
 [[noreturn]] void refuse(const std::string& message, const std::string& place) {
     throw model::Error(codes::kBadLayerShape, message, place);
 }
@@ -118,6 +122,9 @@ class H5Writer {
 
         group_creation_ = check_.handle(H5Pcreate(H5P_GROUP_CREATE), "make a property list");
         check_.done(H5Pset_obj_track_times(group_creation_, false), "turn off times");
+        chart_creation_ = check_.handle(H5Pcreate(H5P_GROUP_CREATE), "make a property list");
+        check_.done(H5Pset_obj_track_times(chart_creation_, false), "turn off times");
+        check_.done(H5Pset_link_phase_change(chart_creation_, kMostLinks, 0), "keep links in the header");
         dataset_creation_ = check_.handle(H5Pcreate(H5P_DATASET_CREATE), "make a property list");
         check_.done(H5Pset_obj_track_times(dataset_creation_, false), "turn off times");
         check_.done(H5Pset_layout(dataset_creation_, H5D_CONTIGUOUS), "set the layout");
@@ -131,13 +138,15 @@ class H5Writer {
         attribute(file_, "source_name", maps.source_name);
         attribute(file_, "source_hash", to_hex(maps.source_hash));
         attribute(file_, "settings_hash", to_hex(maps.settings_hash));
-        charts_ = group(file_, "charts");
+        charts_ = group(file_, "charts", group_creation_);
     }
 
     /// Fills in the offsets of the chart's layers.
     void write_chart(const Chart& chart, std::size_t number, std::span<layout::LayerRecord> records) {
         check_.place = h5_place(number);
-        const H5Handle target = group(charts_, std::to_string(number));
+        const auto links = static_cast<unsigned>(std::min<std::size_t>(chart.layers.size(), kMostLinks));
+        check_.done(H5Pset_est_link_info(chart_creation_, links + kAttributesInLinks, kLinkName), "reserve a header");
+        const H5Handle target = group(charts_, std::to_string(number), chart_creation_);
         attribute(target, "domain", std::string(chart.domain == model::Domain::kFree ? "free" : "square"));
         attribute(target, "method", chart.method);
         attribute(target, "rows", std::vector{chart.rows});
@@ -180,7 +189,7 @@ class H5Writer {
     }
 
     void close() {
-        for (H5Handle* handle : {&index_, &charts_, &group_creation_, &dataset_creation_})
+        for (H5Handle* handle : {&index_, &charts_, &group_creation_, &chart_creation_, &dataset_creation_})
             if (handle->is_valid() && !handle->close()) check_.fail("close an object");
         if (!file_.close()) check_.fail("write the file to its end");
     }
@@ -190,8 +199,8 @@ class H5Writer {
         write_attribute(object, name, value, check_);
     }
 
-    H5Handle group(hid_t parent, const std::string& name) {
-        return check_.handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, group_creation_, H5P_DEFAULT),
+    H5Handle group(hid_t parent, const std::string& name, const H5Handle& creation) {
+        return check_.handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT),
                              "create a group");
     }
 
@@ -224,7 +233,7 @@ class H5Writer {
     }
 
     H5Check check_;
-    H5Handle file_, charts_, group_creation_, dataset_creation_, index_;
+    H5Handle file_, charts_, group_creation_, chart_creation_, dataset_creation_, index_;
 };
 
 template <std::size_t N>
