@@ -31,6 +31,7 @@ ChartEffort chart_effort(std::size_t charts, double samples) {
 }
 
 FitOptions with_effort(FitOptions options, const ChartEffort& effort) {
+    options.trial_samples = effort.trial_samples;
     options.patch_effort = effort.patch_effort;
     options.points_of_small = effort.points_of_small;
     // Of 20 shells: one snap less of two costs 2.1 dB, half the rounds 0.3. Sheets at 140 dB lose 2.

@@ -11,12 +11,12 @@ namespace dgm::bake {
 
 struct FitOptions;
 
-/// Points on each surface where charts of a component are compared, and where a chart is measured at least.
-inline constexpr std::uint64_t kTrialSamples = 20'000, kLeastMeasured = 2'000;
+/// Points on each surface where a chart is measured at least.
+inline constexpr std::uint64_t kLeastMeasured = 2'000;
 
 /// Charts of an asset share what one with a few charts may cost; up to ten have all of it each.
 struct ChartEffort {
-    std::uint64_t trial_samples = kTrialSamples;
+    std::uint64_t trial_samples = kTrialSamples;  ///< FitOptions's
     std::uint64_t measured_samples = kLeastMeasured;
     std::size_t points_of_small = kPointsOfSmall;  ///< FitOptions's
     std::size_t patch_effort = kPatchEffort;       ///< FitOptions's

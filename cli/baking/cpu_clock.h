@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/baking/cpu_clock.h
-// CPU time of the process since a moment, all threads together: the measure of speed, since it hardly depends on other
-// programs.
+// CPU time since a moment: the measure of speed, since it hardly depends on other programs.
 #pragma once
 #include <ctime>
 
@@ -9,14 +8,20 @@ namespace dgm::bake {
 
 class CpuClock {
  public:
+    enum class Of {
+        kProcess,  ///< all threads together
+        kThread    ///< the calling one, where others do something else
+    };
+    explicit CpuClock(Of of = Of::kProcess) : of_(of) {}
     [[nodiscard]] double seconds() const { return now() - start_; }
 
  private:
-    static double now() {
+    [[nodiscard]] double now() const {
         timespec t{};
-        if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t) != 0) return 0;
+        if (clock_gettime(of_ == Of::kThread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_PROCESS_CPUTIME_ID, &t) != 0) return 0;
         return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
     }
+    Of of_;
     double start_ = now();
 };
 

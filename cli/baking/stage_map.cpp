@@ -126,7 +126,8 @@ Attempt<ComponentResult> bake_one(const Repaired& source, const MapRequest& requ
                                   const model::Progress& progress) {
     ComponentTask task{source.components[c], size, most, request.use, RingUse::kTried};
     if (!request.rings.empty()) task.rings = request.rings[c];
-    task.trial_samples = chart_effort(source.components.size(), 1).trial_samples;
+    task.trials.samples = chart_effort(source.components.size(), 1).trial_samples;
+    if (source.components.size() > 1) task.trials.clock = CpuClock::Of::kThread;
     Attempt<ComponentResult> out = bake_component(task, options, cuts[c], progress);
     if (out || task.rings != RingUse::kOnly) return out;
     task.rings = RingUse::kTried;
@@ -294,16 +295,28 @@ Mapped map_source(const Repaired& source, const MapRequest& request, const BakeO
     const std::vector<GridSize> sizes = component_sizes(full, source.areas, source.largest);
     check_samples(sizes);
     Mapped out;
-    for (std::size_t c = 0; c < sizes.size(); ++c) {
+    out.charts.resize(sizes.size());
+    std::vector<std::optional<Error>> failures(sizes.size());
+    const auto map = [&](std::size_t c, const model::Progress& part) {
         Attempt<ComponentResult> chart =
-            bake_one(source, request, c, sizes[c], full[c], options, cuts, part_of(progress, "map", c, sizes.size()));
-        if (!chart) {
-            Error error = chart.error();
-            if (size_may_help(error, request, options))
-                error.with_hint(hint_of_size(source, request, c, options, chart.failure(), progress));
-            throw failure_at(error, c, sizes.size());
+            bake_one(source, request, c, sizes[c], full[c], options, cuts, part_of(part, "map", 0, 1));
+        if (chart) {
+            out.charts[c] = std::move(*chart);
+        } else {
+            failures[c] = chart.error();
+            throw chart.error();  // ends the loop
         }
-        out.charts.push_back(std::move(*chart));
+    };
+    try {
+        for_each_component(sizes.size(), progress, map);
+    } catch (const Error& thrown) {
+        const auto failed = std::find_if(failures.begin(), failures.end(), [](const auto& f) { return f.has_value(); });
+        if (failed == failures.end() || &thrown.code() != &(*failed)->code()) throw;  // interrupted, or no memory
+        const auto c = static_cast<std::size_t>(failed - failures.begin());
+        Error error = **failed;
+        if (size_may_help(error, request, options))
+            error.with_hint(hint_of_size(source, request, c, options, failure_of(error), progress));
+        throw failure_at(error, c, sizes.size());
     }
     if (options.ablates("diagonals"))
         for (ComponentResult& mapped : out.charts) {

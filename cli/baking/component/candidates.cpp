@@ -6,7 +6,6 @@
 #include <iterator>
 #include <utility>
 
-#include "baking/cpu_clock.h"
 #include "baking/methods.h"
 #include "geometry/fit/fit.h"
 #include "geometry/mesh/infinity.h"
@@ -91,7 +90,7 @@ void Contest::challenge(const std::function<SampledChart()>& make, bool will_be_
 }
 
 void Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress) {
-    const CpuClock clock;
+    const CpuClock clock(trials_.clock);
     const std::size_t at = candidates_.size() + rival.best_index_;
     std::move(rival.candidates_.begin(), rival.candidates_.end(), std::back_inserter(candidates_));
     if (!rival.best_) {
@@ -117,13 +116,13 @@ bool Contest::beats_best(Entry& entry, Candidate& candidate, bool will_be_fitted
 }
 
 void Contest::judge(Candidate candidate, const std::function<SampledChart()>& make, const Wins& wins) {
-    const CpuClock clock;
+    const CpuClock clock(trials_.clock);
     candidate.cut = cut_;
     Attempt<MeasuredCandidate> made = attempt([&] {
         MeasuredCandidate out{make(), {}};
         if (!topology_) topology_ = measure_topology(component_);
         check_topology(*topology_, out.chart);
-        out.error = quick_error(component_, out.chart, samples_);
+        out.error = quick_error(component_, out.chart, trials_.samples);
         return out;
     });
     if (made) {

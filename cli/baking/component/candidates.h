@@ -13,6 +13,7 @@
 #include "baking/bake_options.h"
 #include "baking/bake_report.h"
 #include "baking/chart_effort.h"
+#include "baking/cpu_clock.h"
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/fit/fit.h"
 
@@ -57,14 +58,19 @@ struct ComponentResult {
     std::optional<TrialFit> begun;      ///< of the chart, if there was a trial fit of it
 };
 
+/// How candidates are measured.
+struct Trials {
+    std::uint64_t samples = kTrialSamples;        ///< points on each surface; ChartEffort's
+    CpuClock::Of clock = CpuClock::Of::kProcess;  ///< their times
+};
+
 /// Holds the best chart so far, and the record of all.
 class Contest {
  public:
     /// `component` must outlive it.
     /// @param cut  of its charts
-    /// @param samples  points on each surface with which charts are measured
-    explicit Contest(const TriMesh& component, CutKind cut = CutKind::kFirst, std::uint64_t samples = kTrialSamples)
-        : component_(component), cut_(cut), samples_(samples) {}
+    explicit Contest(const TriMesh& component, CutKind cut = CutKind::kFirst, const Trials& trials = {})
+        : component_(component), cut_(cut), trials_(trials) {}
 
     /// Makes a chart and measures it. The chart must have the component's topology. A failure is recorded.
     /// @param directed  its samples follow the directions of curvature
@@ -112,7 +118,7 @@ class Contest {
 
     const TriMesh& component_;
     CutKind cut_;
-    std::uint64_t samples_;
+    Trials trials_;
     std::vector<Candidate> candidates_;
     std::optional<Entry> best_;
     std::optional<model::Error> failure_;

@@ -189,7 +189,7 @@ void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOp
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!cut && task.rings == RingUse::kOnly) contest.fail(cut.error());
     if (!cut || (*cut)->rms > kFarRing * rms) return;
-    Contest rings(task.component, CutKind::kRing, task.trial_samples);
+    Contest rings(task.component, CutKind::kRing, task.trials);
     const SquareMaps maps(task, options, **cut, progress);
     maps.enter(Method::kStretch, rings);
     maps.challenge(Method::kStretch, rings);
@@ -209,7 +209,7 @@ void try_other_cuts(const ComponentTask& task, const BakeOptions& options, const
     if (const Topology found = measure_topology(task.component); found.genus == 0 && found.boundary_loops > 0) return;
     for (const CutSearchResult& cut : search_other_cuts(task.component, search, kFarOther * first.rms, progress)) {
         if (cut.rms == first.rms && cut.cut_length == first.cut_length) continue;
-        Contest others(task.component, CutKind::kOther, task.trial_samples);
+        Contest others(task.component, CutKind::kOther, task.trials);
         const SquareMaps maps(task, options, cut, progress);
         contest.best_is_directed() ? maps.enter_directed(Method::kStretch, others)
                                    : maps.enter(Method::kStretch, others);
@@ -228,7 +228,7 @@ void try_limbs(const ComponentTask& task, const BakeOptions& options, const CutS
     const Attempt<std::optional<CutSearchResult>> cut =
         attempt([&] { return open_limbs(task.component, task.size.rows, task.size.cols, progress); });
     if (!cut || !*cut || (*cut)->cut_length == first.cut_length) return;
-    Contest limbs(task.component, CutKind::kLimbs, task.trial_samples);
+    Contest limbs(task.component, CutKind::kLimbs, task.trials);
     const SquareMaps maps(task, options, **cut, progress);
     maps.enter(Method::kStretch, limbs);
     maps.challenge(Method::kStretch, limbs);
@@ -252,7 +252,7 @@ void try_free(const ComponentTask& task, const BakeOptions& options, Contest& co
     } else if (!(contest.best_psnr() < psnr_at(task.size, kPoor))) {
         return;
     }
-    Contest frees(task.component, CutKind::kFree, task.trial_samples);
+    Contest frees(task.component, CutKind::kFree, task.trials);
     const auto enter = [&](Method method) {
         frees.enter(method, [&] { return free_chart(task, method, free_tools(), progress); });
     };
@@ -321,7 +321,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
 
 Attempt<ComponentResult> bake_on_grid(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts,
                                       const model::Progress& progress) {
-    Contest contest(task.component, CutKind::kFirst, task.trial_samples);
+    Contest contest(task.component, CutKind::kFirst, task.trials);
     const auto free = [&](Method method) {
         contest.enter(method, [&] { return free_chart(task, method, free_tools(), progress); });
     };

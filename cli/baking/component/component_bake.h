@@ -4,7 +4,6 @@
 #pragma once
 #include "baking/attempt.h"
 #include "baking/bake_options.h"
-#include "baking/chart_effort.h"
 #include "baking/component/candidates.h"
 #include "baking/component/cut_memory.h"
 #include "model/progress.h"
@@ -24,7 +23,7 @@ struct ComponentTask {
     GridSize most;  ///< the grid grows up to this where the cut does not fit it
     CutUse use = CutUse::kSearch;
     RingUse rings = RingUse::kTried;
-    std::uint64_t trial_samples = kTrialSamples;  ///< ChartEffort's
+    Trials trials = {};
 };
 
 /// `auto` tries the methods that fit the component and keeps the one with the least measured error; a named method is

@@ -37,7 +37,6 @@ constexpr double kRepairPrice = 1.5, kRepairLargest = 3;  // in rms and in the l
 // lantern 0 of 1,185 at 1.02 and 3.6.
 constexpr double kFewInvertedPrice = 2, kFewInvertedLargest = 5;
 constexpr std::size_t kFewInverted = 20;
-constexpr std::uint64_t kFewSamples = 20'000;
 // The hardest shapes measured, at 65 x 65, take 14,000 faces a sample; 190,000 are allowed there.
 constexpr std::uint64_t kLooksPerSample = 40'000, kFewestSamples = 20'000;
 constexpr double kPointsOfDense = 16;  // a sample; with 8, `l2` needs 11 rounds for less than it reaches in 7
@@ -300,11 +299,11 @@ void swap_placement(SampledChart& chart, Placement& other) {
 
 /// Measures the chart as it is and as it was against all faces of the source: walks between matches flatter a map that
 /// folds.
-bool is_worse_than(Placement& start, FitState& fit) {
+bool is_worse_than(Placement& start, FitState& fit, std::uint64_t samples) {
     const TriMesh& mesh = fit.chart.disk->mesh;
-    const SurfaceError after = quick_error(mesh, fit.chart, kFewSamples);
+    const SurfaceError after = quick_error(mesh, fit.chart, samples);
     swap_placement(fit.chart, start);
-    const SurfaceError before = quick_error(mesh, fit.chart, kFewSamples);
+    const SurfaceError before = quick_error(mesh, fit.chart, samples);
     const TriMesh surface_before = fit.chart.surface();
     swap_placement(fit.chart, start);
     if (kFewInvertedPrice * before.rms < after.rms) return true;
@@ -380,7 +379,7 @@ FitReport finish(Course& course, Placement start, double start_rms) {
     report.hausdorff = fit.kept.largest;
     SampledChart& chart = fit.chart;
     const bool moved = chart.positions != start.positions || chart.diagonals != start.diagonals;
-    if (moved && fit.kept.rms > kSureGain * report.start_rms && is_worse_than(start, fit)) {
+    if (moved && fit.kept.rms > kSureGain * report.start_rms && is_worse_than(start, fit, options.trial_samples)) {
         swap_placement(chart, start);
         report.rms = report.start_rms;
         report.hausdorff = report.start_hausdorff;

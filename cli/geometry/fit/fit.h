@@ -43,6 +43,7 @@ struct FitOptions {
     bool on_lattice = false;       ///< leave the grid's samples on the places that u16 positions have
     std::uint64_t most_looks = 0;  ///< faces that walks may look at before the fit ends; 0: most_looks_of()
     std::size_t patch_effort = kPatchEffort;  ///< of a repair of inverted faces, and of each attempt of the last resort
+    std::uint64_t trial_samples = kTrialSamples;  ///< where the chart is compared with what it was
     double points_per_sample = 8;  ///< source points a grid sample, but 24 where that makes points_of_small at most
     std::size_t points_of_small = kPointsOfSmall;
     double points_of_dense = 0;  ///< the same as points_per_sample where a large grid has a dense source, if more

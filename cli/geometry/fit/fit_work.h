@@ -3,6 +3,7 @@
 // What one fit may cost where nothing says otherwise.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 
 namespace dgm::bake {
 
@@ -12,5 +13,7 @@ inline constexpr std::size_t kPointsOfSmall = 200'000;
 inline constexpr std::size_t kLargeGrid = 30'000;
 /// Samples that repairs of patches may move: some seconds at most.
 inline constexpr std::size_t kPatchEffort = 500'000;
+/// Points on each surface where charts of a component are compared.
+inline constexpr std::uint64_t kTrialSamples = 20'000;
 
 }  // namespace dgm::bake
