@@ -200,8 +200,7 @@ class H5Writer {
     }
 
     H5Handle group(hid_t parent, const std::string& name, const H5Handle& creation) {
-        return check_.handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT),
-                             "create a group");
+        return check_.handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), "create a group");
     }
 
     H5Handle create(hid_t parent, const std::string& name, const H5Handle& type, std::span<const std::uint64_t> shape) {
