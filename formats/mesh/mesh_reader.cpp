@@ -3,9 +3,12 @@
 #include "mesh/mesh_reader.h"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "files/regular_file.h"
 #include "mesh/assimp_reader.h"
@@ -26,6 +29,15 @@ std::string read_head(const fs::path& path, std::size_t most) {
     return head;
 }
 
+/// assimp makes room for all that a header promises.
+void check_promise(double elements, std::uintmax_t bytes, const fs::path& path) {
+    if (elements <= static_cast<double>(bytes)) return;  // each takes a byte at least
+    throw model::Error(codes::kImportFailed,
+                       "the header promises more vertices and faces than " + std::to_string(bytes) + " bytes can hold",
+                       path.string())
+        .with_hint("the file is cut off or damaged: copy or export it again");
+}
+
 /// assimp 5.2 reads on for ever where a PLY header has no end.
 void check_ply_header(const fs::path& path) {
     constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
@@ -33,16 +45,40 @@ void check_ply_header(const fs::path& path) {
     if (!head.starts_with("ply")) return;
     LineReader lines(head);
     std::string_view line;
+    double promised = 0, elements = 0;  // those of the last kind count once it has a property
     while (lines.next(line)) {
-        if (trim(line) == "end_header") return;
+        const std::string_view first = next_word(line);
+        if (first == "end_header") return check_promise(promised, RegularFile(path).size(), path);
+        if (first == "element") {
+            static_cast<void>(next_word(line));  // its name
+            elements = parse_number(next_word(line)).value_or(0);
+        } else if (first == "property") {
+            promised += std::exchange(elements, 0);
+        }
     }
     throw model::Error(codes::kImportFailed, "the PLY header has no end_header", path.string());
 }
 
+/// The numbers of vertices and faces in the first line that has two numbers, behind words such as OFF.
+void check_off_header(std::string_view text, const fs::path& path) {
+    LineReader lines(text);
+    std::string_view line;
+    while (lines.next(line)) {
+        line = line.substr(0, line.find('#'));
+        std::string_view word = next_word(line);
+        if (word.ends_with("OFF")) word = next_word(line);
+        if (word.empty()) continue;
+        const std::optional<double> vertices = parse_number(word), faces = parse_number(next_word(line));
+        if (vertices && faces) check_promise(*vertices + *faces, text.size(), path);
+        return;
+    }
+}
+
 /// assimp 5.2 reads OFF files through a buffer of 4096 bytes a line, and crashes on faces that do not fit.
-void check_off_lines(const fs::path& path, const MeshReadLimits& limits) {
+void check_off(const fs::path& path, const MeshReadLimits& limits) {
     constexpr std::size_t kLine = 4096;
     const std::string text = RegularFile(path).read_text(limits.max_file_bytes);
+    check_off_header(text, path);
     std::size_t number = 1;
     for (std::size_t begin = 0; begin < text.size(); ++number) {
         const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
@@ -79,7 +115,7 @@ ImportedMesh read_mesh(const fs::path& path, const MeshReadLimits& limits) {
     if (!assimp_knows_extension(extension) && looks_like_obj(read_head(path, std::size_t{1} << 16)))
         return read_obj(path, limits);
     check_ply_header(path);
-    if (extension == ".off") check_off_lines(path, limits);
+    if (extension == ".off") check_off(path, limits);
     return read_with_assimp(path, limits);
 }
 

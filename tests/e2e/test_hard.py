@@ -35,6 +35,9 @@ BYTES = {
     "indices.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999999999\nf 0 1 2\nf -9 -8 -7\nf 1 2\n", ANY),
     "header.3ds": (b"MM\x06\x00\x00\x00", ANY), "claims.3ds": (b"MM\xff\xff\xff\x7f=\x3d\xff\xff\xff\x7f", ANY),
     "long_line.obj": (b"v " + b"1" * 400000 + b" 0 0\nf 1 1 1\n", ANY),
+    "promise.off": (b"OFF\n# a comment\n900000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", (IMPORT_FAILED,)),
+    "promise.ply": (b"ply\nformat ascii 1.0\nelement vertex 900000000\nproperty float x\nelement face 0\n"
+                    b"property list uchar int vertex_indices\nend_header\n0\n", (IMPORT_FAILED,)),
 }
 
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tests/unit/libdgm/dgm_bits.cpp
-// dgm_bits [--quick] [--few]: runs the runtime over charts of every kind and prints a hash of what came out after each step, a
-// line a step. scripts/platforms and the tests libdgm.bits_* compare the lines of all targets. Plain loops, which
-// promise equal bits everywhere; with --quick the processor's own, which two compilers for one processor should give
-// alike. With --few a third of the work, for emulated processors: each step, but not on all charts and for as long.
+// dgm_bits [--quick] [--few]: runs the runtime over charts of every kind and prints a hash of what came out after each
+// step, a line a step. scripts/platforms and the tests libdgm.bits_* compare the lines of all targets. Plain loops,
+// which promise equal bits everywhere; with --quick the processor's own, which two compilers for one processor should
+// give alike. With --few a third of the work, for emulated processors: each step, not on all charts and for as long.
 #include <cstdio>
 #include <cstring>
 #include <memory>
