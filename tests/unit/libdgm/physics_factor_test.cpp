@@ -185,26 +185,14 @@ TEST(PhysicsFactors, AreRefusedBeyondTheirLimits) {
 }
 
 TEST(PhysicsFactors, TakeNoMoreMemoryThanTheLimit) {
-    struct Use {
-        std::size_t now = 0, most = 0;
-    };
     for (const ChartSpec& chart :
          {organ_chart(9), organ_chart(33), torus_chart(33), grid_chart(65, 17, [](double i, double j) {
               return Point{float(i), float(j), 0};
           })}) {
         const State state = make_state(chart);
-        Use use;
+        CountedMemory use;
         PhysicsOptions o = with_factors();
-        o.allocator.user = &use;
-        o.allocator.allocate = [](void* user, std::size_t bytes, std::size_t alignment) {
-            Use& u = *static_cast<Use*>(user);
-            u.most = std::max(u.most, u.now += bytes);
-            return ::operator new (bytes, std::align_val_t{alignment}, std::nothrow);
-        };
-        o.allocator.release = [](void* user, void* memory, std::size_t bytes) {
-            static_cast<Use*>(user)->now -= bytes;
-            ::operator delete (memory, std::align_val_t{64});
-        };
+        o.allocator = use.allocator();
         ASSERT_TRUE(Physics::create(state, o).ok());
         EXPECT_EQ(use.now, 0u);
         o.max_bytes = use.most - 1;

@@ -4,12 +4,37 @@
 #pragma once
 #include <dgm/physics.h>
 
+#include <algorithm>
+#include <new>
 #include <optional>
 
 #include "contact_shapes.h"
 #include "exact_shapes.h"
 
 namespace dgm::test {
+
+/// Memory from the C++ library that counts what is in use.
+struct CountedMemory {
+    std::size_t now = 0, most = 0;
+
+    /// That of this object, which must outlive what it allocates.
+    [[nodiscard]] Allocator allocator() {
+        constexpr std::align_val_t kAligned{64};  // as much as any of the runtime's objects needs
+        Allocator out;
+        out.user = this;
+        out.allocate = [](void* user, std::size_t bytes, std::size_t alignment) -> void* {
+            if (alignment > static_cast<std::size_t>(kAligned)) return nullptr;
+            auto& memory = *static_cast<CountedMemory*>(user);
+            memory.most = std::max(memory.most, memory.now += bytes);
+            return ::operator new(bytes, kAligned, std::nothrow);
+        };
+        out.release = [](void* user, void* block, std::size_t bytes) {
+            static_cast<CountedMemory*>(user)->now -= bytes;
+            ::operator delete(block, kAligned);
+        };
+        return out;
+    }
+};
 
 /// An ellipsoid of 150 x 120 x 100 on the octahedral map.
 inline ChartSpec organ_chart(std::uint32_t side) {

@@ -439,26 +439,14 @@ TEST(Physics, TakesUnitAndMaterialOfTheFile) {
 }
 
 TEST(Physics, TheLimitOfMemoryIsThatOfItsUse) {
-    struct Use {
-        std::size_t now = 0, most = 0;
-    };
     for (const ChartSpec& chart : {organ_chart(9), organ_chart(33), organ_chart(65), torus_chart(33), tree_chart(33),
                                    grid_chart(65, 17, sheet)}) {
         const State state = make_state(chart);
-        Use use;
+        CountedMemory use;
         PhysicsOptions o{.material = Material{}};
         o.metres_per_unit = 1e-3;
         o.material->viscosity = 1e-3f;
-        o.allocator.user = &use;
-        o.allocator.allocate = [](void* user, std::size_t bytes, std::size_t alignment) {
-            Use& u = *static_cast<Use*>(user);
-            u.most = std::max(u.most, u.now += bytes);
-            return ::operator new (bytes, std::align_val_t{alignment}, std::nothrow);
-        };
-        o.allocator.release = [](void* user, void* memory, std::size_t bytes) {
-            static_cast<Use*>(user)->now -= bytes;
-            ::operator delete (memory, std::align_val_t{64});
-        };
+        o.allocator = use.allocator();
         ASSERT_TRUE(Physics::create(state, o).ok());
         EXPECT_EQ(use.now, 0u);
         std::uint64_t low = 0, high = std::uint64_t{1} << 40;  // the least limit that is enough
