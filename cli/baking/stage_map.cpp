@@ -113,6 +113,12 @@ bool size_may_help(const model::Error& error, const MapRequest& request, const B
     return failure == Failure::kGridTooSmall || (failure == Failure::kMapInvalid && options.method == Method::kAuto);
 }
 
+/// A component without a map. Where it ends the mapping of all, the first one's is the one thrown.
+struct Unmapped : Error {
+    Unmapped(const Error& error, std::size_t c) : Error(error), component(c) {}
+    std::size_t component;
+};
+
 /// The failure of component `c` of `count`.
 Error failure_at(const Error& error, std::size_t c, std::size_t count) {
     if (count == 1) return error;
@@ -296,24 +302,15 @@ Mapped map_source(const Repaired& source, const MapRequest& request, const BakeO
     check_samples(sizes);
     Mapped out;
     out.charts.resize(sizes.size());
-    std::vector<std::optional<Error>> failures(sizes.size());
-    const auto map = [&](std::size_t c, const model::Progress& part) {
-        Attempt<ComponentResult> chart =
-            bake_one(source, request, c, sizes[c], full[c], options, cuts, part_of(part, "map", 0, 1));
-        if (chart) {
-            out.charts[c] = std::move(*chart);
-        } else {
-            failures[c] = chart.error();
-            throw chart.error();  // ends the loop
-        }
-    };
     try {
-        for_each_component(sizes.size(), progress, map);
-    } catch (const Error& thrown) {
-        const auto failed = std::find_if(failures.begin(), failures.end(), [](const auto& f) { return f.has_value(); });
-        if (failed == failures.end() || &thrown.code() != &(*failed)->code()) throw;  // interrupted, or no memory
-        const auto c = static_cast<std::size_t>(failed - failures.begin());
-        Error error = **failed;
+        for_each_component(sizes.size(), progress, [&](std::size_t c, const model::Progress& part) {
+            Attempt<ComponentResult> chart =
+                bake_one(source, request, c, sizes[c], full[c], options, cuts, part_of(part, "map", 0, 1));
+            if (!chart) throw Unmapped(chart.error(), c);
+            out.charts[c] = std::move(*chart);
+        });
+    } catch (Unmapped& error) {
+        const std::size_t c = error.component;
         if (size_may_help(error, request, options))
             error.with_hint(hint_of_size(source, request, c, options, failure_of(error), progress));
         throw failure_at(error, c, sizes.size());

@@ -41,7 +41,7 @@ struct Candidate {
     CandidateOutcome outcome = CandidateOutcome::kHigherError;
     double psnr = 0;         ///< before the fit; 0 if it failed
     std::string note;        ///< kFailed: why; kChosen: the chart's note about itself, may be empty
-    double cpu_seconds = 0;  ///< map and measurement, without the cut that candidates share
+    double cpu_seconds = 0;  ///< map and measurement, without the cut that candidates share; see Trials::clock
     bool directed = false;   ///< levelled to the directions of curvature
     bool fitted = false;     ///< compared with the one before after a trial fit of both
     CutKind cut = CutKind::kFirst;
