@@ -104,9 +104,8 @@ class H5Writer {
     /// @param all       bytes of all layers together
     H5Writer(const fs::path& path, std::size_t layer_count, std::uint64_t smallest, std::uint64_t all)
         : check_{codes::kWriteFailed, path.string()} {
-        const H5Handle creation = check_.handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
+        const H5Handle creation = untimed(H5P_FILE_CREATE);
         check_.done(H5Pset_userblock(creation, layout::kUserBlockBytes), "set the user block");
-        check_.done(H5Pset_obj_track_times(creation, false), "turn off times");
         // No H5Pset_file_space_strategy here: any but the default puts an object before the root group that keeps
         // times.
         const H5Handle access = check_.handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
@@ -120,13 +119,9 @@ class H5Writer {
         check_.done(H5Pset_meta_block_size(access, paged ? kMetadataBlock : kSmallMetadataBlock), "set the block size");
         file_ = check_.handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), "create the file");
 
-        group_creation_ = check_.handle(H5Pcreate(H5P_GROUP_CREATE), "make a property list");
-        check_.done(H5Pset_obj_track_times(group_creation_, false), "turn off times");
-        chart_creation_ = check_.handle(H5Pcreate(H5P_GROUP_CREATE), "make a property list");
-        check_.done(H5Pset_obj_track_times(chart_creation_, false), "turn off times");
+        chart_creation_ = untimed(H5P_GROUP_CREATE);
         check_.done(H5Pset_link_phase_change(chart_creation_, kMostLinks, 0), "keep links in the header");
-        dataset_creation_ = check_.handle(H5Pcreate(H5P_DATASET_CREATE), "make a property list");
-        check_.done(H5Pset_obj_track_times(dataset_creation_, false), "turn off times");
+        dataset_creation_ = untimed(H5P_DATASET_CREATE);
         check_.done(H5Pset_layout(dataset_creation_, H5D_CONTIGUOUS), "set the layout");
         check_.done(H5Pset_alloc_time(dataset_creation_, H5D_ALLOC_TIME_EARLY), "set the allocation time");
         check_.done(H5Pset_fill_time(dataset_creation_, H5D_FILL_TIME_NEVER), "set the fill time");
@@ -138,7 +133,7 @@ class H5Writer {
         attribute(file_, "source_name", maps.source_name);
         attribute(file_, "source_hash", to_hex(maps.source_hash));
         attribute(file_, "settings_hash", to_hex(maps.settings_hash));
-        charts_ = group(file_, "charts", group_creation_);
+        charts_ = group(file_, "charts", untimed(H5P_GROUP_CREATE));
     }
 
     /// Fills in the offsets of the chart's layers.
@@ -189,12 +184,19 @@ class H5Writer {
     }
 
     void close() {
-        for (H5Handle* handle : {&index_, &charts_, &group_creation_, &chart_creation_, &dataset_creation_})
+        for (H5Handle* handle : {&index_, &charts_, &chart_creation_, &dataset_creation_})
             if (handle->is_valid() && !handle->close()) check_.fail("close an object");
         if (!file_.close()) check_.fail("write the file to its end");
     }
 
  private:
+    /// A property list for the creation of objects that keep no times.
+    [[nodiscard]] H5Handle untimed(hid_t kind) const {
+        H5Handle out = check_.handle(H5Pcreate(kind), "make a property list");
+        check_.done(H5Pset_obj_track_times(out, false), "turn off times");
+        return out;
+    }
+
     void attribute(hid_t object, const char* name, const model::AttributeValue& value) {
         write_attribute(object, name, value, check_);
     }
@@ -232,7 +234,7 @@ class H5Writer {
     }
 
     H5Check check_;
-    H5Handle file_, charts_, group_creation_, chart_creation_, dataset_creation_, index_;
+    H5Handle file_, charts_, chart_creation_, dataset_creation_, index_;
 };
 
 template <std::size_t N>
