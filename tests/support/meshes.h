@@ -298,6 +298,13 @@ inline TriMesh cubes_touching_at_vertex() {
     return cubes(std::array<std::array<int, 3>, 2>{{{0, 0, 0}, {1, 1, 1}}});
 }
 
+/// Both, the vertices of `b` moved along x.
+inline TriMesh joined(TriMesh a, const TriMesh& b, double x = 0) {
+    const auto base = static_cast<std::uint32_t>(a.positions.size());
+    for (const Vec3d& p : b.positions) a.positions.push_back(p + Vec3d{x, 0, 0});
+    for (const Face& f : b.faces) a.faces.push_back({f[0] + base, f[1] + base, f[2] + base});
+    return a;
+}
 /// Two triangles that share one vertex.
 inline TriMesh bow_tie() {
     TriMesh mesh;

@@ -280,16 +280,8 @@ TEST(BakeMesh, ASurfaceThatNeedsALargerGridIsToldWhichOne) {
     EXPECT_TRUE(error_at(mesh, options, before)) << "a smaller size works than the hint names";
 }
 
-/// Adds a part beside the others.
-void add_part(model::TriMesh& mesh, const model::TriMesh& part, double x) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    for (const model::Vec3d& p : part.positions) mesh.positions.push_back(p + model::Vec3d{x, 0, 0});
-    for (const model::Face& f : part.faces) mesh.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
-}
-
 TEST(BakeMesh, ASmallPartThatNeedsALargerGridIsToldTheSizeOfTheWholeAsset) {
-    model::TriMesh mesh = test::grid_sheet(4, 4, 3, 3);
-    add_part(mesh, sheet_of_nine_holes(), 5);
+    const model::TriMesh mesh = test::joined(test::grid_sheet(4, 4, 3, 3), sheet_of_nine_holes(), 5);
     BakeOptions options = small_grid();
     options.domain = DomainChoice::kSquare;
     const std::optional<model::Error> error = error_at(mesh, options, {5, 5});
@@ -302,7 +294,7 @@ TEST(BakeMesh, ASmallPartThatNeedsALargerGridIsToldTheSizeOfTheWholeAsset) {
 // Components are mapped side by side: which fails first depends on the machine.
 TEST(BakeMesh, OfSeveralPartsThatFailTheFirstIsNamed) {
     model::TriMesh mesh = test::grid_sheet(4, 4, 3, 3);
-    for (const double x : {5.0, 10.0, 15.0, 20.0}) add_part(mesh, sheet_of_nine_holes(), x);
+    for (const double x : {5.0, 10.0, 15.0, 20.0}) mesh = test::joined(mesh, sheet_of_nine_holes(), x);
     BakeOptions options = small_grid();
     options.domain = DomainChoice::kSquare;
     for (int k = 0; k < 8; ++k) {

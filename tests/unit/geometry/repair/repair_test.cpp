@@ -54,13 +54,6 @@ int code_of(const TriMesh& mesh) {
     return 0;
 }
 
-TriMesh joined(TriMesh a, const TriMesh& b) {
-    const auto base = static_cast<std::uint32_t>(a.positions.size());
-    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
-    for (const Face& f : b.faces) a.faces.push_back({f[0] + base, f[1] + base, f[2] + base});
-    return a;
-}
-
 TEST(Repair, SoundMeshesComeBackUntouched) {
     struct Case {
         TriMesh mesh;
@@ -130,7 +123,7 @@ TEST(Repair, NearVerticesAreWeldedWithinTheTolerance) {
         const TriMesh left = test::grid_sheet(n, n);
         TriMesh right = left;
         for (Vec3d& p : right.positions) p.x += 1 + gap;
-        const RepairedMesh out = repair(joined(left, right));
+        const RepairedMesh out = repair(test::joined(left, right));
         EXPECT_EQ(count(out, "nearly coincident open vertices welded"), out.components.size() == 1 ? n + 1 : 0u);
         return out.components.size();
     };
@@ -140,13 +133,13 @@ TEST(Repair, NearVerticesAreWeldedWithinTheTolerance) {
     // Edges of 1/4000: a thousandth of them, 2.5e-7, is less than the 2.2e-6 that the diagonal would allow.
     TriMesh fine = test::grid_sheet(1, 4000), copy = fine;
     for (Vec3d& p : copy.positions) p.x += 1 + 0.5e-6 * diagonal;
-    EXPECT_EQ(repair(joined(fine, copy)).components.size(), 2u);
+    EXPECT_EQ(repair(test::joined(fine, copy)).components.size(), 2u);
     for (Vec3d& p : copy.positions) p.x -= 0.4e-6 * diagonal;
-    EXPECT_EQ(repair(joined(fine, copy)).components.size(), 1u);
+    EXPECT_EQ(repair(test::joined(fine, copy)).components.size(), 1u);
 }
 
 TEST(Repair, CoincidentClosedSurfacesStayTwo) {
-    const RepairedMesh out = repair(joined(test::icosphere(1), test::icosphere(1)));
+    const RepairedMesh out = repair(test::joined(test::icosphere(1), test::icosphere(1)));
     ASSERT_EQ(out.components.size(), 2u);
     expect_component(out, 0, 0, 0);
     expect_component(out, 1, 0, 0);
@@ -244,7 +237,7 @@ TEST(Repair, OneSidedSurfacesAreOpenedAlongAShortCurve) {
 }
 
 TEST(Repair, ComponentsWithTwoSidesBesideOthersAreLeftAlone) {
-    const RepairedMesh out = repair(joined(test::icosphere(1), test::moebius(9, 2)));
+    const RepairedMesh out = repair(test::joined(test::icosphere(1), test::moebius(9, 2)));
     ASSERT_EQ(out.components.size(), 2u);
     EXPECT_TRUE(out.components[0].points.empty());
     EXPECT_FALSE(out.components[1].points.empty());
@@ -502,7 +495,7 @@ TEST(Repair, ComponentWithinALineIsDroppedBesideOthers) {
     TriMesh stray;
     stray.positions = {{5, 0, 0}, {6, 0, 0}, {5.5, 0, 0}};
     stray.faces = {{0, 1, 2}};
-    const RepairedMesh out = repair(joined(test::torus(2, 0.6, 20, 12), stray));
+    const RepairedMesh out = repair(test::joined(test::torus(2, 0.6, 20, 12), stray));
     ASSERT_EQ(out.components.size(), 1u);
     expect_component(out, 0, 0, 1);
     EXPECT_EQ(count(out, "zero-height faces apart from all others dropped"), 1u);
@@ -537,7 +530,7 @@ TEST(Repair, ScaleAndOffsetChangeNothing) {
 }
 
 TEST(Repair, ComponentsComeInTheOrderOfTheirFirstFace) {
-    TriMesh mesh = joined(joined(test::grid_sheet(1, 1), test::icosphere(0)), test::torus(9, 1, 5, 4));
+    TriMesh mesh = test::joined(test::joined(test::grid_sheet(1, 1), test::icosphere(0)), test::torus(9, 1, 5, 4));
     std::rotate(mesh.faces.begin(), mesh.faces.begin() + 1, mesh.faces.end());  // the sheet's first face goes last
     const RepairedMesh out = repair(mesh);
     ASSERT_EQ(out.components.size(), 3u);
