@@ -29,7 +29,7 @@ std::string read_head(const fs::path& path, std::size_t most) {
     return head;
 }
 
-/// assimp makes room for all that a header promises.
+/// assimp makes room for all that a header promises. @param elements  vertices, faces and the like
 void check_promise(double elements, std::uintmax_t bytes, const fs::path& path) {
     if (elements <= static_cast<double>(bytes)) return;  // each takes a byte at least
     throw model::Error(codes::kImportFailed,
@@ -38,7 +38,7 @@ void check_promise(double elements, std::uintmax_t bytes, const fs::path& path) 
         .with_hint("the file is cut off or damaged: copy or export it again");
 }
 
-/// assimp 5.2 reads on for ever where a PLY header has no end.
+/// assimp 5.2 reads on for ever where a PLY header has no end, and believes its numbers.
 void check_ply_header(const fs::path& path) {
     constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
     const std::string head = read_head(path, kMaxHeader);
