@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "baking/chart_effort.h"
+#include "baking/component/chart_fits.h"
 #include "baking/component/component_bake.h"
 #include "baking/component/component_loop.h"
 #include "baking/component/component_sizes.h"
@@ -33,6 +34,7 @@ namespace codes = model::codes;
 constexpr std::uint64_t kRefinedSamples = 2;  // times those of the largest component
 constexpr std::uint64_t kOtherSamples = 3;    // likewise, of other maps
 constexpr std::size_t kFittedAgain = 4;       // likewise, in second and third fits of charts
+constexpr std::size_t kRemapped = 4;          // likewise, in fits of charts that are mapped anew
 
 /// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;
@@ -157,84 +159,8 @@ FitOptions fit_options(const BakeOptions& options, bool u16, const ChartEffort& 
     return out;
 }
 
-constexpr double kOrdinaryGain = 0.35;  // in rms; crowded maps of wrinkled cloth may gain little
-constexpr double kLittleGain = 0.4;     // likewise, where the source has at least kManyFacets a face of the grid
-constexpr double kManyFacets = 0.5;
-constexpr double kBelowStored = 1e-8;             // normalised units: positions that are stored are rounded to more
-constexpr double kInvertedPrice = 1.25;           // in rms, of fewer inverted faces
-constexpr std::size_t kHopeless = 24;             // more than one inverted face to so many samples
-constexpr double kOtherMapPrice = 1.4;            // in rms, of another map with fewer: 3 dB
+constexpr double kOtherMapPrice = 1.4;            // in rms, of another map with fewer inverted faces: 3 dB
 constexpr std::size_t kMostFacesOfMany = 40'000;  // of a component with many inverted faces that is mapped again
-constexpr std::size_t kMostFitted = 200'000;      // vertices of a source that is worth a copy and a second fit
-
-/// The fits of one chart. If faces are inverted after the first one, or it has gained little of what there was to gain,
-/// also one with samples that are held firmly, then, if faces are inverted still, one in rounds that invert none. Keeps
-/// the fit with the fewest of them, then the one with the lowest error.
-class ChartFits {
- public:
-    /// All must outlive the object.
-    ChartFits(const TriMesh& component, ComponentResult& mapped, const FitOptions& options, std::uint64_t trial_samples)
-        : component_(component), mapped_(mapped), options_(options), trial_samples_(trial_samples) {}
-
-    void fit(const model::Progress& progress) {
-        if (component_.positions.size() <= kMostFitted) start_ = mapped_.chart;
-        const FitReport fit = fit_chart(mapped_.chart, options_, progress, mapped_.begun ? &*mapped_.begun : nullptr);
-        mapped_.begun.reset();
-        inverted_ = fit.inverted;
-        // Samples that are held firmly keep to edges of large facets. Where facets are small, a good map leaves little
-        // to gain: on 121 meshes at 65 x 65 and 129 x 129, 13 such fits lay between the two shares, and the other fit
-        // was 0.5 to 1.3 dB worse each time.
-        const double facets =
-            static_cast<double>(component_.faces.size()) / (2.0 * static_cast<double>(mapped_.chart.grid_count()));
-        const double ordinary = fit.inverted == 0 && facets >= kManyFacets ? kLittleGain : kOrdinaryGain;
-        const bool good = fit.was_exact || fit.rms < kBelowStored || fit.rms < ordinary * fit.start_rms;
-        // Where so many are, limbs have no room, and another fit takes as long and has as many.
-        const bool hopeless = kHopeless * fit.inverted > mapped_.chart.grid_count();
-        if ((fit.inverted == 0 && good) || hopeless) start_.reset();
-    }
-    [[nodiscard]] bool may_gain() const { return start_.has_value(); }
-    void fit_firmly(const model::Progress& progress) { fit_again(firm(options_), progress); }
-    [[nodiscard]] bool may_gain_guarded() const { return start_ && inverted_ > 0 && inverted_ <= kMostAtAPrice; }
-    void fit_guarded(const model::Progress& progress) { fit_again(guarded(options_), progress); }
-
-    [[nodiscard]] std::size_t inverted() const { return inverted_; }
-    [[nodiscard]] std::size_t samples() const { return mapped_.chart.grid_count(); }
-
- private:
-    [[nodiscard]] double measured(const SampledChart& chart) const {
-        return quick_error(component_, chart, trial_samples_).rms;
-    }
-    void fit_again(const FitOptions& options, const model::Progress& progress) {
-        if (!rms_) rms_ = measured(mapped_.chart);
-        SampledChart chart = *start_;
-        const std::size_t inverted = fit_chart(chart, options, progress).inverted;
-        if (options.guarded && inverted > inverted_) return;
-        const double rms = measured(chart);
-        const double price = inverted < inverted_ ? kInvertedPrice : inverted > inverted_ ? 1 / kInvertedPrice : 1;
-        if (!(rms < price * *rms_)) return;
-        mapped_.chart = std::move(chart);
-        inverted_ = inverted;
-        rms_ = rms;
-    }
-
-    const TriMesh& component_;
-    ComponentResult& mapped_;
-    const FitOptions& options_;
-    std::uint64_t trial_samples_;
-    std::optional<SampledChart> start_;
-    std::size_t inverted_ = 0;
-    std::optional<double> rms_;
-};
-
-/// @return  inverted faces
-std::size_t fit_component(const TriMesh& component, ComponentResult& mapped, const FitOptions& options,
-                          std::uint64_t trial_samples, const model::Progress& progress) {
-    ChartFits fits(component, mapped, options, trial_samples);
-    fits.fit(progress);
-    if (fits.may_gain()) fits.fit_firmly(progress);
-    if (fits.may_gain_guarded()) fits.fit_guarded(progress);
-    return fits.inverted();
-}
 
 bool has_failed(const ComponentResult& mapped, Method method) {
     return std::any_of(mapped.candidates.begin(), mapped.candidates.end(), [&](const Candidate& c) {
@@ -334,14 +260,14 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
     fits.reserve(out.charts.size());
     std::size_t largest = 0;
     for (std::size_t c = 0; c < out.charts.size(); ++c) {
-        fits.emplace_back(source.components[c], out.charts[c], fit, effort.trial_samples);
+        fits.emplace_back(source.components[c], out.charts[c], options, fit, effort.trial_samples);
         largest = std::max(largest, fits[c].samples());
     }
     const model::Progress all = part_of(progress, "fit", 0, 1);
     for_each_component(fits.size(), all, [&](std::size_t c, const model::Progress& part) { fits[c].fit(part); });
     // The others, as far as the effort goes: which they are must not depend on which chart is ready first.
-    std::size_t left = kFittedAgain * largest;
-    const auto again = [&](bool (ChartFits::*may_gain)() const, void (ChartFits::*fit_it)(const model::Progress&)) {
+    const auto again = [&](bool (ChartFits::*may_gain)() const, void (ChartFits::*fit_it)(const model::Progress&),
+                           std::size_t& left) {
         std::vector<std::size_t> chosen;
         for (std::size_t c = 0; c < fits.size(); ++c) {
             if (!(fits[c].*may_gain)() || fits[c].samples() > left) continue;
@@ -352,8 +278,10 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
         for_each_component(chosen.size(), silent,
                            [&](std::size_t k, const model::Progress& part) { (fits[chosen[k]].*fit_it)(part); });
     };
-    again(&ChartFits::may_gain, &ChartFits::fit_firmly);
-    again(&ChartFits::may_gain_guarded, &ChartFits::fit_guarded);
+    std::size_t remapped = kRemapped * largest, firmly = kFittedAgain * largest;
+    again(&ChartFits::may_gain, &ChartFits::fit_firmly, firmly);
+    again(&ChartFits::may_gain_guarded, &ChartFits::fit_guarded, firmly);
+    again(&ChartFits::may_remap, &ChartFits::remap, remapped);
     for (std::size_t c = 0; c < fits.size(); ++c) out.inverted[c] = fits[c].inverted();
     return out;
 }
@@ -375,7 +303,7 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
             Attempt<ComponentResult> finer = bake_one(source, request, c, size, full[c], options, cuts, progress);
             if (!finer) break;
             const std::size_t inverted =
-                fit_component(source.components[c], *finer, fit, effort.trial_samples, progress);
+                fit_component(source.components[c], *finer, options, fit, effort.trial_samples, progress);
             if (inverted >= fitted.inverted[c]) continue;
             fitted.charts[c] = std::move(*finer);
             fitted.inverted[c] = inverted;

@@ -7,11 +7,13 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "geometry/cgal/border_simple.h"
 #include "geometry/cgal/constrained_triangulation.h"
 #include "geometry/cut/cut_graph.h"
+#include "geometry/fit/remap.h"
 #include "geometry/layers/layers.h"
 #include "geometry/parameterize/free_methods.h"
 #include "geometry/repair/repair.h"
@@ -65,6 +67,16 @@ std::vector<Named> surfaces() {
 
 class FreeChart : public testing::TestWithParam<Named> {};
 
+/// Nearly all error in one half of the map.
+ErrorField error_to_one_side(const SampledChart& chart) {
+    ErrorField out;
+    for (const Face& f : chart.disk->mesh.faces) {
+        const Vec2d middle = (chart.uv[f[0]] + chart.uv[f[1]] + chart.uv[f[2]]) * (1.0 / 3);
+        out.of_faces.push_back(middle.x < 0.5 ? 1.9 : 0.1);
+    }
+    return out;
+}
+
 TEST_P(FreeChart, IsOneToOneAndWatertight) {
     const TriMesh mesh = repair(GetParam().mesh).components.at(0);
     for (const char* method : {"arap", "lscm"})
@@ -98,6 +110,21 @@ TEST_P(FreeChart, IsOneToOneAndWatertight) {
             EXPECT_NEAR(filled, enclosed, 1e-9);
             EXPECT_GT(enclosed, 0.5) << "twice the area: a chart in its smallest rectangle fills a fair share";
         }
+}
+
+TEST_P(FreeChart, MappedAnewItKeepsItsBorderAndStrip) {
+    const TriMesh mesh = repair(GetParam().mesh).components.at(0);
+    const SampledChart before = chart_of(mesh, 33, 33, "arap");
+    Remap maps(before, std::nullopt);
+    const std::optional<SampledChart> after = maps.propose(error_to_one_side(before), RemapShape::kOwn, {});
+    ASSERT_TRUE(after);
+    ASSERT_NO_FATAL_FAILURE(test::expect_bijective(*after));
+    ASSERT_NO_FATAL_FAILURE(test::expect_classes(*after));
+    ASSERT_NO_FATAL_FAILURE(test::expect_topology(*after, mesh));
+    EXPECT_EQ(after->strip, before.strip);
+    EXPECT_EQ(after->mask, before.mask);
+    for (std::size_t s = before.grid_count(); s < before.positions.size(); ++s)
+        ASSERT_EQ(after->positions[s], before.positions[s]) << s;
 }
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, FreeChart, testing::ValuesIn(surfaces()),

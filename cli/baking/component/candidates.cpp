@@ -66,6 +66,7 @@ CandidateReport report_of(const Candidate& candidate) {
         if (candidate.cut == CutKind::kRing) out.outcome += "; loops on opposite sides";
         if (candidate.cut == CutKind::kLimbs) out.outcome += "; cut to the tips of limbs";
         if (candidate.directed) out.outcome += "; along the directions of curvature";
+        if (candidate.remaps > 0) out.outcome += "; more room where the fit left error";
         if (candidate.outcome == CandidateOutcome::kChosen && !candidate.note.empty())
             out.outcome += "; " + candidate.note;
     }

@@ -45,6 +45,7 @@ struct Candidate {
     bool directed = false;   ///< levelled to the directions of curvature
     bool fitted = false;     ///< compared with the one before after a trial fit of both
     CutKind cut = CutKind::kFirst;
+    std::size_t remaps = 0;  ///< times that it was mapped anew where its fit had left error
 };
 
 /// The same in words.

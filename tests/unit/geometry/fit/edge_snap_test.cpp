@@ -17,7 +17,7 @@
 #include "geometry/fit/grid_cells.h"
 #include "geometry/fit/ring_error.h"
 #include "geometry/parameterize/square_border.h"
-#include "sheet_chart.h"
+#include "support/sheet_chart.h"
 
 namespace dgm::bake {
 namespace {

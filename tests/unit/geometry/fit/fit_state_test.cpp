@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "geometry/fit/border_rails.h"
-#include "sheet_chart.h"
+#include "support/sheet_chart.h"
 
 namespace dgm::bake {
 namespace {

@@ -22,8 +22,8 @@
 #include "geometry/metrics/turned_faces.h"
 #include "geometry/parameterize/square_border.h"
 #include "geometry/repair/repair.h"
-#include "sheet_chart.h"
 #include "support/meshes.h"
+#include "support/sheet_chart.h"
 
 namespace dgm::bake {
 namespace {

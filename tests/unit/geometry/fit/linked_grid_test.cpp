@@ -14,8 +14,8 @@
 #include "geometry/fit/matches.h"
 #include "geometry/fit/welded_grid.h"
 #include "geometry/repair/repair.h"
-#include "sheet_chart.h"
 #include "support/meshes.h"
+#include "support/sheet_chart.h"
 
 namespace dgm::bake {
 namespace {

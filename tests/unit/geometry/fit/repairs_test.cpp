@@ -11,7 +11,7 @@
 #include "geometry/fit/lattice_snap.h"
 #include "geometry/fit/local_repair.h"
 #include "geometry/fit/vertex_repair.h"
-#include "sheet_chart.h"
+#include "support/sheet_chart.h"
 
 namespace dgm::bake {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tests/unit/geometry/fit/sheet_chart.h
+// tests/support/sheet_chart.h
 // A chart whose every number is known: a sheet over the unit square, mapped by its x and y.
 #pragma once
 #include <cstdint>
