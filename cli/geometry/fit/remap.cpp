@@ -159,12 +159,14 @@ Remap::Remap(SampledChart mapped, std::optional<Levelling> levelling)
     }
 }
 
-std::vector<Vec2d> Remap::levelled(const std::vector<double>& weights, RemapShape shape,
-                                   const model::Progress& progress) const {
+/// @return  nothing where rounding turns faces of next to no area
+std::optional<std::vector<Vec2d>> Remap::levelled(const std::vector<double>& weights, RemapShape shape,
+                                                  const model::Progress& progress) const {
     const TriMesh& mesh = mapped_.disk->mesh;
     const DiskView square{mesh.positions, mesh.faces, border_, border_uv_, (mapped_.m - 1.0) / (mapped_.n - 1.0)};
     const CellRectangle cells(square);
     std::vector<Vec2d> uv = cells.from_square(mapped_.uv);
+    if (count_not_positive(mesh.faces, uv) > 0) return std::nullopt;
     std::vector<RestShape> rest;
     if (shape == RemapShape::kOwn) {
         std::vector<Vec3d> flat;
@@ -185,7 +187,9 @@ std::vector<Vec2d> Remap::levelled(const std::vector<double>& weights, RemapShap
     options.iterations = mesh.faces.size() < kDense ? kSteps : kStepsOfDense;
     options.stretch_power = kStretchPower;
     options.stretch_epsilon = (shape == RemapShape::kOwn ? kOwnStrength : kLevelledStrength).epsilon;
-    return cells.to_square(descend_flip_free(cells.view(), std::move(uv), options, progress));
+    uv = cells.to_square(descend_flip_free(cells.view(), std::move(uv), options, progress));
+    if (count_not_positive(mesh.faces, uv) > 0) return std::nullopt;
+    return uv;
 }
 
 std::optional<SampledChart> Remap::propose(const ErrorField& left, RemapShape shape, const model::Progress& progress) {
@@ -200,13 +204,12 @@ std::optional<SampledChart> Remap::propose(const ErrorField& left, RemapShape sh
     };
     proposed_weights_ = weighed(kLevelledStrength.power);
     for (std::size_t f = 0; f < weights_.size(); ++f) proposed_weights_[f] *= weights_[f];
-    std::vector<Vec2d> uv =
+    std::optional<std::vector<Vec2d>> uv =
         levelled(shape == RemapShape::kOwn ? weighed(kOwnStrength.power) : proposed_weights_, shape, progress);
-    const std::vector<Face>& faces = mapped_.disk->mesh.faces;
-    if (count_not_positive(faces, uv) > 0) return std::nullopt;
+    if (!uv) return std::nullopt;
     SampledChart out = mapped_;
-    out.uv = std::move(uv);
-    const SampleGrid fine = rasterize(faces, out.uv, 2 * out.m - 1, 2 * out.n - 1);
+    out.uv = std::move(*uv);
+    const SampleGrid fine = rasterize(out.disk->mesh.faces, out.uv, 2 * out.m - 1, 2 * out.n - 1);
     const std::vector<SurfaceSample> samples = coarsen(fine, out.m, out.n);
     for (std::uint32_t i = 0; i < out.m; ++i)
         for (std::uint32_t j = 0; j < out.n; ++j) {

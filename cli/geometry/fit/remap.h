@@ -54,8 +54,8 @@ class Remap {
     [[nodiscard]] SampledChart mapped() && { return std::move(mapped_); }
 
  private:
-    [[nodiscard]] std::vector<Vec2d> levelled(const std::vector<double>& weights, RemapShape shape,
-                                              const model::Progress& progress) const;
+    [[nodiscard]] std::optional<std::vector<Vec2d>> levelled(const std::vector<double>& weights, RemapShape shape,
+                                                             const model::Progress& progress) const;
 
     SampledChart mapped_;
     std::optional<Levelling> levelling_;
