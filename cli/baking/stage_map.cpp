@@ -34,7 +34,7 @@ namespace codes = model::codes;
 constexpr std::uint64_t kRefinedSamples = 2;  // times those of the largest component
 constexpr std::uint64_t kOtherSamples = 3;    // likewise, of other maps
 constexpr std::size_t kFittedAgain = 4;       // likewise, in second and third fits of charts
-constexpr std::size_t kRemapped = 4;          // likewise, in fits of charts that are mapped anew
+constexpr std::size_t kRemapped = 4;          // likewise, of charts that are mapped anew, however often
 
 /// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;

@@ -2,6 +2,7 @@
 // tests/support/sheet_chart.h
 // A chart whose every number is known: a sheet over the unit square, mapped by its x and y.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <vector>
@@ -32,6 +33,13 @@ SampledChart sheet_chart(std::uint32_t side, std::uint32_t cells, Height height)
 
 inline SampledChart flat_chart(std::uint32_t side, std::uint32_t cells) {
     return sheet_chart(side, cells, [](double, double) { return 0.0; });
+}
+
+/// Facets in one corner of a plane: an even map has too few samples there to follow their edges.
+inline SampledChart rough_corner() {
+    return sheet_chart(33, 40, [](double x, double y) {
+        return x < 0.3 && y < 0.3 ? 0.03 * std::sin(61 * x + 7 * y) * std::cos(67 * y - 9 * x) : 0;
+    });
 }
 
 /// Faces that look down.

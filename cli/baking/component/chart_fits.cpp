@@ -22,8 +22,8 @@ constexpr double kSmallError = 3e-6;  // ... above 110 dB, in diagonals
 constexpr double kAtFewPlaces = 0.8;  // ... and this share of it in a twentieth of the cells: 1 to 7 dB on 11 of 12
 constexpr double kDenseFacets = 4;    // ... or the source is so dense that the first map took longer than the fit
 constexpr std::uint64_t kMostLooks = 2500;  // a sample: fits of ordinary charts take 300 to 2,300, of hard ones 10,000
-constexpr double kConcentrated = 0.5;       // the same, from which a second failure is allowed
 constexpr int kTriesOfBest = 4;
+constexpr double kConcentrated = 0.5;  // share of the error in a twentieth of the cells, for a second failure
 constexpr double kGainOfRemap = 0.99;  // in rms, by both measures
 constexpr double kGainToGoOn = 0.96;   // in rms
 constexpr double kLargestPrice = 1.2;  // in the largest error, of less rms
@@ -38,6 +38,18 @@ double ChartFits::facets() const {
 const SurfaceError& ChartFits::measured() {
     if (!error_) error_ = quick_error(component_, mapped_.chart, trial_samples_);
     return *error_;
+}
+
+Candidate* ChartFits::chosen() const {
+    const auto found = std::find_if(mapped_.candidates.begin(), mapped_.candidates.end(),
+                                    [](const Candidate& c) { return c.outcome == CandidateOutcome::kChosen; });
+    return found == mapped_.candidates.end() ? nullptr : &*found;
+}
+
+void ChartFits::keep(SampledChart&& chart, const FitReport& report, const SurfaceError& error) {
+    mapped_.chart = std::move(chart);
+    report_ = report;
+    error_ = error;
 }
 
 void ChartFits::fit(const model::Progress& progress) {
@@ -60,9 +72,7 @@ bool ChartFits::may_remap() const {
 std::optional<Levelling> ChartFits::levelling() const {
     if (mapped_.method != Method::kStretch && mapped_.method != Method::kSphere) return std::nullopt;
     if (options_.ablates("curvature") || options_.ablates("newton")) return std::nullopt;
-    const auto chosen = std::find_if(mapped_.candidates.begin(), mapped_.candidates.end(),
-                                     [](const Candidate& c) { return c.outcome == CandidateOutcome::kChosen; });
-    const bool directed = chosen != mapped_.candidates.end() && chosen->directed;
+    const bool directed = chosen() != nullptr && chosen()->directed;
     return directed ? Levelling::kDirections : Levelling::kCurvature;
 }
 
@@ -75,9 +85,7 @@ bool ChartFits::fit_remapped(SampledChart& chart, const model::Progress& progres
     if (report.inverted > 0 || !(ratio < kGainOfRemap)) return false;
     if (error.hausdorff > kLargestPrice * measured().hausdorff) return false;
     if (report.hausdorff > kLargestPrice * report_.hausdorff) return false;
-    mapped_.chart = std::move(chart);
-    report_ = report;
-    error_ = error;
+    keep(std::move(chart), report, error);
     return true;
 }
 
@@ -104,8 +112,7 @@ void ChartFits::remap(const model::Progress& progress) {
         if (k + 1 == tries || measured().rms > kGainToGoOn * before) break;
         left = error_field(mapped_.chart);
     }
-    for (Candidate& c : mapped_.candidates)
-        if (c.outcome == CandidateOutcome::kChosen) c.remaps = accepted;
+    if (Candidate* const of = chosen()) of->remaps = accepted;
 }
 
 bool ChartFits::may_gain() const {
@@ -142,9 +149,7 @@ bool ChartFits::fit_again(const FitOptions& options, const model::Progress& prog
                          : report.inverted > report_.inverted ? 1 / kInvertedPrice
                                                               : 1;
     if (!(error.rms < price * measured().rms)) return false;
-    mapped_.chart = std::move(chart);
-    report_ = report;
-    error_ = error;
+    keep(std::move(chart), report, error);
     return true;
 }
 

@@ -47,7 +47,9 @@ class ChartFits {
  private:
     [[nodiscard]] double facets() const;
     [[nodiscard]] const SurfaceError& measured();
+    [[nodiscard]] Candidate* chosen() const;
     [[nodiscard]] std::optional<Levelling> levelling() const;
+    void keep(SampledChart&& chart, const FitReport& report, const SurfaceError& error);
     [[nodiscard]] bool fit_remapped(SampledChart& chart, const model::Progress& progress);
     bool fit_again(const FitOptions& options, const model::Progress& progress);
 

@@ -60,7 +60,7 @@ class StretchParameterizer final : public Parameterizer {
         const DiskView& disk = cells.view();
         if (newton_steps_ == 0) return stretch_map(disk, 0, progress);
         const auto level_out = [&](const DiskView& on, std::vector<Vec2d> uv) {
-            return descend(on, std::move(uv), kLevelSteps, kLevelEpsilon, progress, rest_of(on));
+            return level_map(on, std::move(uv), kLevelSteps, kLevelEpsilon, progress, rest_shapes_of(levelling_, on));
         };
         // The grid has far fewer samples than a large mesh has vertices: where they go is settled on a coarser level.
         // Levelling itself may stretch a map beyond kCrowded, so the map before it is tested.
@@ -88,15 +88,16 @@ class StretchParameterizer final : public Parameterizer {
         MultilevelOptions options;
         // Levelling for curvature is given up; to give up its directions would be to make the plain map again.
         const auto rest = [&](const DiskView& on) {
-            return levelling_ == Levelling::kDirections ? rest_of(on) : std::vector<RestShape>{};
+            return levelling_ == Levelling::kDirections ? rest_shapes_of(levelling_, on) : std::vector<RestShape>{};
         };
         if (disk.faces.size() <= options.finish_faces)
-            return descend(disk, uv, kSteps, kEpsilons[step], progress, rest(disk));
+            return level_map(disk, uv, kSteps, kEpsilons[step], progress, rest(disk));
         // As solve(): on a coarser level, where all steps up to this one cost less than one at full size.
         options.finish = [&](const DiskView& on, std::vector<Vec2d> coarse) {
-            coarse = descend(on, std::move(coarse), kLevelSteps, kLevelEpsilon, progress, rest_of(on));
+            coarse =
+                level_map(on, std::move(coarse), kLevelSteps, kLevelEpsilon, progress, rest_shapes_of(levelling_, on));
             for (std::size_t k = 0; k <= step; ++k)
-                coarse = descend(on, std::move(coarse), kSteps, kEpsilons[k], progress, rest(on));
+                coarse = level_map(on, std::move(coarse), kSteps, kEpsilons[k], progress, rest(on));
             return coarse;
         };
         return multilevel_stretch_map(disk, options, progress, &memory_->levels);
@@ -144,31 +145,6 @@ class StretchParameterizer final : public Parameterizer {
         return count_not_positive(disk.faces, other) > 0 ? other : uncrowd(disk, std::move(other), kCrowded, progress);
     }
 
-    [[nodiscard]] std::vector<RestShape> rest_of(const DiskView& on) const {
-        switch (levelling_) {
-            case Levelling::kCurvature:
-                return curved_rest_shapes(on);
-            case Levelling::kDirections:
-                return directed_rest_shapes(on);
-            case Levelling::kArea:
-                break;
-        }
-        return {};
-    }
-    /// Faces sheared into slivers cost no stretch, but their samples fold; the half of the energy that epsilon weighs
-    /// levels them.
-    static std::vector<Vec2d> descend(const DiskView& disk, std::vector<Vec2d> uv, std::size_t steps, double epsilon,
-                                      const model::Progress& progress, const std::vector<RestShape>& rest) {
-        SlimOptions options;
-        options.rest = rest;
-        options.energy = FlipFreeEnergy::kStretch;
-        options.border_fixed = true;
-        options.iterations = steps;
-        options.stretch_power = kLevelPower;
-        options.stretch_epsilon = epsilon;
-        return descend_flip_free(disk, std::move(uv), options, progress);
-    }
-
     std::size_t newton_steps_;
     Levelling levelling_;
     std::shared_ptr<StretchMemory> memory_;
@@ -185,6 +161,30 @@ class ReweightedParameterizer final : public Parameterizer {
 };
 
 }  // namespace
+
+std::vector<RestShape> rest_shapes_of(Levelling levelling, const DiskView& disk) {
+    switch (levelling) {
+        case Levelling::kCurvature:
+            return curved_rest_shapes(disk);
+        case Levelling::kDirections:
+            return directed_rest_shapes(disk);
+        case Levelling::kArea:
+            break;
+    }
+    return {};
+}
+
+std::vector<Vec2d> level_map(const DiskView& disk, std::vector<Vec2d> uv, std::size_t steps, double epsilon,
+                             const model::Progress& progress, std::span<const RestShape> rest) {
+    SlimOptions options;
+    options.rest = rest;
+    options.energy = FlipFreeEnergy::kStretch;
+    options.border_fixed = true;
+    options.iterations = steps;
+    options.stretch_power = kLevelPower;
+    options.stretch_epsilon = epsilon;
+    return descend_flip_free(disk, std::move(uv), options, progress);
+}
 
 std::unique_ptr<Parameterizer> make_reweighted_parameterizer() {
     return std::make_unique<ReweightedParameterizer>();

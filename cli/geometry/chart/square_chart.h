@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/parameterize/multilevel_map.h"
 #include "geometry/parameterize/parameterizer.h"
+#include "geometry/parameterize/rest_shapes.h"
 #include "geometry/parameterize/square_border.h"
 
 namespace dgm::bake {
@@ -42,6 +44,17 @@ enum class Levelling {
     kCurvature,   ///< more room where the surface bends (curved_rest_shapes)
     kDirections,  ///< longer steps along the direction in which it bends least (directed_rest_shapes)
 };
+
+/// The shapes that a map is levelled to; empty for kArea: those of the surface.
+[[nodiscard]] std::vector<RestShape> rest_shapes_of(Levelling levelling, const DiskView& disk);
+
+/// Levels a flip-free map in so many Newton steps. Faces sheared into slivers cost no stretch, but their samples fold;
+/// the half of the energy that `epsilon` weighs levels them.
+/// @param rest  one a face; empty: the shapes of the surface
+/// @throws model::Error as descend_flip_free
+[[nodiscard]] std::vector<Vec2d> level_map(const DiskView& disk, std::vector<Vec2d> uv, std::size_t steps,
+                                           double epsilon, const model::Progress& progress,
+                                           std::span<const RestShape> rest);
 
 /// What one map by stretch leaves to the next one of the same disk with the same border.
 struct StretchMemory {

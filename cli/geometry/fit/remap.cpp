@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <utility>
 
 #include "geometry/fit/pieces.h"
 #include "geometry/mesh/half_edges.h"
+#include "geometry/mesh/triangle.h"
 #include "geometry/parameterize/cell_rectangle.h"
-#include "geometry/parameterize/curved_rest_shapes.h"
+#include "geometry/parameterize/rest_shapes.h"
 #include "geometry/parameterize/slim.h"
 #include "geometry/resample/rasterize.h"
 #include "geometry/spatial/closest_point.h"
@@ -31,7 +33,6 @@ struct Strength {
 };
 constexpr Strength kLevelledStrength{0.4, 1}, kOwnStrength{0.6, 0.1};
 constexpr double kLeastWeight = 0.2, kMostWeight = 30;                 // of one step
-constexpr double kStretchPower = 4;                                    // as the levelling's
 constexpr std::size_t kSteps = 8, kStepsOfDense = 4, kDense = 25'000;  // of the descent; the latter from so many faces
 
 /// The cell of the grid that holds each face of a chart's surface: its quad, or the one below the middle of a triangle
@@ -107,8 +108,7 @@ std::vector<SurfaceSample> points_on(const TriMesh& mesh, std::size_t count) {
 std::vector<double> over_mean(std::vector<double> errors, const TriMesh& mesh) {
     double sum = 0, area = 0;
     for (std::size_t f = 0; f < errors.size(); ++f) {
-        const auto [a, b, c] = mesh.corners(f);
-        const double own = length(cross(b - a, c - a));
+        const double own = face_area(mesh.corners(f));
         sum += own * errors[f];
         area += own;
     }
@@ -176,18 +176,12 @@ std::optional<std::vector<Vec2d>> Remap::levelled(const std::vector<double>& wei
         plane.positions = flat;
         rest = rest_shapes(plane);
     } else {
-        rest = levelling_ == Levelling::kDirections ? directed_rest_shapes(cells.view())
-                                                    : curved_rest_shapes(cells.view());
+        rest = rest_shapes_of(*levelling_, cells.view());
     }
     for (std::size_t f = 0; f < rest.size(); ++f) rest[f].area *= weights[f];
-    SlimOptions options;
-    options.rest = rest;
-    options.energy = FlipFreeEnergy::kStretch;
-    options.border_fixed = true;
-    options.iterations = mesh.faces.size() < kDense ? kSteps : kStepsOfDense;
-    options.stretch_power = kStretchPower;
-    options.stretch_epsilon = (shape == RemapShape::kOwn ? kOwnStrength : kLevelledStrength).epsilon;
-    uv = cells.to_square(descend_flip_free(cells.view(), std::move(uv), options, progress));
+    const std::size_t steps = mesh.faces.size() < kDense ? kSteps : kStepsOfDense;
+    const double epsilon = (shape == RemapShape::kOwn ? kOwnStrength : kLevelledStrength).epsilon;
+    uv = cells.to_square(level_map(cells.view(), std::move(uv), steps, epsilon, progress, rest));
     if (count_not_positive(mesh.faces, uv) > 0) return std::nullopt;
     return uv;
 }

@@ -4,12 +4,10 @@
 #pragma once
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/chart/square_chart.h"
-#include "geometry/parameterize/rest_shapes.h"
 #include "model/progress.h"
 
 namespace dgm::bake {
@@ -50,8 +48,6 @@ class Remap {
     /// The next proposals start from the last one.
     void accept();
     [[nodiscard]] bool may_be_levelled() const { return levelling_.has_value(); }
-    /// The map that was accepted last, not fitted.
-    [[nodiscard]] SampledChart mapped() && { return std::move(mapped_); }
 
  private:
     [[nodiscard]] std::optional<std::vector<Vec2d>> levelled(const std::vector<double>& weights, RemapShape shape,

@@ -13,13 +13,6 @@
 namespace dgm::bake {
 namespace {
 
-/// Facets in one corner of a plane: an even map has too few samples there.
-SampledChart rough_corner(std::uint32_t side = 33) {
-    return fit_test::sheet_chart(side, 40, [](double x, double y) {
-        return x < 0.3 && y < 0.3 ? 0.03 * std::sin(61 * x + 7 * y) * std::cos(67 * y - 9 * x) : 0;
-    });
-}
-
 /// The fits of one chart, with all that they refer to.
 struct FitsOf {
     explicit FitsOf(SampledChart chart, Fit fit = Fit::kBest, Method method = Method::kAuto) {
@@ -44,7 +37,7 @@ struct FitsOf {
 };
 
 TEST(ChartFits, MapAnewWhereTheFitLeftError) {
-    FitsOf of(rough_corner());
+    FitsOf of(fit_test::rough_corner());
     ChartFits fits = of.fits();
     fits.fit({});
     const double first = of.rms();
@@ -70,12 +63,12 @@ TEST(ChartFits, KeepTheFirstFitWhereAnotherMapHasMoreError) {
 
 TEST(ChartFits, LeaveNamedMethodsAndTextureCoordinatesAlone) {
     for (const Method method : {Method::kStretch, Method::kArap}) {
-        FitsOf of(rough_corner(), Fit::kBest, method);
+        FitsOf of(fit_test::rough_corner(), Fit::kBest, method);
         ChartFits fits = of.fits();
         fits.fit({});
         EXPECT_FALSE(fits.may_remap());
     }
-    FitsOf of(rough_corner());
+    FitsOf of(fit_test::rough_corner());
     of.mapped.method = Method::kUv;
     ChartFits fits = of.fits();
     fits.fit({});
@@ -83,7 +76,7 @@ TEST(ChartFits, LeaveNamedMethodsAndTextureCoordinatesAlone) {
 }
 
 TEST(ChartFits, LeaveOutWhatIsAblated) {
-    FitsOf of(rough_corner());
+    FitsOf of(fit_test::rough_corner());
     of.options.ablate = {"remaps"};
     ChartFits fits = of.fits();
     fits.fit({});
