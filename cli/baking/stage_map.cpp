@@ -128,6 +128,8 @@ Error failure_at(const Error& error, std::size_t c, std::size_t count) {
     return out.with_hint(error.hint());
 }
 
+constexpr std::size_t kFewComponents = 4;
+
 /// Component `c` on a grid of `size`. A ring that cannot be unrolled there gets another chart.
 Attempt<ComponentResult> bake_one(const Repaired& source, const MapRequest& request, std::size_t c, GridSize size,
                                   GridSize most, const BakeOptions& options, std::span<CutMemory> cuts,
@@ -136,6 +138,7 @@ Attempt<ComponentResult> bake_one(const Repaired& source, const MapRequest& requ
     if (!request.rings.empty()) task.rings = request.rings[c];
     task.trials.samples = chart_effort(source.components.size(), 1).trial_samples;
     if (source.components.size() > 1) task.trials.clock = CpuClock::Of::kThread;
+    task.is_one_of_many = source.components.size() > kFewComponents;
     Attempt<ComponentResult> out = bake_component(task, options, cuts[c], progress);
     if (out || task.rings != RingUse::kOnly) return out;
     task.rings = RingUse::kTried;

@@ -21,7 +21,9 @@ constexpr std::size_t kHopeless = 24;    // more than one inverted face to so ma
 constexpr double kSmallError = 3e-6;  // ... above 110 dB, in diagonals
 constexpr double kAtFewPlaces = 0.8;  // ... and this share of it in a twentieth of the cells: 1 to 7 dB on 11 of 12
 constexpr double kDenseFacets = 4;    // ... or the source is so dense that the first map took longer than the fit
-constexpr std::uint64_t kMostLooks = 2500;  // a sample: fits of ordinary charts take 300 to 2,300, of hard ones 10,000
+// A sample, or a vertex of the source if there are more of them: fits of ordinary charts take 300 to 2,300, of hard ones
+// 10,000.
+constexpr std::uint64_t kMostLooks = 2500;
 constexpr int kTriesOfBest = 4;
 constexpr double kConcentrated = 0.5;  // share of the error in a twentieth of the cells, for a second failure
 constexpr double kGainOfRemap = 0.99;  // in rms, by both measures
@@ -63,7 +65,8 @@ bool ChartFits::may_remap() const {
     if (!start_ || options_.ablates("remaps") || report_.was_exact || report_.inverted > 0) return false;
     // A method that is named is asked for as it is, and so are texture coordinates.
     if (options_.method != Method::kAuto || mapped_.method == Method::kUv) return false;
-    if (report_.rms < kSmallError || report_.looked > kMostLooks * samples()) return false;
+    if (report_.rms < kSmallError) return false;
+    if (report_.looked > kMostLooks * std::max(samples(), component_.positions.size())) return false;
     if (samples() >= kLargeGrid) return false;
     return options_.fit == Fit::kBest || facets() < kManyFacets || facets() >= kDenseFacets;
 }

@@ -33,6 +33,9 @@ constexpr double kFarRing = 1.5;                       // a ring whose cut is pr
 // The same for another cut onto the square, and the faces above which none is looked for.
 constexpr double kFarOther = 1.1;
 constexpr std::size_t kMostFacesCutAgain = 200'000;
+// Samples: what a cut is worth on fewer is measured as well as predicted. Trials that measure map the component itself,
+// so those of many faces get them on tiny grids alone.
+constexpr double kSmallGrid = 1664, kTinyGrid = 800;
 // dB before a fit, at 257 samples a side: below this a square chart has something folded away.
 constexpr double kPoor = 75, kPerDoubling = 8.5;
 // A free chart uses half of its samples: one without stretch can be better than square ones of more than these L2
@@ -96,15 +99,16 @@ double psnr_at(GridSize size, double at_257) {
     return at_257 + kPerDoubling * std::min(0.0, 0.5 * math::log2(samples_of(size) / (257.0 * 257.0)));
 }
 
-CutSearchOptions cut_options(GridSize size, const BakeOptions& options) {
+CutSearchOptions cut_options(const ComponentTask& task, const BakeOptions& options) {
     CutSearchOptions out;
-    out.m = size.rows;
-    out.n = size.cols;
+    out.m = task.size.rows;
+    out.n = task.size.cols;
     // A small grid is a small part of the asset (component_size): it gets a proportionate search, which measures,
     // since cuts that its few samples cannot hold must be left out.
-    const double effort = std::min(1.0, samples_of(size) / (129.0 * 129.0));
+    const double samples = samples_of(task.size), effort = std::min(1.0, samples / (129.0 * 129.0));
     out.samples = static_cast<std::uint64_t>(200 + 7800 * effort);
-    if (effort < 0.1) {
+    const bool many_faces = !task.is_one_of_many && task.component.faces.size() > kFewFaces;
+    if (samples < (many_faces ? kTinyGrid : kSmallGrid)) {
         out.max_extremities = 8;
         out.patience = 1;
         out.rotations = 2;
@@ -196,24 +200,47 @@ void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOp
     contest.meet(std::move(rings), options.fit != Fit::kSample, progress);
 }
 
-/// Searches the cut of a component without borders again from other starts, for `best`: the errors that are predicted
-/// of two good cuts do not tell which of them is better after the fit, trial fits do. The maps are levelled as the
-/// one of the first cut that won.
+/// Cuts beside the first one of a grid that is not small, for `best`: of a component without borders, or with handles,
+/// the search begins elsewhere.
+std::vector<CutSearchResult> cuts_from_elsewhere(const ComponentTask& task, const CutSearchOptions& search,
+                                                 const CutSearchResult& first, const model::Progress& progress) {
+    if (first.shares != BorderShares::kByLength) return {};
+    if (const Topology found = measure_topology(task.component); found.genus == 0 && found.boundary_loops > 0)
+        return {};
+    return search_other_cuts(task.component, search, kFarOther * first.rms, progress);
+}
+
+/// The cut of a small grid that is predicted to be best, beside the one of measured trials.
+std::vector<CutSearchResult> predicted_cut(const ComponentTask& task, const BakeOptions& options,
+                                           const model::Progress& progress) {
+    CutSearchOptions search;
+    search.m = task.size.rows;
+    search.n = task.size.cols;
+    search.stars = kStars;
+    if (options.ablates("hidden-cuts")) search.given_to_hide = 0;
+    Attempt<CutSearchResult> cut = attempt([&] { return search_cut(task.component, search, progress); });
+    std::vector<CutSearchResult> out;
+    if (cut) out.push_back(*std::move(cut));
+    return out;
+}
+
+/// Searches the cut again: the errors that are predicted of two good cuts, or measured on few samples, do not tell
+/// which of them is better after the fit, trial fits do. The maps are levelled as the one of the first cut that won.
 void try_other_cuts(const ComponentTask& task, const BakeOptions& options, const CutSearchOptions& search,
                     const CutSearchResult& first, Contest& contest, const model::Progress& progress) {
-    if (options.fit != Fit::kBest || options.method != Method::kAuto || options.ablates("other-cuts")) return;
-    if (task.use != CutUse::kSearch) return;
-    if (!contest.has_best() || is_exact(contest) || search.measured) return;
+    if (options.method != Method::kAuto || options.ablates("other-cuts") || options.ablates("cut-search")) return;
+    if (search.measured ? task.is_one_of_many : options.fit != Fit::kBest) return;
+    if (task.use != CutUse::kSearch || !contest.has_best() || is_exact(contest)) return;
     if (contest.best_method() != Method::kStretch || task.component.faces.size() > kMostFacesCutAgain) return;
-    if (first.shares != BorderShares::kByLength) return;
-    if (const Topology found = measure_topology(task.component); found.genus == 0 && found.boundary_loops > 0) return;
-    for (const CutSearchResult& cut : search_other_cuts(task.component, search, kFarOther * first.rms, progress)) {
+    const std::vector<CutSearchResult> cuts =
+        search.measured ? predicted_cut(task, options, progress) : cuts_from_elsewhere(task, search, first, progress);
+    for (const CutSearchResult& cut : cuts) {
         if (cut.rms == first.rms && cut.cut_length == first.cut_length) continue;
         Contest others(task.component, CutKind::kOther, task.trials);
         const SquareMaps maps(task, options, cut, progress);
-        contest.best_is_directed() ? maps.enter_directed(Method::kStretch, others)
-                                   : maps.enter(Method::kStretch, others);
-        contest.meet(std::move(others), true, progress);
+        const Method method = cut.shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch;
+        contest.best_is_directed() ? maps.enter_directed(method, others) : maps.enter(method, others);
+        contest.meet(std::move(others), options.fit != Fit::kSample, progress);
     }
 }
 
@@ -279,7 +306,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
         arap();
         if (is_exact(contest)) return;
     }
-    CutSearchOptions search = cut_options(task.size, options);
+    CutSearchOptions search = cut_options(task, options);
     if (task.rings == RingUse::kOnly) return try_ring(task, options, search, kInfinity, cuts, contest, progress);
     search.only_simplified = contest.has_best() && contest.best_psnr() > psnr_at(task.size, kPoor);
     const Attempt<CutMemory::Cut> found =

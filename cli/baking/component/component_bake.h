@@ -24,6 +24,7 @@ struct ComponentTask {
     CutUse use = CutUse::kSearch;
     RingUse rings = RingUse::kTried;
     Trials trials = {};
+    bool is_one_of_many = false;  ///< of its asset's components: its cut on a small grid is searched once
 };
 
 /// `auto` tries the methods that fit the component and keeps the one with the least measured error; a named method is
