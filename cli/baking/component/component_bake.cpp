@@ -210,9 +210,12 @@ std::vector<CutSearchResult> cuts_from_elsewhere(const ComponentTask& task, cons
     return search_other_cuts(task.component, search, kFarOther * first.rms, progress);
 }
 
-/// The cut of a small grid that is predicted to be best, beside the one of measured trials.
+/// The cut of a small grid that is predicted to be best, beside the one of measured trials; none for disks, which need
+/// no cut and may have a free chart that is exact.
 std::vector<CutSearchResult> predicted_cut(const ComponentTask& task, const BakeOptions& options,
                                            const model::Progress& progress) {
+    const Topology found = measure_topology(task.component);
+    if (found.genus == 0 && found.boundary_loops == 1) return {};
     CutSearchOptions search;
     search.m = task.size.rows;
     search.n = task.size.cols;
