@@ -21,7 +21,7 @@ constexpr std::size_t kHopeless = 24;    // more than one inverted face to so ma
 constexpr double kSmallError = 3e-6;  // ... above 110 dB, in diagonals
 constexpr double kAtFewPlaces = 0.8;  // ... and this share of it in a twentieth of the cells: 1 to 7 dB on 11 of 12
 constexpr double kDenseFacets = 4;    // ... or the source is so dense that the first map took longer than the fit
-// A sample, or a vertex of the source if there are more of them: fits of ordinary charts take 300 to 2,300, of hard ones
+// A sample, or a vertex of the source if those are more: fits of ordinary charts take 300 to 2,300, of hard ones
 // 10,000.
 constexpr std::uint64_t kMostLooks = 2500;
 constexpr int kTriesOfBest = 4;

@@ -68,12 +68,13 @@ struct ClothOptions {
 
 /// Settings of a frame.
 struct ClothStep {
-    float dt = 1.0f / 60;                 ///< seconds, 1e-5 .. 10
-    std::uint32_t substeps = 2;           ///< 1 .. 100
-    std::uint32_t cycles = 1;             ///< of conjugate gradients in a substep, 1 .. 100
-    std::uint32_t levels = 0;             ///< strides that are used, for measurements. 0: all
-    Vec3 gravity;                         ///< m/s^2
-    float friction = 0.3f;                ///< Coulomb's coefficient, 0 .. 100
+    float dt = 1.0f / 60;        ///< seconds, 1e-5 .. 10
+    std::uint32_t substeps = 2;  ///< 1 .. 100
+    std::uint32_t cycles = 1;    ///< of conjugate gradients in a substep, 1 .. 100
+    std::uint32_t levels = 0;    ///< strides that are used, for measurements. 0: all
+    Vec3 gravity;                ///< m/s^2
+    /// Coulomb's coefficient, 0 .. 100. What moves takes cloth along, as StepOptions::friction says (physics.h).
+    float friction = 0.3f;
     std::span<const Obstacle> obstacles;  ///< at most 64 together with the tools
     std::span<const Pin> pins;            ///< their class moves with them; any number
     /// Tools are spheres of this radius, local units. A grasp holds the samples within it of the sample nearest at its

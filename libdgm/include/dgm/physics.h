@@ -87,8 +87,9 @@ struct StepOptions {
     /// then the sum of what the layer presses with, and does not jump where samples come to touch. 0: contact is hard.
     float tool_layer = 0;
     /// Coulomb's coefficient between the surface and obstacles and tools, 0 .. 100. The force along the surface is at
-    /// most that times what the sample was pressed with in the step before; less than that holds it in place. Tools
-    /// take the surface along as they move; other obstacles rub as if they stood still.
+    /// most that times what the sample was pressed with in the step before; less than that holds it in place. What
+    /// moves takes the surface along: a tool, and an obstacle of the same kind at the same place in the list as in the
+    /// step before. A plane goes with its `point`, and a surface with its frame, whatever its shape does.
     float friction = 0;
 };
 

@@ -66,7 +66,7 @@ bool within(double v, double low, double high) noexcept {
 [[gnu::cold]] Result<void> check_tools(const ClothStep& o, std::span<const ToolInput> tools,
                                        std::size_t answers) noexcept {
     if (answers != 0 && answers < tools.size()) return bad("there are fewer answers than tools");
-    if (tools.size() + o.obstacles.size() > kMostScene)
+    if (tools.size() + o.obstacles.size() > Scene::kMost)
         return Error{ErrorCode::LimitExceeded, kNoOffset, "there are more than 64 tools and obstacles"};
     if (!tools.empty() && !(o.tool_radius > 0 && o.tool_radius <= kMaxCoordinate))
         return bad("the tools' radius is not a number above 0");
@@ -74,7 +74,7 @@ bool within(double v, double low, double high) noexcept {
     for (const ToolInput& in : tools) {
         if (!is_place(in.position)) return bad("a coordinate of a tool is beyond 1e18");
         if (in.kind > ToolKind::Grasp) return unsupported("the tool kind is not known");
-        if (in.tool >= kMostScene) return bad("a tool's number is beyond 63");
+        if (in.tool >= Scene::kMost) return bad("a tool's number is beyond 63");
         if ((named >> in.tool & 1) != 0) return bad("a tool is named twice");
         named |= std::uint64_t{1} << in.tool;
     }
@@ -97,7 +97,7 @@ bool within(double v, double low, double high) noexcept {
 }
 
 Result<void> make_scene(ClothImpl& c, const StateImpl& s, const ClothStep& o, std::span<const ToolInput> tools,
-                        Scene& scene) noexcept {
+                        FrameScene& scene) noexcept {
     scene.count = 0;
     for (std::uint32_t t = 0; t < tools.size(); ++t) {
         const ToolInput& in = tools[t];
@@ -108,16 +108,21 @@ Result<void> make_scene(ClothImpl& c, const StateImpl& s, const ClothStep& o, st
         shape.kind = ObstacleKind::Sphere;
         shape.point = widen(in.position);
         shape.radius = double{o.tool_radius};
+        scene.ids[k] = in.tool;
+        scene.turns[k] = 0;
         scene.tool[k] = t;
         scene.way[k] = (c.known >> in.tool & 1) != 0 ? widen(in.position) - widen(c.tool_before[in.tool]) : Double3{};
     }
-    for (const Obstacle& obstacle : o.obstacles) {
+    for (std::size_t k = 0; k < o.obstacles.size(); ++k) {
+        const Obstacle& obstacle = o.obstacles[k];
         if (obstacle.kind == ObstacleKind::Surface && obstacle.surface != nullptr &&
             obstacle.surface->unsettled() == &s)
             return bad("the obstacle is the state itself");
         auto shape = make_shape(obstacle);
         if (!shape) return shape.error();
         scene.shapes[scene.count] = shape.value();
+        scene.ids[scene.count] = Scene::kMost + static_cast<std::uint32_t>(k);
+        scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
         scene.tool[scene.count] = kNone;
         scene.way[scene.count++] = {};
     }
@@ -196,7 +201,7 @@ Result<ClothReport> step(State& state, Cloth& cloth, const ClothStep& options, s
     detail::StateImpl& s = *state.impl();
     if (auto r = detail::check_step(c, s, options); !r) return r.error();
     if (auto r = detail::check_tools(options, tools, answers.size()); !r) return r.error();
-    detail::cloth::Scene& scene = c.scene;
+    detail::cloth::FrameScene& scene = c.scene;
     if (auto r = detail::make_scene(c, s, options, tools, scene); !r) return r.error();
     if (!detail::mark_pins(c, options.pins)) return detail::bad("a sample or a copy of it is pinned twice");
     state.release();  // touches of tick() end; the boxes stay those of the cloth

@@ -7,7 +7,7 @@
 
 #include "base/double3.h"
 #include "cloth/kernels.h"
-#include "contact/contact_impl.h"
+#include "contact/scene.h"
 #include "touch/state_impl.h"
 
 namespace dgm::detail {
@@ -15,7 +15,6 @@ namespace dgm::detail {
 namespace cloth {
 
 inline constexpr std::uint32_t kMostLevels = 16;
-inline constexpr std::uint32_t kMostScene = 64;
 inline constexpr Error kNoMemory{ErrorCode::OutOfMemory, kNoOffset, "no memory for the cloth"};
 
 /// Where a sample is in the planes of a level, from that of sample (0, 0) on.
@@ -64,20 +63,11 @@ struct Contact {
     Double3 slid;     ///< way along the obstacle before the substep's own solution
 };
 
-/// Obstacles and tools of a frame, checked.
-struct Scene {
-    Shape shapes[kMostScene];
-    std::uint32_t tool[kMostScene] = {};  ///< place among the tools, or kNone
-    Double3 way[kMostScene];              ///< of a tool in this frame, local units
-    std::uint32_t count = 0;
-};
-
-/// Where an obstacle is.
-struct Placed {
-    ObstacleKind kind;
-    const StateImpl* surface;
-    std::uint64_t moved;  ///< of a surface: how often it was written
-    double numbers[23];
+/// Obstacles and tools of a frame.
+struct FrameScene : Scene {
+    std::uint32_t tool[kMost] = {};  ///< place among the tools, or kNone
+    Double3 way[kMost];              ///< of a tool in this frame, local units
+    const Shape* stood[kMost] = {};  ///< where an obstacle that has moved was in the frame before, else null
 };
 
 /// A sample that moves with a tool.
@@ -124,13 +114,12 @@ struct ClothImpl {
     Array<std::uint8_t> pinned;      ///< by sample, while a frame runs
     Array<cloth::Contact> contacts;
     std::uint32_t contact_count = 0;
-    cloth::Scene scene;
-    cloth::Placed placed[cloth::kMostScene] = {};  ///< in the frame before
-    std::uint32_t placed_count = 0;
+    cloth::FrameScene scene;
+    Scene before_scene;  ///< of the frame before
     Array<cloth::Held> held;
     std::uint32_t held_count = 0;
     std::uint64_t holding = 0;  ///< bit by tool number
-    Vec3 tool_before[cloth::kMostScene];
+    Vec3 tool_before[Scene::kMost];
     std::uint64_t known = 0;  ///< tools whose place before is known
     Array<cloth::Meeting> meetings;
     std::uint32_t meeting_count = 0;

@@ -246,22 +246,14 @@ void mark_free(ClothImpl& c) noexcept {
     }
 }
 
-/// Obstacles are as in the frame before, and tools stay where they were.
+/// Finds where obstacles were. @return true if they are as in the frame before, and tools stay where they were
 bool are_obstacles_still(ClothImpl& c) noexcept {
-    // All of a shape from `point` on are doubles.
-    constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
-    static_assert(kBytes == sizeof c.placed[0].numbers);
-    bool still = c.scene.count == c.placed_count;
+    bool still = c.scene.count == c.before_scene.count;
     for (std::uint32_t k = 0; k < c.scene.count; ++k) {
-        const Shape& shape = c.scene.shapes[k];
-        Placed now{shape.kind, shape.surface, shape.surface != nullptr ? shape.surface->moved : 0, {}};
-        std::memcpy(now.numbers, &shape.point, kBytes);
-        const Placed& old = c.placed[k];
-        still = still && old.kind == now.kind && old.surface == now.surface && old.moved == now.moved &&
-                std::memcmp(old.numbers, now.numbers, kBytes) == 0;
-        c.placed[k] = now;
+        const bool stays = has_stayed(c.before_scene, c.scene, k);
+        c.scene.stood[k] = stays ? nullptr : was_at(c.before_scene, c.scene, k);
+        still = still && stays;
     }
-    c.placed_count = c.scene.count;
     return still;
 }
 /// Nothing does work on the cloth in this frame but gravity.
@@ -345,6 +337,7 @@ ClothReport run_frame(ClothImpl& c, State& state, const ClothStep& o, std::span<
         c.tool_before[t.tool] = t.position;
         c.known |= std::uint64_t{1} << t.tool;
     }
+    c.before_scene = c.scene;
     write_shape(c, s);
     return report;
 }

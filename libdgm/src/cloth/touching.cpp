@@ -80,9 +80,12 @@ Found find(const ClothImpl& c, double part, Double3 x, std::uint64_t near) noexc
     return out;
 }
 
-/// How far the obstacle of a contact goes in the substep, metres.
-Double3 way_of(const ClothImpl& c, std::uint32_t obstacle, double share) noexcept {
-    return (c.scale * share) * c.scene.way[obstacle];
+/// How far the obstacle of a contact goes in the substep at a place, metres.
+Double3 way_of(const ClothImpl& c, std::uint32_t obstacle, double share, Double3 x) noexcept {
+    if (c.scene.tool[obstacle] != kNone) return (c.scale * share) * c.scene.way[obstacle];
+    const Shape* const stood = c.scene.stood[obstacle];
+    if (stood == nullptr) return {};
+    return (c.scale * share) * way_come(*stood, c.scene.shapes[obstacle], (1 / c.scale) * x);
 }
 
 void add_friction(ClothImpl& c, Contact& t, Spot k, double by_dt2, double friction, Double3 moved) noexcept {
@@ -131,7 +134,7 @@ void find_contacts(ClothImpl& c, double h, double friction, double part, double 
             each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
             return;
         }
-        add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f.obstacle, share));
+        add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f.obstacle, share, c.place(k)));
         put(l.on.normal, k, t.normal);
         l.on.press[k] = static_cast<float>(t.press);
         l.on.drag[k] = static_cast<float>(t.drag);

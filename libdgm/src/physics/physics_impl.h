@@ -5,7 +5,7 @@
 #include <dgm/physics.h>
 
 #include "base/double3.h"
-#include "contact/contact_impl.h"
+#include "contact/scene.h"
 #include "physics/factor.h"
 #include "physics/level.h"
 #include "touch/state_impl.h"
@@ -65,15 +65,6 @@ struct Rub {
 };
 /// @param way  of the sample in this step, metres
 [[nodiscard]] Rub rub_of(const Touching& t, Double3 way) noexcept;
-
-/// Obstacles and tools of a step, checked.
-struct Scene {
-    static constexpr std::uint32_t kMost = 64;
-    Shape shapes[kMost];
-    std::uint32_t ids[kMost] = {};    ///< a tool's number, or kMost + the obstacle's
-    std::uint64_t turns[kMost] = {};  ///< of surfaces: how often they were written
-    std::uint32_t count = 0;
-};
 
 [[nodiscard]] inline bool is_tool(const Touching& t) noexcept {
     return t.obstacle < Scene::kMost;
@@ -139,7 +130,7 @@ struct PhysicsImpl {
     Array<std::uint32_t> next_copy;             ///< of the class of a sample, or kNone
     Array<std::uint32_t> followers;             ///< pairs (unknown without a triangle, sample that it follows)
     Array<physics::Touching> touching[2];       ///< as `scene`: of this step and of the one before
-    physics::Scene scene[2];
+    Scene scene[2];
     std::uint32_t touching_count = 0, touching_now = 0;
     Array<physics::Grasped> grasped;
     std::uint32_t grasped_count = 0;

@@ -64,21 +64,6 @@ Tile tile_of(const PhysicsImpl& p, const StateImpl& s, std::uint32_t i0, std::ui
     return {0.5 * (l + h), std::sqrt(dot(half, half))};
 }
 
-/// Whether an obstacle of a scene is in another one, in the same place.
-bool is_in(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
-    const Shape& a = now.shapes[o];
-    for (std::uint32_t k = 0; k < before.count; ++k) {
-        const Shape& b = before.shapes[k];
-        // All from `point` on are doubles.
-        constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
-        static_assert(kBytes == 23 * sizeof(double));
-        if (before.ids[k] == now.ids[o])
-            return a.kind == b.kind && a.surface == b.surface && before.turns[k] == now.turns[o] &&
-                   std::memcmp(&a.point, &b.point, kBytes) == 0;
-    }
-    return false;
-}
-
 /// Makes a contact with a ball one by way of its soft layer.
 void soften(const PhysicsImpl& p, const Shape& ball, Touching& t) noexcept {
     constexpr double kTurn = 6.283185307179586;
@@ -86,14 +71,6 @@ void soften(const PhysicsImpl& p, const Shape& ball, Touching& t) noexcept {
     t.stiffness = p.layer * cell;
     t.blunt = cell / (kTurn * ball.radius * p.scale);
     t.multiplier = 0;
-}
-
-/// How far a tool has gone since the step before, metres. Other obstacles rub as if they stood still.
-Double3 way_of(const PhysicsImpl& p, const Scene& before, const Scene& now, std::uint32_t o) noexcept {
-    if (now.ids[o] >= Scene::kMost) return {};
-    for (std::uint32_t k = 0; k < before.count; ++k)
-        if (before.ids[k] == now.ids[o]) return p.scale * (now.shapes[o].point - before.shapes[k].point);
-    return {};
 }
 
 /// Friction goes on from that of the step before, along the surface as it lies now.
@@ -124,8 +101,8 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
     const double reach = scene.count == 0 ? 0 : reach_of(p, s);
     for (std::uint32_t o = 0; o < scene.count; ++o) {
         const Shape& shape = scene.shapes[o];
-        const bool moves = !is_in(before, scene, o);
-        const Double3 way = kFriction ? way_of(p, before, scene, o) : Double3{};
+        const bool moves = !has_stayed(before, scene, o);
+        const Shape* const stood = kFriction && moves ? was_at(before, scene, o) : nullptr;
         const auto look = [&](std::uint32_t k) {
             if (l.own[k] == 0 || p.free[k] == 0) return;
             const Double3 x = place(p, s, k);
@@ -146,7 +123,10 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
             t.multiplier = was != nullptr ? was->multiplier : 0;
             t.moves = moves;
             if (p.layer > 0 && is_tool(t)) soften(p, shape, t);
-            if (kFriction && p.friction > 0 && was != nullptr) take_friction(p.friction, *was, way, t);
+            if (kFriction && p.friction > 0 && was != nullptr) {
+                const Double3 way = stood != nullptr ? p.scale * way_come(*stood, shape, x) : Double3{};
+                take_friction(p.friction, *was, way, t);
+            }
         };
         for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
             if (i % kTile == 0)

@@ -64,6 +64,59 @@ TEST(ClothContact, SlidesAsCoulombSaysBeyondIt) {
     }
 }
 
+/// A table that starts to move takes along what lies on it while friction can do that; else it gains mu g.
+TEST(ClothContact, ComesAlongWithAMovingTable) {
+    constexpr double kFriction = 0.3, kTime = 0.5;
+    for (const double pull : {1.5, 6.0}) {
+        SCOPED_TRACE(pull);
+        ClothOptions o;
+        o.fabric.damping = 0;
+        Drape d(grid_chart(17, 17, [](double i, double j) { return Point{float(i / 16), float(j / 16), 0.0005f}; }), o);
+        Obstacle table = plane({0, 0, 0}, {0, 0, 1});
+        d.how.obstacles = {&table, 1};
+        d.how.friction = float(kFriction);
+        d.run(10);
+        const double start = d.mean_of_row(8).x, dt = double{d.how.dt};
+        const int frames = static_cast<int>(std::lround(kTime / dt));
+        double last = 0, speed = 0;
+        for (int k = 1; k <= frames; ++k) {
+            table.point.x = float(0.5 * pull * k * dt * k * dt);
+            d.run(1);
+            const double now = d.mean_of_row(8).x - start;
+            speed = (now - last) / dt;
+            last = now;
+        }
+        const double gained = std::min(pull, kFriction * double{kG}), time = frames * dt;
+        EXPECT_NEAR(speed, gained * (time - 0.5 * dt), 0.03 * gained * time);
+        EXPECT_NEAR(last, 0.5 * gained * time * time, 0.03 * gained * time * time);
+    }
+}
+TEST(ClothContact, TurnsWithATurntable) {
+    // 1 rad/s from the first frame on: friction of 1 holds all within g / w^2 = 9.8 m of the axis.
+    Drape d(grid_chart(17, 17, [](double i, double j) {
+        return Point{float(i / 32 - 0.25), float(j / 32 - 0.25), 0.1005f};
+    }));
+    Obstacle box;
+    box.kind = ObstacleKind::Box;
+    box.half = {0.5f, 0.5f, 0.1f};
+    d.how.obstacles = {&box, 1};
+    d.how.friction = 1;
+    d.run(10);
+    const auto radius = [&](std::uint32_t i, std::uint32_t j) { return std::hypot(d.at(i, j).x, d.at(i, j).y); };
+    const double edge = radius(0, 8), first = std::atan2(d.at(0, 8).y, d.at(0, 8).x);
+    double angle = 0;
+    for (int k = 1; k <= 30; ++k) {
+        angle = k * double{d.how.dt};
+        const auto c = float(std::cos(angle)), s = float(std::sin(angle));
+        const float turn[9] = {c, -s, 0, s, c, 0, 0, 0, 1};
+        std::copy_n(turn, 9, box.rotation);
+        d.run(1);
+    }
+    const double turned = std::remainder(std::atan2(d.at(0, 8).y, d.at(0, 8).x) - first, 2 * std::numbers::pi);
+    EXPECT_NEAR(turned, angle, 0.06 * angle);
+    EXPECT_NEAR(radius(0, 8), edge, 0.01 * edge);
+}
+
 TEST(ClothContact, SheetFallsOnABallAndStaysOutside) {
     ClothOptions o;
     Drape d(grid_chart(33, 33,

@@ -116,6 +116,28 @@ TEST(PhysicsFriction, StopsASheetThatSlidesAndGivesBackNothing) {
     EXPECT_LT(std::fabs(motion_of(body).speed.x), 1e-5);
 }
 
+TEST(PhysicsFriction, TakesASheetAlongWithItsTable) {
+    // A table that starts at `pull`: what is on it comes along while friction can do that, and else gains mu g.
+    constexpr double kFriction = 0.3, kTime = 0.3;
+    for (const double pull : {1.5, 6.0}) {
+        SCOPED_TRACE(pull);
+        Body body = flat_sheet();
+        Obstacle under[] = {table(0)};
+        const StepOptions how = with(kFriction, down_slope(0), under);
+        for (int k = 0; k < 100; ++k) (void)step(body.state, body.physics, how).value();  // lies down
+        const double scale = body.physics.impl()->scale, start = motion_of(body).place.x;
+        const int steps = static_cast<int>(kTime / double{kStep});
+        for (int k = 1; k <= steps; ++k) {
+            const double t = k * double{kStep};
+            under[0].point.x = float(0.5 * pull * t * t / scale);
+            (void)step(body.state, body.physics, how).value();
+        }
+        const double gained = std::min(pull, kFriction * kG);
+        EXPECT_NEAR(motion_of(body).speed.x, gained * kTime, 0.02 * gained * kTime);
+        EXPECT_NEAR(motion_of(body).place.x - start, 0.5 * gained * kTime * kTime, 0.03 * gained * kTime * kTime);
+    }
+}
+
 TEST(PhysicsFriction, MakesAHollowBallRoll) {
     // Without sliding 0.6 of what it would slide with [2/3 m r^2 of a shell]; with less friction than 0.4 of the slope
     // it slides, and turns as friction makes it.

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/contact/scene.cpp
+#include "contact/scene.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
+namespace dgm::detail {
+namespace {
+
+/// Place in a scene, or its count.
+std::uint32_t place_of(const Scene& scene, std::uint32_t id) noexcept {
+    return static_cast<std::uint32_t>(std::find(scene.ids, scene.ids + scene.count, id) - scene.ids);
+}
+
+/// Turned as unit vector `from` turns to unit vector `to` by the smallest angle; not at all if they are opposite.
+Double3 turned(Double3 v, Double3 from, Double3 to) noexcept {
+    const Double3 both = from + to;
+    const double cosine = 1 + dot(from, to);
+    if (!(cosine > 1e-6)) return v;
+    return v + (2 * dot(from, v)) * to - (dot(both, v) / cosine) * both;
+}
+
+}  // namespace
+
+const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
+    const std::uint32_t k = place_of(before, now.ids[o]);
+    if (k == before.count) return nullptr;
+    const Shape &a = before.shapes[k], &b = now.shapes[o];
+    return a.kind == b.kind && a.surface == b.surface ? &a : nullptr;
+}
+
+bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
+    // All of a shape from `point` on are doubles.
+    constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
+    static_assert(kBytes == 23 * sizeof(double));
+    const std::uint32_t k = place_of(before, now.ids[o]);
+    return was_at(before, now, o) != nullptr && before.turns[k] == now.turns[o] &&
+           std::memcmp(&before.shapes[k].point, &now.shapes[o].point, kBytes) == 0;
+}
+
+Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept {
+    const Double3 way = now.point - before.point, off = at - now.point;
+    switch (now.kind) {
+        case ObstacleKind::Plane:
+            return way + off - turned(off, now.normal, before.normal);
+        case ObstacleKind::Sphere:
+            return way;
+        case ObstacleKind::Capsule: {
+            const Double3 along = now.end - now.point;
+            const double square = dot(along, along);
+            const double t = square > 0 ? std::clamp(dot(off, along) / square, 0.0, 1.0) : 0;
+            return (1 - t) * way + t * (now.end - before.end);
+        }
+        case ObstacleKind::Box:
+        case ObstacleKind::Surface:
+            break;
+    }
+    Double3 then;
+    for (int k = 0; k < 3; ++k) then = then + dot(now.axis[k], off) * before.axis[k];
+    return way + off - then;
+}
+
+}  // namespace dgm::detail

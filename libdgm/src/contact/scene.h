@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// libdgm/src/contact/scene.h
+// What a step of physics or a frame of cloth touches, and how it has moved since the one before.
+#pragma once
+#include <cstdint>
+
+#include "contact/contact_impl.h"
+
+namespace dgm::detail {
+
+/// Obstacles and tools of a step, checked.
+struct Scene {
+    static constexpr std::uint32_t kMost = 64;
+    Shape shapes[kMost];
+    std::uint32_t ids[kMost] = {};    ///< a tool's number, or kMost + the obstacle's
+    std::uint64_t turns[kMost] = {};  ///< of surfaces: how often they were written
+    std::uint32_t count = 0;
+};
+
+/// Where `o` of a scene stood in the one before; null if it was not there or was another kind of body.
+[[nodiscard]] DGM_API const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+/// Whether it stands there still, in the same shape.
+[[nodiscard]] DGM_API bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+/// How far the material of an obstacle that is at a point now has come, in the units of both. Obstacles are rigid: a
+/// plane goes with its point and turns with its normal by the smallest angle, a sphere does not turn, what is beside
+/// a capsule's axis goes as the axis there, boxes and surfaces go with their frames.
+[[nodiscard]] DGM_API Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept;
+
+}  // namespace dgm::detail

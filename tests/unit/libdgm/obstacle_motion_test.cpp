@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tests/unit/libdgm/obstacle_motion_test.cpp
+// How far the material of obstacles has come between two steps, against motions written out here.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "contact/scene.h"
+
+namespace dgm::detail {
+namespace {
+
+void expect_near(Double3 a, Double3 b) {
+    EXPECT_NEAR(a.x, b.x, 1e-6);
+    EXPECT_NEAR(a.y, b.y, 1e-6);
+    EXPECT_NEAR(a.z, b.z, 1e-6);
+}
+Shape shape_of(const Obstacle& o) {
+    auto made = make_shape(o);
+    EXPECT_TRUE(made.ok());
+    return made.value();
+}
+/// Turned around z by an angle, about the origin.
+Vec3 around_z(Vec3 v, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {float(c * double{v.x} - s * double{v.y}), float(s * double{v.x} + c * double{v.y}), v.z};
+}
+
+TEST(ObstacleMotion, BoxesTurnWithTheirFrames) {
+    Obstacle before{.kind = ObstacleKind::Box, .point = {0.5f, 0, 0}, .half = {1, 2, 0.5f}}, now = before;
+    constexpr double kAngle = 0.3;
+    const float turn[9] = {float(std::cos(kAngle)),
+                           float(-std::sin(kAngle)),
+                           0,
+                           float(std::sin(kAngle)),
+                           float(std::cos(kAngle)),
+                           0,
+                           0,
+                           0,
+                           1};
+    std::copy_n(turn, 9, now.rotation);
+    now.point = around_z(before.point, kAngle) + Vec3{0, 0, 0.25f};
+    for (const Vec3 was : {Vec3{1, 1, 0.5f}, Vec3{-0.3f, 0.7f, -0.5f}, Vec3{0.5f, 0, 0}}) {
+        const Vec3 is = around_z(was, kAngle) + Vec3{0, 0, 0.25f};
+        expect_near(way_come(shape_of(before), shape_of(now), widen(is)), widen(is) - widen(was));
+    }
+}
+
+TEST(ObstacleMotion, PlanesTurnWithTheirNormals) {
+    // Tilted around the z axis: what was at (0, y, z) of the plane x = 0 is turned about the origin.
+    constexpr double kAngle = 0.2;
+    const Obstacle before{.kind = ObstacleKind::Plane, .point = {}, .normal = {2, 0, 0}};
+    Obstacle now = before;
+    now.normal = around_z({1, 0, 0}, kAngle);
+    for (const Vec3 was : {Vec3{0, 1, 0}, Vec3{0, -2, 3}, Vec3{0, 0, 0}}) {
+        const Vec3 is = around_z(was, kAngle);
+        expect_near(way_come(shape_of(before), shape_of(now), widen(is)), widen(is) - widen(was));
+    }
+    now = before;
+    now.point = {0, 0.5f, -0.25f};
+    expect_near(way_come(shape_of(before), shape_of(now), {0, 7, 7}), {0, 0.5, -0.25});
+    now.normal = {-2, 0, 0};  // turned over: about which axis nobody knows
+    expect_near(way_come(shape_of(before), shape_of(now), {0, 7, 7}), {0, 0.5, -0.25});
+}
+
+TEST(ObstacleMotion, BallsShiftAndCapsulesFollowTheirEnds) {
+    const Obstacle ball{.kind = ObstacleKind::Sphere, .point = {1, 2, 3}, .radius = 0.5f};
+    Obstacle moved = ball;
+    moved.point = {1.5f, 2, 2};
+    expect_near(way_come(shape_of(ball), shape_of(moved), {1.5, 2.5, 2}), {0.5, 0, -1});
+    const Obstacle arm{.kind = ObstacleKind::Capsule, .point = {0, 0, 0}, .end = {4, 0, 0}, .radius = 0.5f};
+    Obstacle bent = arm;
+    bent.end = {4, 1, 0};
+    const Shape before = shape_of(arm), now = shape_of(bent);
+    expect_near(way_come(before, now, {-0.5, 0, 0}), {0, 0, 0});
+    expect_near(way_come(before, now, {4, 1, 0.5}), {0, 1, 0});
+    expect_near(way_come(before, now, {2, 0.5, 0.5}), {0, 0.5, 0});
+}
+
+TEST(ObstacleMotion, IsThatOfTheSameObstacle) {
+    Scene before, now;
+    const auto add = [](Scene& scene, std::uint32_t id, const Obstacle& o) {
+        scene.shapes[scene.count] = shape_of(o);
+        scene.ids[scene.count++] = id;
+    };
+    const Obstacle ball{.kind = ObstacleKind::Sphere, .point = {1, 0, 0}, .radius = 1};
+    Obstacle other = ball;
+    other.point = {2, 0, 0};
+    add(before, 3, ball);
+    add(before, Scene::kMost, other);
+    add(before, Scene::kMost + 1, ball);
+    add(now, Scene::kMost, ball);  // the tool has gone, and all places in the list are other ones
+    add(now, Scene::kMost + 1, ball);
+    add(now, Scene::kMost + 2, ball);
+    EXPECT_EQ(was_at(before, now, 0), &before.shapes[1]);
+    EXPECT_FALSE(has_stayed(before, now, 0));
+    EXPECT_EQ(was_at(before, now, 1), &before.shapes[2]);
+    EXPECT_TRUE(has_stayed(before, now, 1));
+    EXPECT_EQ(was_at(before, now, 2), nullptr);
+    EXPECT_FALSE(has_stayed(before, now, 2));
+    now.shapes[1] = shape_of({.kind = ObstacleKind::Plane});
+    EXPECT_EQ(was_at(before, now, 1), nullptr) << "another kind of body has its number";
+}
+
+}  // namespace
+}  // namespace dgm::detail
