@@ -69,7 +69,7 @@ struct ClothOptions {
 /// Settings of a frame.
 struct ClothStep {
     float dt = 1.0f / 60;        ///< seconds, 1e-5 .. 10
-    std::uint32_t substeps = 2;  ///< 1 .. 100
+    std::uint32_t substeps = 2;  ///< 1 .. 100; tools and obstacles go a part of their way in each
     std::uint32_t cycles = 1;    ///< of conjugate gradients in a substep, 1 .. 100
     std::uint32_t levels = 0;    ///< strides that are used, for measurements. 0: all
     Vec3 gravity;                ///< m/s^2

@@ -111,7 +111,8 @@ Result<void> make_scene(ClothImpl& c, const StateImpl& s, const ClothStep& o, st
         scene.ids[k] = in.tool;
         scene.turns[k] = 0;
         scene.tool[k] = t;
-        scene.way[k] = (c.known >> in.tool & 1) != 0 ? widen(in.position) - widen(c.tool_before[in.tool]) : Double3{};
+        scene.from[k] = shape;
+        if ((c.known >> in.tool & 1) != 0) scene.from[k].point = widen(c.tool_before[in.tool]);
     }
     for (std::size_t k = 0; k < o.obstacles.size(); ++k) {
         const Obstacle& obstacle = o.obstacles[k];
@@ -123,8 +124,7 @@ Result<void> make_scene(ClothImpl& c, const StateImpl& s, const ClothStep& o, st
         scene.shapes[scene.count] = shape.value();
         scene.ids[scene.count] = Scene::kMost + static_cast<std::uint32_t>(k);
         scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
-        scene.tool[scene.count] = kNone;
-        scene.way[scene.count++] = {};
+        scene.tool[scene.count++] = kNone;
     }
     return {};
 }

@@ -66,8 +66,9 @@ struct Contact {
 /// Obstacles and tools of a frame.
 struct FrameScene : Scene {
     std::uint32_t tool[kMost] = {};  ///< place among the tools, or kNone
-    Double3 way[kMost];              ///< of a tool in this frame, local units
-    const Shape* stood[kMost] = {};  ///< where an obstacle that has moved was in the frame before, else null
+    Shape from[kMost];               ///< where they are at the start of the frame
+    Shape last[kMost], here[kMost];  ///< at the start and the end of the substep
+    bool moves[kMost] = {};          ///< in the frame
 };
 
 /// A sample that moves with a tool.
@@ -173,9 +174,9 @@ double prepare(ClothImpl& c, float by_dt2, std::uint32_t levels) noexcept;
 /// the start, 0 .. 1
 double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cycles) noexcept;
 
-/// Lists contacts at level[0].at, with stiffness and friction, and marks them on the sheet. part: of the frame, at the
-/// end of the substep; share: that the substep is of it.
-void find_contacts(ClothImpl& c, double h, double friction, double part, double share) noexcept;
+/// Lists contacts at level[0].at with what is in the scene `here`, with stiffness and friction, and marks them on the
+/// sheet.
+void find_contacts(ClothImpl& c, double h, double friction) noexcept;
 /// Adds their slope to `gradient`. @return their energy
 double press(ClothImpl& c) noexcept;
 /// Their energy where the solution, times `by`, has been added.
@@ -183,9 +184,7 @@ double press(ClothImpl& c) noexcept;
 /// Notes the forces that the solution left.
 void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexcept;
 /// Moves samples that are still beyond out of obstacles.
-void push_out(ClothImpl& c, double part) noexcept;
-/// Where an obstacle of the scene is after a part of the frame.
-[[nodiscard]] Probe probe_at(const ClothImpl& c, std::uint32_t obstacle, double part, Double3 local) noexcept;
+void push_out(ClothImpl& c) noexcept;
 
 /// Lists samples and triangles of the cloth that may meet within `reach` metres.
 void find_meetings(ClothImpl& c, const StateImpl& s, double reach) noexcept;

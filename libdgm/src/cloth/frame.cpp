@@ -157,10 +157,19 @@ void look_around(ClothImpl& c, const Frame& f) noexcept {
     find_meetings(c, f.state, std::min(most, double{c.options.thickness} + 2 * f.h * speed));
 }
 
+/// Puts the scene where it is after a part of the frame.
+void move_scene(FrameScene& scene, double part) noexcept {
+    for (std::uint32_t k = 0; k < scene.count; ++k) {
+        if (!scene.moves[k]) continue;
+        scene.last[k] = scene.here[k];
+        scene.here[k] = between(scene.from[k], scene.shapes[k], part);
+    }
+}
+
 /// One substep. @return false: numbers that are not finite
 bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& report) noexcept {
     const auto by_dt2 = static_cast<float>(1 / (f.h * f.h));
-    const double part = double(number + 1) / f.o.substeps;
+    move_scene(c.scene, double(number + 1) / f.o.substeps);
     if (c.options.self_contact) look_around(c, f);
     const double unmoved = c.elastic + begin(c, f, 1.0 / (f.o.substeps - number));
     double elastic = 0, before = 0;
@@ -174,16 +183,16 @@ bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& re
         step_back(c, k + 1 < kMost ? 0.5 : 1);
     }
     sum_classes(c.fine(), c.gradient.p);
-    find_contacts(c, f.h, double{f.o.friction}, part, 1.0 / f.o.substeps);
+    find_contacts(c, f.h, double{f.o.friction});
     before += press(c);
     if (!std::isfinite(before)) return false;
     report.residual = solve(c, by_dt2, f.levels, f.o.cycles);
     c.elastic = go(c, before, double{by_dt2}, elastic);
     end_contacts(c, f.answers, 1.0 / f.o.substeps);
-    push_out(c, part);
+    push_out(c);
     if (c.options.self_contact) {
         report.touches = keep_apart(c, double{f.o.friction});
-        if (report.touches != 0) push_out(c, part);
+        if (report.touches != 0) push_out(c);
     }
     end(c, f);
     return std::isfinite(c.elastic) && std::isfinite(c.kinetic);
@@ -246,19 +255,24 @@ void mark_free(ClothImpl& c) noexcept {
     }
 }
 
-/// Finds where obstacles were. @return true if they are as in the frame before, and tools stay where they were
-bool are_obstacles_still(ClothImpl& c) noexcept {
-    bool still = c.scene.count == c.before_scene.count;
-    for (std::uint32_t k = 0; k < c.scene.count; ++k) {
-        const bool stays = has_stayed(c.before_scene, c.scene, k);
-        c.scene.stood[k] = stays ? nullptr : was_at(c.before_scene, c.scene, k);
+/// Puts the scene where it was in the frame before.
+/// @return true if obstacles are there still, and tools stay where they were
+bool start_scene(ClothImpl& c) noexcept {
+    FrameScene& scene = c.scene;
+    bool still = scene.count == c.before_scene.count;
+    for (std::uint32_t k = 0; k < scene.count; ++k) {
+        const bool stays = has_stayed(c.before_scene, scene, k);
+        const Shape* const stood = was_at(c.before_scene, scene, k);
+        if (scene.tool[k] == kNone) scene.from[k] = stood != nullptr ? *stood : scene.shapes[k];
+        scene.moves[k] = !stays;
+        scene.last[k] = scene.here[k] = stays ? scene.shapes[k] : scene.from[k];
         still = still && stays;
     }
     return still;
 }
 /// Nothing does work on the cloth in this frame but gravity.
 bool is_left_alone(ClothImpl& c, const ClothStep& o) noexcept {
-    bool alone = are_obstacles_still(c) && c.held_count == 0;
+    bool alone = start_scene(c) && c.held_count == 0;
     for (const Pin& pin : o.pins) {
         const Double3 way = c.place(c.spot_of(pin.sample)) - c.scale * widen(pin.position);
         alone =

@@ -27,7 +27,7 @@ double length(Double3 v) noexcept {
 
 /// Calls f(sample, spot) for samples in tiles that are within `margin` metres of some obstacle.
 template <class F>
-void each_near(const ClothImpl& c, double part, double margin, F f) noexcept {
+void each_near(const ClothImpl& c, double margin, F f) noexcept {
     for (std::uint32_t i0 = 0; i0 < c.rows; i0 += kTile)
         for (std::uint32_t j0 = 0; j0 < c.cols; j0 += kTile) {
             const std::uint32_t i1 = std::min(i0 + kTile, c.rows), j1 = std::min(j0 + kTile, c.cols);
@@ -45,9 +45,9 @@ void each_near(const ClothImpl& c, double part, double margin, F f) noexcept {
             const double radius = 0.5 * length(h - l) + margin;
             std::uint64_t near = 0;
             for (std::uint32_t o = 0; o < c.scene.count; ++o) {
-                const Shape& shape = c.scene.shapes[o];
+                const Shape& shape = c.scene.here[o];
                 const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
-                const double distance = c.scale * probe_at(c, o, part, (1 / c.scale) * middle).distance;
+                const double distance = c.scale * probe(shape, (1 / c.scale) * middle).distance;
                 const double beyond = limited ? std::fabs(distance) - c.scale * shape.reach : distance;
                 if (!(beyond > radius)) near |= std::uint64_t{1} << o;
             }
@@ -63,17 +63,17 @@ struct Found {
     Double3 normal;
 };
 /// The obstacle that a place is deepest in, or nearest to.
-Found find(const ClothImpl& c, double part, Double3 x, std::uint64_t near) noexcept {
+Found find(const ClothImpl& c, Double3 x, std::uint64_t near) noexcept {
     Found out;
     const Double3 local = (1 / c.scale) * x;
     for (; near != 0; near &= near - 1) {
         const auto o = static_cast<std::uint32_t>(__builtin_ctzll(near));
-        const Probe p = probe_at(c, o, part, local);
+        const Shape& shape = c.scene.here[o];
+        const Probe p = probe(shape, local);
         const double gap = c.scale * p.distance - 0.5 * double{c.options.thickness};
         if (!(gap < out.gap)) continue;
         const Double3 way = p.distance < 0 ? p.nearest - local : local - p.nearest;
         const double size = length(way);
-        const Shape& shape = c.scene.shapes[o];
         const Double3 other = shape.kind == ObstacleKind::Plane ? shape.normal : Double3{0, 0, 1};
         out = {o, gap, size > 1e-12 * (1 + length(local)) ? (1 / size) * way : other};
     }
@@ -81,11 +81,9 @@ Found find(const ClothImpl& c, double part, Double3 x, std::uint64_t near) noexc
 }
 
 /// How far the obstacle of a contact goes in the substep at a place, metres.
-Double3 way_of(const ClothImpl& c, std::uint32_t obstacle, double share, Double3 x) noexcept {
-    if (c.scene.tool[obstacle] != kNone) return (c.scale * share) * c.scene.way[obstacle];
-    const Shape* const stood = c.scene.stood[obstacle];
-    if (stood == nullptr) return {};
-    return (c.scale * share) * way_come(*stood, c.scene.shapes[obstacle], (1 / c.scale) * x);
+Double3 way_of(const ClothImpl& c, std::uint32_t obstacle, Double3 x) noexcept {
+    if (!c.scene.moves[obstacle]) return {};
+    return c.scale * way_come(c.scene.last[obstacle], c.scene.here[obstacle], (1 / c.scale) * x);
 }
 
 void add_friction(ClothImpl& c, Contact& t, Spot k, double by_dt2, double friction, Double3 moved) noexcept {
@@ -105,14 +103,7 @@ void add_friction(ClothImpl& c, Contact& t, Spot k, double by_dt2, double fricti
 }
 }  // namespace
 
-Probe probe_at(const ClothImpl& c, std::uint32_t obstacle, double part, Double3 local) noexcept {
-    const Double3 back = (1 - part) * c.scene.way[obstacle];
-    Probe p = probe(c.scene.shapes[obstacle], local + back);
-    p.nearest = p.nearest - back;
-    return p;
-}
-
-void find_contacts(ClothImpl& c, double h, double friction, double part, double share) noexcept {
+void find_contacts(ClothImpl& c, double h, double friction) noexcept {
     Level& l = c.fine();
     for (std::uint32_t k = 0; k < c.contact_count; ++k) {
         const Spot s = c.spot_of(c.contacts[k].sample);
@@ -123,10 +114,10 @@ void find_contacts(ClothImpl& c, double h, double friction, double part, double 
     c.contact_count = 0;
     if (c.scene.count == 0) return;
     const double keep = std::max(double{c.options.thickness}, 1e-3 * c.mean_step);
-    each_near(c, part, 0.5 * double{c.options.thickness} + keep, [&](std::uint32_t sample, std::uint64_t near) {
+    each_near(c, 0.5 * double{c.options.thickness} + keep, [&](std::uint32_t sample, std::uint64_t near) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
-        const Found f = find(c, part, c.place(k), near);
+        const Found f = find(c, c.place(k), near);
         Contact t{sample, f.obstacle, f.normal, f.gap, 0, 0, 0, {}, {}};
         t.press = double{c.firm[k]} + kPress * double{c.weight[k]} / (h * h);
         t.bears = f.gap < keep && c.pressed[k] > kNew ? double{c.pressed[k]} : 0;
@@ -134,7 +125,7 @@ void find_contacts(ClothImpl& c, double h, double friction, double part, double 
             each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
             return;
         }
-        add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f.obstacle, share, c.place(k)));
+        add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f.obstacle, c.place(k)));
         put(l.on.normal, k, t.normal);
         l.on.press[k] = static_cast<float>(t.press);
         l.on.drag[k] = static_cast<float>(t.drag);
@@ -180,14 +171,14 @@ void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexc
     }
 }
 
-void push_out(ClothImpl& c, double part) noexcept {
+void push_out(ClothImpl& c) noexcept {
     const Level& l = c.fine();
     if (c.scene.count == 0) return;
-    each_near(c, part, 0.5 * double{c.options.thickness}, [&](std::uint32_t sample, std::uint64_t near) {
+    each_near(c, 0.5 * double{c.options.thickness}, [&](std::uint32_t sample, std::uint64_t near) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
         for (int round = 0; round < 3; ++round) {  // out of one obstacle may be into another one
-            const Found f = find(c, part, c.place(k), near);
+            const Found f = find(c, c.place(k), near);
             // It stays a rounding error inside, so that the next substep knows it.
             const double rounding = 1e-9 * (1 + length(c.place(k)));
             if (!(f.gap < -2 * rounding)) return;

@@ -3,6 +3,7 @@
 #include "contact/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 
@@ -20,6 +21,16 @@ Double3 turned(Double3 v, Double3 from, Double3 to) noexcept {
     const double cosine = 1 + dot(from, to);
     if (!(cosine > 1e-6)) return v;
     return v + (2 * dot(from, v)) * to - (dot(both, v) / cosine) * both;
+}
+
+Double3 mixed(Double3 a, Double3 b, double part) noexcept {
+    return a + part * (b - a);
+}
+
+/// A unit vector along `v`, or `other` if that is next to nothing.
+Double3 unit_of(Double3 v, Double3 other) noexcept {
+    const double square = dot(v, v);
+    return square > 1e-6 ? (1 / std::sqrt(square)) * v : other;
 }
 
 }  // namespace
@@ -60,6 +71,26 @@ Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept {
     Double3 then;
     for (int k = 0; k < 3; ++k) then = then + dot(now.axis[k], off) * before.axis[k];
     return way + off - then;
+}
+
+Shape between(const Shape& before, const Shape& now, double part) noexcept {
+    if (part >= 1) return now;
+    Shape out = now;
+    out.point = mixed(before.point, now.point, part);
+    out.end = mixed(before.end, now.end, part);
+    if (now.kind == ObstacleKind::Plane) {
+        out.normal = unit_of(mixed(before.normal, now.normal, part), now.normal);
+        out.offset = dot(out.normal, out.point);
+    }
+    if (now.kind == ObstacleKind::Box || now.kind == ObstacleKind::Surface) {
+        Double3* const axis = out.axis;
+        axis[0] = unit_of(mixed(before.axis[0], now.axis[0], part), now.axis[0]);
+        const Double3 second = mixed(before.axis[1], now.axis[1], part);
+        axis[1] = unit_of(second - dot(second, axis[0]) * axis[0], {});
+        axis[2] = cross(axis[0], axis[1]);
+        if (!(dot(axis[2], axis[2]) > 0.5)) std::copy(now.axis, now.axis + 3, axis);  // turned by half a turn or so
+    }
+    return out;
 }
 
 }  // namespace dgm::detail

@@ -25,5 +25,9 @@ struct Scene {
 /// plane goes with its point and turns with its normal by the smallest angle, a sphere does not turn, what is beside
 /// a capsule's axis goes as the axis there, boxes and surfaces go with their frames.
 [[nodiscard]] DGM_API Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept;
+/// The obstacle after a part of that way: points go straight, normals and frames turn about one axis or nearly so.
+/// Half sides, radius, and the shape of a surface are those of `now`.
+/// @param part  0 .. 1; from 1 on it is `now`
+[[nodiscard]] DGM_API Shape between(const Shape& before, const Shape& now, double part) noexcept;
 
 }  // namespace dgm::detail

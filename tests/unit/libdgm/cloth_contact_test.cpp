@@ -117,6 +117,23 @@ TEST(ClothContact, TurnsWithATurntable) {
     EXPECT_NEAR(radius(0, 8), edge, 0.01 * edge);
 }
 
+/// In one go, from below the sheet to above it, a ball would push samples out where they came from.
+TEST(ClothContact, FastObstaclesPushClothAhead) {
+    Drape d(grid_chart(33, 33, [](double i, double j) {
+        return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0};
+    }));
+    d.how.gravity = {};
+    d.how.substeps = 6;
+    Obstacle thrown = ball({0, 0, -0.07f}, 0.06f);
+    d.how.obstacles = {&thrown, 1};
+    d.run(1);
+    for (int k = 0; k < 3; ++k) {
+        thrown.point.z += 0.1f;
+        d.run(1);
+        EXPECT_NEAR(d.at(16, 16).z, double{thrown.point.z} + 0.0605, 1e-3) << k;
+    }
+}
+
 TEST(ClothContact, SheetFallsOnABallAndStaysOutside) {
     ClothOptions o;
     Drape d(grid_chart(33, 33,

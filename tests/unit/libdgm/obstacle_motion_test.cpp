@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "contact/scene.h"
 
@@ -75,6 +76,43 @@ TEST(ObstacleMotion, BallsShiftAndCapsulesFollowTheirEnds) {
     expect_near(way_come(before, now, {-0.5, 0, 0}), {0, 0, 0});
     expect_near(way_come(before, now, {4, 1, 0.5}), {0, 1, 0});
     expect_near(way_come(before, now, {2, 0.5, 0.5}), {0, 0.5, 0});
+}
+
+TEST(ObstacleMotion, GoesAlongInParts) {
+    Obstacle before{.kind = ObstacleKind::Box, .point = {1, 0, 0}, .half = {1, 2, 0.5f}}, now = before;
+    const float quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+    std::copy_n(quarter, 9, now.rotation);
+    now.point = {1, 4, 0};
+    const Shape from = shape_of(before), to = shape_of(now), half = between(from, to, 0.5);
+    expect_near(half.point, {1, 2, 0});
+    const double s = std::sqrt(0.5);  // an eighth of a turn
+    expect_near(half.axis[0], {s, s, 0});
+    expect_near(half.axis[1], {-s, s, 0});
+    expect_near(half.axis[2], {0, 0, 1});
+    const Shape end = between(from, to, 1);
+    EXPECT_EQ(std::memcmp(end.axis, to.axis, sizeof end.axis), 0);
+    expect_near(end.point, to.point);
+    // Steps add up to the way of the whole.
+    Double3 at = widen(Vec3{1.5f, 0.5f, 0.25f});
+    Shape last = from;
+    for (int k = 1; k <= 1000; ++k) {
+        const Shape next = between(from, to, k / 1000.0);
+        at = at + way_come(last, next, at + way_come(last, next, at));
+        last = next;
+    }
+    EXPECT_NEAR(at.x, 0.5, 1e-2);
+    EXPECT_NEAR(at.y, 4.5, 1e-2);
+    // A frame that has turned over has no way between.
+    const float over[9] = {-1, 0, 0, 0, -1, 0, 0, 0, 1};
+    std::copy_n(over, 9, now.rotation);
+    expect_near(between(from, shape_of(now), 0.5).axis[0], {-1, 0, 0});
+    const Obstacle floor{.kind = ObstacleKind::Plane, .point = {0, 0, 1}, .normal = {0, 0, 1}};
+    Obstacle wall{.kind = ObstacleKind::Plane, .point = {0, 0, 3}, .normal = {0, 1, 0}};
+    const Shape tilted = between(shape_of(floor), shape_of(wall), 0.5);
+    expect_near(tilted.normal, {0, s, s});
+    EXPECT_NEAR(probe(tilted, {5, 0, 2 + 2 * s}).distance, 1, 1e-6);
+    wall.normal = {0, 0, -1};
+    expect_near(between(shape_of(floor), shape_of(wall), 0.5).normal, {0, 0, -1});
 }
 
 TEST(ObstacleMotion, IsThatOfTheSameObstacle) {
