@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Replays two of the paper's figures on small maps: what is drawn, what is told, what is refused.
 
-    test_figures.py PRESS_AND_PULL PINCH_SHEET POKE_AND_LET_GO SWING_ORGAN LAY_ON_TABLE DRAPE_CLOTH DGM_BAKE SAMPLES PATHS
+    test_figures.py PRESS_AND_PULL PINCH_SHEET POKE_AND_LET_GO SWING_ORGAN LAY_ON_TABLE DRAPE_CLOTH WALK_IN_SKIRT
+        DGM_BAKE SAMPLES PATHS
 """
 import re
 import struct
@@ -11,8 +12,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-PRESS, PINCH, POKE, SWING, LAY, DRAPE, BAKE = sys.argv[1:8]
-SAMPLES, PATHS = Path(sys.argv[8]), Path(sys.argv[9])
+PRESS, PINCH, POKE, SWING, LAY, DRAPE, WALK, BAKE = sys.argv[1:9]
+SAMPLES, PATHS = Path(sys.argv[9]), Path(sys.argv[10])
 
 
 class Figures(unittest.TestCase):
@@ -82,6 +83,20 @@ class Figures(unittest.TestCase):
         self.assertLess(float(told[2]), 2e-3)  # a sheet of 0.1 kg that fell by 10 cm had 0.1 J
         self.assertLess(float(told[3]), 0.1)
         self.assertEqual(self.size_of(picture)[0], 3 * 480)
+
+    def test_skirt_on_hips_that_walk(self):
+        picture = self.folder / "a.png"
+        result = self.sample(WALK, self.bake("skirt/skirt.obj", "--unit", "cm", "--fit", "sample", size="17x65"), picture)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = re.fullmatch(r"240 frames; at most (\d+) samples bear, ([\d.]+) cm deep; hem between -([\d.]+) and "
+                            r"-([\d.]+) cm\n", result.stdout)
+        self.assertIsNotNone(told, result.stdout)
+        self.assertGreater(int(told[1]), 20)
+        self.assertLess(float(told[2]), 0.1)
+        # 45 cm along the slope: it hangs lower than at rest, and threads stretch little.
+        self.assertGreater(float(told[4]), 42)
+        self.assertLess(float(told[3]), 50)
+        self.assertEqual(self.size_of(picture)[0], 4 * 400)
 
     def test_stomach_with_weight(self):
         stomach = self.bake("stomach/stomach.obj", "--unit", "cm", "--material", "tissue", size="33x33")

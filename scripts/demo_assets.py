@@ -19,6 +19,7 @@ DRESSED = (("stomach_denim", "stomach/stomach_denim.obj", "--texture-size", "102
            ("liver_65", "liver/liver.obj", "--size", "65x65", "--unit", "cm", "--material", "tissue"),
            ("stomach_65", "stomach/stomach.obj", "--size", "65x65", "--unit", "cm", "--material", "tissue"),
            ("sheet_65", "sheet/sheet.obj", "--size", "65x65", "--domain", "square", "--unit", "cm"),
+           ("skirt", "skirt/skirt.obj", "--size", "33x129", "--fit", "sample", "--unit", "cm", "--texture-size", "1024x1024"),
            ("cover_129", "cushion/cover.obj", "--size", "129x129", "--texture-size", "513x513"))
 # Picture, program, map, recorded path, further maps.
 FIGURES = (("fig11_stomach", "press_and_pull", "stomach", "stomach_press_and_pull"),
@@ -115,7 +116,8 @@ def replay_figures(build, bake, out):
     for picture, sheet, body, *more in DRAPES:
         code = run(build / "samples/drape_cloth", map_of(sheet, out), map_of(body, out), folder / f"{picture}.png", *more)
         worst = worst or code
-    return worst
+    code = run(build / "samples/walk_in_skirt", map_of("skirt", out), folder / "cloth_skirt.png")
+    return worst or code
 
 
 def main(build, out):

@@ -142,4 +142,30 @@ PolyMesh make_sheet() {
     return mesh;
 }
 
+PolyMesh make_skirt() {
+    constexpr std::uint32_t kAround = 48, kDown = 24;
+    constexpr double kHalfWidth = 16, kHalfDepth = 12, kLength = 45;
+    PolyMesh mesh;
+    for (std::uint32_t i = 0; i <= kDown; ++i)
+        for (std::uint32_t j = 0; j <= kAround; ++j) {
+            const double down = i / double{kDown}, around = j / double{kAround}, wide = 1 + down;
+            const double angle = 2 * std::numbers::pi * around;
+            if (j < kAround)
+                mesh.positions.push_back(
+                    {kHalfWidth * wide * math::cos(angle), kHalfDepth * wide * math::sin(angle), -kLength * down});
+            mesh.uvs.push_back({around, 1 - down});
+        }
+    for (std::uint32_t i = 0; i < kDown; ++i)
+        for (std::uint32_t j = 0; j < kAround; ++j) {
+            const std::uint32_t next = (j + 1) % kAround, above = i * kAround, below = above + kAround;
+            const std::uint32_t uv = i * (kAround + 1) + j, uv_below = uv + kAround + 1;
+            Polygon p;
+            p.vertex = {below + j, below + next, above + next, above + j};
+            p.uv = {uv_below, uv_below + 1, uv + 1, uv};
+            mesh.polygons.push_back(p);
+        }
+    quantise(mesh);
+    return mesh;
+}
+
 }  // namespace dgm::samples

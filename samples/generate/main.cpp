@@ -60,6 +60,14 @@ void write_sheet(const Picture& denim, const fs::path& root) {
     report(folder / "sheet.obj", sheet);
 }
 
+void write_skirt(const fs::path& root) {
+    const fs::path folder = subfolder(root, "skirt");
+    write_colour_png(make_gingham(1024, 512), folder / "colour.png");
+    const PolyMesh skirt = make_skirt();
+    write_obj({{"skirt", skirt}}, material("gingham", 0, 10), folder / "skirt.obj");
+    report(folder / "skirt.obj", skirt);
+}
+
 void write_chair(const Picture& satin, const fs::path& root) {
     const fs::path folder = subfolder(root, "chair");
     write_colour_png(satin, folder / "colour.png");
@@ -97,6 +105,7 @@ void write_all(const fs::path& root) {
     dress(stomach.mesh, denim, "denim", root);
     dress(stomach.mesh, satin, "satin", root);
     write_sheet(denim, root);
+    write_skirt(root);
     write_chair(satin, root);
     const fs::path fabrics = subfolder(root, "fabrics");
     write_colour_png(denim, fabrics / "denim.png");

@@ -16,6 +16,10 @@ PolyMesh make_cushion_cover();
 /// Flat square of 40 x 40 quads, one metre wide.
 PolyMesh make_sheet();
 
+/// Flared skirt around the z axis: an elliptic waist of 32 x 24 cm at z = 0, 45 cm long, twice as wide at the hem. A
+/// tube of 48 x 24 quads, open above and below.
+PolyMesh make_skirt();
+
 /// Chair seat: rounded box with a dished top and piping around it. Closed, genus 0; cloth tiles on every side.
 PolyMesh make_chair_seat();
 

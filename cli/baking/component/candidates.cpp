@@ -105,6 +105,12 @@ void Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& 
     best_index_ = at;
 }
 
+void Contest::yield_to(Contest&& rival) {
+    best_index_ = candidates_.size() + rival.best_index_;
+    std::move(rival.candidates_.begin(), rival.candidates_.end(), std::back_inserter(candidates_));
+    best_ = std::move(rival.best_);
+}
+
 /// Of charts along different cuts the error before the fit tells less than of two charts along one: a hat had 1.5 dB
 /// less before it and 2 dB more after it.
 bool Contest::beats_best(Entry& entry, Candidate& candidate, bool will_be_fitted, const model::Progress& progress) {

@@ -87,11 +87,15 @@ class Contest {
     /// if it is better. Where a fit is going to move the samples, both are fitted as in challenge() unless their errors
     /// differ clearly. Takes over the record of the rival's charts in any case.
     void meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress);
+    /// Takes over the best chart of `rival`, which has one, whatever its error, and the record.
+    void yield_to(Contest&& rival);
     /// Records that no chart of the next candidates could be tried.
     void fail(const model::Error& error) { failure_ = error; }
 
     [[nodiscard]] bool has_best() const { return best_.has_value(); }
     [[nodiscard]] double best_psnr() const { return candidates_[best_index_].psnr; }
+    /// Before a fit, normalised units.
+    [[nodiscard]] double best_rms() const { return best_->rms; }
     [[nodiscard]] const SampledChart& best_chart() const { return best_->chart; }
     [[nodiscard]] Method best_method() const { return candidates_[best_index_].method; }
     [[nodiscard]] bool best_is_directed() const { return candidates_[best_index_].directed; }

@@ -30,6 +30,9 @@ constexpr std::size_t kNewtonSteps = 8;
 constexpr std::size_t kStars = 12;                     // octahedra tried for a sphere
 constexpr std::size_t kRings = 6, kMeasuredRings = 2;  // cuts tried for a ring
 constexpr double kFarRing = 1.5;                       // a ring whose cut is predicted so much more error is not mapped
+// In rms, of a ring in physics and cloth: where a corner of the square lies amid a loop, its cell has two sides on one
+// line, and cloth that hangs there knots.
+constexpr double kPriceOfRing = 2, kFarRingOfPhysics = 3;
 // The same for another cut onto the square, and the faces above which none is looked for.
 constexpr double kFarOther = 1.1;
 constexpr std::size_t kMostFacesCutAgain = 200'000;
@@ -192,12 +195,16 @@ void try_ring(const ComponentTask& task, const BakeOptions& options, CutSearchOp
     const Attempt<CutMemory::Cut> cut =
         attempt([&] { return cuts.search(task.component, search, task.use, progress); });
     if (!cut && task.rings == RingUse::kOnly) contest.fail(cut.error());
-    if (!cut || (*cut)->rms > kFarRing * rms) return;
+    const bool moves = options.metres_per_unit.has_value();
+    if (!cut || (*cut)->rms > (moves ? kFarRingOfPhysics : kFarRing) * rms) return;
     Contest rings(task.component, CutKind::kRing, task.trials);
     const SquareMaps maps(task, options, **cut, progress);
     maps.enter(Method::kStretch, rings);
     maps.challenge(Method::kStretch, rings);
-    contest.meet(std::move(rings), options.fit != Fit::kSample, progress);
+    if (moves && rings.has_best() && contest.has_best() && rings.best_rms() < kPriceOfRing * contest.best_rms())
+        contest.yield_to(std::move(rings));
+    else
+        contest.meet(std::move(rings), options.fit != Fit::kSample, progress);
 }
 
 /// Cuts beside the first one of a grid that is not small, for `best`: of a component without borders, or with handles,

@@ -197,6 +197,25 @@ TEST(BakeMesh, SmallGridsTryAPredictedCutBesideAMeasuredOne) {
     EXPECT_EQ(other_cuts(many, 17, Fit::kL2), 0U) << "one of many components is searched once";
 }
 
+/// Elsewhere a corner of the square lies amid a loop, and its cell has two sides on one line: cloth that hangs from
+/// there knots.
+TEST(BakeMesh, RingsWithAUnitHaveTheirLoopsOnOppositeSides) {
+    const auto is_unrolled = [](BakeOptions options) {
+        const BakeResult result = bake_mesh({test::tube(20, 18, 10, 32, 12), "skirt"}, options);
+        const auto& candidates = result.report.charts.at(0).candidates;
+        return std::ranges::any_of(candidates, [](const CandidateReport& tried) {
+            return tried.outcome.starts_with("chosen") &&
+                   tried.outcome.find("loops on opposite sides") != std::string::npos;
+        });
+    };
+    BakeOptions options = small_grid();
+    options.size = {33, 33};
+    options.fit = Fit::kSample;
+    EXPECT_FALSE(is_unrolled(options)) << "has more error, or the rest of the test says nothing";
+    options.metres_per_unit = 0.01;
+    EXPECT_TRUE(is_unrolled(options));
+}
+
 TEST(Stages, OneAfterTheOtherTheyGiveWhatBakeMeshGives) {
     const BakeOptions options = small_grid();
     const Repaired source = repair_source(import_mesh(bowl(), "bowl"));
