@@ -62,7 +62,7 @@ void write_sheet(const Picture& denim, const fs::path& root) {
 
 void write_skirt(const fs::path& root) {
     const fs::path folder = subfolder(root, "skirt");
-    write_colour_png(make_gingham(1024, 512), folder / "colour.png");
+    write_colour_png(make_gingham(512, 256), folder / "colour.png");
     const PolyMesh skirt = make_skirt();
     write_obj({{"skirt", skirt}}, material("gingham", 0, 10), folder / "skirt.obj");
     report(folder / "skirt.obj", skirt);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // libdgm/src/contact/scene.h
-// What a step of physics or a frame of cloth touches, and how it has moved since the one before.
+// What a step of physics or a frame of cloth touches, and how it has moved since the one before. Each of the two
+// libraries has a copy: the runtime without them need not carry it.
 #pragma once
 #include <cstdint>
 
@@ -18,16 +19,16 @@ struct Scene {
 };
 
 /// Where `o` of a scene stood in the one before; null if it was not there or was another kind of body.
-[[nodiscard]] DGM_API const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+[[nodiscard]] const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// Whether it stands there still, in the same shape.
-[[nodiscard]] DGM_API bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+[[nodiscard]] bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// How far the material of an obstacle that is at a point now has come, in the units of both. Obstacles are rigid: a
 /// plane goes with its point and turns with its normal by the smallest angle, a sphere does not turn, what is beside
 /// a capsule's axis goes as the axis there, boxes and surfaces go with their frames.
-[[nodiscard]] DGM_API Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept;
+[[nodiscard]] Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept;
 /// The obstacle after a part of that way: points go straight, normals and frames turn about one axis or nearly so.
 /// Half sides, radius, and the shape of a surface are those of `now`.
 /// @param part  0 .. 1; from 1 on it is `now`
-[[nodiscard]] DGM_API Shape between(const Shape& before, const Shape& now, double part) noexcept;
+[[nodiscard]] Shape between(const Shape& before, const Shape& now, double part) noexcept;
 
 }  // namespace dgm::detail
