@@ -262,8 +262,7 @@ bool start_scene(ClothImpl& c) noexcept {
     bool still = scene.count == c.before_scene.count;
     for (std::uint32_t k = 0; k < scene.count; ++k) {
         const bool stays = has_stayed(c.before_scene, scene, k);
-        const Shape* const stood = was_at(c.before_scene, scene, k);
-        if (scene.tool[k] == kNone) scene.from[k] = stood != nullptr ? *stood : scene.shapes[k];
+        if (scene.tool[k] == kNone) scene.from[k] = last_of(c.before_scene, scene, k);
         scene.moves[k] = !stays;
         scene.last[k] = scene.here[k] = stays ? scene.shapes[k] : scene.from[k];
         still = still && stays;

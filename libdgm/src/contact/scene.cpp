@@ -42,6 +42,11 @@ const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noex
     return a.kind == b.kind && a.surface == b.surface ? &a : nullptr;
 }
 
+const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
+    const Shape* const stood = was_at(before, now, o);
+    return stood != nullptr ? *stood : now.shapes[o];
+}
+
 bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
     // All of a shape from `point` on are doubles.
     constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
@@ -52,6 +57,7 @@ bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept
 }
 
 Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept {
+    if (&before == &now) return {};  // to the bit: what rests there must not creep
     const Double3 way = now.point - before.point, off = at - now.point;
     switch (now.kind) {
         case ObstacleKind::Plane:

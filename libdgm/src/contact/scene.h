@@ -20,11 +20,13 @@ struct Scene {
 
 /// Where `o` of a scene stood in the one before; null if it was not there or was another kind of body.
 [[nodiscard]] const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+/// The same; where it is now if it was not there.
+[[nodiscard]] const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// Whether it stands there still, in the same shape.
 [[nodiscard]] bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// How far the material of an obstacle that is at a point now has come, in the units of both. Obstacles are rigid: a
 /// plane goes with its point and turns with its normal by the smallest angle, a sphere does not turn, what is beside
-/// a capsule's axis goes as the axis there, boxes and surfaces go with their frames.
+/// a capsule's axis goes as the axis there, boxes and surfaces go with their frames. 0 if both are one.
 [[nodiscard]] Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept;
 /// The obstacle after a part of that way: points go straight, normals and frames turn about one axis or nearly so.
 /// Half sides, radius, and the shape of a surface are those of `now`.

@@ -102,7 +102,7 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
     for (std::uint32_t o = 0; o < scene.count; ++o) {
         const Shape& shape = scene.shapes[o];
         const bool moves = !has_stayed(before, scene, o);
-        const Shape* const stood = kFriction && moves ? was_at(before, scene, o) : nullptr;
+        const Shape& stood = kFriction && moves ? last_of(before, scene, o) : shape;
         const auto look = [&](std::uint32_t k) {
             if (l.own[k] == 0 || p.free[k] == 0) return;
             const Double3 x = place(p, s, k);
@@ -123,10 +123,8 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
             t.multiplier = was != nullptr ? was->multiplier : 0;
             t.moves = moves;
             if (p.layer > 0 && is_tool(t)) soften(p, shape, t);
-            if (kFriction && p.friction > 0 && was != nullptr) {
-                const Double3 way = stood != nullptr ? p.scale * way_come(*stood, shape, x) : Double3{};
-                take_friction(p.friction, *was, way, t);
-            }
+            if (kFriction && p.friction > 0 && was != nullptr)
+                take_friction(p.friction, *was, p.scale * way_come(stood, shape, x), t);
         };
         for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
             if (i % kTile == 0)
