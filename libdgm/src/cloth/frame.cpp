@@ -350,7 +350,7 @@ ClothReport run_frame(ClothImpl& c, State& state, const ClothStep& o, std::span<
         c.tool_before[t.tool] = t.position;
         c.known |= std::uint64_t{1} << t.tool;
     }
-    c.before_scene = c.scene;
+    c.before_scene = static_cast<const Scene&>(c.scene);
     write_shape(c, s);
     return report;
 }

@@ -52,8 +52,9 @@ bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept
     constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
     static_assert(kBytes == 23 * sizeof(double));
     const std::uint32_t k = place_of(before, now.ids[o]);
-    return was_at(before, now, o) != nullptr && before.turns[k] == now.turns[o] &&
-           std::memcmp(&before.shapes[k].point, &now.shapes[o].point, kBytes) == 0;
+    if (was_at(before, now, o) == nullptr || before.turns[k] != now.turns[o]) return false;
+    const void *const then = &before.shapes[k].point, *const here = &now.shapes[o].point;
+    return std::memcmp(then, here, kBytes) == 0;
 }
 
 Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept {
