@@ -15,7 +15,8 @@ if(NOT first STREQUAL second)
 endif()
 foreach(expected stomach/stomach.obj stomach/stomach.3ds stomach/stomach_denim.obj
     stomach/stomach_satin.obj liver/liver.obj cushion/cushion.obj cushion/cushion.3ds
-    cushion/cover.obj sheet/sheet.obj skirt/skirt.obj chair/seat.obj chair/back.obj chair/chair.obj fabrics/denim.png fabrics/satin.png)
+    cushion/cover.obj sheet/sheet.obj skirt/skirt.obj
+    chair/seat.obj chair/back.obj chair/chair.obj fabrics/denim.png fabrics/satin.png)
   if(NOT expected IN_LIST first)
     message(FATAL_ERROR "${expected} was not written")
   endif()

@@ -16,7 +16,7 @@ PolyMesh make_cushion_cover();
 /// Flat square of 40 x 40 quads, one metre wide.
 PolyMesh make_sheet();
 
-/// Flared skirt around the z axis: an elliptic waist of 32 x 24 cm at z = 0, 45 cm long, twice as wide at the hem. A
+/// Flared skirt around the z axis: an elliptic waist of 32 x 24 cm at z = 0, 45 cm high, twice as wide at the hem. A
 /// tube of 48 x 24 quads, open above and below.
 PolyMesh make_skirt();
 

@@ -86,7 +86,6 @@ void walk(const std::string& map, const std::string& picture) {
     how.substeps = 4;
     how.cycles = 2;
     Strip strip({25, 12, dgm::render::UpAxis::kZ}, 4, 400);
-    dgm::ClothReport report;
     std::uint32_t most = 0;
     float deepest = 0, lowest = 0, highest = -1e9F;
     for (int frame = 0; frame < kHangs + kWalks; ++frame) {
@@ -100,8 +99,7 @@ void walk(const std::string& map, const std::string& picture) {
         for (std::size_t k = 0; k < pins.size(); ++k) pins[k].position = hips.at(waist[k].position - origin) + origin;
         how.pins = pins;
         how.obstacles = limbs;
-        report = take(dgm::step(skirt.state(), cloth, how), "step");
-        most = std::max(most, report.contacts);
+        most = std::max(most, take(dgm::step(skirt.state(), cloth, how), "step").contacts);
         const dgm::PointView now = skirt.state().positions();
         float hem = 1e9F;
         for (std::uint32_t k = 0; k < now.count; ++k) {

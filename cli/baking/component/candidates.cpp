@@ -90,10 +90,15 @@ void Contest::challenge(const std::function<SampledChart()>& make, bool will_be_
     });
 }
 
-void Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress) {
-    const CpuClock clock(trials_.clock);
+std::size_t Contest::take_record(Contest& rival) {
     const std::size_t at = candidates_.size() + rival.best_index_;
     std::move(rival.candidates_.begin(), rival.candidates_.end(), std::back_inserter(candidates_));
+    return at;
+}
+
+void Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress) {
+    const CpuClock clock(trials_.clock);
+    const std::size_t at = take_record(rival);
     if (!rival.best_) {
         if (!failure_) failure_ = std::move(rival.failure_);
         return;
@@ -106,8 +111,7 @@ void Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& 
 }
 
 void Contest::yield_to(Contest&& rival) {
-    best_index_ = candidates_.size() + rival.best_index_;
-    std::move(rival.candidates_.begin(), rival.candidates_.end(), std::back_inserter(candidates_));
+    best_index_ = take_record(rival);
     best_ = std::move(rival.best_);
 }
 

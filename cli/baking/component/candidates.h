@@ -29,7 +29,7 @@ enum class CandidateOutcome {
 /// The cut along which a chart was opened.
 enum class CutKind {
     kFirst,  ///< the search's own
-    kOther,  ///< searched from another beginning
+    kOther,  ///< searched from another beginning, or by prediction where the first one was measured
     kRing,   ///< of a ring, whose loops lie on opposite sides of the square
     kLimbs,  ///< to the tips of all limbs
     kFree    ///< of a free chart beside a square one
@@ -113,6 +113,8 @@ class Contest {
     };
     using Wins = std::function<bool(Entry& entry, Candidate& candidate)>;
 
+    /// @return  the place that the record of its best chart has here
+    std::size_t take_record(Contest& rival);
     void judge(Candidate candidate, const std::function<SampledChart()>& make, const Wins& wins);
     [[nodiscard]] bool wins(const Entry& entry) const;
     [[nodiscard]] bool wins_challenge(Entry& entry, Candidate& candidate, const model::Progress& progress);

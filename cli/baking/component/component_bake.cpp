@@ -106,7 +106,7 @@ CutSearchOptions cut_options(const ComponentTask& task, const BakeOptions& optio
     CutSearchOptions out;
     out.m = task.size.rows;
     out.n = task.size.cols;
-    // A small grid is a small part of the asset (component_size): it gets a proportionate search, which measures,
+    // A small grid, mostly of a small part of the asset (component_size), gets a proportionate search, which measures,
     // since cuts that its few samples cannot hold must be left out.
     const double samples = samples_of(task.size), effort = std::min(1.0, samples / (129.0 * 129.0));
     out.samples = static_cast<std::uint64_t>(200 + 7800 * effort);

@@ -60,7 +60,7 @@ bool within(double v, double low, double high) noexcept {
 [[gnu::cold]] std::uint64_t bytes_needed(std::uint32_t rows, std::uint32_t cols, bool self_contact) noexcept {
     const std::uint64_t pitch = (cols + kBlock) / kBlock * kBlock, plane = (rows + 2) * pitch + 2 * kBlock;
     const std::uint64_t fine = plane * (4 * (54 + 27) + 8 * 9), all = fine + fine / 2 + plane * 40;
-    return all + std::uint64_t{rows} * cols * (self_contact ? 320 : 240) + 400 * pitch + 65536;
+    return all + std::uint64_t{rows} * cols * (self_contact ? 320 : 240) + 400 * pitch + sizeof(ClothImpl) + 32768;
 }
 
 [[gnu::cold]] Result<void> check_tools(const ClothStep& o, std::span<const ToolInput> tools,
@@ -102,31 +102,14 @@ Result<void> make_scene(ClothImpl& c, const StateImpl& s, const ClothStep& o, st
     for (std::uint32_t t = 0; t < tools.size(); ++t) {
         const ToolInput& in = tools[t];
         if (in.kind == ToolKind::Grasp || !in.engaged) continue;
-        const std::uint32_t k = scene.count++;
-        Shape& shape = scene.shapes[k];
-        shape = {};
-        shape.kind = ObstacleKind::Sphere;
-        shape.point = widen(in.position);
-        shape.radius = double{o.tool_radius};
-        scene.ids[k] = in.tool;
-        scene.turns[k] = 0;
+        const std::uint32_t k = scene.count;
+        add_tool(scene, in, double{o.tool_radius});
         scene.tool[k] = t;
-        scene.from[k] = shape;
+        scene.from[k] = scene.shapes[k];
         if ((c.known >> in.tool & 1) != 0) scene.from[k].point = widen(c.tool_before[in.tool]);
     }
-    for (std::size_t k = 0; k < o.obstacles.size(); ++k) {
-        const Obstacle& obstacle = o.obstacles[k];
-        if (obstacle.kind == ObstacleKind::Surface && obstacle.surface != nullptr &&
-            obstacle.surface->unsettled() == &s)
-            return bad("the obstacle is the state itself");
-        auto shape = make_shape(obstacle);
-        if (!shape) return shape.error();
-        scene.shapes[scene.count] = shape.value();
-        scene.ids[scene.count] = Scene::kMost + static_cast<std::uint32_t>(k);
-        scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
-        scene.tool[scene.count++] = kNone;
-    }
-    return {};
+    std::fill(scene.tool + scene.count, scene.tool + scene.count + o.obstacles.size(), kNone);
+    return add_obstacles(scene, o.obstacles, s);
 }
 
 /// Marks pinned samples. @return false, and nothing is marked: one is pinned twice.

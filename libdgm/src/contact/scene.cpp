@@ -35,6 +35,30 @@ Double3 unit_of(Double3 v, Double3 other) noexcept {
 
 }  // namespace
 
+void add_tool(Scene& scene, const ToolInput& tool, double radius) noexcept {
+    Shape& shape = scene.shapes[scene.count];
+    shape = {};
+    shape.kind = ObstacleKind::Sphere;
+    shape.point = widen(tool.position);
+    shape.radius = radius;
+    scene.turns[scene.count] = 0;
+    scene.ids[scene.count++] = tool.tool;
+}
+
+Result<void> add_obstacles(Scene& scene, std::span<const Obstacle> obstacles, const StateImpl& pressed) noexcept {
+    for (std::uint32_t k = 0; k < obstacles.size(); ++k) {
+        const Obstacle& o = obstacles[k];
+        if (o.kind == ObstacleKind::Surface && o.surface != nullptr && o.surface->unsettled() == &pressed)
+            return Error{ErrorCode::BadArgument, kNoOffset, "the obstacle is the state itself"};
+        auto shape = make_shape(o);
+        if (!shape) return shape.error();
+        scene.shapes[scene.count] = shape.value();
+        scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
+        scene.ids[scene.count++] = Scene::kMost + k;
+    }
+    return {};
+}
+
 const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
     const std::uint32_t k = place_of(before, now.ids[o]);
     if (k == before.count) return nullptr;
@@ -75,9 +99,9 @@ Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept {
         case ObstacleKind::Surface:
             break;
     }
-    Double3 then;
-    for (int k = 0; k < 3; ++k) then = then + dot(now.axis[k], off) * before.axis[k];
-    return way + off - then;
+    Double3 turn;
+    for (int k = 0; k < 3; ++k) turn = turn + dot(now.axis[k], off) * (now.axis[k] - before.axis[k]);
+    return way + turn;
 }
 
 Shape between(const Shape& before, const Shape& now, double part) noexcept {

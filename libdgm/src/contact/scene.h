@@ -4,6 +4,9 @@
 // libraries has a copy: the runtime without them need not carry it.
 #pragma once
 #include <cstdint>
+#include <span>
+
+#include <dgm/tick.h>
 
 #include "contact/contact_impl.h"
 
@@ -18,6 +21,11 @@ struct Scene {
     std::uint32_t count = 0;
 };
 
+/// Adds the ball of a tool.
+void add_tool(Scene& scene, const ToolInput& tool, double radius) noexcept;
+/// Adds obstacles, numbered as they come. @return as make_shape(); BadArgument: one of them is `pressed` itself
+[[nodiscard]] Result<void> add_obstacles(Scene& scene, std::span<const Obstacle> obstacles,
+                                         const StateImpl& pressed) noexcept;
 /// Where `o` of a scene stood in the one before; null if it was not there or was another kind of body.
 [[nodiscard]] const Shape* was_at(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// The same; where it is now if it was not there.

@@ -128,25 +128,9 @@ Result<void> make_scene(const StateImpl& s, const StepOptions& o, std::span<cons
     for (std::uint32_t t = 0; t < Scene::kMost; ++t)  // by number: lists of contacts are sorted so
         for (const ToolInput& in : tools) {
             if (in.tool != t || in.kind == ToolKind::Grasp || !in.engaged) continue;
-            Shape& shape = scene.shapes[scene.count];
-            shape = {};
-            scene.turns[scene.count] = 0;
-            shape.kind = ObstacleKind::Sphere;
-            shape.point = widen(in.position);
-            shape.radius = double{o.tool_radius};
-            scene.ids[scene.count++] = t;
+            add_tool(scene, in, double{o.tool_radius});
         }
-    for (std::size_t k = 0; k < o.obstacles.size(); ++k) {
-        if (o.obstacles[k].kind == ObstacleKind::Surface && o.obstacles[k].surface != nullptr &&
-            o.obstacles[k].surface->unsettled() == &s)
-            return bad("the obstacle is the state itself");
-        auto shape = make_shape(o.obstacles[k]);
-        if (!shape) return shape.error();
-        scene.shapes[scene.count] = shape.value();
-        scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
-        scene.ids[scene.count++] = Scene::kMost + static_cast<std::uint32_t>(k);
-    }
-    return {};
+    return add_obstacles(scene, o.obstacles, s);
 }
 
 template <class F>

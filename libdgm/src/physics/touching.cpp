@@ -3,8 +3,6 @@
 // Contacts of a step: which samples may touch, and how firmly they are held.
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstring>
 
 #include "physics/physics_impl.h"
 
