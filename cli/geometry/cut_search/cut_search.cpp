@@ -28,6 +28,10 @@ struct GridSides {
     std::uint32_t m, n;
 };
 
+bool are_same(GridSides a, GridSides b) {
+    return a.m == b.m && a.n == b.n;
+}
+
 /// An m x n grid shrunk to `longest` samples along its longer side.
 GridSides shrink(GridSides grid, double longest) {
     const double share = std::min(1.0, (longest - 1) / (std::max(grid.m, grid.n) - 1));
@@ -38,7 +42,7 @@ GridSides shrink(GridSides grid, double longest) {
 }
 
 std::uint32_t scaled_rotation(const Disk& disk, GridSides from, std::uint32_t rotation, GridSides to) {
-    if (from.m == to.m && from.n == to.n) return rotation;
+    if (are_same(from, to)) return rotation;
     const double share = static_cast<double>(rotation) / BorderGrid{from.m, from.n}.count();
     return nearest_rotation(disk, to.m, to.n,
                             static_cast<std::uint32_t>(std::lround(share * BorderGrid{to.m, to.n}.count())));
@@ -139,6 +143,23 @@ CutSearchResult carried_over(const TriMesh& component, const std::optional<Coars
     return out;
 }
 
+/// The search on a component or the simplified one. On `grid`, which becomes the wanted one if its border has no room
+/// for the paths that many loops and handles need.
+ComponentCut search_on(const TriMesh& mesh, CutSearchOptions options, GridSides& grid, GridSides wanted,
+                       const model::Progress& progress) {
+    options.m = grid.m;
+    options.n = grid.n;
+    try {
+        return search_component(mesh, options, progress);
+    } catch (const model::Error& e) {
+        if (e.code().number != model::codes::kGridTooSmall.number || are_same(grid, wanted)) throw;
+    }
+    grid = wanted;
+    options.m = grid.m;
+    options.n = grid.n;
+    return search_component(mesh, options, progress);
+}
+
 }  // namespace
 
 std::vector<CutSearchResult> search_other_cuts(const TriMesh& component, const CutSearchOptions& options,
@@ -152,16 +173,16 @@ std::vector<CutSearchResult> search_other_cuts(const TriMesh& component, const C
     std::array<std::optional<CutSearchResult>, kStarts.size()> found;
     tbb::parallel_for(std::size_t{0}, kStarts.size(), [&](std::size_t k) {
         CutSearchOptions trial = options;
-        trial.m = grid.m;
-        trial.n = grid.n;
+        GridSides tried_on = grid;
         trial.stars = 0;
         trial.start = kStarts[k];
         trial.patience = kPatience;
         trial.drops = 0;
         const model::Progress silent{{}, progress.cancelled};
         try {
-            ComponentCut cut = search_component(mesh, trial, silent);
-            if (cut.result.rms <= most_rms) found[k] = carried_over(component, coarse, std::move(cut), grid, wanted);
+            ComponentCut cut = search_on(mesh, trial, tried_on, wanted, silent);
+            if (cut.result.rms <= most_rms)
+                found[k] = carried_over(component, coarse, std::move(cut), tried_on, wanted);
         } catch (const model::Error& e) {
             if (e.code().number == model::codes::kInterrupted.number || model::is_shortage(e)) throw;
         }
@@ -186,17 +207,14 @@ CutSearchResult search_cut(const TriMesh& component, const CutSearchOptions& opt
     if (!options.only_stars && (even || !is_sphere(mesh))) trial.stars = 0;
     GridSides grid = trial_grid(component, mesh, options);
     if (trial.stars > 0) grid = {grid.m | 1u, grid.n | 1u};
-    trial.m = grid.m;
-    trial.n = grid.n;
     try {
-        return carried_over(component, coarse, search_component(mesh, trial, progress), grid, wanted);
+        ComponentCut found = search_on(mesh, trial, grid, wanted, progress);
+        return carried_over(component, coarse, std::move(found), grid, wanted);
     } catch (const model::Error& e) {
         if (e.code().number == model::codes::kInterrupted.number || options.only_stars || model::is_shortage(e)) throw;
         if (options.only_simplified && trial.stars == 0) throw;
         // Where the border has no room for the paths of a simplified mesh, the whole one will find no more.
-        if (trial.stars == 0 && e.code().number == model::codes::kGridTooSmall.number && grid.m == wanted.m &&
-            grid.n == wanted.n)
-            throw;
+        if (trial.stars == 0 && e.code().number == model::codes::kGridTooSmall.number && are_same(grid, wanted)) throw;
     }
     if (trial.stars > 0) {  // another cut may succeed where a star fails
         CutSearchOptions others = options;

@@ -123,5 +123,22 @@ TEST(CutSearch, FindsOnASimplifiedMeshWhatTheWholeOneNeeds) {
     EXPECT_LT(found.rotation, (BorderGrid{65, 65}.count()));
 }
 
+TEST(CutSearch, TakesTheWantedGridWhereASmallerOnesBorderHasNoRoom) {
+    // 64 holes with four corners each: their paths need more intervals than the border of a trial's grid has.
+    std::vector<std::array<std::uint32_t, 2>> holes;
+    for (std::uint32_t i = 0; i < 8; ++i)
+        for (std::uint32_t j = 0; j < 8; ++j) holes.push_back({6 + 9 * i, 6 + 9 * j});
+    const TriMesh plate = test::sheet_with_holes(80, holes);
+    ASSERT_GT(plate.faces.size(), 7500u) << "searched simplified";
+    CutSearchOptions options;
+    options.m = options.n = 129;
+    options.only_simplified = true;
+    const CutSearchResult found = search_cut(plate, options, {});
+    test::expect_links(found.disk);
+    test::expect_disk(found.disk);
+    EXPECT_GE(found.disk.paths().size(), 64u * 6);
+    EXPECT_LT(found.rotation, (BorderGrid{129, 129}.count()));
+}
+
 }  // namespace
 }  // namespace dgm::bake
