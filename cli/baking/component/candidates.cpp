@@ -96,18 +96,19 @@ std::size_t Contest::take_record(Contest& rival) {
     return at;
 }
 
-void Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress) {
+bool Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress) {
     const CpuClock clock(trials_.clock);
     const std::size_t at = take_record(rival);
     if (!rival.best_) {
         if (!failure_) failure_ = std::move(rival.failure_);
-        return;
+        return false;
     }
     const bool better = !best_ || beats_best(*rival.best_, candidates_[at], will_be_fitted, progress);
     candidates_[at].cpu_seconds += clock.seconds();
-    if (!better) return;
+    if (!better) return false;
     best_ = std::move(rival.best_);
     best_index_ = at;
+    return true;
 }
 
 void Contest::yield_to(Contest&& rival) {

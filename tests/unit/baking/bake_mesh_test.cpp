@@ -390,6 +390,29 @@ TEST(BakeMesh, CutsAllLimbsWhereThatPays) {
     EXPECT_TRUE(std::ranges::any_of(chart.candidates, to_tips));
 }
 
+/// A ball with 42 long spikes.
+model::TriMesh urchin() {
+    constexpr std::size_t kSpikes = 42;  // the vertices of the ball before its last two subdivisions
+    model::TriMesh out = test::icosphere(3);
+    for (std::size_t v = 0; v < kSpikes; ++v) out.positions[v] = out.positions[v] * 30.0;
+    return out;
+}
+
+// The square has no room for spikes: 45.5 dB. A slit one is nearly flat.
+TEST(BakeMesh, UnfoldsLimbsThatTheSquareCrowds) {
+    BakeOptions options;
+    options.size = {33, 33};
+    const BakeResult result = bake_mesh({.mesh = urchin(), .name = "urchin"}, options);
+    const ChartReport& chart = result.report.charts.at(0);
+    EXPECT_GT(result.report.error.psnr(), 50);
+    EXPECT_EQ(chart.turned_faces, 0U);
+    const auto unfolded = [](const CandidateReport& tried) {
+        return tried.outcome.starts_with("chosen") && (tried.method == "lscm" || tried.method == "arap") &&
+               tried.outcome.find("cut to the tips of limbs") != std::string::npos;
+    };
+    EXPECT_TRUE(std::ranges::any_of(chart.candidates, unfolded));
+}
+
 /// A wavy sheet of 12 x 12 quads with six straps, each a quad wide and six long.
 model::TriMesh apron() {
     constexpr int kSide = 12, kLength = 6;
