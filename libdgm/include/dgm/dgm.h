@@ -816,6 +816,10 @@ typedef struct dgm_obstacle {
     /* Surface: a sample farther behind it than this is taken to be on its other side, local units. 0: no limit for a
      * closed surface, four of its mean steps for an open one. */
     float reach;
+    /* Surface, in dgm_physics_step() and dgm_cloth_step(): where its samples were in the step before, as copies of
+     * dgm_state_positions() from then, dgm_state_sample_count() floats each. Friction goes with a skin that bends and
+     * stretches, then; without (NULL), with the frame alone. Read during the call. */
+    const float* before[3];
 } dgm_obstacle;
 
 /* Row of the paper's table: the size of the bulge by the sum D of all displacements. */

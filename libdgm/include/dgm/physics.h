@@ -89,7 +89,7 @@ struct StepOptions {
     /// Coulomb's coefficient between the surface and obstacles and tools, 0 .. 100. The force along the surface is at
     /// most that times what the sample was pressed with in the step before; less than that holds it in place. What
     /// moves takes the surface along: a tool, and an obstacle of the same kind at the same place in the list as in the
-    /// step before. A plane goes with its `point`, and a surface with its frame, whatever its shape does.
+    /// step before. A plane goes with its `point`, and a surface with its frame, or with its skin (Obstacle::before).
     float friction = 0;
 };
 

@@ -150,6 +150,11 @@ inline Result<dgm::Obstacle> obstacle_of(const dgm_obstacle* from) noexcept {
         std::copy_n(o.rotation, 9, to.rotation);
     to.surface = o.surface == nullptr ? nullptr : &o.surface->value;
     to.reach = o.reach;
+    const auto is_null = [](const float* p) { return p == nullptr; };
+    if (to.surface != nullptr && !std::all_of(o.before, o.before + 3, is_null)) {
+        if (std::any_of(o.before, o.before + 3, is_null)) return kNull;
+        to.before = {o.before[0], o.before[1], o.before[2], to.surface->positions().count, 1};
+    }
     return to;
 }
 

@@ -44,6 +44,8 @@ struct Shape {
     /// not depend on this.
     mutable std::uint64_t hint = kNoTriangle;
     NearTiles* near = nullptr;  ///< surface: or null, then every search starts at the root
+    PointView was;              ///< surface: its samples in the step before, in its own frame then; or none
+    double share = 1;           ///< of the way from there, which `way_come` asks for
 };
 struct Probe {
     double distance = 0;  ///< negative beyond

@@ -98,6 +98,8 @@ Result<Shape> make_shape(const Obstacle& o) noexcept {
     if (o.surface == nullptr || !(o.reach >= 0 && o.reach <= kMaxCoordinate)) return kBadObstacle;
     if (!read_rotation(o.rotation, shape.axis)) return kBadObstacle;
     StateImpl& s = *o.surface->impl();
+    if (o.before.x != nullptr && o.before.count != s.total()) return kBadObstacle;
+    shape.was = o.before;
     if (!s.any_face) return Error{ErrorCode::NotFound, kNoOffset, "the obstacle has no triangle"};
     shape.surface = &s;
     refit(s, s.now_boxes);

@@ -3,9 +3,12 @@
 #include "contact/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+
+#include "contact/surface_search.h"
 
 namespace dgm::detail {
 namespace {
@@ -31,6 +34,36 @@ Double3 mixed(Double3 a, Double3 b, double part) noexcept {
 Double3 unit_of(Double3 v, Double3 other) noexcept {
     const double square = dot(v, v);
     return square > 1e-6 ? (1 / std::sqrt(square)) * v : other;
+}
+
+/// Of the triangle that was found last, in the surface's own frame.
+[[gnu::cold, gnu::noinline]] std::array<Double3, 3> corners_now(const Shape& shape) noexcept {
+    std::array<Double3, 3> out;
+    const std::array<std::uint32_t, 3> corners = corners_of(*shape.surface, shape.hint);
+    for (std::size_t k = 0; k < 3; ++k) out[k] = widen(shape.surface->point(corners[k]));
+    return out;
+}
+
+/// Not unit; of the triangle that was found last.
+[[gnu::cold, gnu::noinline]] Double3 facing_now(const Shape& shape) noexcept {
+    const std::array<Double3, 3> q = corners_now(shape);
+    return from_own(shape, cross(q[1] - q[0], q[2] - q[0])) - shape.point;
+}
+
+/// The same as way_come() for a surface that is known as it was.
+[[gnu::cold, gnu::noinline]] Double3 way_of_skin(const Shape& before, const Shape& now, Double3 at) noexcept {
+    const Double3 nearest = probe(now, at).nearest, own = to_own(now, nearest);
+    const std::array<std::uint32_t, 3> corners = corners_of(*now.surface, now.hint);
+    const std::array<Double3, 3> q = corners_now(now);
+    Double3 was[3];
+    for (std::size_t k = 0; k < 3; ++k) was[k] = widen(now.was[corners[k]]);
+    const Double3 ab = q[1] - q[0], ac = q[2] - q[0], normal = cross(ab, ac);
+    const double square = dot(normal, normal);
+    const double b = square > 0 ? dot(normal, cross(own - q[0], ac)) / square : 0;
+    const double c = square > 0 ? dot(normal, cross(ab, own - q[0])) / square : 0;
+    const Double3 stood = (1 - b - c) * was[0] + b * was[1] + c * was[2];
+    const Double3 way = nearest - from_own(before, own + now.share * (stood - own));
+    return std::isfinite(dot(way, way)) ? way : Double3{};
 }
 
 }  // namespace
@@ -81,8 +114,20 @@ bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept
     return std::memcmp(then, here, kBytes) == 0;
 }
 
+Double3 normal_at(const Shape& shape, const Probe& there, Double3 x) noexcept {
+    if (shape.kind == ObstacleKind::Plane) return shape.normal;
+    Double3 way = there.distance < 0 ? there.nearest - x : x - there.nearest;
+    if (shape.kind == ObstacleKind::Surface && std::fabs(there.distance) < shape.rounding) {
+        const Double3 facing = facing_now(shape);
+        if (dot(facing, facing) > 0) way = facing;
+    }
+    const double length = std::sqrt(dot(way, way));
+    return length > 0 ? (1 / length) * way : Double3{};
+}
+
 Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept {
     if (&before == &now) return {};  // to the bit: what rests there must not creep
+    if (now.was.x != nullptr) return way_of_skin(before, now, at);
     const Double3 way = now.point - before.point, off = at - now.point;
     switch (now.kind) {
         case ObstacleKind::Plane:

@@ -40,7 +40,7 @@ DGM_INLINE Double3 from_own(const Shape& o, Double3 p) noexcept {
     return low.x <= high.x && low.y <= high.y && low.z <= high.z;
 }
 /// Corners of a triangle by Hit::triangle.
-[[nodiscard]] std::array<std::uint32_t, 3> corners_of(const Surface& surface, std::uint64_t name) noexcept;
+[[nodiscard]] DGM_API std::array<std::uint32_t, 3> corners_of(const Surface& surface, std::uint64_t name) noexcept;
 
 /// The nearest triangle to p, in the surface's own coordinates, by its box pyramid. The answer is a function of the
 /// point and the triangles alone: `hint`, a triangle that may be near, and Shape::near save time only.

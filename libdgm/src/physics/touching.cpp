@@ -106,11 +106,8 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
             const Double3 x = place(p, s, k);
             const Probe there = probe(shape, x);
             if (!(there.distance < reach)) return;
-            const Double3 off = there.distance < 0 ? there.nearest - x : x - there.nearest;
-            const double length = std::sqrt(dot(off, off));
-            const bool flat = shape.kind == ObstacleKind::Plane;
-            if (!(length > 0) && !flat) return;
-            const Double3 normal = flat ? shape.normal : (1 / length) * off;
+            const Double3 normal = normal_at(shape, there, x);
+            if (!(dot(normal, normal) > 0)) return;
             if (count == to.size()) {
                 fits = false;
                 return;

@@ -91,6 +91,99 @@ TEST(ClothContact, ComesAlongWithAMovingTable) {
         EXPECT_NEAR(last, 0.5 * gained * time * time, 0.03 * gained * time * time);
     }
 }
+
+/// A sheet whose samples are led, with its shape of the frame before.
+struct Skin {
+    Drape led;
+    std::vector<float> before[3];
+    std::vector<Vec3> rest;
+    Skin()
+        : led(grid_chart(17, 17, [](double i, double j) {
+              return Point{float(i / 8 - 0.5), float(j / 8 - 0.5), 0};
+          })) {
+        led.how.gravity = {};
+        led.pin_rows(0, 17);
+        for (const Pin& pin : led.pins) rest.push_back(pin.position);
+    }
+    /// Each sample goes to to(its rest).
+    template <class To>
+    void lead(const To& to) {
+        const PointView now = led.state.positions();
+        before[0].assign(now.x, now.x + now.count);
+        before[1].assign(now.y, now.y + now.count);
+        before[2].assign(now.z, now.z + now.count);
+        for (std::size_t k = 0; k < rest.size(); ++k) led.pins[k].position = to(rest[k]);
+        led.run(1);
+    }
+    [[nodiscard]] PointView shape_before() const {
+        return {before[0].data(), before[1].data(), before[2].data(), before[0].size(), 1};
+    }
+};
+Obstacle obstacle_of(Skin& skin) {
+    Obstacle o;
+    o.kind = ObstacleKind::Surface;
+    o.surface = &skin.led.state;
+    return o;
+}
+/// How far a sheet comes along in half a second with a skin that is pulled by 1.5 m/s^2 while its frame stays.
+double taken_along(bool known) {
+    ClothOptions o;
+    o.fabric.damping = 0;
+    Drape d(grid_chart(17, 17, [](double i, double j) { return Point{float(i / 16), float(j / 16), 0.0005f}; }), o);
+    Skin skin;
+    Obstacle below = obstacle_of(skin);
+    d.how.obstacles = {&below, 1};
+    d.how.friction = 0.3f;
+    d.run(10);
+    const double start = d.mean_of_row(8).x, dt = double{d.how.dt};
+    for (int k = 1; k <= 30; ++k) {
+        const auto shift = float(0.5 * 1.5 * k * dt * k * dt);
+        skin.lead([&](Vec3 at) { return Vec3{at.x + shift, at.y, at.z}; });
+        below.before = known ? skin.shape_before() : PointView{};
+        d.run(1);
+    }
+    return d.mean_of_row(8).x - start;
+}
+TEST(ClothContact, ComesAlongWithASkinThatIsKnownAsItWas) {
+    EXPECT_NEAR(taken_along(true), 0.5 * 1.5 * 0.25, 0.03 * 0.5 * 1.5 * 0.25);
+    EXPECT_NEAR(taken_along(false), 0, 1e-3) << "its frame has not moved";
+}
+TEST(ClothContact, IsStretchedByASkinThatStretches) {
+    // Two narrow sheets, on either side of the middle of a skin that becomes longer by a fifth.
+    const auto gone = [](float from) {
+        Drape d(grid_chart(9, 9, [=](double i, double j) {
+            return Point{from + float(i / 80), float(j / 40 + 0.4), 0.0005f};
+        }));
+        Skin skin;
+        Obstacle below = obstacle_of(skin);
+        d.how.obstacles = {&below, 1};
+        d.how.friction = 2;
+        d.run(10);
+        const double start = d.mean_of_row(4).x;
+        for (int k = 1; k <= 30; ++k) {
+            const float by = 1 + 0.2f * float(k) / 30;
+            skin.lead([&](Vec3 at) { return Vec3{0.5f + by * (at.x - 0.5f), at.y, at.z}; });
+            below.before = skin.shape_before();
+            d.run(1);
+        }
+        return (d.mean_of_row(4).x - start) / (start - 0.5);
+    };
+    EXPECT_NEAR(gone(0.1f), 0.2, 0.01);
+    EXPECT_NEAR(gone(0.8f), 0.2, 0.01);
+}
+TEST(ClothContact, ASkinAsItWasHasAsManySamples) {
+    Drape d(grid_chart(9, 9, [](double i, double j) { return Point{float(i / 8), float(j / 8), 0.0005f}; }));
+    Skin skin;
+    Obstacle below = obstacle_of(skin);
+    skin.lead([](Vec3 at) { return at; });
+    below.before = skin.shape_before();
+    --below.before.count;
+    d.how.obstacles = {&below, 1};
+    const auto done = step(d.state, d.cloth, d.how);
+    ASSERT_FALSE(done.ok());
+    EXPECT_EQ(done.error().code, ErrorCode::BadArgument);
+}
+
 TEST(ClothContact, TurnsWithATurntable) {
     // 1 rad/s from the first frame on: friction of 1 holds all within g / w^2 = 9.8 m of the axis.
     Drape d(grid_chart(17, 17, [](double i, double j) {

@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <numbers>
+#include <vector>
 
 #include "physics/physics_impl.h"
 #include "physics_shapes.h"
@@ -135,6 +136,37 @@ TEST(PhysicsFriction, TakesASheetAlongWithItsTable) {
         const double gained = std::min(pull, kFriction * kG);
         EXPECT_NEAR(motion_of(body).speed.x, gained * kTime, 0.02 * gained * kTime);
         EXPECT_NEAR(motion_of(body).place.x - start, 0.5 * gained * kTime * kTime, 0.03 * gained * kTime * kTime);
+    }
+}
+
+TEST(PhysicsFriction, TakesASheetAlongWithASkinThatIsKnownAsItWas) {
+    // The samples of the skin move, its frame stays.
+    constexpr double kFriction = 0.3, kTime = 0.3, kPull = 1.5;
+    for (const bool known : {true, false}) {
+        SCOPED_TRACE(known);
+        Body body = flat_sheet();
+        State skin = make_state(grid_chart(17, 17, [](double i, double j) {
+            return Point{float(20 * i - 110), float(20 * j - 110), 0};
+        }));
+        Obstacle under[] = {{.kind = ObstacleKind::Surface, .surface = &skin}};
+        const StepOptions how = with(kFriction, down_slope(0), under);
+        for (int k = 0; k < 100; ++k) (void)step(body.state, body.physics, how).value();  // lies down
+        const double scale = body.physics.impl()->scale, start = motion_of(body).place.x;
+        detail::StateImpl& s = *skin.impl();
+        const std::vector<float> rest(s.now.x, s.now.x + skin.sample_count());
+        std::vector<float> was = rest;
+        if (known) under[0].before = {was.data(), s.now.y, s.now.z, was.size(), 1};
+        const int steps = static_cast<int>(kTime / double{kStep});
+        for (int k = 1; k <= steps; ++k) {
+            const double t = k * double{kStep};
+            std::copy_n(s.now.x, was.size(), was.begin());
+            for (std::size_t n = 0; n < was.size(); ++n) s.now.x[n] = rest[n] + float(0.5 * kPull * t * t / scale);
+            s.touch_all();
+            (void)step(body.state, body.physics, how).value();
+        }
+        const double gained = known ? kPull : 0, tolerance = 0.03 * kPull * kTime;
+        EXPECT_NEAR(motion_of(body).speed.x, gained * kTime, tolerance);
+        EXPECT_NEAR(motion_of(body).place.x - start, 0.5 * gained * kTime * kTime, tolerance * kTime);
     }
 }
 

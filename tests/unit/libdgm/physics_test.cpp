@@ -566,6 +566,22 @@ TEST(Physics, TheCInterfaceGivesTheSameSteps) {
     EXPECT_EQ(dgm_physics_step(state, nullptr, &o, nullptr, 0, nullptr, nullptr, &error), DGM_BAD_ARGUMENT);
     o.pin_count = 300;
     EXPECT_EQ(dgm_physics_step(state, physics, &o, nullptr, 0, nullptr, nullptr, &error), DGM_LIMIT_EXCEEDED);
+    o.pin_count = 0;
+    // A surface with its samples of the step before: all three arrays, or none.
+    dgm_state* under = nullptr;
+    ASSERT_EQ(dgm_state_create(asset, 0, &reach, nullptr, &under, &error), DGM_OK) << error.message;
+    dgm_obstacle seat{};
+    seat.struct_size = sizeof seat;
+    seat.kind = DGM_OBSTACLE_KIND_SURFACE;
+    seat.point[2] = -500;
+    seat.surface = under;
+    ASSERT_EQ(dgm_state_positions(under, seat.before), body.state.sample_count());
+    o.obstacles = &seat;
+    o.obstacle_count = 1;
+    EXPECT_EQ(dgm_physics_step(state, physics, &o, nullptr, 0, nullptr, nullptr, &error), DGM_OK) << error.message;
+    seat.before[1] = nullptr;
+    EXPECT_EQ(dgm_physics_step(state, physics, &o, nullptr, 0, nullptr, nullptr, &error), DGM_BAD_ARGUMENT);
+    dgm_state_destroy(under);
     dgm_physics_reset(physics);
     dgm_physics_destroy(physics);
     dgm_physics_destroy(nullptr);
