@@ -53,6 +53,7 @@ Double3 unit_of(Double3 v, Double3 other) noexcept {
 /// The same as way_come() for a surface that is known as it was.
 [[gnu::cold, gnu::noinline]] Double3 way_of_skin(const Shape& before, const Shape& now, Double3 at) noexcept {
     const Double3 nearest = probe(now, at).nearest, own = to_own(now, nearest);
+    if (now.hint == kNoTriangle) return {};
     const std::array<std::uint32_t, 3> corners = corners_of(*now.surface, now.hint);
     const std::array<Double3, 3> q = corners_now(now);
     Double3 was[3];
