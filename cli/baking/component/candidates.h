@@ -86,6 +86,7 @@ class Contest {
     /// Compares the best chart of `rival`, a contest about the same component, with the best one here and takes it over
     /// if it is better. Where a fit is going to move the samples, both are fitted as in challenge() unless their errors
     /// differ clearly. Takes over the record of the rival's charts in any case.
+    /// @return  true if the rival's is the best now
     bool meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress);
     /// Takes over the best chart of `rival`, which has one, whatever its error, and the record.
     void yield_to(Contest&& rival);

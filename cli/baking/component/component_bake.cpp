@@ -282,9 +282,7 @@ void try_limbs(const ComponentTask& task, const BakeOptions& options, const CutS
 bool try_unfolded_limbs(const ComponentTask& task, const BakeOptions& options, Contest& contest,
                         const model::Progress& progress) {
     constexpr double kSamplesToLimb = 8, kCrowded = 2;
-    if (options.stays_on_square() || options.ablates("free-charts")) return false;
     if (!(stretch_of_best(contest) > kCrowded)) return false;
-    if (task.component.faces.size() > kMostFacesFreeToo) return false;
     const auto most = static_cast<std::size_t>(samples_of(task.size) / kSamplesToLimb);
     const Attempt<std::optional<CutGraph>> cut = attempt([&] { return limb_cut(task.component, most, progress); });
     if (!cut || !*cut) return false;
@@ -303,14 +301,11 @@ bool try_unfolded_limbs(const ComponentTask& task, const BakeOptions& options, C
 /// samples that a free chart leaves unused are lost.
 void try_free(const ComponentTask& task, const BakeOptions& options, Contest& contest,
               const model::Progress& progress) {
-    if (task.component.faces.size() > kMostFacesFreeToo || options.ablates("free-charts")) return;
-    if (options.stays_on_square()) return;
     const bool fitted = options.fit != Fit::kSample;
-    const SampledChart& best = contest.best_chart();
     if (fitted) {
         const double facets = static_cast<double>(task.component.faces.size()) / (2 * samples_of(task.size));
         const double least = facets < kLargeFacets ? kStretchOfLarge : kStretchOfSmall;
-        if (!(l2_stretch(best.disk->mesh.positions, best.disk->mesh.faces, best.uv) > least)) return;
+        if (!(stretch_of_best(contest) > least)) return;
     } else if (!(contest.best_psnr() < psnr_at(task.size, kPoor))) {
         return;
     }
@@ -375,10 +370,10 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
                                 *square_parameterizer(Method::kStretch, options), other, progress);
         });
     if (!may_be_free || contest.tried(Method::kArap)) return;
-    if (!contest.has_best())
-        arap();
-    else if (!try_unfolded_limbs(task, options, contest, progress))
-        try_free(task, options, contest, progress);
+    if (!contest.has_best()) return arap();
+    if (task.component.faces.size() > kMostFacesFreeToo || options.ablates("free-charts")) return;
+    if (options.stays_on_square() || try_unfolded_limbs(task, options, contest, progress)) return;
+    try_free(task, options, contest, progress);
 }
 
 Attempt<ComponentResult> bake_on_grid(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts,

@@ -147,17 +147,18 @@ CutSearchResult carried_over(const TriMesh& component, const std::optional<Coars
 /// for the paths that many loops and handles need.
 ComponentCut search_on(const TriMesh& mesh, CutSearchOptions options, GridSides& grid, GridSides wanted,
                        const model::Progress& progress) {
-    options.m = grid.m;
-    options.n = grid.n;
-    try {
+    const auto search = [&] {
+        options.m = grid.m;
+        options.n = grid.n;
         return search_component(mesh, options, progress);
+    };
+    try {
+        return search();
     } catch (const model::Error& e) {
         if (e.code().number != model::codes::kGridTooSmall.number || are_same(grid, wanted)) throw;
     }
     grid = wanted;
-    options.m = grid.m;
-    options.n = grid.n;
-    return search_component(mesh, options, progress);
+    return search();
 }
 
 }  // namespace

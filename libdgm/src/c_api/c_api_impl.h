@@ -153,7 +153,7 @@ inline Result<dgm::Obstacle> obstacle_of(const dgm_obstacle* from) noexcept {
     const auto is_null = [](const float* p) { return p == nullptr; };
     if (to.surface != nullptr && !std::all_of(o.before, o.before + 3, is_null)) {
         if (std::any_of(o.before, o.before + 3, is_null)) return kNull;
-        to.before = {o.before[0], o.before[1], o.before[2], to.surface->positions().count, 1};
+        to.before = {o.before[0], o.before[1], o.before[2], to.surface->sample_count(), 1};
     }
     return to;
 }

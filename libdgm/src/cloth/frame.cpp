@@ -157,21 +157,20 @@ void look_around(ClothImpl& c, const Frame& f) noexcept {
     find_meetings(c, f.state, std::min(most, double{c.options.thickness} + 2 * f.h * speed));
 }
 
-/// Puts the scene where it is after a part of the frame.
-/// @param share  of the frame since it was put somewhere
-void move_scene(FrameScene& scene, double part, double share) noexcept {
+/// Puts the scene where it is at the end of a substep.
+void move_scene(FrameScene& scene, std::uint32_t number, std::uint32_t substeps) noexcept {
     for (std::uint32_t k = 0; k < scene.count; ++k) {
         if (!scene.moves[k]) continue;
         scene.last[k] = scene.here[k];
-        scene.here[k] = between(scene.from[k], scene.shapes[k], part);
-        scene.here[k].share = share;
+        scene.here[k] = between(scene.from[k], scene.shapes[k], double(number + 1) / substeps);
+        scene.here[k].share = 1.0 / substeps;
     }
 }
 
 /// One substep. @return false: numbers that are not finite
 bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& report) noexcept {
     const auto by_dt2 = static_cast<float>(1 / (f.h * f.h));
-    move_scene(c.scene, double(number + 1) / f.o.substeps, 1.0 / f.o.substeps);
+    move_scene(c.scene, number, f.o.substeps);
     if (c.options.self_contact) look_around(c, f);
     const double unmoved = c.elastic + begin(c, f, 1.0 / (f.o.substeps - number));
     double elastic = 0, before = 0;

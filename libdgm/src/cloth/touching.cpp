@@ -72,10 +72,8 @@ Found find(const ClothImpl& c, Double3 x, std::uint64_t near) noexcept {
         const Probe p = probe(shape, local);
         const double gap = c.scale * p.distance - 0.5 * double{c.options.thickness};
         if (!(gap < out.gap)) continue;
-        const Double3 way = p.distance < 0 ? p.nearest - local : local - p.nearest;
-        const double size = length(way);
-        const Double3 other = shape.kind == ObstacleKind::Plane ? shape.normal : Double3{0, 0, 1};
-        out = {o, gap, size > 1e-12 * (1 + length(local)) ? (1 / size) * way : other};
+        const Double3 normal = normal_at(shape, p, local);
+        out = {o, gap, dot(normal, normal) > 0 ? normal : Double3{0, 0, 1}};
     }
     return out;
 }

@@ -36,17 +36,22 @@ Double3 unit_of(Double3 v, Double3 other) noexcept {
     return square > 1e-6 ? (1 / std::sqrt(square)) * v : other;
 }
 
-/// Of the triangle that was found last, in the surface's own frame.
-[[gnu::cold, gnu::noinline]] std::array<Double3, 3> corners_now(const Shape& shape) noexcept {
+/// Samples of a surface in its own frame.
+[[gnu::cold, gnu::noinline]] std::array<Double3, 3> places_of(const PointView& samples,
+                                                              const std::array<std::uint32_t, 3>& corners) noexcept {
     std::array<Double3, 3> out;
-    const std::array<std::uint32_t, 3> corners = corners_of(*shape.surface, shape.hint);
-    for (std::size_t k = 0; k < 3; ++k) out[k] = widen(shape.surface->point(corners[k]));
+    for (std::size_t k = 0; k < 3; ++k) out[k] = widen(samples[corners[k]]);
     return out;
+}
+/// Those of its present shape.
+PointView samples_now(const Shape& shape) noexcept {
+    const StateImpl& s = *shape.surface;
+    return {s.now.x, s.now.y, s.now.z, s.total(), 1};
 }
 
 /// Not unit; of the triangle that was found last.
 [[gnu::cold, gnu::noinline]] Double3 facing_now(const Shape& shape) noexcept {
-    const std::array<Double3, 3> q = corners_now(shape);
+    const std::array<Double3, 3> q = places_of(samples_now(shape), corners_of(*shape.surface, shape.hint));
     return from_own(shape, cross(q[1] - q[0], q[2] - q[0])) - shape.point;
 }
 
@@ -55,9 +60,7 @@ Double3 unit_of(Double3 v, Double3 other) noexcept {
     const Double3 nearest = probe(now, at).nearest, own = to_own(now, nearest);
     if (now.hint == kNoTriangle) return {};
     const std::array<std::uint32_t, 3> corners = corners_of(*now.surface, now.hint);
-    const std::array<Double3, 3> q = corners_now(now);
-    Double3 was[3];
-    for (std::size_t k = 0; k < 3; ++k) was[k] = widen(now.was[corners[k]]);
+    const std::array<Double3, 3> q = places_of(samples_now(now), corners), was = places_of(now.was, corners);
     const Double3 ab = q[1] - q[0], ac = q[2] - q[0], normal = cross(ab, ac);
     const double square = dot(normal, normal);
     const double b = square > 0 ? dot(normal, cross(own - q[0], ac)) / square : 0;
