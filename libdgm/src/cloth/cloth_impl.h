@@ -63,12 +63,19 @@ struct Contact {
     Double3 slid;     ///< way along the obstacle before the substep's own solution
 };
 
+/// Friction of a sample in the substep before.
+struct Rub {
+    Vec3 force;           ///< N
+    bool sticks = false;  ///< it stayed where it was on the obstacle
+};
+
 /// Obstacles and tools of a frame.
 struct FrameScene : Scene {
     std::uint32_t tool[kMost] = {};  ///< place among the tools, or kNone
     Shape from[kMost];               ///< where they are at the start of the frame
     Shape last[kMost], here[kMost];  ///< at the start and the end of the substep
     bool moves[kMost] = {};          ///< in the frame
+    double way[kMost] = {};          ///< of a surface's samples in the frame, at most, metres
 };
 
 /// A sample that moves with a tool.
@@ -114,6 +121,7 @@ struct ClothImpl {
     Array<std::uint8_t> was_pinned;  ///< by sample, in the frame before
     Array<std::uint8_t> pinned;      ///< by sample, while a frame runs
     Array<cloth::Contact> contacts;
+    Array<cloth::Rub> rubs;  ///< by sample
     std::uint32_t contact_count = 0;
     cloth::FrameScene scene;
     Scene before_scene;  ///< of the frame before
@@ -182,7 +190,7 @@ double press(ClothImpl& c) noexcept;
 /// Their energy where the solution, times `by`, has been added.
 [[nodiscard]] double pressed_energy(const ClothImpl& c, double by) noexcept;
 /// Notes the forces that the solution left.
-void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexcept;
+void end_contacts(ClothImpl& c, std::span<StepTool> answers, double friction, double share) noexcept;
 /// Moves samples that are still beyond out of obstacles.
 void push_out(ClothImpl& c) noexcept;
 

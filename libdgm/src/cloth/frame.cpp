@@ -164,6 +164,7 @@ void move_scene(FrameScene& scene, std::uint32_t number, std::uint32_t substeps)
         scene.last[k] = scene.here[k];
         scene.here[k] = between(scene.from[k], scene.shapes[k], double(number + 1) / substeps);
         scene.here[k].share = 1.0 / substeps;
+        scene.here[k].ahead = 1 - double(number + 1) / substeps;
     }
 }
 
@@ -189,7 +190,7 @@ bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& re
     if (!std::isfinite(before)) return false;
     report.residual = solve(c, by_dt2, f.levels, f.o.cycles);
     c.elastic = go(c, before, double{by_dt2}, elastic);
-    end_contacts(c, f.answers, 1.0 / f.o.substeps);
+    end_contacts(c, f.answers, double{f.o.friction}, 1.0 / f.o.substeps);
     push_out(c);
     if (c.options.self_contact) {
         report.touches = keep_apart(c, double{f.o.friction});
@@ -265,6 +266,7 @@ bool start_scene(ClothImpl& c) noexcept {
         const bool stays = has_stayed(c.before_scene, scene, k);
         if (scene.tool[k] == kNone) scene.from[k] = last_of(c.before_scene, scene, k);
         scene.moves[k] = !stays;
+        scene.way[k] = stays ? 0 : c.scale * farthest_way(scene.shapes[k]);
         scene.last[k] = scene.here[k] = stays ? scene.shapes[k] : scene.from[k];
         still = still && stays;
     }
@@ -294,6 +296,7 @@ void place_at(ClothImpl& c, const ConstPlanes& shape) noexcept {
         c.fall[to] = 1;
         c.pressed[to] = 0;
     }
+    std::fill(c.rubs.begin(), c.rubs.end(), Rub{});
     c.held_count = 0;
     c.holding = c.known = 0;
     c.elastic = evaluate(c);

@@ -487,7 +487,8 @@ Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept {
     weigh(c);
     for (std::size_t k = 0; k < c.fine().count; ++k) c.stiff += double{c.fine().on.area[k]};
     c.stiff *= double{std::max(c.options.fabric.warp, c.options.fabric.weft)};
-    if (!c.contacts.allocate(a, c.total) || !c.held.allocate(a, c.total)) return kNoMemory;
+    if (!c.contacts.allocate(a, c.total) || !c.held.allocate(a, c.total) || !c.rubs.allocate(a, c.total))
+        return kNoMemory;
     if (c.options.self_contact && !c.meetings.allocate(a, 4 * std::uint64_t{c.total})) return kNoMemory;
     return {};
 }

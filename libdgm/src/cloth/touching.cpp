@@ -19,6 +19,8 @@ constexpr std::uint32_t kTile = 8;
 constexpr double kLoosest = 0.25;
 /// Stiffness of a contact over that of inertia.
 constexpr double kPress = 30;
+/// Force that would hold a sample that stuck, over the most that friction can bear, from which on it slides at once.
+constexpr double kGrip = 2;
 constexpr float kNew = 1e-20f;  ///< N: mark of a contact whose force is not known yet
 
 double length(Double3 v) noexcept {
@@ -49,7 +51,7 @@ void each_near(const ClothImpl& c, double margin, F f) noexcept {
                 const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
                 const double distance = c.scale * probe(shape, (1 / c.scale) * middle).distance;
                 const double beyond = limited ? std::fabs(distance) - c.scale * shape.reach : distance;
-                if (!(beyond > radius)) near |= std::uint64_t{1} << o;
+                if (!(beyond > radius + shape.ahead * c.scene.way[o])) near |= std::uint64_t{1} << o;
             }
             if (near == 0) continue;
             for (std::uint32_t i = i0; i < i1; ++i)
@@ -61,6 +63,7 @@ struct Found {
     std::uint32_t obstacle = kNone;
     double gap = 1e300;
     Double3 normal;
+    Probe there;
 };
 /// The obstacle that a place is deepest in, or nearest to.
 Found find(const ClothImpl& c, Double3 x, std::uint64_t near) noexcept {
@@ -69,22 +72,22 @@ Found find(const ClothImpl& c, Double3 x, std::uint64_t near) noexcept {
     for (; near != 0; near &= near - 1) {
         const auto o = static_cast<std::uint32_t>(__builtin_ctzll(near));
         const Shape& shape = c.scene.here[o];
-        const Probe p = probe(shape, local);
+        const Probe p = probe_underway(shape, local);
         const double gap = c.scale * p.distance - 0.5 * double{c.options.thickness};
         if (!(gap < out.gap)) continue;
         const Double3 normal = normal_at(shape, p, local);
-        out = {o, gap, dot(normal, normal) > 0 ? normal : Double3{0, 0, 1}};
+        out = {o, gap, dot(normal, normal) > 0 ? normal : Double3{0, 0, 1}, p};
     }
     return out;
 }
 
-/// How far the obstacle of a contact goes in the substep at a place, metres.
-Double3 way_of(const ClothImpl& c, std::uint32_t obstacle, Double3 x) noexcept {
-    if (!c.scene.moves[obstacle]) return {};
-    return c.scale * way_come(c.scene.last[obstacle], c.scene.here[obstacle], (1 / c.scale) * x);
+/// How far an obstacle that was found at a place goes in the substep there, metres.
+Double3 way_of(const ClothImpl& c, const Found& f, Double3 x) noexcept {
+    if (!c.scene.moves[f.obstacle]) return {};
+    return c.scale * way_come(c.scene.last[f.obstacle], c.scene.here[f.obstacle], (1 / c.scale) * x, f.there);
 }
 
-void add_friction(ClothImpl& c, Contact& t, Spot k, double by_dt2, double friction, Double3 moved) noexcept {
+void add_friction(const ClothImpl& c, Contact& t, Spot k, double by_dt2, double friction, Double3 moved) noexcept {
     const Double3 force = Double3{} - at(c.gradient, k);
     const Double3 start = c.place(k) - Double3{c.was[0][k], c.was[1][k], c.was[2][k]} - moved;
     const auto flat = [&](Double3 v) { return v - dot(v, t.normal) * t.normal; };
@@ -92,6 +95,14 @@ void add_friction(ClothImpl& c, Contact& t, Spot k, double by_dt2, double fricti
     const double bears = c.pressed[k] > kNew ? double{c.pressed[k]} : std::max(0.0, -dot(force, t.normal));
     const Double3 wanted = flat(force) + (by_dt2 * double{c.weight[k]}) * t.slid;
     const double size = length(wanted), most = friction * bears;
+    const Rub& before = c.rubs[t.sample];
+    if (before.sticks && t.bears > 0 && by_dt2 * double{c.weight[k]} * length(t.slid) <= kGrip * most) {
+        const Double3 held = flat(widen(before.force));
+        const double holds = length(held);
+        t.pull = holds > most ? (most / holds) * held : held;
+        t.drag = kPress * by_dt2 * double{c.weight[k]};
+        return;
+    }
     if (size > most) {
         t.pull = (-most / size) * wanted;
         return;
@@ -123,7 +134,7 @@ void find_contacts(ClothImpl& c, double h, double friction) noexcept {
             each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
             return;
         }
-        add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f.obstacle, c.place(k)));
+        add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f, c.place(k)));
         put(l.on.normal, k, t.normal);
         l.on.press[k] = static_cast<float>(t.press);
         l.on.drag[k] = static_cast<float>(t.drag);
@@ -154,16 +165,19 @@ double pressed_energy(const ClothImpl& c, double by) noexcept {
     return energy;
 }
 
-void end_contacts(ClothImpl& c, std::span<StepTool> answers, double share) noexcept {
+void end_contacts(ClothImpl& c, std::span<StepTool> answers, double friction, double share) noexcept {
     for (std::uint32_t n = 0; n < c.contact_count; ++n) {
         const Contact& t = c.contacts[n];
         const Spot k = c.spot_of(t.sample);
         const Double3 d = c.led * at(c.lead, k);
         const double bears = std::max(0.0, t.bears - t.press * (t.gap + dot(t.normal, d)));
         each_copy(c, t.sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = static_cast<float>(bears); });
+        Double3 rubs = t.pull - t.drag * (t.slid + d - dot(t.normal, d) * t.normal);
+        const double size = length(rubs), most = friction * bears;
+        if (size > most) rubs = (most / size) * rubs;
+        c.rubs[t.sample] = {narrow(rubs), t.drag > 0 && size <= most};
         const std::uint32_t tool = c.scene.tool[t.obstacle];
         if (!(bears > 0) || tool >= answers.size()) continue;
-        const Double3 rubs = t.pull - t.drag * (t.slid + d - dot(t.normal, d) * t.normal);
         answers[tool].force = answers[tool].force - narrow(share * (bears * t.normal + rubs));
         ++answers[tool].contacts;
     }

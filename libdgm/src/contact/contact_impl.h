@@ -46,6 +46,7 @@ struct Shape {
     NearTiles* near = nullptr;  ///< surface: or null, then every search starts at the root
     PointView was;              ///< surface: its samples in the step before, in its own frame then; or none
     double share = 1;           ///< of the way from there, which `way_come` asks for
+    double ahead = 0;           ///< of that way, still to come; for `probe_underway`
 };
 struct Probe {
     double distance = 0;  ///< negative beyond

@@ -36,38 +36,48 @@ Double3 unit_of(Double3 v, Double3 other) noexcept {
     return square > 1e-6 ? (1 / std::sqrt(square)) * v : other;
 }
 
-/// Samples of a surface in its own frame.
-[[gnu::cold, gnu::noinline]] std::array<Double3, 3> places_of(const PointView& samples,
-                                                              const std::array<std::uint32_t, 3>& corners) noexcept {
-    std::array<Double3, 3> out;
-    for (std::size_t k = 0; k < 3; ++k) out[k] = widen(samples[corners[k]]);
-    return out;
+Double3 facing(const std::array<Double3, 3>& corners) noexcept {
+    return cross(corners[1] - corners[0], corners[2] - corners[0]);
 }
-/// Those of its present shape.
-PointView samples_now(const Shape& shape) noexcept {
-    const StateImpl& s = *shape.surface;
-    return {s.now.x, s.now.y, s.now.z, s.total(), 1};
+/// A direction in the state's frame.
+Double3 along_axes(const Shape& shape, Double3 own) noexcept {
+    return from_own(shape, own) - shape.point;
 }
 
-/// Not unit; of the triangle that was found last.
-[[gnu::cold, gnu::noinline]] Double3 facing_now(const Shape& shape) noexcept {
-    const std::array<Double3, 3> q = places_of(samples_now(shape), corners_of(*shape.surface, shape.hint));
-    return from_own(shape, cross(q[1] - q[0], q[2] - q[0])) - shape.point;
+/// The triangle of a surface that was found last, in the surface's own frame.
+struct Facet {
+    std::array<Double3, 3> was, now;
+};
+[[gnu::cold, gnu::noinline]] Facet facet_of(const Shape& shape) noexcept {
+    const StateImpl& s = *shape.surface;
+    const std::array<std::uint32_t, 3> corners = corners_of(s, shape.hint);
+    Facet out;
+    for (std::size_t k = 0; k < 3; ++k) {
+        out.now[k] = widen(s.point(corners[k]));
+        out.was[k] = shape.was.x != nullptr ? widen(shape.was[corners[k]]) : out.now[k];
+    }
+    return out;
+}
+/// Its corners, and Shape::ahead of their way back.
+std::array<Double3, 3> underway(const Facet& f, double ahead) noexcept {
+    return {mixed(f.now[0], f.was[0], ahead), mixed(f.now[1], f.was[1], ahead), mixed(f.now[2], f.was[2], ahead)};
+}
+/// From where the material of a point stood to where it will be.
+[[gnu::cold, gnu::noinline]] Double3 way_of_facet(const Facet& f, Double3 point, double ahead) noexcept {
+    const std::array<Double3, 3> q = underway(f, ahead);
+    const Double3 normal = facing(q), off = point - q[0];
+    const double square = dot(normal, normal);
+    const double b = square > 0 ? dot(normal, cross(off, q[2] - q[0])) / square : 0;
+    const double c = square > 0 ? dot(normal, cross(q[1] - q[0], off)) / square : 0;
+    return (1 - b - c) * (f.now[0] - f.was[0]) + b * (f.now[1] - f.was[1]) + c * (f.now[2] - f.was[2]);
 }
 
 /// The same as way_come() for a surface that is known as it was.
-[[gnu::cold, gnu::noinline]] Double3 way_of_skin(const Shape& before, const Shape& now, Double3 at) noexcept {
-    const Double3 nearest = probe(now, at).nearest, own = to_own(now, nearest);
+[[gnu::cold, gnu::noinline]] Double3 way_of_skin(const Shape& before, const Shape& now, const Probe& there) noexcept {
     if (now.hint == kNoTriangle) return {};
-    const std::array<std::uint32_t, 3> corners = corners_of(*now.surface, now.hint);
-    const std::array<Double3, 3> q = places_of(samples_now(now), corners), was = places_of(now.was, corners);
-    const Double3 ab = q[1] - q[0], ac = q[2] - q[0], normal = cross(ab, ac);
-    const double square = dot(normal, normal);
-    const double b = square > 0 ? dot(normal, cross(own - q[0], ac)) / square : 0;
-    const double c = square > 0 ? dot(normal, cross(ab, own - q[0])) / square : 0;
-    const Double3 stood = (1 - b - c) * was[0] + b * was[1] + c * was[2];
-    const Double3 way = nearest - from_own(before, own + now.share * (stood - own));
-    return std::isfinite(dot(way, way)) ? way : Double3{};
+    const Double3 own = to_own(now, there.nearest), way = way_of_facet(facet_of(now), own, now.ahead);
+    const Double3 come = there.nearest - from_own(before, own - now.share * way);
+    return std::isfinite(dot(come, come)) ? come : Double3{};
 }
 
 }  // namespace
@@ -118,20 +128,54 @@ bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept
     return std::memcmp(then, here, kBytes) == 0;
 }
 
+Probe probe_underway(const Shape& shape, Double3 x) noexcept {
+    Probe there = probe(shape, x);
+    if (!(shape.ahead > 0) || shape.was.x == nullptr || shape.hint == kNoTriangle) return there;
+    // The point on the material's way: what will be nearest to where it takes a point along is nearest now.
+    constexpr int kMost = 4;
+    Double3 gone;
+    for (int round = 0; round < kMost; ++round) {
+        const Double3 own = way_of_facet(facet_of(shape), to_own(shape, there.nearest), 0);
+        const Double3 way = along_axes(shape, shape.ahead * own);
+        const Double3 change = way - gone;
+        if (!std::isfinite(dot(way, way)) || !(dot(change, change) > shape.rounding * shape.rounding)) break;
+        gone = way;
+        there = probe(shape, x + gone);
+    }
+    const Facet f = facet_of(shape);
+    const Double3 then = facing(f.now), here = facing(underway(f, shape.ahead));
+    const double size = std::sqrt(dot(then, then)), other = std::sqrt(dot(here, here));
+    Double3 off = x + gone - there.nearest;
+    if (size > 0 && other > 0)
+        off = turned(off, along_axes(shape, (1 / size) * then), along_axes(shape, (1 / other) * here));
+    there.nearest = x - off;
+    return there;
+}
+
+double farthest_way(const Shape& shape) noexcept {
+    if (shape.was.x == nullptr) return 0;
+    double most = 0;
+    for (std::uint32_t k = 0; k < shape.surface->total(); ++k) {
+        const Double3 way = widen(shape.surface->point(k)) - widen(shape.was[k]);
+        most = std::max(most, dot(way, way));
+    }
+    return std::sqrt(most);
+}
+
 Double3 normal_at(const Shape& shape, const Probe& there, Double3 x) noexcept {
     if (shape.kind == ObstacleKind::Plane) return shape.normal;
     Double3 way = there.distance < 0 ? there.nearest - x : x - there.nearest;
     if (shape.kind == ObstacleKind::Surface && std::fabs(there.distance) < shape.rounding) {
-        const Double3 facing = facing_now(shape);
-        if (dot(facing, facing) > 0) way = facing;
+        const Double3 normal = along_axes(shape, facing(underway(facet_of(shape), shape.ahead)));
+        if (dot(normal, normal) > 0) way = normal;
     }
     const double length = std::sqrt(dot(way, way));
     return length > 0 ? (1 / length) * way : Double3{};
 }
 
-Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept {
+Double3 way_come(const Shape& before, const Shape& now, Double3 at, const Probe& there) noexcept {
     if (&before == &now) return {};  // to the bit: what rests there must not creep
-    if (now.was.x != nullptr) return way_of_skin(before, now, at);
+    if (now.was.x != nullptr) return way_of_skin(before, now, there);
     const Double3 way = now.point - before.point, off = at - now.point;
     switch (now.kind) {
         case ObstacleKind::Plane:

@@ -32,14 +32,19 @@ void add_tool(Scene& scene, const ToolInput& tool, double radius) noexcept;
 [[nodiscard]] const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// Whether it stands there still, in the same shape.
 [[nodiscard]] bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+/// As probe(), of a surface that is known as it was at the place where it is now, with Shape::ahead of its way still to
+/// come: its samples go straight, its normals turn with the nearest triangle. Others are where they are.
+[[nodiscard]] Probe probe_underway(const Shape& shape, Double3 x) noexcept;
+/// The longest way of the samples of a surface that is known as it was, in the state's units; 0 for others.
+[[nodiscard]] double farthest_way(const Shape& shape) noexcept;
 /// The unit normal of an obstacle at a point x that was probed last; nothing (0) where it has none. Nearer to a surface
 /// than its floats are exact, the way to its nearest point is noise: there it is that of the nearest triangle.
 [[nodiscard]] Double3 normal_at(const Shape& shape, const Probe& there, Double3 x) noexcept;
-/// How far the material of an obstacle that is at a point now has come, in the units of both. Obstacles are rigid: a
-/// plane goes with its point and turns with its normal by the smallest angle, a sphere does not turn, what is beside
+/// How far the material of an obstacle at a point that was probed last has come, in the units of both. They are rigid:
+/// a plane goes with its point and turns with its normal by the smallest angle, a sphere does not turn, what is beside
 /// a capsule's axis goes as the axis there, boxes and surfaces go with their frames. 0 if both are one. A surface that
 /// is known as it was is not rigid: its nearest triangle goes as its corners do.
-[[nodiscard]] Double3 way_come(const Shape& before, const Shape& now, Double3 at) noexcept;
+[[nodiscard]] Double3 way_come(const Shape& before, const Shape& now, Double3 at, const Probe& there) noexcept;
 /// The obstacle after a part of that way: points go straight, normals and frames turn about one axis or nearly so.
 /// Half sides, radius, and the shape of a surface are those of `now`.
 /// @param part  0 .. 1; from 1 on it is `now`

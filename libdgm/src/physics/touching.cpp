@@ -119,7 +119,7 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
             t.moves = moves;
             if (p.layer > 0 && is_tool(t)) soften(p, shape, t);
             if (kFriction && p.friction > 0 && was != nullptr)
-                take_friction(p.friction, *was, p.scale * way_come(stood, shape, x), t);
+                take_friction(p.friction, *was, p.scale * way_come(stood, shape, x, there), t);
         };
         for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
             if (i % kTile == 0)

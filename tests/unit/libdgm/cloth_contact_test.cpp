@@ -97,12 +97,14 @@ struct Skin {
     Drape led;
     std::vector<float> before[3];
     std::vector<Vec3> rest;
-    Skin()
-        : led(grid_chart(17, 17, [](double i, double j) {
-              return Point{float(i / 8 - 0.5), float(j / 8 - 0.5), 0};
-          })) {
+    explicit Skin(const ChartSpec& chart = grid_chart(17, 17,
+                                                      [](double i, double j) {
+                                                          return Point{float(i / 8 - 0.5), float(j / 8 - 0.5), 0};
+                                                      }))
+        : led(chart) {
         led.how.gravity = {};
-        led.pin_rows(0, 17);
+        for (std::uint32_t k = 0; k < led.state.rows() * led.state.cols(); ++k)
+            if (led.state.impl()->representative(k) == k) led.pin(k);
         for (const Pin& pin : led.pins) rest.push_back(pin.position);
     }
     /// Each sample goes to to(its rest).
@@ -171,6 +173,65 @@ TEST(ClothContact, IsStretchedByASkinThatStretches) {
     EXPECT_NEAR(gone(0.1f), 0.2, 0.01);
     EXPECT_NEAR(gone(0.8f), 0.2, 0.01);
 }
+/// A napkin on a faceted ball that turns by `by` about an axis, faster and faster.
+struct Turning {
+    bool frame = false;    ///< its frame turns; else its samples do
+    bool upright = false;  ///< about the z axis; else about the x axis
+    bool seams = false;    ///< the napkin lies where four seams meet; else where none is
+    double by = 0.15;
+};
+/// How far the napkin comes along in half a second.
+double turned_along(const Turning& t) {
+    ClothOptions o;
+    o.fabric.damping = 0;
+    Drape d(grid_chart(17, 17,
+                       [](double i, double j) {
+                           const double x = (i - 8) / 80, y = (j - 8) / 80;
+                           return Point{float(x), float(y), float(std::sqrt(0.3015 * 0.3015 - x * x - y * y))};
+                       }),
+            o);
+    const double side = t.seams ? -0.3 : 0.3;
+    Skin skin(closed_chart(33, [=](std::array<double, 3> n) {
+        return std::array<double, 3>{0.3 * n[0], side * n[1], side * n[2]};
+    }));
+    Obstacle below = obstacle_of(skin);
+    d.how.obstacles = {&below, 1};
+    d.how.friction = 1;
+    d.run(60);
+    const auto angle = [&] {
+        const Double3 across = d.at(12, 8) - d.at(4, 8), middle = d.at(8, 8);
+        return t.upright ? std::atan2(across.y, across.x) : std::atan2(-middle.y, middle.z);
+    };
+    const double start = angle();
+    for (int k = 1; k <= 30; ++k) {
+        const double now = t.by * k * k / 900, c = std::cos(now), s = std::sin(now);
+        const auto turn = [&](Vec3 v) {
+            const double x = double{v.x}, y = double{v.y}, z = double{v.z};
+            return t.upright ? Vec3{float(c * x - s * y), float(s * x + c * y), v.z}
+                             : Vec3{v.x, float(c * y - s * z), float(s * y + c * z)};
+        };
+        if (t.frame) {
+            const Vec3 x = turn({1, 0, 0}), y = turn({0, 1, 0}), z = turn({0, 0, 1});
+            const float r[9] = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+            std::copy_n(r, 9, below.rotation);
+        } else {
+            skin.lead(turn);
+            below.before = skin.shape_before();
+        }
+        d.run(1);
+    }
+    return angle() - start;
+}
+TEST(ClothContact, TurnsWithACurvedBody) {
+    // Friction bears the 0.1 m/s^2 of its corners a hundred times, whatever pulls them back in the cloth.
+    for (const bool upright : {true, false})
+        for (const bool frame : {true, false})
+            for (const bool seams : {true, false}) {
+                const double gone = turned_along({frame, upright, seams});
+                EXPECT_NEAR(gone, 0.15, 0.003) << upright << frame << seams;
+            }
+}
+
 TEST(ClothContact, ASkinAsItWasHasAsManySamples) {
     Drape d(grid_chart(9, 9, [](double i, double j) { return Point{float(i / 8), float(j / 8), 0.0005f}; }));
     Skin skin;
@@ -224,6 +285,35 @@ TEST(ClothContact, FastObstaclesPushClothAhead) {
         thrown.point.z += 0.1f;
         d.run(1);
         EXPECT_NEAR(d.at(16, 16).z, double{thrown.point.z} + 0.0605, 1e-3) << k;
+    }
+}
+
+TEST(ClothContact, FastSkinsPushClothAhead) {
+    // A ball comes at 4 m/s and turns about x at 3 rad/s, sample by sample.
+    Drape d(grid_chart(33, 33, [](double i, double j) {
+        return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0};
+    }));
+    d.how.gravity = {};
+    d.how.substeps = 6;
+    Skin skin(closed_chart(33, [](std::array<double, 3> n) {
+        return std::array<double, 3>{0.06 * n[0], 0.06 * n[1], 0.06 * n[2] - 0.07};
+    }));
+    Obstacle thrown = obstacle_of(skin);
+    d.how.obstacles = {&thrown, 1};
+    d.run(1);
+    for (int k = 1; k <= 5; ++k) {
+        const double c = std::cos(0.05 * k), s = std::sin(0.05 * k), up = k / 15.0 - 0.07;
+        skin.lead([=](Vec3 v) {
+            const double y = double{v.y}, z = double{v.z} + 0.07;
+            return Vec3{v.x, float(c * y - s * z), float(s * y + c * z + up)};
+        });
+        thrown.before = skin.shape_before();
+        d.run(1);
+        if (k < 3) { EXPECT_NEAR(d.at(16, 16).z, up + 0.0605, 1e-3) << "then it flies ahead"; }
+        for (std::uint32_t n = 0; n < 33 * 33; ++n) {
+            const Vec3 x = d.state.positions()[n];
+            EXPECT_GT(std::hypot(double{x.x}, double{x.y}, double{x.z} - up), 0.0594) << k << ' ' << n;
+        }
     }
 }
 
@@ -364,7 +454,7 @@ int crossings_of_a_fall(int start, bool self_contact) {
         touches = std::max(touches, d.run(1).touches);
         if (k % 10 == 9) sum += crossings(d.state);
     }
-    EXPECT_EQ(touches > 10, self_contact);
+    EXPECT_EQ(touches > 0, self_contact);
     double top = -1;
     for (std::uint32_t i = 0; i < 49; ++i) top = std::max(top, d.mean_of_row(i).z);
     EXPECT_LT(top, 0.2) << "it lies";

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "contact/scene.h"
+#include "contact_shapes.h"
 
 namespace dgm::detail {
 namespace {
@@ -20,6 +21,9 @@ Shape shape_of(const Obstacle& o) {
     auto made = make_shape(o);
     EXPECT_TRUE(made.ok());
     return made.value();
+}
+Double3 way_of(const Shape& before, const Shape& now, Double3 at) {
+    return way_come(before, now, at, probe(now, at));
 }
 /// Turned around z by an angle, about the origin.
 Vec3 around_z(Vec3 v, double angle) {
@@ -43,7 +47,7 @@ TEST(ObstacleMotion, BoxesTurnWithTheirFrames) {
     now.point = around_z(before.point, kAngle) + Vec3{0, 0, 0.25f};
     for (const Vec3 was : {Vec3{1, 1, 0.5f}, Vec3{-0.3f, 0.7f, -0.5f}, Vec3{0.5f, 0, 0}}) {
         const Vec3 is = around_z(was, kAngle) + Vec3{0, 0, 0.25f};
-        expect_near(way_come(shape_of(before), shape_of(now), widen(is)), widen(is) - widen(was));
+        expect_near(way_of(shape_of(before), shape_of(now), widen(is)), widen(is) - widen(was));
     }
 }
 
@@ -55,27 +59,27 @@ TEST(ObstacleMotion, PlanesTurnWithTheirNormals) {
     now.normal = around_z({1, 0, 0}, kAngle);
     for (const Vec3 was : {Vec3{0, 1, 0}, Vec3{0, -2, 3}, Vec3{0, 0, 0}}) {
         const Vec3 is = around_z(was, kAngle);
-        expect_near(way_come(shape_of(before), shape_of(now), widen(is)), widen(is) - widen(was));
+        expect_near(way_of(shape_of(before), shape_of(now), widen(is)), widen(is) - widen(was));
     }
     now = before;
     now.point = {0, 0.5f, -0.25f};
-    expect_near(way_come(shape_of(before), shape_of(now), {0, 7, 7}), {0, 0.5, -0.25});
+    expect_near(way_of(shape_of(before), shape_of(now), {0, 7, 7}), {0, 0.5, -0.25});
     now.normal = {-2, 0, 0};  // turned over: about which axis nobody knows
-    expect_near(way_come(shape_of(before), shape_of(now), {0, 7, 7}), {0, 0.5, -0.25});
+    expect_near(way_of(shape_of(before), shape_of(now), {0, 7, 7}), {0, 0.5, -0.25});
 }
 
 TEST(ObstacleMotion, BallsShiftAndCapsulesFollowTheirEnds) {
     const Obstacle ball{.kind = ObstacleKind::Sphere, .point = {1, 2, 3}, .radius = 0.5f};
     Obstacle moved = ball;
     moved.point = {1.5f, 2, 2};
-    expect_near(way_come(shape_of(ball), shape_of(moved), {1.5, 2.5, 2}), {0.5, 0, -1});
+    expect_near(way_of(shape_of(ball), shape_of(moved), {1.5, 2.5, 2}), {0.5, 0, -1});
     const Obstacle arm{.kind = ObstacleKind::Capsule, .point = {0, 0, 0}, .end = {4, 0, 0}, .radius = 0.5f};
     Obstacle bent = arm;
     bent.end = {4, 1, 0};
     const Shape before = shape_of(arm), now = shape_of(bent);
-    expect_near(way_come(before, now, {-0.5, 0, 0}), {0, 0, 0});
-    expect_near(way_come(before, now, {4, 1, 0.5}), {0, 1, 0});
-    expect_near(way_come(before, now, {2, 0.5, 0.5}), {0, 0.5, 0});
+    expect_near(way_of(before, now, {-0.5, 0, 0}), {0, 0, 0});
+    expect_near(way_of(before, now, {4, 1, 0.5}), {0, 1, 0});
+    expect_near(way_of(before, now, {2, 0.5, 0.5}), {0, 0.5, 0});
 }
 
 TEST(ObstacleMotion, GoesAlongInParts) {
@@ -97,7 +101,7 @@ TEST(ObstacleMotion, GoesAlongInParts) {
     Shape last = from;
     for (int k = 1; k <= 1000; ++k) {
         const Shape next = between(from, to, k / 1000.0);
-        at = at + way_come(last, next, at + way_come(last, next, at));
+        at = at + way_of(last, next, at + way_of(last, next, at));
         last = next;
     }
     EXPECT_NEAR(at.x, 0.5, 1e-2);
@@ -113,6 +117,50 @@ TEST(ObstacleMotion, GoesAlongInParts) {
     EXPECT_NEAR(probe(tilted, {5, 0, 2 + 2 * s}).distance, 1, 1e-6);
     wall.normal = {0, 0, -1};
     expect_near(between(shape_of(floor), shape_of(wall), 0.5).normal, {0, 0, -1});
+}
+
+TEST(ObstacleMotion, SkinsGoAPartOfTheirWay) {
+    // A ball that turns by 0.1 rad, moves, and becomes longer by 5 %, in a frame that turns by itself.
+    const auto led = [](std::array<double, 3> n) -> std::array<double, 3> {
+        const double c = std::cos(0.1), s = std::sin(0.1);
+        return {c * n[0] - s * n[1] + 0.05, s * n[0] + c * n[1], 1.05 * n[2] - 0.1};
+    };
+    constexpr double kPart = 0.3;
+    const State was = test::make_state(test::sphere_chart(33));
+    State now = test::make_state(test::closed_chart(33, led));
+    State direct = test::make_state(test::closed_chart(33, [&](std::array<double, 3> n) -> std::array<double, 3> {
+        const auto to = led(n);
+        std::array<double, 3> out;
+        for (std::size_t k = 0; k < 3; ++k) out[k] = n[k] + kPart * (to[k] - n[k]);
+        return out;
+    }));
+    Obstacle skin{.kind = ObstacleKind::Surface, .point = {0.5f, 0, 0}};
+    const float turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+    std::copy_n(turn, 9, skin.rotation);
+    Obstacle reference = skin;
+    skin.surface = &now;
+    skin.before = was.positions();
+    reference.surface = &direct;
+    Shape moving = shape_of(skin);
+    const Shape there = shape_of(reference);
+    EXPECT_NEAR(farthest_way(moving), 0.2, 0.03);
+    moving.ahead = 1 - kPart;
+    int same = 0;
+    for (int k = 0; k < 4000; ++k) {  // a spiral around the ball, inside and outside of it
+        const double z = -1 + (k + 0.5) / 2000, r = std::sqrt(1 - z * z), off = 1 + 0.02 * std::sin(0.37 * k);
+        const Double3 x{0.5 + off * r * std::cos(2.4 * k), off * r * std::sin(2.4 * k), off * z};
+        const Probe a = probe_underway(moving, x), b = probe(there, x);
+        // The way stretches by 5 %, and with it what lies off the surface.
+        EXPECT_NEAR(a.distance, b.distance, 2e-5 + 0.04 * std::fabs(b.distance)) << k;
+        if (moving.hint != there.hint) continue;  // facets meet at up to 0.3 rad
+        ++same;
+        if (std::fabs(b.distance) < 0.005) continue;
+        EXPECT_GT(dot(normal_at(moving, a, x), normal_at(there, b, x)), 0.995) << k;
+    }
+    EXPECT_GT(same, 3600);
+    // With nothing ahead it is where it is.
+    moving.ahead = 0;
+    EXPECT_EQ(probe_underway(moving, {1, 0.5, 0.7}).distance, probe(moving, {1, 0.5, 0.7}).distance);
 }
 
 TEST(ObstacleMotion, IsThatOfTheSameObstacle) {
