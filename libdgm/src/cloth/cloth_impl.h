@@ -102,7 +102,8 @@ struct ClothImpl {
     double scale = 1;      ///< metres per local unit
     double mean_step = 0;  ///< metres
     cloth::Level level[cloth::kMostLevels];
-    float highest = 3.2f;  ///< bound of the eigenvalues of inverse blocks times matrix
+    float highest = 3.2f;      ///< bound of the eigenvalues of inverse blocks times matrix
+    float first_bound = 3.2f;  ///< what it is until a cycle leads uphill
 
     Array<float> planes;
     Array<double> places;

@@ -297,6 +297,7 @@ void place_at(ClothImpl& c, const ConstPlanes& shape) noexcept {
         c.pressed[to] = 0;
     }
     std::fill(c.rubs.begin(), c.rubs.end(), Rub{});
+    c.highest = c.first_bound;
     c.held_count = 0;
     c.holding = c.known = 0;
     c.elastic = evaluate(c);

@@ -400,7 +400,7 @@ bool measure_level(ClothImpl& c, std::uint32_t at, std::uint32_t classes, const 
     const Fabric& f = c.options.fabric;
     const bool loose = at == 0 && l.on.u_curved != nullptr;
     const float uneven = (loose ? kUneven : 1) / 12;
-    if (loose) c.highest = kHighest;
+    if (loose) c.highest = c.first_bound = kHighest;
     l.on.moduli = {f.warp, f.weft, f.cross, f.shear, uneven * f.warp, uneven * f.weft};
     l.on.plate = f.bending;
     const double area = measure_quads(l, f.density);

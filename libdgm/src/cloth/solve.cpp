@@ -18,6 +18,8 @@ namespace {
 constexpr std::uint32_t kSweeps[] = {1, 2, 4}, kSweepsAtTheEnd = 24;  // by level, the last of them below
 static_assert(kSweeps[0] == 1);                                       // prepare() does the first one
 
+constexpr float kHighestOfAll = 12;  ///< from which on the bound of eigenvalues is not raised any more
+
 /// Adds what bends across seams: matrix times `from`, or with `slope` that of the shape `by` times `from` further.
 /// @return energy
 double bend_seams(const Level& l, const Field& from, const Field& to, bool slope, double by = 0) noexcept {
@@ -232,6 +234,14 @@ void apply(const ClothImpl& c, const Level& l, const Field& from, const Field& t
     sum_classes(l, to.p);
 }
 
+/// Where a cycle leads uphill, eigenvalues are beyond the smoother's bound, and it lets grow what it should damp. So it
+/// is on narrow strips; a higher bound holds from then on. @return false: it is as high as it gets
+bool raise_bound(ClothImpl& c) noexcept {
+    if (c.highest >= kHighestOfAll) return false;
+    c.highest *= 1.5f;
+    return true;
+}
+
 double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cycles) noexcept {
     const double whole = prepare(c, by_dt2, levels);
     Level& l = c.fine();
@@ -245,9 +255,12 @@ double solve(ClothImpl& c, float by_dt2, std::uint32_t levels, std::uint32_t cyc
     c.led = 0;
     for (std::uint32_t done = 0; done < cycles && left > 0; ++done) {
         cycle.run(0, done == 0);
-        double slope = 0;
+        double slope = once ? 0 : inner(l.right, l.sum);
+        while (!((once ? dots[1] : slope) > 0) && raise_bound(c)) {
+            cycle.run(0);
+            if (!once) slope = inner(l.right, l.sum);
+        }
         if (!once) {
-            slope = inner(l.right, l.sum);
             const double keep = done == 0 ? 0 : std::max(0.0, (slope - inner(c.before, l.sum)) / before);
             kernels.add({l.count, 1, static_cast<float>(keep), l.sum, done == 0 ? l.sum : c.way, c.way, l.free});
             apply(c, l, c.way, c.image, by_dt2);
