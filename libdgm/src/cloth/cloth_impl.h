@@ -85,11 +85,21 @@ struct Held {
     Double3 offset;  ///< metres
 };
 
-/// A sample and a triangle of the same cloth that may meet in this frame.
+/// A sample and a triangle of the same cloth, or two edges, that may meet in this substep.
 struct Meeting {
-    Spot spot, corner[3];
-    float side;  ///< +1 or -1: on which side of the triangle the sample stays
+    Spot spot[4];  ///< the sample and three corners; the ends of both edges
+    float side;    ///< +1 or -1: on which side of the triangle the sample stays; edges: along the product of both
+    bool edges;
 };
+
+/// An edge along a line of the grid, while meetings are looked for.
+struct Edge {
+    std::uint32_t i[2], j[2];
+    Spot spot[2];
+    Double3 at[2], low, high;  ///< ends; box of both
+};
+/// Of a tile.
+inline constexpr std::uint32_t kMostEdges = 2 * (kTileQuads + 1) * (kTileQuads + 1);
 
 }  // namespace cloth
 
@@ -133,6 +143,7 @@ struct ClothImpl {
     std::uint64_t known = 0;  ///< tools whose place before is known
     Array<cloth::Meeting> meetings;
     std::uint32_t meeting_count = 0;
+    Array<cloth::Edge> edges;                         ///< of two tiles
     double stiff = 0;                                 ///< J: twice the energy of a unit strain everywhere
     double elastic = 0, kinetic = 0, moment[3] = {};  ///< J, J, kg m: at the end of the frame before
 

@@ -3,9 +3,10 @@
 // Keeps the layers of a cloth apart.
 //
 // In each substep the box pyramid of the state tells which tiles are near each other, and these which samples are near
-// which triangles. Tiles side by side whose normals all lie within a right angle cannot touch, so smooth cloth costs
-// next to nothing [Volino, Magnenat-Thalmann 1994]. At its end samples that are nearer than the thickness, or on
-// the wrong side, are pushed out, and the triangle the other way, by their masses.
+// which triangles, and which edges near each other. Tiles side by side whose normals all lie within a right angle can
+// not touch, so smooth cloth costs next to nothing [Volino, Magnenat-Thalmann 1994]. At its end samples that are nearer
+// than the thickness, or on the wrong side, are pushed out, and the triangle the other way, by their masses; so are
+// edges.
 #include <algorithm>
 #include <cmath>
 
@@ -37,6 +38,20 @@ Weights nearest(Double3 p, Double3 a, Double3 b, Double3 c) noexcept {
     if (va <= 0 && e >= 0 && f >= 0 && e + f > 0) return {{0, f / (e + f), e / (e + f)}};
     if (!(sum > 0)) return {{1, 0, 0}};
     return {{va / sum, vb / sum, vc / sum}};
+}
+
+/// Where the lines of two edges are nearest, as shares of the edges; not of parallel ones.
+struct Apart {
+    double at[2];
+    Double3 normal;  ///< of both, unit
+    bool crosses = false;
+};
+Apart apart(Double3 a, Double3 b, Double3 c, Double3 d) noexcept {
+    const Double3 u = b - a, v = d - c, n = cross(u, v), off = c - a;
+    const double square = dot(n, n);
+    // Below a tenth of a radian the place is vague, and samples meet triangles there.
+    if (!(square > 0.01 * dot(u, u) * dot(v, v))) return {};
+    return {{dot(cross(off, v), n) / square, dot(cross(off, u), n) / square}, (1 / std::sqrt(square)) * n, true};
 }
 
 /// Normals of the quads in a tile of 8 x 8: their mean, and the cosine of the widest angle to it.
@@ -93,6 +108,10 @@ bool is_within(Double3 p, const Span& s, double reach) noexcept {
     return p.x > s.low.x - reach && p.y > s.low.y - reach && p.z > s.low.z - reach && p.x < s.high.x + reach &&
            p.y < s.high.y + reach && p.z < s.high.z + reach;
 }
+bool do_overlap(const Span& a, const Span& b, double reach) noexcept {
+    return a.low.x < b.high.x + reach && a.low.y < b.high.y + reach && a.low.z < b.high.z + reach &&
+           b.low.x < a.high.x + reach && b.low.y < a.high.y + reach && b.low.z < a.high.z + reach;
+}
 bool do_meet(const Box& a, const Box& b, float reach) noexcept {
     for (int d = 0; d < 3; ++d)
         if (!(a.low[d] <= b.high[d] + reach && b.low[d] <= a.high[d] + reach)) return false;
@@ -114,7 +133,10 @@ class Search {
                 y, [&](const Box& b) { return do_meet(box, b, local); },
                 [&](std::uint32_t b) {
                     if (are_beside(a, b) && are_smooth(mine, a == b ? mine : cone(b))) return;
+                    // In cloth that is thrown into one point all are near: the list ends before the search would.
+                    if (c_.meeting_count == c_.meetings.size()) return;
                     pair(a, b);
+                    if (a <= b) pair_edges(a, b);
                 });
         }
     }
@@ -148,6 +170,53 @@ class Search {
                     for (std::uint32_t s = j0; s < std::min(j0 + kTileQuads, c_.cols - 1); ++s) quad(i, j, k, r, s);
             }
     }
+    /// Edges that begin in a tile and come near a box. @return their number
+    std::uint32_t edges_of(std::uint32_t tile, const Box& near, Edge* to) const noexcept {
+        const std::uint32_t n = s_.now_boxes.cols[0], m = s_.now_boxes.rows[0];
+        const std::uint32_t i0 = tile / n * kTileQuads, j0 = tile % n * kTileQuads;
+        const std::uint32_t i1 = tile / n + 1 == m ? c_.rows - 1 : i0 + kTileQuads - 1;
+        const std::uint32_t j1 = tile % n + 1 == n ? c_.cols - 1 : j0 + kTileQuads - 1;
+        const Span whole = span_of({c_.scale * Double3{near.low[0], near.low[1], near.low[2]},
+                                    c_.scale * Double3{near.high[0], near.high[1], near.high[2]}});
+        std::uint32_t count = 0;
+        for (std::uint32_t i = i0; i <= i1; ++i)
+            for (std::uint32_t j = j0; j <= j1; ++j)
+                for (const std::uint32_t down : {1U, 0U}) {
+                    const std::uint32_t i2 = i + down, j2 = j + 1 - down;
+                    if (i2 == c_.rows || j2 == c_.cols) continue;
+                    const Spot k = c_.spot_of(i * c_.cols + j), k2 = c_.spot_of(i2 * c_.cols + j2);
+                    const Double3 x = c_.place(k), y = c_.place(k2);
+                    const Span span = span_of({x, y});
+                    if (do_overlap(span, whole, reach_))
+                        to[count++] = {{i, i2}, {j, j2}, {k, k2}, {x, y}, span.low, span.high};
+                }
+        return count;
+    }
+    void pair_edges(std::uint32_t a, std::uint32_t b) noexcept {
+        Edge *const mine = c_.edges.data(), *const others = mine + kMostEdges;
+        const Box* const boxes = &s_.now_boxes.boxes[s_.now_boxes.start[0]];
+        const std::uint32_t count = edges_of(a, boxes[b], mine), most = edges_of(b, boxes[a], others);
+        for (std::uint32_t k = 0; k < count; ++k)
+            for (std::uint32_t m = a == b ? k + 1 : 0; m < most; ++m)
+                if (do_overlap({mine[k].low, mine[k].high}, {others[m].low, others[m].high}, reach_))
+                    edges(mine[k], others[m]);
+    }
+    void edges(const Edge& e, const Edge& f) noexcept {
+        constexpr double kBeyond = 0.25;  // of their length, where they may come to cross
+        const Apart there = apart(e.at[0], e.at[1], f.at[0], f.at[1]);
+        if (!there.crosses || c_.meeting_count == c_.meetings.size()) return;
+        for (const double at : there.at)
+            if (!(std::fabs(at - 0.5) < 0.5 + kBeyond)) return;
+        const double height = dot(there.normal, e.at[0] - f.at[0]);
+        if (!(std::fabs(height) < reach_)) return;
+        const std::uint32_t r = f.i[0], s = f.j[0];
+        for (int k = 0; k < 2; ++k)
+            if (is_neighbour(e.i[k], e.j[k], r, s, 2) &&
+                (is_neighbour(e.i[k], e.j[k], r, s, 1) || is_near_at_rest(e.i[k], e.j[k], r, s)))
+                return;
+        const float side = height < 0 ? -1.0f : 1.0f;
+        c_.meetings[c_.meeting_count++] = {{e.spot[0], e.spot[1], f.spot[0], f.spot[1]}, side, true};
+    }
     void quad(std::uint32_t i, std::uint32_t j, Spot k, std::uint32_t r, std::uint32_t s) noexcept {
         const auto n = static_cast<Spot>(c_.fine().on.pitch);
         const Spot q = c_.spot_of(r * c_.cols + s);
@@ -163,7 +232,7 @@ class Search {
             const Double3 way = x - (w.at[0] * a + w.at[1] * b + w.at[2] * c);
             if (!(dot(way, way) < reach_ * reach_) || c_.meeting_count == c_.meetings.size()) continue;
             const float side = dot(way, cross(b - a, c - a)) < 0 ? -1.0f : 1.0f;
-            c_.meetings[c_.meeting_count++] = {k, {spots[t[0]], spots[t[1]], spots[t[2]]}, side};
+            c_.meetings[c_.meeting_count++] = {{k, spots[t[0]], spots[t[1]], spots[t[2]]}, side, false};
         }
     }
     /// Two steps off on uneven maps.
@@ -214,29 +283,50 @@ Double3 gone(const ClothImpl& c, Spot k) noexcept {
     return c.place(k) - Double3{c.was[0][k], c.was[1][k], c.was[2][k]};
 }
 
-bool part_from(ClothImpl& c, const Meeting& m, double friction) noexcept {
-    const Double3 x = c.place(m.spot), a = c.place(m.corner[0]), b = c.place(m.corner[1]), d = c.place(m.corner[2]);
+/// Two things that meet: shares of the four samples in the way from the second one to the first, how far they are to
+/// go, and where to.
+struct Met {
+    double share[4];
+    double lack = 0;
+    Double3 out;
+};
+Met sample_and_triangle(const ClothImpl& c, const Meeting& m) noexcept {
+    const Double3 x = c.place(m.spot[0]), a = c.place(m.spot[1]), b = c.place(m.spot[2]), d = c.place(m.spot[3]);
     const Weights w = nearest(x, a, b, d);
     const Double3 way = x - (w.at[0] * a + w.at[1] * b + w.at[2] * d), n = cross(b - a, d - a);
     const double size = length(n), distance = length(way), thickness = double{c.options.thickness};
-    if (!(size > 0)) return false;
+    if (!(size > 0)) return {};
     const double height = double{m.side} / size * dot(n, way);
     const bool inside = w.at[0] > 0 && w.at[1] > 0 && w.at[2] > 0;
     // Beside the triangle only nearness counts: which side that is, its neighbours know.
-    if (inside ? !(height < thickness) : !(distance < thickness && height > 0.5 * distance)) return false;
-    const Double3 out = inside ? (double{m.side} / size) * n : (1 / distance) * way;
-    const double lack = thickness - (inside ? height : distance);
-    const auto ease = [&](Spot k) { return double{c.fine().free[k]} / double{c.weight[k]}; };
-    double give = ease(m.spot);
-    for (int k = 0; k < 3; ++k) give += w.at[k] * w.at[k] * ease(m.corner[k]);
+    if (inside ? !(height < thickness) : !(distance < thickness && height > 0.5 * distance)) return {};
+    return {{1, -w.at[0], -w.at[1], -w.at[2]},
+            thickness - (inside ? height : distance),
+            inside ? (double{m.side} / size) * n : (1 / distance) * way};
+}
+Met edges(const ClothImpl& c, const Meeting& m) noexcept {
+    const Double3 a = c.place(m.spot[0]), p = c.place(m.spot[2]);
+    const Apart w = apart(a, c.place(m.spot[1]), p, c.place(m.spot[3]));
+    if (!w.crosses || !(w.at[0] > 0 && w.at[0] < 1 && w.at[1] > 0 && w.at[1] < 1)) return {};
+    const Double3 out = double{m.side} * w.normal;
+    return {{1 - w.at[0], w.at[0], w.at[1] - 1, -w.at[1]}, double{c.options.thickness} - dot(out, a - p), out};
+}
+
+bool part_from(ClothImpl& c, const Meeting& m, double friction) noexcept {
+    const Met met = m.edges ? edges(c, m) : sample_and_triangle(c, m);
+    if (!(met.lack > 0)) return false;
+    const auto ease = [&](int k) { return double{c.fine().free[m.spot[k]]} / double{c.weight[m.spot[k]]}; };
+    double give = 0;
+    Double3 slid;
+    for (int k = 0; k < 4; ++k) {
+        give += met.share[k] * met.share[k] * ease(k);
+        slid = slid + met.share[k] * gone(c, m.spot[k]);
+    }
     if (!(give > 0)) return false;
-    Double3 slid = gone(c, m.spot);
-    for (int k = 0; k < 3; ++k) slid = slid - w.at[k] * gone(c, m.corner[k]);
-    slid = slid - dot(slid, out) * out;
-    const double rubbed = length(slid), back = rubbed > 0 ? std::min(1.0, friction * lack / rubbed) : 0;
-    const Double3 push = (1 / give) * (lack * out - back * slid);
-    move(c, m.spot, ease(m.spot) * push);
-    for (int k = 0; k < 3; ++k) move(c, m.corner[k], (-w.at[k] * ease(m.corner[k])) * push);
+    slid = slid - dot(slid, met.out) * met.out;
+    const double rubbed = length(slid), back = rubbed > 0 ? std::min(1.0, friction * met.lack / rubbed) : 0;
+    const Double3 push = (1 / give) * (met.lack * met.out - back * slid);
+    for (int k = 0; k < 4; ++k) move(c, m.spot[k], (met.share[k] * ease(k)) * push);
     return true;
 }
 }  // namespace

@@ -489,7 +489,9 @@ Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept {
     c.stiff *= double{std::max(c.options.fabric.warp, c.options.fabric.weft)};
     if (!c.contacts.allocate(a, c.total) || !c.held.allocate(a, c.total) || !c.rubs.allocate(a, c.total))
         return kNoMemory;
-    if (c.options.self_contact && !c.meetings.allocate(a, 4 * std::uint64_t{c.total})) return kNoMemory;
+    if (c.options.self_contact &&
+        (!c.meetings.allocate(a, 8 * std::uint64_t{c.total}) || !c.edges.allocate(a, 2 * std::uint64_t{kMostEdges})))
+        return kNoMemory;
     return {};
 }
 

@@ -460,16 +460,16 @@ int crossings_of_a_fall(int start, bool self_contact) {
     EXPECT_LT(top, 0.2) << "it lies";
     return sum;
 }
-/// The fall is chaotic: rounding decides how a single one ends, and in most of them layers cross somewhere (the limits
-/// in docs/cloth.md). So many are counted, with contact and without.
-TEST(ClothContact, StripsThatFallOnATableCrossThemselvesLess) {
+/// The fall is chaotic: rounding decides how a single one ends, and in some of them layers cross somewhere (the limits
+/// in docs/cloth.md). So several are looked at, with contact and without.
+TEST(ClothContact, MostStripsThatFallOnATableDoNotCrossThemselves) {
     int with = 0, without = 0;
     for (int start = 0; start < 5; ++start) {
-        with += crossings_of_a_fall(start, true);
-        without += crossings_of_a_fall(start, false);
+        with += crossings_of_a_fall(start, true) == 0;
+        without += crossings_of_a_fall(start, false) == 0;
     }
-    std::printf("%d crossings, %d without contact\n", with, without);
-    EXPECT_LT(with, 0.4 * without);
+    EXPECT_GE(with, 4);
+    EXPECT_EQ(without, 0);
 }
 
 }  // namespace
