@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // cli/bench/cloth_sweep.h
-// dgm-bench cloth: time of a frame of dgm::cloth against its distance from the closed form.
+// dgm-bench cloth: time of a frame of dgm::cloth against its distance from the closed form, and with contact.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -19,7 +19,9 @@ struct ClothSweepOptions {
     double time_limit_seconds = 600;       ///< of a bake
 };
 
-/// A sheet of 1 m and 0.2 kg is hung by its first row. @throws model::Error kInterrupted; exceptions of bakes and reads
+/// A sheet of 1 m and 0.2 kg is hung by its first row, then it falls on things.
+///
+/// @throws model::Error kInterrupted; exceptions of bakes and reads
 [[nodiscard]] Run sweep_cloth(const ClothSweepOptions& options, bool quiet);
 
 }  // namespace dgm::bench

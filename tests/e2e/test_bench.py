@@ -172,7 +172,7 @@ class Bench(Folder):
         arguments = ("cloth", "--sizes", "17,33", "--substeps", "1,2", "--cycles", "1", "--frames", "100")
         said = self.bench(*arguments, "--levels", "0,1", "-o", "out").stdout
         self.assertRegex(said, r"33x33, 1 substeps, 1 cycles, all levels: p50 [\d.]+ us a frame, stretch 0\.0049 %, exactly 0\.0049 %")
-        self.assertEqual(self.names(self.folder / "out"), ["cloth-facts.csv", "cloth.csv", "cloth.html", "cloth.json"])
+        self.assertEqual(self.names(self.folder / "out"), ["cloth-drape.csv", "cloth-facts.csv", "cloth.csv", "cloth.html", "cloth.json"])
         rows = self.rows(self.read("out/cloth.json"), "cloth")
         self.assertEqual([(row["grid"], row["substeps"], row["levels"]) for row in rows],
                          [(grid, h, k) for grid in ("17x17", "33x33") for k in ("all", "1") for h in ("1", "2")])
@@ -182,6 +182,17 @@ class Bench(Folder):
             self.assertGreater(row["off_percent"], 0)
             self.assertLess(row["energy_rise"], 1e-4)
             self.assertGreater(row["p50_us"]["median"], 0)
+        rows = self.rows(self.read("out/cloth.json"), "drape")
+        things = ("plane", "sphere", "surface", "surface, itself")
+        self.assertEqual([(row["grid"], row["below"], row["substeps"]) for row in rows],
+                         [(grid, on, h) for grid in ("17x17", "33x33") for on in things for h in ("1", "2")])
+        for row in rows:
+            self.assertGreater(row["contacts"], 0)
+            self.assertGreater(row["p50_us"]["median"], 0)
+            if row["below"] != "surface, itself":
+                self.assertEqual(row["touches"], 0)
+        whole = {row["grid"]: row["contacts"] for row in rows if row["below"] == "plane"}
+        self.assertEqual(whole, {"17x17": 17 * 17, "33x33": 33 * 33})
         self.bench(*arguments, "--modulus", "200", "-o", "soft")
         for row in self.rows(self.read("soft/cloth.json"), "cloth"):
             self.assertAlmostEqual(row["exact_percent"], 0.4905, delta=1e-6)

@@ -69,6 +69,13 @@ struct Rub {
     bool sticks = false;  ///< it stayed where it was on the obstacle
 };
 
+/// Where a sample was when obstacles were asked last, and how far in front of all of them it was at least.
+struct Seen {
+    Double3 at;
+    double gap = 0;           ///< metres
+    std::uint64_t scene = 0;  ///< ClothImpl::scene_number then
+};
+
 /// Obstacles and tools of a frame.
 struct FrameScene : Scene {
     std::uint32_t tool[kMost] = {};  ///< place among the tools, or kNone
@@ -90,6 +97,12 @@ struct Meeting {
     Spot spot[4];  ///< the sample and three corners; the ends of both edges
     float side;    ///< +1 or -1: on which side of the triangle the sample stays; edges: along the product of both
     bool edges;
+};
+
+/// Normals of the quads in a tile of 8 x 8: their mean, and the cosine of the widest angle to it.
+struct Cone {
+    Double3 axis;
+    double cosine = -1;
 };
 
 /// An edge along a line of the grid, while meetings are looked for.
@@ -132,7 +145,12 @@ struct ClothImpl {
     Array<std::uint8_t> was_pinned;  ///< by sample, in the frame before
     Array<std::uint8_t> pinned;      ///< by sample, while a frame runs
     Array<cloth::Contact> contacts;
-    Array<cloth::Rub> rubs;  ///< by sample
+    Array<cloth::Rub> rubs;          ///< by sample
+    Array<cloth::Seen> seen;         ///< by sample
+    Array<cloth::Seen> tiles_seen;   ///< by surface and tile: `gap` is the distance of the tile's middle
+    std::size_t tile_count = 0;      ///< of 8 x 8 samples, for contact
+    std::uint64_t scene_number = 1;  ///< another one whenever an obstacle has moved
+    Array<NearTiles> near_tiles;     ///< of the first surfaces among the obstacles
     std::uint32_t contact_count = 0;
     cloth::FrameScene scene;
     Scene before_scene;  ///< of the frame before
@@ -144,6 +162,7 @@ struct ClothImpl {
     Array<cloth::Meeting> meetings;
     std::uint32_t meeting_count = 0;
     Array<cloth::Edge> edges;                         ///< of two tiles
+    Array<cloth::Cone> cones;                         ///< by tile
     double stiff = 0;                                 ///< J: twice the energy of a unit strain everywhere
     double elastic = 0, kinetic = 0, moment[3] = {};  ///< J, J, kg m: at the end of the frame before
 

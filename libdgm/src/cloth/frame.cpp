@@ -158,20 +158,24 @@ void look_around(ClothImpl& c, const Frame& f) noexcept {
 }
 
 /// Puts the scene where it is at the end of a substep.
-void move_scene(FrameScene& scene, std::uint32_t number, std::uint32_t substeps) noexcept {
+void move_scene(ClothImpl& c, std::uint32_t number, std::uint32_t substeps) noexcept {
+    FrameScene& scene = c.scene;
+    bool any = false;
     for (std::uint32_t k = 0; k < scene.count; ++k) {
         if (!scene.moves[k]) continue;
+        any = true;
         scene.last[k] = scene.here[k];
         scene.here[k] = between(scene.from[k], scene.shapes[k], double(number + 1) / substeps);
         scene.here[k].share = 1.0 / substeps;
         scene.here[k].ahead = 1 - double(number + 1) / substeps;
     }
+    if (any) ++c.scene_number;
 }
 
 /// One substep. @return false: numbers that are not finite
 bool advance(ClothImpl& c, const Frame& f, std::uint32_t number, ClothReport& report) noexcept {
     const auto by_dt2 = static_cast<float>(1 / (f.h * f.h));
-    move_scene(c.scene, number, f.o.substeps);
+    move_scene(c, number, f.o.substeps);
     if (c.options.self_contact) look_around(c, f);
     const double unmoved = c.elastic + begin(c, f, 1.0 / (f.o.substeps - number));
     double elastic = 0, before = 0;
@@ -262,14 +266,22 @@ void mark_free(ClothImpl& c) noexcept {
 bool start_scene(ClothImpl& c) noexcept {
     FrameScene& scene = c.scene;
     bool still = scene.count == c.before_scene.count;
+    std::uint32_t surfaces = 0;
     for (std::uint32_t k = 0; k < scene.count; ++k) {
+        if (scene.shapes[k].kind == ObstacleKind::Surface && surfaces < c.near_tiles.size()) {
+            NearTiles& tiles = c.near_tiles[surfaces++];
+            tiles.listed = tiles.wanted = false;
+            scene.shapes[k].near = &tiles;
+        }
         const bool stays = has_stayed(c.before_scene, scene, k);
         if (scene.tool[k] == kNone) scene.from[k] = last_of(c.before_scene, scene, k);
         scene.moves[k] = !stays;
         scene.way[k] = stays ? 0 : c.scale * farthest_way(scene.shapes[k]);
         scene.last[k] = scene.here[k] = stays ? scene.shapes[k] : scene.from[k];
+        scene.here[k].near = scene.shapes[k].near;
         still = still && stays;
     }
+    if (!still) ++c.scene_number;
     return still;
 }
 /// Nothing does work on the cloth in this frame but gravity.

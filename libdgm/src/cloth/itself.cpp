@@ -54,11 +54,6 @@ Apart apart(Double3 a, Double3 b, Double3 c, Double3 d) noexcept {
     return {{dot(cross(off, v), n) / square, dot(cross(off, u), n) / square}, (1 / std::sqrt(square)) * n, true};
 }
 
-/// Normals of the quads in a tile of 8 x 8: their mean, and the cosine of the widest angle to it.
-struct Cone {
-    Double3 axis;
-    double cosine = -1;
-};
 Cone cone_of(const ClothImpl& c, std::uint32_t i0, std::uint32_t j0) noexcept {
     const std::uint32_t i1 = std::min(i0 + kTileQuads, c.rows - 1), j1 = std::min(j0 + kTileQuads, c.cols - 1);
     Double3 all[kTileQuads * kTileQuads], sum;
@@ -126,13 +121,15 @@ class Search {
     void run() noexcept {
         const Pyramid& y = s_.now_boxes;
         const auto local = static_cast<float>(reach_ / c_.scale);
-        for (std::uint32_t a = 0; a < y.rows[0] * y.cols[0]; ++a) {
+        const std::uint32_t tiles = y.rows[0] * y.cols[0];
+        for (std::uint32_t a = 0; a < tiles; ++a)
+            c_.cones[a] = cone_of(c_, a / y.cols[0] * kTileQuads, a % y.cols[0] * kTileQuads);
+        for (std::uint32_t a = 0; a < tiles; ++a) {
             const Box& box = y.boxes[y.start[0] + a];
-            const Cone mine = cone(a);
             each_tile(
                 y, [&](const Box& b) { return do_meet(box, b, local); },
                 [&](std::uint32_t b) {
-                    if (are_beside(a, b) && are_smooth(mine, a == b ? mine : cone(b))) return;
+                    if (are_beside(a, b) && are_smooth(c_.cones[a], c_.cones[b])) return;
                     // In cloth that is thrown into one point all are near: the list ends before the search would.
                     if (c_.meeting_count == c_.meetings.size()) return;
                     pair(a, b);
@@ -142,14 +139,35 @@ class Search {
     }
 
  private:
-    [[nodiscard]] Cone cone(std::uint32_t tile) const noexcept {
-        const std::uint32_t across = s_.now_boxes.cols[0];
-        return cone_of(c_, tile / across * kTileQuads, tile % across * kTileQuads);
-    }
     [[nodiscard]] bool are_beside(std::uint32_t a, std::uint32_t b) const noexcept {
         const std::uint32_t n = s_.now_boxes.cols[0];
         const auto apart = [](std::uint32_t x, std::uint32_t y) { return x > y ? x - y : y - x; };
         return apart(a / n, b / n) <= 1 && apart(a % n, b % n) <= 1;
+    }
+    /// A quad of a tile.
+    struct Quad {
+        std::uint32_t i, j;
+        Spot spot;
+        Span span;
+    };
+    /// What lies side by side in one row of a tile.
+    struct Line {
+        std::uint32_t first, last;
+        Span span;
+    };
+    static constexpr std::uint32_t kMostLines = kTileQuads + 1;
+    /// Of things that are listed row by row. @return their number
+    template <class Row, class Box>
+    static std::uint32_t lines_of(std::uint32_t count, Line* to, Row row, Box box) noexcept {
+        std::uint32_t lines = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const Span s = box(k);
+            if (k == 0 || row(k) != row(k - 1)) to[lines++] = {k, k, s};
+            Line& line = to[lines - 1];
+            line.last = k + 1;
+            line.span = span_of({line.span.low, line.span.high, s.low, s.high});
+        }
+        return lines;
     }
     /// Samples of tile a against quads of tile b.
     void pair(std::uint32_t a, std::uint32_t b) noexcept {
@@ -158,26 +176,51 @@ class Search {
         const std::uint32_t r0 = a / n * kTileQuads, s0 = a % n * kTileQuads;
         const Rect own{r0, a / n + 1 == m ? c_.rows - 1 : r0 + kTileQuads - 1, s0,
                        a % n + 1 == n ? c_.cols - 1 : s0 + kTileQuads - 1};
-        const std::uint32_t i0 = b / n * kTileQuads, j0 = b % n * kTileQuads;
-        const Box& box = s_.now_boxes.boxes[b];
-        const Span whole{c_.scale * Double3{box.low[0], box.low[1], box.low[2]},
-                         c_.scale * Double3{box.high[0], box.high[1], box.high[2]}};
+        const Span mine = whole(a), other = whole(b);
+        Quad quads[kTileQuads * kTileQuads];
+        const std::uint32_t count = quads_of(b, mine, quads);
+        if (count == 0) return;
+        Line lines[kMostLines];
+        const std::uint32_t line_count = lines_of(
+            count, lines, [&](std::uint32_t q) { return quads[q].i; }, [&](std::uint32_t q) { return quads[q].span; });
         for (std::uint32_t i = own.i0; i <= own.i1; ++i)
             for (std::uint32_t j = own.j0; j <= own.j1; ++j) {
                 const Spot k = c_.spot_of(i * c_.cols + j);
-                if (c_.fine().own[k] == 0 || !is_within(c_.place(k), whole, reach_)) continue;
-                for (std::uint32_t r = i0; r < std::min(i0 + kTileQuads, c_.rows - 1); ++r)
-                    for (std::uint32_t s = j0; s < std::min(j0 + kTileQuads, c_.cols - 1); ++s) quad(i, j, k, r, s);
+                const Double3 x = c_.place(k);
+                if (c_.fine().own[k] == 0 || !is_within(x, other, reach_)) continue;
+                for (std::uint32_t line = 0; line < line_count; ++line) {
+                    if (!is_within(x, lines[line].span, reach_)) continue;
+                    for (std::uint32_t q = lines[line].first; q < lines[line].last; ++q)
+                        if (is_within(x, quads[q].span, reach_)) quad(i, j, k, quads[q]);
+                }
             }
     }
+    /// Those of a tile that come near a box. @return their number
+    std::uint32_t quads_of(std::uint32_t tile, const Span& near, Quad* to) const noexcept {
+        const std::uint32_t n = s_.now_boxes.cols[0];
+        const std::uint32_t i0 = tile / n * kTileQuads, j0 = tile % n * kTileQuads;
+        const auto pitch = static_cast<Spot>(c_.fine().on.pitch);
+        std::uint32_t count = 0;
+        for (std::uint32_t i = i0; i < std::min(i0 + kTileQuads, c_.rows - 1); ++i)
+            for (std::uint32_t j = j0; j < std::min(j0 + kTileQuads, c_.cols - 1); ++j) {
+                const Spot q = c_.spot_of(i * c_.cols + j);
+                const Span span = span_of({c_.place(q), c_.place(q + pitch), c_.place(q + 1), c_.place(q + pitch + 1)});
+                if (do_overlap(span, near, reach_)) to[count++] = {i, j, q, span};
+            }
+        return count;
+    }
+    /// Of a tile, metres.
+    [[nodiscard]] Span whole(std::uint32_t tile) const noexcept {
+        const Box& box = s_.now_boxes.boxes[s_.now_boxes.start[0] + tile];
+        return {c_.scale * Double3{box.low[0], box.low[1], box.low[2]},
+                c_.scale * Double3{box.high[0], box.high[1], box.high[2]}};
+    }
     /// Edges that begin in a tile and come near a box. @return their number
-    std::uint32_t edges_of(std::uint32_t tile, const Box& near, Edge* to) const noexcept {
+    std::uint32_t edges_of(std::uint32_t tile, const Span& near, Edge* to) const noexcept {
         const std::uint32_t n = s_.now_boxes.cols[0], m = s_.now_boxes.rows[0];
         const std::uint32_t i0 = tile / n * kTileQuads, j0 = tile % n * kTileQuads;
         const std::uint32_t i1 = tile / n + 1 == m ? c_.rows - 1 : i0 + kTileQuads - 1;
         const std::uint32_t j1 = tile % n + 1 == n ? c_.cols - 1 : j0 + kTileQuads - 1;
-        const Span whole = span_of({c_.scale * Double3{near.low[0], near.low[1], near.low[2]},
-                                    c_.scale * Double3{near.high[0], near.high[1], near.high[2]}});
         std::uint32_t count = 0;
         for (std::uint32_t i = i0; i <= i1; ++i)
             for (std::uint32_t j = j0; j <= j1; ++j)
@@ -187,43 +230,56 @@ class Search {
                     const Spot k = c_.spot_of(i * c_.cols + j), k2 = c_.spot_of(i2 * c_.cols + j2);
                     const Double3 x = c_.place(k), y = c_.place(k2);
                     const Span span = span_of({x, y});
-                    if (do_overlap(span, whole, reach_))
+                    if (do_overlap(span, near, reach_))
                         to[count++] = {{i, i2}, {j, j2}, {k, k2}, {x, y}, span.low, span.high};
                 }
         return count;
     }
     void pair_edges(std::uint32_t a, std::uint32_t b) noexcept {
         Edge *const mine = c_.edges.data(), *const others = mine + kMostEdges;
-        const Box* const boxes = &s_.now_boxes.boxes[s_.now_boxes.start[0]];
-        const std::uint32_t count = edges_of(a, boxes[b], mine), most = edges_of(b, boxes[a], others);
-        for (std::uint32_t k = 0; k < count; ++k)
-            for (std::uint32_t m = a == b ? k + 1 : 0; m < most; ++m)
-                if (do_overlap({mine[k].low, mine[k].high}, {others[m].low, others[m].high}, reach_))
-                    edges(mine[k], others[m]);
+        const std::uint32_t count = edges_of(a, whole(b), mine), most = edges_of(b, whole(a), others);
+        Line lines[kMostLines];
+        const std::uint32_t line_count = lines_of(
+            most, lines, [&](std::uint32_t m) { return others[m].i[0]; },
+            [&](std::uint32_t m) {
+                return Span{others[m].low, others[m].high};
+            });
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const Span span{mine[k].low, mine[k].high};
+            for (std::uint32_t line = 0; line < line_count; ++line) {
+                if (!do_overlap(span, lines[line].span, reach_)) continue;
+                for (std::uint32_t m = std::max(lines[line].first, a == b ? k + 1 : 0); m < lines[line].last; ++m)
+                    if (do_overlap(span, {others[m].low, others[m].high}, reach_)) edges(mine[k], others[m]);
+            }
+        }
     }
     void edges(const Edge& e, const Edge& f) noexcept {
+        const auto steps = [](std::uint32_t x, std::uint32_t y) { return x > y ? x - y : y - x; };
+        if (steps(e.i[0], f.i[0]) <= 1 && steps(e.j[0], f.j[0]) <= 1) return;
+        const Double3 both = cross(e.at[1] - e.at[0], f.at[1] - f.at[0]);
+        const double far = dot(both, e.at[0] - f.at[0]);
+        if (!(far * far < reach_ * reach_ * dot(both, both))) return;
         constexpr double kBeyond = 0.25;  // of their length, where they may come to cross
         const Apart there = apart(e.at[0], e.at[1], f.at[0], f.at[1]);
         if (!there.crosses || c_.meeting_count == c_.meetings.size()) return;
         for (const double at : there.at)
             if (!(std::fabs(at - 0.5) < 0.5 + kBeyond)) return;
-        const double height = dot(there.normal, e.at[0] - f.at[0]);
-        if (!(std::fabs(height) < reach_)) return;
         const std::uint32_t r = f.i[0], s = f.j[0];
         for (int k = 0; k < 2; ++k)
             if (is_neighbour(e.i[k], e.j[k], r, s, 2) &&
                 (is_neighbour(e.i[k], e.j[k], r, s, 1) || is_near_at_rest(e.i[k], e.j[k], r, s)))
                 return;
-        const float side = height < 0 ? -1.0f : 1.0f;
+        const float side = far < 0 ? -1.0f : 1.0f;
         c_.meetings[c_.meeting_count++] = {{e.spot[0], e.spot[1], f.spot[0], f.spot[1]}, side, true};
     }
-    void quad(std::uint32_t i, std::uint32_t j, Spot k, std::uint32_t r, std::uint32_t s) noexcept {
+    void quad(std::uint32_t i, std::uint32_t j, Spot k, const Quad& of) noexcept {
         const auto n = static_cast<Spot>(c_.fine().on.pitch);
-        const Spot q = c_.spot_of(r * c_.cols + s);
+        const Spot q = of.spot;
         const Double3 x = c_.place(k);
         const Double3 at[4] = {c_.place(q), c_.place(q + n), c_.place(q + 1), c_.place(q + n + 1)};
-        if (!is_within(x, span_of({at[0], at[1], at[2], at[3]}), reach_)) return;
-        if (is_neighbour(i, j, r, s, 2) && (is_neighbour(i, j, r, s, 1) || is_near_at_rest(i, j, r, s))) return;
+        if (is_neighbour(i, j, of.i, of.j, 2) &&
+            (is_neighbour(i, j, of.i, of.j, 1) || is_near_at_rest(i, j, of.i, of.j)))
+            return;
         constexpr int kCorners[2][3] = {{0, 1, 3}, {0, 3, 2}};
         const Spot spots[4] = {q, q + n, q + 1, q + n + 1};
         for (const auto& t : kCorners) {

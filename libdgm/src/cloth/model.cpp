@@ -489,8 +489,14 @@ Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept {
     c.stiff *= double{std::max(c.options.fabric.warp, c.options.fabric.weft)};
     if (!c.contacts.allocate(a, c.total) || !c.held.allocate(a, c.total) || !c.rubs.allocate(a, c.total))
         return kNoMemory;
-    if (c.options.self_contact &&
-        (!c.meetings.allocate(a, 8 * std::uint64_t{c.total}) || !c.edges.allocate(a, 2 * std::uint64_t{kMostEdges})))
+    constexpr std::uint64_t kSurfaces = 4;  // further ones are searched from their roots
+    c.tile_count = std::size_t{(c.rows + 7) / 8} * ((c.cols + 7) / 8);
+    if (!c.seen.allocate(a, c.total) || !c.near_tiles.allocate(a, kSurfaces) ||
+        !c.tiles_seen.allocate(a, kSurfaces * c.tile_count))
+        return kNoMemory;
+    if (!c.options.self_contact) return {};
+    if (!c.meetings.allocate(a, 8 * std::uint64_t{c.total}) || !c.edges.allocate(a, 2 * std::uint64_t{kMostEdges}) ||
+        !c.cones.allocate(a, std::uint64_t{s.now_boxes.rows[0]} * s.now_boxes.cols[0]))
         return kNoMemory;
     return {};
 }

@@ -27,11 +27,31 @@ double length(Double3 v) noexcept {
     return std::sqrt(dot(v, v));
 }
 
-/// Calls f(sample, spot) for samples in tiles that are within `margin` metres of some obstacle.
+/// Whether an obstacle may be within `radius` metres of the middle of a tile: as it saw the obstacle last, where that
+/// tells, as distances change by no more than the way gone.
+bool may_meet(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle, double radius) noexcept {
+    const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
+    const double less = limited ? c.scale * shape.reach : 0;
+    const auto beyond = [&](double distance) { return limited ? std::fabs(distance) - less : distance; };
+    // The first surfaces have lists of near tiles and notes.
+    const std::ptrdiff_t surface = shape.near != nullptr ? shape.near - c.near_tiles.data() : -1;
+    Seen* const seen = surface >= 0 ? &c.tiles_seen[static_cast<std::size_t>(surface) * c.tile_count + tile] : nullptr;
+    if (seen != nullptr && seen->scene == c.scene_number) {
+        const double gone = (1 + 1e-9) * length(middle - seen->at), was = beyond(seen->gap);
+        if (was - gone > radius) return false;
+        if (was + gone <= radius) return true;
+    }
+    const double distance = c.scale * probe(shape, (1 / c.scale) * middle).distance;
+    if (seen != nullptr) *seen = {middle, distance, c.scene_number};
+    return !(beyond(distance) > radius);
+}
+
+/// Calls f(sample, bits of obstacles) for samples in tiles that are within `margin` metres of some obstacle.
 template <class F>
-void each_near(const ClothImpl& c, double margin, F f) noexcept {
+void each_near(ClothImpl& c, double margin, F f) noexcept {
+    std::uint32_t tile = 0;
     for (std::uint32_t i0 = 0; i0 < c.rows; i0 += kTile)
-        for (std::uint32_t j0 = 0; j0 < c.cols; j0 += kTile) {
+        for (std::uint32_t j0 = 0; j0 < c.cols; j0 += kTile, ++tile) {
             const std::uint32_t i1 = std::min(i0 + kTile, c.rows), j1 = std::min(j0 + kTile, c.cols);
             double low[3], high[3];
             for (int d = 0; d < 3; ++d) {
@@ -48,10 +68,15 @@ void each_near(const ClothImpl& c, double margin, F f) noexcept {
             std::uint64_t near = 0;
             for (std::uint32_t o = 0; o < c.scene.count; ++o) {
                 const Shape& shape = c.scene.here[o];
-                const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
-                const double distance = c.scale * probe(shape, (1 / c.scale) * middle).distance;
-                const double beyond = limited ? std::fabs(distance) - c.scale * shape.reach : distance;
-                if (!(beyond > radius + shape.ahead * c.scene.way[o])) near |= std::uint64_t{1} << o;
+                if (!may_meet(c, tile, shape, middle, radius + shape.ahead * c.scene.way[o])) continue;
+                near |= std::uint64_t{1} << o;
+                if (shape.kind != ObstacleKind::Surface) continue;
+                Box box;
+                for (int d = 0; d < 3; ++d) {
+                    box.low[d] = static_cast<float>(low[d] / c.scale);
+                    box.high[d] = static_cast<float>(high[d] / c.scale);
+                }
+                look_into(shape, box);
             }
             if (near == 0) continue;
             for (std::uint32_t i = i0; i < i1; ++i)
@@ -79,6 +104,27 @@ Found find(const ClothImpl& c, Double3 x, std::uint64_t near) noexcept {
         out = {o, gap, dot(normal, normal) > 0 ? normal : Double3{0, 0, 1}, p};
     }
     return out;
+}
+
+/// The same for a sample, and notes what it has seen. Tiles farther than `margin` from an obstacle are not in `near`.
+Found look(ClothImpl& c, std::uint32_t sample, std::uint64_t near, double margin) noexcept {
+    const Double3 x = c.place(c.spot_of(sample));
+    const Found out = find(c, x, near);
+    double gap = std::min(out.gap, margin - 0.5 * double{c.options.thickness});
+    // Behind a surface of limited reach distances change sign again.
+    for (std::uint64_t left = near; left != 0; left &= left - 1) {
+        const Shape& shape = c.scene.here[__builtin_ctzll(left)];
+        const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
+        if (limited) gap = std::min(gap, out.gap - c.scale * shape.reach);
+    }
+    c.seen[sample] = {x, gap, c.scene_number};
+    return out;
+}
+/// In front of all obstacles by more than `by` metres, as distances change by no more than the way gone.
+bool is_clear(const ClothImpl& c, std::uint32_t sample, double by) noexcept {
+    const Seen& seen = c.seen[sample];
+    if (seen.scene != c.scene_number) return false;
+    return seen.gap - (1 + 1e-9) * length(c.place(c.spot_of(sample)) - seen.at) > by;
 }
 
 /// How far an obstacle that was found at a place goes in the substep there, metres.
@@ -123,10 +169,16 @@ void find_contacts(ClothImpl& c, double h, double friction) noexcept {
     c.contact_count = 0;
     if (c.scene.count == 0) return;
     const double keep = std::max(double{c.options.thickness}, 1e-3 * c.mean_step);
-    each_near(c, 0.5 * double{c.options.thickness} + keep, [&](std::uint32_t sample, std::uint64_t near) {
+    // What is farther than `keep` is no contact; what is seen to be farther by as much need not be asked again soon.
+    const double margin = 0.5 * double{c.options.thickness} + 2 * keep;
+    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
-        const Found f = find(c, c.place(k), near);
+        if (is_clear(c, sample, keep)) {
+            each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
+            return;
+        }
+        const Found f = look(c, sample, near, margin);
         Contact t{sample, f.obstacle, f.normal, f.gap, 0, 0, 0, {}, {}};
         t.press = double{c.firm[k]} + kPress * double{c.weight[k]} / (h * h);
         t.bears = f.gap < keep && c.pressed[k] > kNew ? double{c.pressed[k]} : 0;
@@ -186,13 +238,15 @@ void end_contacts(ClothImpl& c, std::span<StepTool> answers, double friction, do
 void push_out(ClothImpl& c) noexcept {
     const Level& l = c.fine();
     if (c.scene.count == 0) return;
-    each_near(c, 0.5 * double{c.options.thickness}, [&](std::uint32_t sample, std::uint64_t near) {
+    const double margin = 0.5 * double{c.options.thickness};
+    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
         for (int round = 0; round < 3; ++round) {  // out of one obstacle may be into another one
-            const Found f = find(c, c.place(k), near);
             // It stays a rounding error inside, so that the next substep knows it.
             const double rounding = 1e-9 * (1 + length(c.place(k)));
+            if (is_clear(c, sample, -2 * rounding)) return;
+            const Found f = look(c, sample, near, margin);
             if (!(f.gap < -2 * rounding)) return;
             const Double3 out = (-rounding - f.gap) * f.normal;
             each_copy(c, sample, [&](std::uint32_t s) {

@@ -58,7 +58,7 @@ struct Probe {
 /// Depends on the point alone: copies of a class get the same bits.
 [[nodiscard]] DGM_API Probe probe(const Shape& shape, Double3 point) noexcept;
 /// The next searches are in or near a box (local frame).
-void look_into(const Shape& shape, const Box& box) noexcept;
+DGM_API void look_into(const Shape& shape, const Box& box) noexcept;
 /// After a search in the box looked into: no part of the surface lies among samples of a row of the grid, so that all
 /// are on the same side. @return false where that is not known.
 [[nodiscard]] bool is_apart(const Shape& shape, const StateImpl& state, const Rect& samples) noexcept;
