@@ -264,7 +264,8 @@ class Search {
         if (!there.crosses || c_.meeting_count == c_.meetings.size()) return;
         for (const double at : there.at)
             if (!(std::fabs(at - 0.5) < 0.5 + kBeyond)) return;
-        const std::uint32_t r = f.i[0], s = f.j[0];
+        // A quad that the other edge bounds, or the last one beside it.
+        const std::uint32_t r = std::min(f.i[0], c_.rows - 2), s = std::min(f.j[0], c_.cols - 2);
         for (int k = 0; k < 2; ++k)
             if (is_neighbour(e.i[k], e.j[k], r, s, 2) &&
                 (is_neighbour(e.i[k], e.j[k], r, s, 1) || is_near_at_rest(e.i[k], e.j[k], r, s)))
