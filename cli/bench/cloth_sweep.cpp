@@ -60,18 +60,34 @@ struct Setting {
     std::uint32_t substeps, cycles, levels;
 };
 
+ClothStep step_of(const Setting& setting) {
+    ClothStep how;
+    how.substeps = setting.substeps;
+    how.cycles = setting.cycles;
+    how.levels = setting.levels;
+    return how;
+}
+
+Vec3 mean_of(const PointView& samples, std::size_t first, std::size_t count) {
+    double sum[3] = {};
+    for (std::size_t k = first; k < first + count; ++k) {
+        sum[0] += double{samples[k].x};
+        sum[1] += double{samples[k].y};
+        sum[2] += double{samples[k].z};
+    }
+    const double by = 1 / static_cast<double>(count);
+    return {static_cast<float>(by * sum[0]), static_cast<float>(by * sum[1]), static_cast<float>(by * sum[2])};
+}
+
 /// The sheet, held by its first row; gravity leads to the last one.
 class Hung {
  public:
     Hung(const Subject& subject, const ClothSweepOptions& options, const Setting& setting)
-        : state_(subject.state()), cloth_(take(Cloth::create(state_, made_of(options)))) {
+        : state_(subject.state()), cloth_(take(Cloth::create(state_, made_of(options)))), how_(step_of(setting)) {
         const Vec3 way = mean_of_row(state_.rows() - 1) - mean_of_row(0);
         length_ = std::sqrt(double{dot(way, way)});
         down_ = static_cast<float>(1 / length_) * way;
         for (std::uint32_t k = 0; k < state_.cols(); ++k) pins_.push_back({k, state_.rest_positions()[k]});
-        how_.substeps = setting.substeps;
-        how_.cycles = setting.cycles;
-        how_.levels = setting.levels;
         how_.gravity = static_cast<float>(kGravity) * down_;
         how_.pins = pins_;
     }
@@ -91,15 +107,7 @@ class Hung {
         return o;
     }
     [[nodiscard]] Vec3 mean_of_row(std::uint32_t i) const {
-        double sum[3] = {};
-        for (std::uint32_t j = 0; j < state_.cols(); ++j) {
-            const Vec3 x = state_.positions()[i * state_.cols() + j];
-            sum[0] += double{x.x};
-            sum[1] += double{x.y};
-            sum[2] += double{x.z};
-        }
-        const double by = 1.0 / state_.cols();
-        return {static_cast<float>(by * sum[0]), static_cast<float>(by * sum[1]), static_cast<float>(by * sum[2])};
+        return mean_of(state_.positions(), std::size_t{i} * state_.cols(), state_.cols());
     }
     State state_;
     Cloth cloth_;
@@ -109,51 +117,34 @@ class Hung {
     double length_ = 0;
 };
 
-/// What a sheet falls on.
-enum class Below { kPlane, kSphere, kSurface, kSurfaceAndItself };
-constexpr Below kBelow[] = {Below::kPlane, Below::kSphere, Below::kSurface, Below::kSurfaceAndItself};
-const char* name_of(Below below) {
-    switch (below) {
-        case Below::kPlane:
-            return "plane";
-        case Below::kSphere:
-            return "sphere";
-        case Below::kSurface:
-            return "surface";
-        case Below::kSurfaceAndItself:
-            break;
-    }
-    return "surface, itself";
-}
+/// What a sheet falls on; on all but a plane there is one below it.
+struct Below {
+    const char* name;
+    ObstacleKind kind;
+    bool itself;  ///< the sheet meets itself, too
+};
+constexpr Below kBelow[] = {{"plane", ObstacleKind::Plane, false},
+                            {"sphere", ObstacleKind::Sphere, false},
+                            {"surface", ObstacleKind::Surface, false},
+                            {"surface, itself", ObstacleKind::Surface, true}};
 
 /// A sheet of cotton, 2 mm thick, that falls on a thing of 0.3 m and the floor below it.
 class Draped {
  public:
-    Draped(const Subject& subject, State& ball, Below below, const Setting& setting)
-        : state_(subject.state()), cloth_(take(Cloth::create(state_, cotton(below == Below::kSurfaceAndItself)))) {
-        double sum[3] = {};
-        const PointView now = state_.positions();
-        for (std::size_t k = 0; k < now.count; ++k) {
-            sum[0] += double{now[k].x};
-            sum[1] += double{now[k].y};
-            sum[2] += double{now[k].z};
-        }
-        const double by = 1 / static_cast<double>(now.count);
+    Draped(const Subject& subject, State& ball, const Below& below, const Setting& setting)
+        : state_(subject.state()), cloth_(take(Cloth::create(state_, cotton(below.itself)))), how_(step_of(setting)) {
         constexpr float kRadius = 0.3F, kAbove = 0.01F;
-        const Vec3 top{static_cast<float>(by * sum[0]), static_cast<float>(by * sum[1]),
-                       static_cast<float>(by * sum[2]) - kAbove};
-        things_.resize(below == Below::kPlane ? 1 : 2);
-        things_[0].point = below == Below::kPlane ? top : top - Vec3{0, 0, 2 * kRadius};
-        if (below != Below::kPlane) {
-            Obstacle& thing = things_[1];
-            thing.kind = below == Below::kSphere ? ObstacleKind::Sphere : ObstacleKind::Surface;
+        const bool plane = below.kind == ObstacleKind::Plane;
+        const Vec3 top = mean_of(state_.positions(), 0, state_.positions().count) - Vec3{0, 0, kAbove};
+        things_.resize(plane ? 1 : 2);
+        things_.front().point = plane ? top : top - Vec3{0, 0, 2 * kRadius};
+        if (!plane) {
+            Obstacle& thing = things_.back();
+            thing.kind = below.kind;
             thing.point = top - Vec3{0, 0, kRadius};
             thing.radius = kRadius;
-            if (below != Below::kSphere) thing.surface = &ball;
+            thing.surface = &ball;
         }
-        how_.substeps = setting.substeps;
-        how_.cycles = setting.cycles;
-        how_.levels = setting.levels;
         how_.gravity = {0, 0, static_cast<float>(-kGravity)};
         how_.obstacles = things_;
     }
@@ -197,23 +188,29 @@ Table drape_table() {
     return t;
 }
 
-void add_drape_row(Run& run, const Subject& subject, State& ball, Below below, const Setting& setting,
+/// Of a table of both kinds, what they have in common.
+SubjectRow row_of(const Table& table, const Subject& subject, const Setting& setting, const TickTimes& times) {
+    SubjectRow row(table, subject);
+    row.set("substeps", std::to_string(setting.substeps));
+    row.set("cycles", std::to_string(setting.cycles));
+    row.set_percentiles(times);
+    return row;
+}
+
+void add_drape_row(Run& run, const Subject& subject, State& ball, const Below& below, const Setting& setting,
                    std::size_t frames) {
     Table& table = run.tables.back();
     Draped sheet(subject, ball, below, setting);
     ClothReport last;
     const TickTimes times = time_ticks(
         0, frames, [](std::size_t) {}, [&](std::size_t) { last = sheet.go(); });
-    SubjectRow row(table, subject);
-    row.set("below", name_of(below));
-    row.set("substeps", std::to_string(setting.substeps));
-    row.set("cycles", std::to_string(setting.cycles));
-    row.set_percentiles(times);
+    SubjectRow row = row_of(table, subject, setting, times);
+    row.set("below", below.name);
     row.set("contacts", exactly(last.contacts));
     row.set("touches", exactly(last.touches));
     table.rows.push_back(row.row());
     run.findings.push_back(fmt::format("{}, on {}, {} substeps, {} cycles: p50 {} us a frame, {} samples bear",
-                                       subject.grid, name_of(below), setting.substeps, setting.cycles,
+                                       subject.grid, below.name, setting.substeps, setting.cycles,
                                        three_digits(times.median.value), last.contacts));
 }
 
@@ -252,11 +249,8 @@ void add_row(Run& run, const Subject& subject, const ClothSweepOptions& options,
             energy = now;
         });
     const double exact = kDensity * kGravity * sheet.length() / (2 * options.modulus), stretch = sheet.stretch();
-    SubjectRow row(table, subject);
-    row.set("substeps", std::to_string(setting.substeps));
-    row.set("cycles", std::to_string(setting.cycles));
+    SubjectRow row = row_of(table, subject, setting, times);
     row.set("levels", setting.levels == 0 ? std::string("all") : std::to_string(setting.levels));
-    row.set_percentiles(times);
     row.set("stretch_percent", exactly(100 * stretch));
     row.set("exact_percent", exactly(100 * exact));
     row.set("off_percent", exactly(100 * std::fabs(stretch - exact)));
@@ -293,7 +287,7 @@ Run sweep_cloth(const ClothSweepOptions& options, bool quiet) {
                 each_setting([&](std::uint32_t substeps, std::uint32_t cycles) {
                     add_row(run, sheet, options, {substeps, cycles, levels});
                 });
-            for (const Below below : kBelow)
+            for (const Below& below : kBelow)
                 each_setting([&](std::uint32_t substeps, std::uint32_t cycles) {
                     add_drape_row(run, sheet, ball, below, {substeps, cycles, 0}, options.frames);
                 });

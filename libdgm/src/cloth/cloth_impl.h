@@ -76,6 +76,14 @@ struct Seen {
     std::uint64_t scene = 0;  ///< ClothImpl::scene_number then
 };
 
+/// How a tile saw a surface last.
+struct TileSeen {
+    Surroundings from;        ///< its middle
+    std::uint64_t scene = 0;  ///< ClothImpl::scene_number then
+};
+/// Samples a side of the tiles of contact.
+inline constexpr std::uint32_t kTile = 8;
+
 /// Obstacles and tools of a frame.
 struct FrameScene : Scene {
     std::uint32_t tool[kMost] = {};  ///< place among the tools, or kNone
@@ -145,12 +153,12 @@ struct ClothImpl {
     Array<std::uint8_t> was_pinned;  ///< by sample, in the frame before
     Array<std::uint8_t> pinned;      ///< by sample, while a frame runs
     Array<cloth::Contact> contacts;
-    Array<cloth::Rub> rubs;          ///< by sample
-    Array<cloth::Seen> seen;         ///< by sample
-    Array<cloth::Seen> tiles_seen;   ///< by surface and tile: `gap` is the distance of the tile's middle
-    std::size_t tile_count = 0;      ///< of 8 x 8 samples, for contact
-    std::uint64_t scene_number = 1;  ///< another one whenever an obstacle has moved
-    Array<NearTiles> near_tiles;     ///< of the first surfaces among the obstacles
+    Array<cloth::Rub> rubs;             ///< by sample
+    Array<cloth::Seen> seen;            ///< by sample
+    Array<cloth::TileSeen> tiles_seen;  ///< by surface and tile
+    std::size_t tile_count = 0;         ///< of contact
+    std::uint64_t scene_number = 1;     ///< another one whenever an obstacle has moved
+    Array<NearTiles> near_tiles;        ///< of the first surfaces among the obstacles
     std::uint32_t contact_count = 0;
     cloth::FrameScene scene;
     Scene before_scene;  ///< of the frame before

@@ -249,11 +249,11 @@ class Search {
             for (std::uint32_t line = 0; line < line_count; ++line) {
                 if (!do_overlap(span, lines[line].span, reach_)) continue;
                 for (std::uint32_t m = std::max(lines[line].first, a == b ? k + 1 : 0); m < lines[line].last; ++m)
-                    if (do_overlap(span, {others[m].low, others[m].high}, reach_)) edges(mine[k], others[m]);
+                    if (do_overlap(span, {others[m].low, others[m].high}, reach_)) edge_pair(mine[k], others[m]);
             }
         }
     }
-    void edges(const Edge& e, const Edge& f) noexcept {
+    void edge_pair(const Edge& e, const Edge& f) noexcept {
         const auto steps = [](std::uint32_t x, std::uint32_t y) { return x > y ? x - y : y - x; };
         if (steps(e.i[0], f.i[0]) <= 1 && steps(e.j[0], f.j[0]) <= 1) return;
         const Double3 both = cross(e.at[1] - e.at[0], f.at[1] - f.at[0]);
@@ -361,7 +361,7 @@ Met sample_and_triangle(const ClothImpl& c, const Meeting& m) noexcept {
             thickness - (inside ? height : distance),
             inside ? (double{m.side} / size) * n : (1 / distance) * way};
 }
-Met edges(const ClothImpl& c, const Meeting& m) noexcept {
+Met two_edges(const ClothImpl& c, const Meeting& m) noexcept {
     const Double3 a = c.place(m.spot[0]), p = c.place(m.spot[2]);
     const Apart w = apart(a, c.place(m.spot[1]), p, c.place(m.spot[3]));
     if (!w.crosses || !(w.at[0] > 0 && w.at[0] < 1 && w.at[1] > 0 && w.at[1] < 1)) return {};
@@ -370,7 +370,7 @@ Met edges(const ClothImpl& c, const Meeting& m) noexcept {
 }
 
 bool part_from(ClothImpl& c, const Meeting& m, double friction) noexcept {
-    const Met met = m.edges ? edges(c, m) : sample_and_triangle(c, m);
+    const Met met = m.edges ? two_edges(c, m) : sample_and_triangle(c, m);
     if (!(met.lack > 0)) return false;
     const auto ease = [&](int k) { return double{c.fine().free[m.spot[k]]} / double{c.weight[m.spot[k]]}; };
     double give = 0;

@@ -490,7 +490,7 @@ Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept {
     if (!c.contacts.allocate(a, c.total) || !c.held.allocate(a, c.total) || !c.rubs.allocate(a, c.total))
         return kNoMemory;
     constexpr std::uint64_t kSurfaces = 4;  // further ones are searched from their roots
-    c.tile_count = std::size_t{(c.rows + 7) / 8} * ((c.cols + 7) / 8);
+    c.tile_count = std::size_t{(c.rows + kTile - 1) / kTile} * ((c.cols + kTile - 1) / kTile);
     if (!c.seen.allocate(a, c.total) || !c.near_tiles.allocate(a, kSurfaces) ||
         !c.tiles_seen.allocate(a, kSurfaces * c.tile_count))
         return kNoMemory;

@@ -14,7 +14,6 @@
 namespace dgm::detail::cloth {
 namespace {
 
-constexpr std::uint32_t kTile = 8;
 /// Stiffness of inertia over that of sticking, at least: a stiffer one would bear more than friction can.
 constexpr double kLoosest = 0.25;
 /// Stiffness of a contact over that of inertia.
@@ -30,20 +29,21 @@ double length(Double3 v) noexcept {
 /// Whether an obstacle may be within `radius` metres of the middle of a tile: as it saw the obstacle last, where that
 /// tells, as distances change by no more than the way gone.
 bool may_meet(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle, double radius) noexcept {
-    const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
-    const double less = limited ? c.scale * shape.reach : 0;
-    const auto beyond = [&](double distance) { return limited ? std::fabs(distance) - less : distance; };
+    const Double3 local = (1 / c.scale) * middle;
+    if (shape.kind != ObstacleKind::Surface) return !(c.scale * probe(shape, local).distance > radius);
     // The first surfaces have lists of near tiles and notes.
-    const std::ptrdiff_t surface = shape.near != nullptr ? shape.near - c.near_tiles.data() : -1;
-    Seen* const seen = surface >= 0 ? &c.tiles_seen[static_cast<std::size_t>(surface) * c.tile_count + tile] : nullptr;
-    if (seen != nullptr && seen->scene == c.scene_number) {
-        const double gone = (1 + 1e-9) * length(middle - seen->at), was = beyond(seen->gap);
-        if (was - gone > radius) return false;
-        if (was + gone <= radius) return true;
+    TileSeen passing;
+    TileSeen& seen =
+        shape.near == nullptr
+            ? passing
+            : c.tiles_seen[static_cast<std::size_t>(shape.near - c.near_tiles.data()) * c.tile_count + tile];
+    if (seen.scene == c.scene_number) {
+        if (c.scale * seen.from.clearance(shape, local) > radius) return false;
+        if (c.scale * seen.from.at_most(shape, local) <= radius) return true;
     }
-    const double distance = c.scale * probe(shape, (1 / c.scale) * middle).distance;
-    if (seen != nullptr) *seen = {middle, distance, c.scene_number};
-    return !(beyond(distance) > radius);
+    seen.from.note(local, probe(shape, local).distance);
+    seen.scene = c.scene_number;
+    return !(c.scale * seen.from.clearance(shape, local) > radius);
 }
 
 /// Calls f(sample, bits of obstacles) for samples in tiles that are within `margin` metres of some obstacle.
@@ -114,8 +114,7 @@ Found look(ClothImpl& c, std::uint32_t sample, std::uint64_t near, double margin
     // Behind a surface of limited reach distances change sign again.
     for (std::uint64_t left = near; left != 0; left &= left - 1) {
         const Shape& shape = c.scene.here[__builtin_ctzll(left)];
-        const bool limited = shape.kind == ObstacleKind::Surface && (shape.open || shape.reach < 1e30);
-        if (limited) gap = std::min(gap, out.gap - c.scale * shape.reach);
+        if (shape.is_limited()) gap = std::min(gap, out.gap - c.scale * shape.reach);
     }
     c.seen[sample] = {x, gap, c.scene_number};
     return out;
@@ -174,18 +173,13 @@ void find_contacts(ClothImpl& c, double h, double friction) noexcept {
     each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
-        if (is_clear(c, sample, keep)) {
-            each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
-            return;
-        }
+        const auto let_go = [&] { each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; }); };
+        if (is_clear(c, sample, keep)) return let_go();
         const Found f = look(c, sample, near, margin);
         Contact t{sample, f.obstacle, f.normal, f.gap, 0, 0, 0, {}, {}};
         t.press = double{c.firm[k]} + kPress * double{c.weight[k]} / (h * h);
         t.bears = f.gap < keep && c.pressed[k] > kNew ? double{c.pressed[k]} : 0;
-        if (!(f.gap < 0 || t.press * f.gap < t.bears)) {
-            each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; });
-            return;
-        }
+        if (!(f.gap < 0 || t.press * f.gap < t.bears)) return let_go();
         add_friction(c, t, k, 1 / (h * h), friction, way_of(c, f, c.place(k)));
         put(l.on.normal, k, t.normal);
         l.on.press[k] = static_cast<float>(t.press);

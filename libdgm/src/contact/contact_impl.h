@@ -47,6 +47,11 @@ struct Shape {
     PointView was;              ///< surface: its samples in the step before, in its own frame then; or none
     double share = 1;           ///< of the way from there, which `way_come` asks for
     double ahead = 0;           ///< of that way, still to come; for `probe_underway`
+
+    /// A surface that one may be behind: there distances change sign again.
+    [[nodiscard]] bool is_limited() const noexcept {
+        return kind == ObstacleKind::Surface && (open || reach < std::numeric_limits<double>::infinity());
+    }
 };
 struct Probe {
     double distance = 0;  ///< negative beyond
@@ -70,11 +75,11 @@ class Surroundings {
     /// At least this far before the obstacle; no bound where negative.
     [[nodiscard]] double clearance(const Shape& shape, Double3 point) const noexcept {
         if (shape.kind != ObstacleKind::Surface) return -1;  // quicker asked than remembered
-        const Double3 way = point - at_;
-        const double gone = std::sqrt(dot(way, way)) * (1 + 1e-9) + shape.rounding;
-        // Behind a surface of limited reach distances change sign again.
-        const bool limited = shape.open || shape.reach < std::numeric_limits<double>::infinity();
-        return limited ? std::fabs(distance_) - gone - shape.reach : distance_ - gone;
+        return before(shape) - gone(shape, point);
+    }
+    /// Of a surface: at most this far before it.
+    [[nodiscard]] double at_most(const Shape& shape, Double3 point) const noexcept {
+        return before(shape) + gone(shape, point);
     }
     void note(Double3 point, double distance) noexcept {
         at_ = point;
@@ -82,6 +87,13 @@ class Surroundings {
     }
 
  private:
+    [[nodiscard]] double before(const Shape& shape) const noexcept {
+        return shape.is_limited() ? std::fabs(distance_) - shape.reach : distance_;
+    }
+    [[nodiscard]] double gone(const Shape& shape, Double3 point) const noexcept {
+        const Double3 way = point - at_;
+        return std::sqrt(dot(way, way)) * (1 + 1e-9) + shape.rounding;
+    }
     Double3 at_;
     double distance_ = 0;
 };

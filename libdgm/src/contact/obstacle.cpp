@@ -153,7 +153,7 @@ void look_into(const Shape& o, const Box& box) noexcept {
 
 bool is_apart(const Shape& o, const StateImpl& s, const Rect& samples) noexcept {
     // An open surface may be gone round, and a limited reach ends in the open.
-    if (o.near == nullptr || o.open || o.reach < kInfinity) return false;
+    if (o.near == nullptr || o.is_limited()) return false;
     const NearTiles& n = *o.near;
     if (!n.listed || !n.wanted) return false;
     const BoxFrame& f = n.frame;
@@ -213,8 +213,7 @@ double box_distance(const Shape& o, const Box& box) noexcept {
     if (small) look_into(o, box);
     const double distance = probe(small ? o : alone, centre).distance;
     if (!small) o.hint = alone.hint;
-    const bool limited = o.kind == ObstacleKind::Surface && (o.open || o.reach < kInfinity);
-    return limited ? std::fabs(distance) - radius - o.reach : distance - radius;
+    return o.is_limited() ? std::fabs(distance) - radius - o.reach : distance - radius;
 }
 }  // namespace detail
 
