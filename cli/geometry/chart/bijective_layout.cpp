@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "geometry/mesh/infinity.h"
+#include "geometry/parameterize/coarse_descent.h"
 #include "geometry/parameterize/convex_map.h"
-#include "geometry/parameterize/multilevel_map.h"
 
 namespace dgm::bake {
 namespace {
@@ -28,8 +28,6 @@ constexpr double kStepIdle = 0.5;            // of a round's tolerance: gained b
 constexpr double kTolerance = 2e-3;          // of the energy, gained by a round
 constexpr double kRoughly = 2e-2;            // the same where another energy follows
 constexpr double kOnceMore = 2e-2;           // the same where a coarser level has come to kTolerance and 0 is isometric
-constexpr std::size_t kCoarseFaces = 1200;   // of that level, beside two for each border vertex
-constexpr std::size_t kWorthCoarse = 3000;   // the same: a mesh of less than twice that is as quick without one
 
 double twice_area(Vec2d a, Vec2d b, Vec2d c) {
     return cross(b - a, c - a);
@@ -267,33 +265,6 @@ std::vector<Vec2d> descend_in_rounds(const DiskView& disk, std::vector<Vec2d> uv
     }
     return uv;
 }
-
-/// The same descent on a coarse level that keeps the whole border, from its convex outline in `start`, with the other
-/// vertices put back: a border that does not overlap itself there does not here. Nothing where that does not work out.
-std::optional<std::vector<Vec2d>> descend_coarsely(const DiskView& disk, const std::vector<Vec2d>& start,
-                                                   std::span<const std::pair<FlipFreeEnergy, double>> energies,
-                                                   const Triangulate& triangulate, const model::Progress& progress) {
-    std::vector<Vec2d> outline;
-    for (const std::uint32_t v : disk.border) outline.push_back(start[v]);
-    MultilevelOptions options;
-    options.coarsest_faces = kCoarseFaces;
-    options.coarsest_sweeps = 0;
-    options.sweeps = 3;
-    options.power = 1;
-    options.map_coarsest = [&](const DiskView& coarse) -> std::optional<std::vector<Vec2d>> {
-        ConvexMapSolver solver(coarse.positions.size(), coarse.faces, coarse.border);
-        std::vector<Vec2d> uv =
-            solver.solve(positive_cotangent_weights(coarse.positions, coarse.faces, solver.edges()), coarse.border_uv);
-        if (count_not_positive(coarse.faces, uv) > 0) return std::nullopt;
-        return descend_in_rounds(coarse, std::move(uv), energies, triangulate, progress);
-    };
-    try {
-        return multilevel_stretch_map({disk.positions, disk.faces, disk.border, outline}, options, progress);
-    } catch (const model::Error& e) {
-        if (e.code().number != model::codes::kMapInvalid.number) throw;
-        return std::nullopt;
-    }
-}
 }  // namespace
 
 std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> start, FlipFreeEnergy energy,
@@ -303,12 +274,19 @@ std::vector<Vec2d> descend_bijective(const DiskView& disk, std::vector<Vec2d> st
     Steps steps{{energy, kTolerance}};
     if (energy != FlipFreeEnergy::kSymmetricDirichlet)
         steps.insert(steps.begin(), {FlipFreeEnergy::kSymmetricDirichlet, kRoughly});
-    if (disk.faces.size() > 2 * (kWorthCoarse + 2 * disk.border.size()))
-        if (auto coarse = descend_coarsely(disk, start, steps, triangulate, progress)) {
-            start = std::move(*coarse);
-            // The long way is behind it. A tenth of the share is as much for the energy that is 2 where isometric.
-            steps = {{energy, energy == FlipFreeEnergy::kSymmetricDirichlet ? kTolerance : kOnceMore}};
-        }
+    // From the convex outline in `start`: a border that does not overlap itself on the coarse level does not here.
+    const auto descend = [&](const DiskView& coarse) -> std::optional<std::vector<Vec2d>> {
+        ConvexMapSolver solver(coarse.positions.size(), coarse.faces, coarse.border);
+        std::vector<Vec2d> uv =
+            solver.solve(positive_cotangent_weights(coarse.positions, coarse.faces, solver.edges()), coarse.border_uv);
+        if (count_not_positive(coarse.faces, uv) > 0) return std::nullopt;
+        return descend_in_rounds(coarse, std::move(uv), steps, triangulate, progress);
+    };
+    if (auto coarse = map_coarsely(disk, start, descend, progress)) {
+        start = std::move(*coarse);
+        // The long way is behind it. A tenth of the share is as much for the energy that is 2 where isometric.
+        steps = {{energy, energy == FlipFreeEnergy::kSymmetricDirichlet ? kTolerance : kOnceMore}};
+    }
     return descend_in_rounds(disk, std::move(start), steps, triangulate, progress);
 }
 

@@ -10,6 +10,7 @@
 
 #include "geometry/mesh/triangle.h"
 #include "geometry/parameterize/check_disk.h"
+#include "geometry/parameterize/coarse_descent.h"
 #include "geometry/parameterize/flat_map.h"
 #include "geometry/parameterize/flip_repair.h"
 #include "geometry/parameterize/free_maps.h"
@@ -20,6 +21,7 @@ namespace {
 enum class Method { kLscm, kArap, kSlim };
 
 constexpr std::size_t kDescentSteps = 100;
+constexpr double kFineTolerance = 1e-4;  // of a disk whose coarse level has been descended
 
 [[noreturn]] void fail(const std::string& what) {
     throw model::Error(model::codes::kMapInvalid, what);
@@ -64,16 +66,31 @@ class FreeParameterizer final : public Parameterizer {
     }
 
  private:
-    /// The symmetric Dirichlet energy unfolds the crowded start quickly; the ARAP energy, which hardly counts small
-    /// faces, would stay near it.
+    /// Large disks go the long way on a coarse level.
     [[nodiscard]] std::vector<Vec2d> descend(const DiskView& disk, std::vector<Vec2d> start,
                                              const model::Progress& progress) const {
+        const auto on_level = [&](const DiskView& coarse) -> std::optional<std::vector<Vec2d>> {
+            std::optional<std::vector<Vec2d>> uv = flip_free_start(coarse, progress);
+            if (uv) uv = descend_from(coarse, std::move(*uv), 1e-5, progress);
+            return uv;
+        };
+        if (auto coarse = map_coarsely(disk, start, on_level, progress))
+            return descend_from(disk, std::move(*coarse), kFineTolerance, progress);
+        return descend_from(disk, std::move(start), 1e-5, progress);
+    }
+
+    /// The symmetric Dirichlet energy unfolds the crowded start quickly; the ARAP energy, which hardly counts small
+    /// faces, would stay near it.
+    [[nodiscard]] std::vector<Vec2d> descend_from(const DiskView& disk, std::vector<Vec2d> start, double tolerance,
+                                                  const model::Progress& progress) const {
         SlimOptions options;
         options.iterations = kDescentSteps;
+        options.tolerance = tolerance;
         if (method_ != Method::kArap) return descend_flip_free(disk, std::move(start), options, progress);
-        options.tolerance = 1e-3;
+        options.tolerance = std::max(tolerance, 1e-3);
         start = descend_flip_free(disk, std::move(start), options, progress);
         options.energy = FlipFreeEnergy::kArap;
+        options.tolerance = tolerance;
         return descend_flip_free(disk, std::move(start), options, progress);
     }
 

@@ -241,6 +241,26 @@ TEST(FlipRepair, GivesUpWhereTooMuchIsFolded) {
     EXPECT_FALSE(repair_flips(d.view(), uv, RepairShape::kIsometric, kSilent));
 }
 
+/// Large disks descend on a coarse level: to where Newton steps on all of their faces lead, and so for every method
+/// whose direct map has flips there.
+TEST(FreeParameterizers, LargeDisksDescendAsFarAsStepByStep) {
+    const Disk d = testing::long_finger(24, 150);
+    ASSERT_GT(d.faces.size(), 7000U);
+    SlimOptions steps;
+    steps.iterations = 100;
+    const auto start = flip_free_start(d.view(), kSilent);
+    ASSERT_TRUE(start);
+    SlimReport whole;
+    (void)descend_flip_free(d.view(), *start, steps, kSilent, &whole);
+    for (const char* method : {"slim", "lscm", "arap"}) {
+        const std::vector<Vec2d> uv = solve(method, d);
+        EXPECT_EQ(count_not_positive(d.faces, uv), 0U) << method;
+        if (method == std::string_view("slim")) {
+            EXPECT_LT(flip_free_energy(d.view(), uv, steps), 1.01 * whole.energy);
+        }
+    }
+}
+
 TEST(FreeParameterizers, NamesAndBorders) {
     for (const char* name : {"lscm", "arap", "slim"}) {
         const auto p = make_free_parameterizer(name);
