@@ -19,6 +19,16 @@ namespace dgm::bake {
 namespace {
 
 constexpr double kThinnest = 0.02;  // doubled area over longest squared edge of a face that a collapse may make
+// The same where all that is left to collapse costs much: meshes of cells that a plane cuts near their corners consist
+// of slivers, and while those wait, limbs are eaten up for them.
+constexpr double kThinnestAtLast = kThinnest / 1000;
+// Root of a collapse's cost over the weight of its planes, against the edges of a mesh of as many faces as are wanted.
+// Organs, animals and machines come to 0.35.
+constexpr double kDear = 0.5, kTooDear = 2;
+
+double longest_squared(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    return std::max({dot(a - c, a - c), dot(b - c, b - c), dot(a - b, a - b)});
+}
 
 /// The faces of a mesh that changes, and walks around its vertices.
 class Rings {
@@ -77,8 +87,12 @@ class Simplifier : Rings {
         if (live_faces_ > target_faces)
             for (std::uint32_t v = 0; v < out_.size(); ++v)
                 if (out_[v] != kNone) queue(v, false);
-        const std::size_t start = live_faces_;
-        for (std::size_t step = 0; live_faces_ > target_faces && !heap_.empty(); ++step) {
+        const std::size_t start = live_faces_, wanted = std::max<std::size_t>(target_faces, 1);
+        const double edge = std::sqrt(area_ / static_cast<double>(wanted));
+        for (std::size_t step = 0; live_faces_ > target_faces; ++step) {
+            const double dear = price() / edge;
+            if (dear > kDear && allow_thinner_faces()) continue;
+            if (dear > kTooDear) break;
             if (step % 4096 == 0)
                 progress.update("simplify",
                                 static_cast<double>(start - live_faces_) / static_cast<double>(start - target_faces));
@@ -99,9 +113,9 @@ class Simplifier : Rings {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
             const Face& t = faces_[f];
             const Vec3d& p = positions_[t[0]];
-            const Vec3d twice = cross(positions_[t[1]] - p, positions_[t[2]] - p);
-            const Vec3d n = normalized(twice, Vec3d{});
+            const Vec3d twice = cross(positions_[t[1]] - p, positions_[t[2]] - p), n = normalized(twice, Vec3d{});
             const double area = 0.5 * length(twice);
+            area_ += area;
             for (std::uint32_t v : t) quadric_[v].add_plane(n, p, area / 3);
             for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
                 if (opposite_[h] != kNone) continue;
@@ -112,6 +126,23 @@ class Simplifier : Rings {
                     quadric_[v].add_plane(side, a, options_.border_weight * dot(edge, edge) / 3);
             }
         }
+    }
+
+    /// Of the next collapse, as a length; infinity if there is none.
+    [[nodiscard]] double price() const {
+        if (heap_.empty()) return kInfinity;
+        const std::uint32_t u = heap_.top();
+        const double weight = quadric_[u].weight() + quadric_[target_[u]].weight();
+        return weight > 0 ? std::sqrt(heap_.key(u) / weight) : 0;
+    }
+
+    /// Vertices without an allowed collapse wait again. False if the thinnest faces are allowed already.
+    bool allow_thinner_faces() {
+        if (thinnest_ <= kThinnestAtLast) return false;
+        thinnest_ = std::max(0.1 * thinnest_, kThinnestAtLast);
+        for (std::uint32_t v = 0; v < out_.size(); ++v)
+            if (out_[v] != kNone && target_[v] == kNone) queue(v, false);
+        return true;
     }
 
     /// Half-edges from u, counter-clockwise; a border vertex keeps its border half-edge in out_, where the fan begins.
@@ -220,10 +251,8 @@ class Simplifier : Rings {
             const Vec3d old = cross(a - from, b - from), now = cross(a - to, b - to);
             const double old_area = length(old), area = length(now), agree = dot(old, now);
             if (agree < options_.least_cosine * old_area * area) return false;
-            const auto longest = [&](const Vec3d& p) {
-                return std::max({dot(a - p, a - p), dot(b - p, b - p), dot(a - b, a - b)});
-            };
-            if (area < kThinnest * longest(to) && area * longest(from) < old_area * longest(to)) return false;
+            const double longest = longest_squared(a, b, to);
+            if (area < thinnest_ * longest && area * longest_squared(a, b, from) < old_area * longest) return false;
         }
         return true;
     }
@@ -281,6 +310,7 @@ class Simplifier : Rings {
     std::span<const Vec3d> positions_;
     const SimplifyOptions& options_;
     std::size_t live_faces_;
+    double area_ = 0, thinnest_ = kThinnest;
     std::vector<Quadric> quadric_;
     std::vector<std::uint32_t> target_;  // what each vertex would go into
     std::vector<std::uint32_t> seen_;

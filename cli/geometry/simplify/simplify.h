@@ -46,7 +46,8 @@ struct Simplified {
 /// Simplifies by half-edge collapses in order of quadric error [Garland, Heckbert 1997] until at most `target_faces`
 /// remain or no collapse is allowed. A collapse must keep the link condition [Dey, Edelsbrunner, Guha, Nekhayev 1999],
 /// so that genus, borders and manifoldness stay; it must not turn a face by more than `least_cosine` nor make it a
-/// sliver. Border vertices move along their border only.
+/// sliver: where what is left to collapse would cost much, slivers are allowed, and where that is not enough the mesh
+/// keeps more faces than `target_faces` rather than its limbs. Border vertices move along their border only.
 ///
 /// @param mesh  an oriented manifold without repeated edges (as repair() returns it); attributes are ignored
 /// @throws model::Error kInterrupted
