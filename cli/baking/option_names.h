@@ -39,9 +39,9 @@ inline constexpr std::array<std::string_view, 7> kLayerNames{
     model::layers::kCollision, model::layers::kDeformation, model::layers::kContact};
 
 /// Steps that --ablate may leave out, for experiments.
-inline constexpr std::array<std::string_view, 9> kAblateNames{"cut-search", "newton",      "diagonals",
-                                                              "curvature",  "directions",  "hidden-cuts",
-                                                              "other-cuts", "free-charts", "remaps"};
+inline constexpr std::array<std::string_view, 10> kAblateNames{"cut-search", "newton",      "diagonals",  "curvature",
+                                                               "directions", "hidden-cuts", "other-cuts", "free-charts",
+                                                               "refinement", "remaps"};
 
 /// The word for `value`; empty for a value outside the table.
 template <class Row, std::size_t N>

@@ -28,11 +28,12 @@ enum class CandidateOutcome {
 
 /// The cut along which a chart was opened.
 enum class CutKind {
-    kFirst,  ///< the search's own
-    kOther,  ///< searched from another beginning, or by prediction where the first one was measured
-    kRing,   ///< of a ring, whose loops lie on opposite sides of the square
-    kLimbs,  ///< to the tips of all limbs
-    kFree    ///< of a free chart beside a square one
+    kFirst,    ///< the search's own
+    kOther,    ///< searched from another beginning, or by prediction where the first one was measured
+    kRing,     ///< of a ring, whose loops lie on opposite sides of the square
+    kRefined,  ///< searched on the component with its facets divided
+    kLimbs,    ///< to the tips of all limbs
+    kFree      ///< of a free chart beside a square one
 };
 
 /// One method that was tried.
