@@ -102,6 +102,11 @@ ComponentTask with_component(const ComponentTask& task, const TriMesh& component
     return {component, task.size, task.most, task.use, task.rings, task.trials, task.is_one_of_many};
 }
 
+/// The method of `auto` for a cut onto the square.
+Method method_of(const CutSearchResult& cut) {
+    return cut.shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch;
+}
+
 /// What a PSNR at 257 samples a side is at `size`.
 double psnr_at(GridSize size, double at_257) {
     return at_257 + kPerDoubling * std::min(0.0, 0.5 * math::log2(samples_of(size) / (257.0 * 257.0)));
@@ -253,7 +258,7 @@ void try_other_cuts(const ComponentTask& task, const BakeOptions& options, const
         if (cut.rms == first.rms && cut.cut_length == first.cut_length) continue;
         Contest others(task.component, CutKind::kOther, task.trials);
         const SquareMaps maps(task, options, cut, progress);
-        const Method method = cut.shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch;
+        const Method method = method_of(cut);
         contest.best_is_directed() ? maps.enter_directed(method, others) : maps.enter(method, others);
         contest.meet(std::move(others), options.fit != Fit::kSample, progress);
     }
@@ -349,8 +354,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
     if (!found) contest.fail(found.error());
     const CutSearchResult* const cut = found ? found->get() : nullptr;
     if (cut != nullptr) {
-        const bool star = any && cut->shares == BorderShares::kEqualArms;
-        const Method method = star ? Method::kSphere : any ? Method::kStretch : options.method;
+        const Method method = any ? method_of(*cut) : options.method;
         const SquareMaps maps(task, options, *cut, progress);
         maps.enter(method, contest);
         maps.challenge(method, contest);
@@ -397,7 +401,7 @@ void try_refined(const ComponentTask& task, const BakeOptions& options, Contest&
     Contest divided(task.component, CutKind::kRefined, task.trials);
     if (const Attempt<CutSearchResult> cut = attempt([&] { return search_cut(refined, search, progress); })) {
         const SquareMaps maps(task, options, *cut, progress);
-        const Method method = cut->shares == BorderShares::kEqualArms ? Method::kSphere : Method::kStretch;
+        const Method method = method_of(*cut);
         maps.enter(method, divided);
         maps.challenge(method, divided);
     }

@@ -21,6 +21,7 @@ namespace {
 enum class Method { kLscm, kArap, kSlim };
 
 constexpr std::size_t kDescentSteps = 100;
+constexpr double kTolerance = 1e-5;      // of the descent
 constexpr double kFineTolerance = 1e-4;  // of a disk whose coarse level has been descended
 
 [[noreturn]] void fail(const std::string& what) {
@@ -71,12 +72,12 @@ class FreeParameterizer final : public Parameterizer {
                                              const model::Progress& progress) const {
         const auto on_level = [&](const DiskView& coarse) -> std::optional<std::vector<Vec2d>> {
             std::optional<std::vector<Vec2d>> uv = flip_free_start(coarse, progress);
-            if (uv) uv = descend_from(coarse, std::move(*uv), 1e-5, progress);
+            if (uv) uv = descend_from(coarse, std::move(*uv), kTolerance, progress);
             return uv;
         };
         if (auto coarse = map_coarsely(disk, start, on_level, progress))
             return descend_from(disk, std::move(*coarse), kFineTolerance, progress);
-        return descend_from(disk, std::move(start), 1e-5, progress);
+        return descend_from(disk, std::move(start), kTolerance, progress);
     }
 
     /// The symmetric Dirichlet energy unfolds the crowded start quickly; the ARAP energy, which hardly counts small
