@@ -3,9 +3,11 @@
 #include "bench/tick_times.h"
 
 #include <sys/resource.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include "bench/interrupt.h"
@@ -24,6 +26,13 @@ long preemptions() {
     return use.ru_nivcsw;
 }
 
+/// Microseconds the thread has computed.
+double computed() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return 1e6 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_nsec);
+}
+
 }  // namespace
 
 TickTimes time_ticks(std::size_t warm_up, std::size_t ticks, const std::function<void(std::size_t)>& set_up,
@@ -37,18 +46,21 @@ TickTimes time_ticks(std::size_t warm_up, std::size_t ticks, const std::function
     }
     for (std::size_t block = 0, k = warm_up; block < kBlocks; ++block) {
         stop_if_interrupted();
-        std::vector<double> times;
+        std::vector<double> times, interrupted;
         for (const std::size_t end = warm_up + (block + 1) * ticks / kBlocks; k < end; ++k) {
             if (set_up) set_up(k);
             const long switches = preemptions();
+            const double before = computed();
             const auto start = Clock::now();
             turn(k);
             const double took = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
             if (preemptions() == switches)
                 times.push_back(took);
             else
-                ++out.preempted;
+                interrupted.push_back(computed() - before);
         }
+        out.preempted += interrupted.size();
+        if (times.empty()) times = std::move(interrupted);
         if (times.empty()) continue;
         median.push_back(quantile(times, 0.5));
         p99.push_back(quantile(times, 0.99));
