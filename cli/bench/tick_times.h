@@ -16,9 +16,9 @@ struct TickTimes {
 };
 
 /// Runs turn(k) for k in 0 .. warm_up - 1 unmeasured, then times the next `ticks`. Turns in which the thread lost its
-/// processor are counted, not timed: the figure is time of computing, not of waiting. Of a block in which each turn lost
-/// it (long ones on a busy machine), the processor time of its turns counts. `set_up(k)` runs before each turn, outside
-/// the clock. @throws model::Error kInterrupted
+/// processor are counted, not timed: the figure is time of computing, not of waiting. Of a block in which each turn
+/// lost it (long ones on a busy machine), the processor time of its turns counts. `set_up(k)` runs before each turn,
+/// outside the clock. @throws model::Error kInterrupted
 [[nodiscard]] TickTimes time_ticks(std::size_t warm_up, std::size_t ticks,
                                    const std::function<void(std::size_t)>& set_up,
                                    const std::function<void(std::size_t)>& turn);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/mesh/flip_edge.h"
 #include "geometry/mesh/half_edges.h"
 #include "geometry/repair/face_height.h"
 
@@ -13,21 +14,6 @@ namespace dgm::bake {
 namespace {
 
 constexpr int kMaxPasses = 16;
-
-bool joined(const TriMesh& mesh, const std::vector<std::uint32_t>& opposite, std::uint32_t h, std::uint32_t vertex) {
-    // Walks the fan of origin(h) both ways and looks for `vertex`.
-    std::uint32_t g = h;
-    do {
-        if (target(mesh.faces, g) == vertex || origin(mesh.faces, previous_half_edge(g)) == vertex) return true;
-        g = opposite[previous_half_edge(g)];
-    } while (g != kNone && g != h);
-    if (g == h) return false;
-    for (g = opposite[h]; g != kNone; g = opposite[next_half_edge(g)]) {
-        const std::uint32_t out = next_half_edge(g);
-        if (target(mesh.faces, out) == vertex || origin(mesh.faces, previous_half_edge(out)) == vertex) return true;
-    }
-    return false;
-}
 
 void set_corner(TriMesh& mesh, std::uint32_t to, const TriMesh& old, std::uint32_t from) {
     if (!mesh.corner_normals.empty()) mesh.corner_normals[to] = old.corner_normals[from];
@@ -74,7 +60,7 @@ std::uint64_t flip_degenerate(TriMesh& mesh) {
             const Vec3d &P = old.positions[p], &Q = old.positions[q], &R = old.positions[r], &S = old.positions[s];
             const double before = height_share({P, Q, R});
             if (std::min(height_share({P, S, R}), height_share({S, Q, R})) <= 10 * before) continue;
-            if (joined(old, opposite, previous_half_edge(h), s)) continue;
+            if (are_joined(old.faces, opposite, previous_half_edge(h), s)) continue;
             const double l = edge_length(h), t = std::clamp(dot(R - P, Q - P) / (l * l), 0.0, 1.0);
             const std::uint32_t g = o / 3, at_q = o, at_p = next_half_edge(o), at_s = previous_half_edge(o);
             mesh.faces[f] = {p, s, r};

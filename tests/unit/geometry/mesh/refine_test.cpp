@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/metrics/map_metrics.h"
@@ -59,6 +60,58 @@ TEST(Refine, InterpolatesCorners) {
         EXPECT_NEAR(fine.corner_uvs[c].x, at.x, 1e-12);
         EXPECT_NEAR(fine.corner_uvs[c].y, at.y, 1e-12);
     }
+}
+
+double least_angle(const TriMesh& mesh) {
+    double least = M_PI;
+    for (const Face& f : mesh.faces)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d& at = mesh.positions[f[k]];
+            const Vec3d a = mesh.positions[f[(k + 1) % 3]] - at, b = mesh.positions[f[(k + 2) % 3]] - at;
+            least = std::min(least, std::atan2(length(cross(a, b)), dot(a, b)));
+        }
+    return least;
+}
+
+/// A fan from one corner of a polygon of 60 has angles of 3 degrees there; so few on its own edges alone cannot be cut
+/// out of it.
+TEST(Refine, NeedlesOnPlanesGo) {
+    TriMesh polygon;
+    for (int k = 0; k < 60; ++k) polygon.positions.push_back({std::cos(k * M_PI / 30), std::sin(k * M_PI / 30), 0.5});
+    for (std::uint32_t k = 1; k + 1 < 60; ++k) polygon.faces.push_back({0, k, k + 1});
+    ASSERT_LT(least_angle(polygon), 3.01 * M_PI / 180);
+    const TriMesh fine = refine(polygon, 3000);
+    EXPECT_GT(least_angle(fine), 20 * M_PI / 180);
+    EXPECT_NEAR(test::surface_area(fine), 30 * std::sin(M_PI / 30), 1e-12);
+    EXPECT_EQ(measure_topology(fine.positions.size(), fine.faces).boundary_loops, 1U);
+}
+
+/// Two halves of a strip, each with texture coordinates of its own, or each of one of two materials.
+TEST(Refine, FlipsKeepToSeams) {
+    TriMesh strip;
+    strip.positions = {{0, 0, 0}, {8, 0, 0}, {9, 1, 0}, {1, 1, 0}};
+    strip.faces = {{0, 1, 2}, {0, 2, 3}};
+    const auto below = [](const Vec3d& at) { return at.y < at.x / 9; };
+    TriMesh seam = strip;
+    for (std::uint32_t c = 0; c < 6; ++c) {
+        const Vec3d& at = strip.positions[strip.faces[c / 3][c % 3]];
+        seam.corner_uvs.push_back({c < 3 ? at.x : at.x + 20, at.y});
+    }
+    const TriMesh fine = refine(seam, 400);
+    for (std::size_t f = 0; f < fine.faces.size(); ++f) {
+        const std::array<Vec3d, 3> corners = fine.corners(f);
+        const double shift = below((corners[0] + corners[1] + corners[2]) / 3) ? 0 : 20;
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(fine.corner_uvs[3 * f + k].x, corners[k].x + shift, 1e-9);
+    }
+    TriMesh painted = strip;
+    painted.face_materials = {0, 1};
+    const TriMesh fine_paint = refine(painted, 400);
+    for (std::size_t f = 0; f < fine_paint.faces.size(); ++f) {
+        const std::array<Vec3d, 3> corners = fine_paint.corners(f);
+        EXPECT_EQ(fine_paint.face_materials[f], below((corners[0] + corners[1] + corners[2]) / 3) ? 0U : 1U);
+    }
+    EXPECT_GT(least_angle(refine(strip, 400)), 20 * M_PI / 180);
+    EXPECT_LT(least_angle(fine), 7 * M_PI / 180) << "the corner between the seam and the border stays";
 }
 
 TEST(Refine, LeavesWhatIsFineEnough) {
