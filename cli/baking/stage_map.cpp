@@ -140,6 +140,7 @@ Attempt<ComponentResult> bake_one(const Repaired& source, const MapRequest& requ
     if (source.components.size() > 1) task.trials.clock = CpuClock::Of::kThread;
     task.is_one_of_many = source.components.size() > kFewComponents;
     Attempt<ComponentResult> out = bake_component(task, options, cuts[c], progress);
+    if (out && task.is_one_of_many) out->runner_up.reset();
     if (out || task.rings != RingUse::kOnly) return out;
     task.rings = RingUse::kTried;
     return bake_component(task, options, cuts[c], progress);
@@ -175,10 +176,11 @@ bool has_failed(const ComponentResult& mapped, Method method) {
 /// garment of doubled sheets kept 5 inverted faces on the square and has none on a free chart, with 33 dB less error.
 /// Each is fitted once, and the first that inverts as many ends it: then the shape is to blame.
 /// @param size     of the chart; another map gets no larger one
+/// @param looked   at faces by the fits so far
 /// @param samples  that may yet be tried, less by those that were
 /// @return  inverted faces of the map that is kept
 std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const FitOptions& fit,
-                           ComponentResult& mapped, std::size_t inverted, std::uint64_t& samples,
+                           ComponentResult& mapped, std::size_t inverted, std::uint64_t looked, std::uint64_t& samples,
                            const model::Progress& progress) {
     if (options.method != Method::kAuto) return inverted;
     // Where so many are, limbs are crowded on the square, or walls are thinner than any map can draw: one tells.
@@ -191,7 +193,7 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
     bool has_slim = false;  // an LSCM map that overlaps itself is laid out again by the energy of SLIM
     for (const Method method : many ? where_many : where_few) {
         const std::uint64_t own = std::uint64_t{task.size.rows} * task.size.cols;
-        if (inverted == 0 || own > samples) break;
+        if (inverted == 0 || own > samples || looked > kMostLooked) break;
         if (method == mapped.method || (many && has_failed(mapped, method)) || (method == Method::kSlim && has_slim) ||
             (domain != DomainChoice::kAuto && row_of(method).domain != domain))
             continue;
@@ -201,7 +203,9 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
         Attempt<ComponentResult> other = bake_component(task, options, cuts, progress);
         if (!other) continue;
         has_slim = has_slim || (method == Method::kLscm && !other->chart.note.empty());
-        const std::size_t left = fit_chart(other->chart, fit, progress).inverted;
+        const FitReport report = fit_chart(other->chart, fit, progress);
+        const std::size_t left = report.inverted;
+        looked += report.looked;
         if (left >= inverted) break;
         const double error = quick_error(task.component, other->chart, kTrialSamples).rms;
         if (error > kOtherMapPrice * rms) continue;
@@ -248,6 +252,7 @@ Mapped map_source(const Repaired& source, const MapRequest& request, const BakeO
         for (ComponentResult& mapped : out.charts) {
             straighten_diagonals(mapped.chart);
             mapped.begun.reset();
+            mapped.runner_up.reset();
         }
     return out;
 }
@@ -257,6 +262,7 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
     Fitted out{std::move(mapped.charts), {}};
     if (options.fit == Fit::kSample) return out;
     out.inverted.resize(out.charts.size());
+    out.looked.resize(out.charts.size());
     const ChartEffort effort = effort_of(out.charts);
     const FitOptions fit = fit_options(options, u16, effort);
     std::vector<ChartFits> fits;
@@ -281,11 +287,15 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
         for_each_component(chosen.size(), silent,
                            [&](std::size_t k, const model::Progress& part) { (fits[chosen[k]].*fit_it)(part); });
     };
-    std::size_t remapped = kRemapped * largest, firmly = kFittedAgain * largest;
+    std::size_t remapped = kRemapped * largest, firmly = kFittedAgain * largest, runners_up = largest;
     again(&ChartFits::may_gain, &ChartFits::fit_firmly, firmly);
     again(&ChartFits::may_gain_guarded, &ChartFits::fit_guarded, firmly);
     again(&ChartFits::may_remap, &ChartFits::remap, remapped);
-    for (std::size_t c = 0; c < fits.size(); ++c) out.inverted[c] = fits[c].inverted();
+    again(&ChartFits::may_lose, &ChartFits::fit_runner_up, runners_up);
+    for (std::size_t c = 0; c < fits.size(); ++c) {
+        out.inverted[c] = fits[c].inverted();
+        out.looked[c] = fits[c].looked();
+    }
     return out;
 }
 
@@ -314,7 +324,7 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
         if (fitted.inverted[c] == 0 || source.components[c].positions.size() > kMostFitted) continue;
         size = {fitted.charts[c].chart.m, fitted.charts[c].chart.n};
         fitted.inverted[c] = try_other_maps({source.components[c], size, size}, options, fit, fitted.charts[c],
-                                            fitted.inverted[c], others, progress);
+                                            fitted.inverted[c], fitted.looked[c], others, progress);
     }
     return fitted;
 }

@@ -96,6 +96,7 @@ struct MapRequest {
 struct Fitted {
     std::vector<ComponentResult> charts;
     std::vector<std::size_t> inverted{};  ///< faces against the source, per chart; empty if none was fitted
+    std::vector<std::uint64_t> looked{};  ///< at faces by the fits, per chart
 };
 
 /// Moves the samples closest to the source, as options.fit says. `u16`: to places that u16 positions have.

@@ -19,8 +19,6 @@ using model::Error;
 constexpr double kGain = 0.99;  // a later candidate must be 1 % better, and the earlier not exact but for rounding
 // Of trial fits along different cuts: one that was 2 % better lost 1.3 dB in the end, 5 to 24 % better ones won.
 constexpr double kGainOfOtherCut = 0.97;
-// A free chart leaves samples unused, and the runtime's physics refuses it: it must be 3 dB better than a square one.
-constexpr double kGainOfFree = 0.7;
 constexpr double kExact = 1e-10;  // normalised units
 // With two vertices of the source to a sample the error before the fit tells which chart has the lower one after it;
 // with one, 1.2 dB do.
@@ -28,6 +26,8 @@ constexpr std::size_t kVerticesToTell = 2;
 // Of charts along one cut, after the first of three rounds: 1.04 has changed sides by the third, 1.14 to 1.9 never did.
 constexpr double kClearlyBehind = 1.15;
 constexpr double kSureGain = 0.87, kClearGain = 0.5;
+// After a trial fit, of a chart that may be the best one after the fit. A ring is chosen for more than its error.
+constexpr double kCloseBehind = 1.6;
 
 struct MeasuredCandidate {
     SampledChart chart;
@@ -61,7 +61,10 @@ CandidateReport report_of(const Candidate& candidate) {
         out.outcome = candidate.outcome == CandidateOutcome::kChosen         ? "chosen"
                       : candidate.outcome == CandidateOutcome::kMoreInverted ? "more inverted faces"
                                                                              : "higher error";
-        if (candidate.fitted) out.outcome += " after a trial fit";
+        if (candidate.is_finalist)
+            out.outcome += " after the fit";
+        else if (candidate.fitted)
+            out.outcome += " after a trial fit";
         if (candidate.cut == CutKind::kOther) out.outcome += "; along another cut";
         if (candidate.cut == CutKind::kRing) out.outcome += "; loops on opposite sides";
         if (candidate.cut == CutKind::kRefined) out.outcome += "; facets divided";
@@ -92,9 +95,23 @@ void Contest::challenge(const std::function<SampledChart()>& make, bool will_be_
 }
 
 std::size_t Contest::take_record(Contest& rival) {
-    const std::size_t at = candidates_.size() + rival.best_index_;
+    const std::size_t first = candidates_.size();
     std::move(rival.candidates_.begin(), rival.candidates_.end(), std::back_inserter(candidates_));
-    return at;
+    if (rival.second_) retire(std::move(*rival.second_), first + rival.second_index_);
+    return first + rival.best_index_;
+}
+
+void Contest::crown(Entry&& entry, std::size_t index) {
+    if (best_) retire(std::move(*best_), best_index_);
+    best_ = std::move(entry);
+    best_index_ = index;
+}
+
+void Contest::retire(Entry&& entry, std::size_t index) {
+    if (!entry.begun || component_.faces.size() > kFewFacets) return;
+    if (second_ && second_->begun->rms <= entry.begun->rms) return;
+    second_ = std::move(entry);
+    second_index_ = index;
 }
 
 bool Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& progress) {
@@ -106,15 +123,17 @@ bool Contest::meet(Contest&& rival, bool will_be_fitted, const model::Progress& 
     }
     const bool better = !best_ || beats_best(*rival.best_, candidates_[at], will_be_fitted, progress);
     candidates_[at].cpu_seconds += clock.seconds();
-    if (!better) return false;
-    best_ = std::move(rival.best_);
-    best_index_ = at;
-    return true;
+    if (better)
+        crown(std::move(*rival.best_), at);
+    else
+        retire(std::move(*rival.best_), at);
+    return better;
 }
 
 void Contest::yield_to(Contest&& rival) {
     best_index_ = take_record(rival);
     best_ = std::move(rival.best_);
+    second_.reset();
 }
 
 /// Of charts along different cuts the error before the fit tells less than of two charts along one: a hat had 1.5 dB
@@ -141,10 +160,10 @@ void Contest::judge(Candidate candidate, const std::function<SampledChart()>& ma
     if (made) {
         candidate.psnr = made->error.psnr();
         Entry entry{std::move(made->chart), made->error.rms, {}};
-        if (wins(entry, candidate)) {
-            best_ = std::move(entry);
-            best_index_ = candidates_.size();
-        }
+        if (wins(entry, candidate))
+            crown(std::move(entry), candidates_.size());
+        else
+            retire(std::move(entry), candidates_.size());
     } else {
         candidate.outcome = CandidateOutcome::kFailed;
         candidate.note = made.error().what();
@@ -197,8 +216,12 @@ Attempt<ComponentResult> Contest::result() && {
     Candidate& chosen = candidates_[best_index_];
     chosen.outcome = CandidateOutcome::kChosen;
     chosen.note = best_->chart.note;
-    const Method method = chosen.method;
-    return ComponentResult{std::move(best_->chart), method, std::move(candidates_), std::move(best_->begun)};
+    ComponentResult out{std::move(best_->chart), chosen.method, {}, std::move(best_->begun), {}};
+    const bool is_close = second_ && out.begun && second_->begun->rms < kCloseBehind * out.begun->rms;
+    const bool has_ring = chosen.cut == CutKind::kRing || candidates_[second_index_].cut == CutKind::kRing;
+    if (is_close && !has_ring) out.runner_up = {std::move(second_->chart), *std::move(second_->begun), second_index_};
+    out.candidates = std::move(candidates_);
+    return out;
 }
 
 }  // namespace dgm::bake

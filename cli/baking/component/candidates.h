@@ -46,11 +46,27 @@ struct Candidate {
     bool directed = false;   ///< levelled to the directions of curvature
     bool fitted = false;     ///< compared with the one before after a trial fit of both
     CutKind cut = CutKind::kFirst;
-    std::size_t remaps = 0;  ///< times that it was mapped anew where its fit had left error
+    std::size_t remaps = 0;    ///< times that it was mapped anew where its fit had left error
+    bool is_finalist = false;  ///< compared with another one after all fits of both
 };
 
 /// The same in words.
 [[nodiscard]] CandidateReport report_of(const Candidate& candidate);
+
+/// Facets up to which a map is also looked for with facets divided, and the two charts that are best after trial fits
+/// are fitted: where grids are finer than facets, errors after the fit are 1 to 16 dB from what trials let expect.
+inline constexpr std::size_t kFewFacets = 3500;
+
+/// In rms. A free chart leaves samples unused, and the runtime's physics refuses it: it must be 3 dB better than one on
+/// the square.
+inline constexpr double kGainOfFree = 0.7;
+
+/// The chart that came next to the one that was kept.
+struct RunnerUp {
+    SampledChart chart;
+    TrialFit begun;
+    std::size_t candidate = 0;  ///< its place in ComponentResult::candidates
+};
 
 /// The chart that was kept.
 struct ComponentResult {
@@ -58,6 +74,7 @@ struct ComponentResult {
     Method method = Method::kAuto;      ///< that made it
     std::vector<Candidate> candidates;  ///< in the order tried
     std::optional<TrialFit> begun;      ///< of the chart, if there was a trial fit of it
+    std::optional<RunnerUp> runner_up;  ///< of few facets, if there was a trial fit of both
 };
 
 /// How candidates are measured.
@@ -115,8 +132,13 @@ class Contest {
     };
     using Wins = std::function<bool(Entry& entry, Candidate& candidate)>;
 
+    /// Takes over the record of the rival's charts, and its runner-up if that is the better one.
     /// @return  the place that the record of its best chart has here
     std::size_t take_record(Contest& rival);
+    /// The best chart from now on.
+    void crown(Entry&& entry, std::size_t index);
+    /// Keeps a chart that was not the best if none that was not had less error after its trial fit.
+    void retire(Entry&& entry, std::size_t index);
     void judge(Candidate candidate, const std::function<SampledChart()>& make, const Wins& wins);
     [[nodiscard]] bool wins(const Entry& entry) const;
     [[nodiscard]] bool wins_challenge(Entry& entry, Candidate& candidate, const model::Progress& progress);
@@ -129,10 +151,10 @@ class Contest {
     CutKind cut_;
     Trials trials_;
     std::vector<Candidate> candidates_;
-    std::optional<Entry> best_;
+    std::optional<Entry> best_, second_;
     std::optional<model::Error> failure_;
     std::optional<Topology> topology_;  ///< of the component, once a chart is compared with it
-    std::size_t best_index_ = 0;
+    std::size_t best_index_ = 0, second_index_ = 0;
 };
 
 }  // namespace dgm::bake

@@ -13,9 +13,11 @@ namespace {
 constexpr double kOrdinaryGain = 0.35;  // in rms; crowded maps of wrinkled cloth may gain little
 constexpr double kLittleGain = 0.4;     // likewise, where the source has at least kManyFacets a face of the grid
 constexpr double kManyFacets = 0.5;
-constexpr double kBelowStored = 1e-8;    // normalised units: positions that are stored are rounded to more
-constexpr double kInvertedPrice = 1.25;  // in rms, of fewer inverted faces
-constexpr std::size_t kHopeless = 24;    // more than one inverted face to so many samples
+constexpr double kBelowStored = 1e-8;               // normalised units: positions that are stored are rounded to more
+constexpr double kInvertedPrice = 1.25;             // in rms, of fewer inverted faces
+constexpr std::uint64_t kMuchLooked = 100'000'000;  // at faces by fits: no guarded one then ...
+constexpr std::uint64_t kLookedOfOne = 50'000'000;  // ... and none of a runner-up where the first chart took as many
+constexpr std::size_t kHopeless = 24;               // more than one inverted face to so many samples
 
 // A map is made anew where the fit has left error ...
 constexpr double kSmallError = 3e-6;  // ... above 110 dB, in diagonals
@@ -57,6 +59,7 @@ void ChartFits::keep(SampledChart&& chart, const FitReport& report, const Surfac
 void ChartFits::fit(const model::Progress& progress) {
     if (component_.positions.size() <= kMostFitted) start_ = mapped_.chart;
     report_ = fit_chart(mapped_.chart, fit_, progress, mapped_.begun ? &*mapped_.begun : nullptr);
+    looked_ += report_.looked;
     mapped_.begun.reset();
     if (!may_remap() && !may_gain()) start_.reset();
 }
@@ -71,6 +74,12 @@ bool ChartFits::may_remap() const {
     return options_.fit == Fit::kBest || facets() < kManyFacets || facets() >= kDenseFacets;
 }
 
+/// How much more error a chart with so many inverted faces may have.
+double ChartFits::price_of(std::size_t inverted) const {
+    if (inverted == report_.inverted) return 1;
+    return inverted < report_.inverted ? kInvertedPrice : 1 / kInvertedPrice;
+}
+
 /// What the map was levelled to; nothing if it was not made by stretch.
 std::optional<Levelling> ChartFits::levelling() const {
     if (mapped_.method != Method::kStretch && mapped_.method != Method::kSphere) return std::nullopt;
@@ -82,6 +91,7 @@ std::optional<Levelling> ChartFits::levelling() const {
 /// @return  true if the chart is better than the one so far, and has taken its place
 bool ChartFits::fit_remapped(SampledChart& chart, const model::Progress& progress) {
     const FitReport report = fit_chart(chart, held_firmly_ ? firm(fit_) : fit_, progress);
+    looked_ += report.looked;
     const SurfaceError error = quick_error(component_, chart, trial_samples_);
     // Where the error is at few places, points miss some of them: those of the fit, which are more, have a say too.
     const double ratio = std::max(error.rms / measured().rms, report.rms / report_.rms);
@@ -135,7 +145,7 @@ void ChartFits::fit_firmly(const model::Progress& progress) {
 }
 
 bool ChartFits::may_gain_guarded() const {
-    return may_gain() && report_.inverted > 0 && report_.inverted <= kMostAtAPrice;
+    return may_gain() && report_.inverted > 0 && report_.inverted <= kMostAtAPrice && looked_ < kMuchLooked;
 }
 
 void ChartFits::fit_guarded(const model::Progress& progress) {
@@ -146,23 +156,61 @@ void ChartFits::fit_guarded(const model::Progress& progress) {
 bool ChartFits::fit_again(const FitOptions& options, const model::Progress& progress) {
     SampledChart chart = *start_;
     const FitReport report = fit_chart(chart, options, progress);
+    looked_ += report.looked;
     if (options.guarded && report.inverted > report_.inverted) return false;
     const SurfaceError error = quick_error(component_, chart, trial_samples_);
-    const double price = report.inverted < report_.inverted   ? kInvertedPrice
-                         : report.inverted > report_.inverted ? 1 / kInvertedPrice
-                                                              : 1;
-    if (!(error.rms < price * measured().rms)) return false;
+    if (!(error.rms < price_of(report.inverted) * measured().rms)) return false;
     keep(std::move(chart), report, error);
     return true;
+}
+
+bool ChartFits::may_lose() const {
+    if (!mapped_.runner_up || report_.was_exact || looked_ > kLookedOfOne) return false;
+    return report_.rms > kSmallError || report_.inverted > 0;
+}
+
+void ChartFits::fit_runner_up(const model::Progress& progress) {
+    RunnerUp next = *std::exchange(mapped_.runner_up, std::nullopt);
+    const auto place = static_cast<std::size_t>(chosen() - mapped_.candidates.data());
+    mapped_.candidates[place].is_finalist = mapped_.candidates[next.candidate].is_finalist = true;
+    ComponentResult other;
+    other.chart = std::move(next.chart);
+    other.candidates = mapped_.candidates;
+    other.candidates[place].outcome = CandidateOutcome::kHigherError;
+    other.candidates[next.candidate].outcome = CandidateOutcome::kChosen;
+    other.candidates[next.candidate].note = other.chart.note;
+    other.method = other.candidates[next.candidate].method;
+    other.begun = std::move(next.begun);
+    ChartFits fits(component_, other, options_, fit_, trial_samples_);
+    const model::Progress silent{{}, progress.cancelled};
+    fits.fit(silent);
+    if (fits.inverted() <= inverted()) fits.fit_further(silent);
+    looked_ += fits.looked_;
+    if (fits.inverted() > inverted()) return;
+    const auto is_free = [](const SampledChart& chart) { return chart.domain == layout::Domain::kFree; };
+    double price = price_of(fits.inverted());
+    if (is_free(other.chart) && !is_free(mapped_.chart)) price *= kGainOfFree;
+    if (is_free(mapped_.chart) && !is_free(other.chart)) price /= kGainOfFree;
+    const SurfaceError error = fits.measured();
+    if (!(error.rms < price * measured().rms)) return;
+    const FitReport report = fits.report_;
+    mapped_ = std::move(other);
+    report_ = report;
+    error_ = error;
+}
+
+void ChartFits::fit_further(const model::Progress& progress) {
+    if (may_gain()) fit_firmly(progress);
+    if (may_gain_guarded()) fit_guarded(progress);
+    if (may_remap()) remap(progress);
 }
 
 std::size_t fit_component(const model::TriMesh& component, ComponentResult& mapped, const BakeOptions& options,
                           const FitOptions& fit, std::uint64_t trial_samples, const model::Progress& progress) {
     ChartFits fits(component, mapped, options, fit, trial_samples);
     fits.fit(progress);
-    if (fits.may_gain()) fits.fit_firmly(progress);
-    if (fits.may_gain_guarded()) fits.fit_guarded(progress);
-    if (fits.may_remap()) fits.remap(progress);
+    fits.fit_further(progress);
+    if (fits.may_lose()) fits.fit_runner_up(progress);
     return fits.inverted();
 }
 

@@ -18,6 +18,10 @@ namespace dgm::bake {
 /// Vertices of a source that is worth a copy and further fits.
 inline constexpr std::size_t kMostFitted = 200'000;
 
+/// Faces that fits of one chart may have looked at before another map of it is fitted for fewer inverted faces alone:
+/// some 25 s of a processor.
+inline constexpr std::uint64_t kMostLooked = 150'000'000;
+
 /// Moves the samples of a chart closest to their source. If faces are inverted after the first fit, or it has gained
 /// little of what there was to gain, there is also one with samples that are held firmly, then, if faces are inverted
 /// still, one in rounds that invert none; kept is the one with the fewest inverted faces, of those with the lowest
@@ -41,11 +45,21 @@ class ChartFits {
     [[nodiscard]] bool may_remap() const;
     void remap(const model::Progress& progress);
 
+    /// All of this for the chart that came next; it is taken if it is the better one.
+    [[nodiscard]] bool may_lose() const;
+    void fit_runner_up(const model::Progress& progress);
+
+    /// What fit() offers of the first three.
+    void fit_further(const model::Progress& progress);
+
     [[nodiscard]] std::size_t inverted() const { return report_.inverted; }
+    /// Faces that the fits so far have looked at.
+    [[nodiscard]] std::uint64_t looked() const { return looked_; }
     [[nodiscard]] std::size_t samples() const { return mapped_.chart.grid_count(); }
 
  private:
     [[nodiscard]] double facets() const;
+    [[nodiscard]] double price_of(std::size_t inverted) const;
     [[nodiscard]] const SurfaceError& measured();
     [[nodiscard]] Candidate* chosen() const;
     [[nodiscard]] std::optional<Levelling> levelling() const;
@@ -60,6 +74,7 @@ class ChartFits {
     std::uint64_t trial_samples_;
     std::optional<SampledChart> start_;  // mapped, not fitted
     FitReport report_;                   // of the fit that is kept
+    std::uint64_t looked_ = 0;
     std::optional<SurfaceError> error_;  // of it, once measured
     bool held_firmly_ = false;           // in it
 };

@@ -390,7 +390,7 @@ void try_square(const ComponentTask& task, const BakeOptions& options, CutMemory
 /// them and for an icosahedron. Where each facet lies well on the grid as it is, they have the higher error.
 void try_refined(const ComponentTask& task, const BakeOptions& options, Contest& contest,
                  const model::Progress& progress) {
-    constexpr std::size_t kFewFacets = 3500, kRefinedFaces = 7000;  // so many are searched without simplifying them
+    constexpr std::size_t kRefinedFaces = 7000;  // so many are searched without simplifying them
     if (options.method != Method::kAuto || options.fit == Fit::kSample || options.ablates("refinement")) return;
     if (task.use != CutUse::kSearch || task.rings == RingUse::kOnly || task.is_one_of_many) return;
     if (task.component.faces.size() > kFewFacets || !task.component.points.empty()) return;

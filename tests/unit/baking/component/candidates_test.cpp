@@ -122,6 +122,9 @@ TEST(CandidateReport, SaysThatLoopsFaceEachOther) {
 TEST(CandidateReport, SaysThatTheCutIsAnotherOne) {
     const Candidate other{Method::kStretch, CandidateOutcome::kHigherError, 60, "", 0.5, false, true, CutKind::kOther};
     EXPECT_EQ(report_of(other).outcome, "higher error after a trial fit; along another cut");
+    Candidate finalist = other;
+    finalist.is_finalist = true;
+    EXPECT_EQ(report_of(finalist).outcome, "higher error after the fit; along another cut");
 }
 
 TEST(Contest, TheBestOfARivalIsComparedAndItsRecordKept) {
@@ -146,6 +149,26 @@ TEST(Contest, TheBestOfARivalIsComparedAndItsRecordKept) {
             EXPECT_EQ(result->candidates[2].outcome, CandidateOutcome::kFailed);
             EXPECT_EQ(result->chart.positions == better.positions, true);
         }
+}
+
+TEST(Contest, OfFewFacetsTheNextChartIsKeptToo) {
+    const auto result_of = [](std::uint32_t n, CutKind cut, std::uint32_t rival_side) {
+        const TriMesh mesh = folded_sheet(n);
+        Contest contest(mesh);
+        contest.enter(Method::kStretch, [&] { return chart_of(mesh, 65, Levelling::kCurvature); });
+        Contest rival(mesh, cut);
+        rival.enter(Method::kStretch, [&] { return chart_of(mesh, rival_side, Levelling::kArea); });
+        contest.meet(std::move(rival), true, {});
+        return std::move(contest).result();
+    };
+    const Attempt<ComponentResult> result = result_of(41, CutKind::kOther, 65);  // 3,200 facets
+    ASSERT_TRUE(result && result->runner_up);
+    EXPECT_NE(result->candidates[result->runner_up->candidate].outcome, CandidateOutcome::kChosen);
+    EXPECT_GE(result->runner_up->begun.rms, 0.97 * result->begun->rms);
+    EXPECT_NE(result->runner_up->chart.positions, result->chart.positions);
+    EXPECT_FALSE(result_of(49, CutKind::kOther, 65)->runner_up) << "4,608 facets";
+    EXPECT_FALSE(result_of(41, CutKind::kRing, 65)->runner_up) << "chosen for more than its error";
+    EXPECT_FALSE(result_of(41, CutKind::kOther, 17)->runner_up) << "too far behind";
 }
 
 TEST(Contest, ARivalWithoutAChartLeavesTheBest) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "support/sheet_chart.h"
@@ -81,6 +82,34 @@ TEST(ChartFits, LeaveOutWhatIsAblated) {
     ChartFits fits = of.fits();
     fits.fit({});
     EXPECT_FALSE(fits.may_remap());
+}
+
+/// The chart with less error after the fit is kept, whichever came next.
+TEST(ChartFits, TheNextChartIsTakenIfItEndsBetter) {
+    const SampledChart rough = fit_test::rough_corner();
+    FitsOf of(rough);
+    of.fits().fit({});
+    const double before = of.rms();
+    const std::optional<SampledChart> better =
+        Remap(rough, std::nullopt).propose(error_field(of.mapped.chart), RemapShape::kOwn, {});
+    ASSERT_TRUE(better);
+    for (const bool next_is_better : {true, false}) {
+        FitsOf both(next_is_better ? rough : *better);
+        both.options.ablate = {"remaps"};
+        SampledChart next = next_is_better ? *better : rough;
+        TrialFit begun = trial_fit(next, {});
+        both.mapped.candidates.emplace_back().method = Method::kArap;
+        both.mapped.runner_up = {std::move(next), std::move(begun), 1};
+        ChartFits fits = both.fits();
+        fits.fit({});
+        ASSERT_TRUE(fits.may_lose());
+        fits.fit_runner_up({});
+        EXPECT_FALSE(fits.may_lose());
+        EXPECT_LT(both.rms(), 0.95 * before);
+        EXPECT_EQ(both.mapped.method, next_is_better ? Method::kArap : Method::kStretch);
+        EXPECT_EQ(report_of(both.mapped.candidates[next_is_better ? 1 : 0]).outcome, "chosen after the fit");
+        EXPECT_EQ(report_of(both.mapped.candidates[next_is_better ? 0 : 1]).outcome, "higher error after the fit");
+    }
 }
 
 TEST(ChartFits, SpareSmallErrors) {
