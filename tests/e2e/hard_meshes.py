@@ -291,3 +291,34 @@ def book(pages=3):
         vertices += [(math.cos(a), math.sin(a), 1.0), (math.cos(a), math.sin(a), 0.0)]
         faces += [(0, 1, v), (0, v, v + 1)]
     return vertices, faces
+
+
+def prism(outline, height):
+    """A simple polygon, counterclockwise, pulled up: the importer cuts needles out of its two ends."""
+    count = len(outline)
+    vertices = [(x, y, z) for z in (0.0, height) for x, y in outline]
+    sides = [(k, (k + 1) % count, count + (k + 1) % count, count + k) for k in range(count)]
+    return vertices, [tuple(reversed(range(count))), tuple(range(count, 2 * count))] + sides
+
+
+def star(points=60):
+    """Narrow points around a small middle."""
+    return prism([(r * math.cos(a), r * math.sin(a)) for k in range(2 * points)
+                  for r, a in [(1.0 if k % 2 == 0 else 0.35, math.pi * k / points)]], 0.2)
+
+
+def toothed_comb(teeth=20):
+    """Long teeth on a narrow back."""
+    outline = [(0.0, 0.0), (0.3 * teeth, 0.0)]
+    for k in reversed(range(teeth)):
+        right, left = 0.3 * k + 0.2, 0.3 * k + 0.1
+        outline += [(right, 0.4), (right, 3.0), (left, 3.0), (left, 0.4)]
+    outline[2:2] = [(0.3 * teeth, 0.4)]
+    return prism(outline + [(0.0, 0.4)], 0.3)
+
+
+def gear(teeth=30, sides=240):
+    """Square teeth on a disk."""
+    def radius(a):
+        return 1.12 if math.sin(teeth * a + 0.01) > 0 else 0.88
+    return prism([(radius(a) * math.cos(a), radius(a) * math.sin(a)) for a in (2 * math.pi * k / sides for k in range(sides))], 0.3)

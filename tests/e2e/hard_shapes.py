@@ -44,7 +44,7 @@ BAKED = {
     "two_bodies_at_one_edge": (lambda: hard.cubes([(0, 0, 0), (1, 1, 0)], 2), 70, None),
 }
 
-# Surfaces close to themselves, a body with many limbs, and charts by the thousand: for scripts/hard-cases, which bounds time and
+# Surfaces close to themselves, bodies with many limbs, and charts by the thousand: for scripts/hard-cases, which bounds time and
 # memory. Too long for every run of the tests.
 CLOSE = {
     **{f"{name}_{gap:g}": (lambda make=make, gap=gap: thin.double_wall(make(), gap))
@@ -56,6 +56,9 @@ CLOSE = {
        for name, make in (("stack", thin.stack), ("folded_stack", lambda c, g: thin.stack(c, g, joined=True)),
                           ("shells", thin.shells))
        for copies in (2, 20) for gap in (0, 1e-9, 1e-6, 1e-3)},
+    "star_60_points": lambda: hard.star(),
+    "comb_20_teeth": lambda: hard.toothed_comb(),
+    "gear_30_teeth": lambda: hard.gear(),
     "tree_128_ends": lambda: hard.tree(7),
     "tree_256_ends": lambda: hard.tree(8),
     "soup_1000": lambda: hard.soup(1000),
