@@ -55,8 +55,9 @@ struct Obstacle {
     /// surface, four of its mean steps for an open one.
     float reach = 0;
     /// Surface, in a step of physics or a frame of cloth: where its samples were in the one before, as a copy of
-    /// State::positions() from then. Friction goes with a skin that bends and stretches, then; without, with the frame
-    /// alone. Read during the call, where the surface was written since the step before and its frame was there.
+    /// State::positions() from then. Friction goes with a skin that bends and stretches, then, and the substeps of
+    /// cloth meet its samples on their way; without, friction goes with the frame alone. Read during the call, where
+    /// the surface was written since the step before and its frame was there.
     PointView before = {};
 };
 

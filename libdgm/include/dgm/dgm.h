@@ -818,7 +818,8 @@ typedef struct dgm_obstacle {
     float reach;
     /* Surface, in dgm_physics_step() and dgm_cloth_step(): where its samples were in the step before, as copies of
      * dgm_state_positions() from then, dgm_state_sample_count() floats each. Friction goes with a skin that bends and
-     * stretches, then; without (NULL), with the frame alone. Read during the call. */
+     * stretches, then, and the substeps of cloth meet its samples on their way; without (NULL), friction goes with the
+     * frame alone. Read during the call. */
     const float* before[3];
 } dgm_obstacle;
 
