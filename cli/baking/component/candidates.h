@@ -119,6 +119,8 @@ class Contest {
     [[nodiscard]] Method best_method() const { return candidates_[best_index_].method; }
     [[nodiscard]] bool best_is_directed() const { return candidates_[best_index_].directed; }
     [[nodiscard]] bool tried(Method method) const;
+    /// The highest PSNR before a fit of charts by LSCM and ARAP; nothing if there is none.
+    [[nodiscard]] std::optional<double> best_psnr_of_free() const;
     /// True if enter() had no chart of it.
     [[nodiscard]] bool failed(Method method) const;
     /// The best chart, or the last failure if there is none.

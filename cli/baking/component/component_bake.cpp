@@ -46,7 +46,7 @@ constexpr double kPoor = 75, kPerDoubling = 8.5;
 // stretches, where the source has fewer or more than so many facets a face of the grid.
 constexpr double kLargeFacets = 0.02, kStretchOfLarge = 1.3, kStretchOfSmall = 1.45;
 constexpr std::size_t kMostFacesFreeToo = 80'000;  // more take half a minute, and longer than the rest
-// Beside LSCM; above the first only where that is at most so many dB behind the square.
+// Beside LSCM; above the first only where that is at most so many dB behind the square. Divided facets likewise.
 constexpr std::size_t kFewFaces = 10'000, kMostFacesArapToo = 20'000;
 constexpr double kFarBehind = 2.5;
 constexpr double kExactPsnr = 200;  // what is left is rounding
@@ -406,8 +406,10 @@ void try_refined(const ComponentTask& task, const BakeOptions& options, Contest&
         maps.challenge(method, divided);
     }
     const ComponentTask of_refined = with_component(task, refined);
-    if (divided.has_best() && options.domain != DomainChoice::kSquare && !options.ablates("free-charts") &&
-        !try_unfolded_limbs(of_refined, options, divided, progress))
+    // Free charts take longest. Where those of whole facets are far behind, so are these.
+    const bool may_be_free = options.domain != DomainChoice::kSquare && !options.ablates("free-charts") &&
+                             contest.best_psnr_of_free().value_or(kInfinity) > contest.best_psnr() - kFarBehind;
+    if (divided.has_best() && may_be_free && !try_unfolded_limbs(of_refined, options, divided, progress))
         try_free(of_refined, options, divided, progress);
     contest.meet(std::move(divided), true, progress);
 }

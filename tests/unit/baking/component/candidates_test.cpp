@@ -171,6 +171,18 @@ TEST(Contest, OfFewFacetsTheNextChartIsKeptToo) {
     EXPECT_FALSE(result_of(41, CutKind::kOther, 17)->runner_up) << "too far behind";
 }
 
+TEST(Contest, KnowsHowFreeChartsDid) {
+    const TriMesh mesh = folded_sheet(21);
+    const SampledChart coarse = chart_of(mesh, 9, Levelling::kArea), fine = chart_of(mesh, 17, Levelling::kArea);
+    Contest contest(mesh);
+    contest.enter(Method::kStretch, [&] { return fine; });
+    contest.enter(Method::kArap, []() -> SampledChart { throw model::Error(codes::kMapInvalid, "flips"); });
+    EXPECT_FALSE(contest.best_psnr_of_free());
+    contest.enter(Method::kLscm, [&] { return coarse; });
+    ASSERT_TRUE(contest.best_psnr_of_free());
+    EXPECT_LT(*contest.best_psnr_of_free(), contest.best_psnr());
+}
+
 TEST(Contest, ARivalWithoutAChartLeavesTheBest) {
     const TriMesh mesh = folded_sheet(21);
     const SampledChart chart = chart_of(mesh, 17, Levelling::kArea);
