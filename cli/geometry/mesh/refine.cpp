@@ -9,12 +9,12 @@
 #include <cstdint>
 #include <iterator>
 #include <queue>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include "geometry/mesh/flip_edge.h"
 #include "geometry/mesh/split_edge.h"
-#include "geometry/mesh/union_find.h"
 
 namespace dgm::bake {
 namespace {
@@ -59,7 +59,7 @@ class Refinement {
  public:
     explicit Refinement(TriMesh mesh)
         : mesh_(std::move(mesh)), opposite_(opposite_half_edges(mesh_.faces)), flat_(kFlat * diagonal(mesh_)) {
-        find_flat_places();
+        find_creases();
         for (std::uint32_t f = 0; f < mesh_.faces.size(); ++f) touch(f);
         make_delaunay();
     }
@@ -126,7 +126,15 @@ class Refinement {
         return mesh_.face_materials.empty() || mesh_.face_materials[f] == mesh_.face_materials[g];
     }
 
-    void find_flat_places();
+    /// True if the edge of h bounds the surface, or a place that is flat.
+    [[nodiscard]] bool is_crease(std::uint32_t h) const {
+        return opposite_[h] == kNone || creases_.contains(key_of(origin(mesh_.faces, h), target(mesh_.faces, h)));
+    }
+    [[nodiscard]] static std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
+        return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+    }
+
+    void find_creases();
     void split(std::uint32_t h);
     [[nodiscard]] bool is_not_delaunay(const Quad& quad) const;
     void make_delaunay();
@@ -135,23 +143,21 @@ class Refinement {
     TriMesh mesh_;
     std::vector<std::uint32_t> opposite_;
     double flat_;
-    std::vector<std::uint32_t> place_;  ///< of each face: facets in one plane, within which edges may be flipped
+    std::unordered_set<std::uint64_t> creases_;  ///< edges that flips keep: of the surface, of textures or of materials
     std::priority_queue<Edge> longest_;
     std::vector<std::uint32_t> doubtful_;  ///< half-edges that may not be Delaunay
     std::size_t flips_ = 0;
 };
 
-void Refinement::find_flat_places() {
-    UnionFind places(mesh_.faces.size());
+void Refinement::find_creases() {
     for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
         if (opposite_[h] == kNone || opposite_[h] < h) continue;
         const Quad quad = quad_of(h);
-        if (is_one_material(h / 3, opposite_[h] / 3) && is_flat(quad) && is_linear(mesh_.corner_normals, quad) &&
-            is_linear(mesh_.corner_uvs, quad) && is_one_colour(quad))
-            places.unite(h / 3, opposite_[h] / 3);
+        const bool goes_on = is_one_material(h / 3, opposite_[h] / 3) && is_flat(quad) &&
+                             is_linear(mesh_.corner_normals, quad) && is_linear(mesh_.corner_uvs, quad) &&
+                             is_one_colour(quad);
+        if (!goes_on) creases_.insert(key_of(origin(mesh_.faces, h), target(mesh_.faces, h)));
     }
-    place_.resize(mesh_.faces.size());
-    for (std::uint32_t f = 0; f < place_.size(); ++f) place_[f] = places.find(f);
 }
 
 /// To be looked at, as its edges have changed.
@@ -164,14 +170,14 @@ void Refinement::touch(std::uint32_t f) {
 
 void Refinement::split(std::uint32_t h) {
     const std::size_t before = mesh_.faces.size();
-    const std::uint32_t across = opposite_[h];
-    split_edge(mesh_, opposite_, h, 0.5);
-    place_.push_back(place_[h / 3]);
-    touch(h / 3);
-    if (across != kNone) {
-        place_.push_back(place_[across / 3]);
-        touch(across / 3);
+    const std::uint32_t across = opposite_[h], a = origin(mesh_.faces, h), b = target(mesh_.faces, h);
+    const std::uint32_t middle = split_edge(mesh_, opposite_, h, 0.5).vertex;
+    if (creases_.erase(key_of(a, b)) > 0) {
+        creases_.insert(key_of(a, middle));
+        creases_.insert(key_of(middle, b));
     }
+    touch(h / 3);
+    if (across != kNone) touch(across / 3);
     for (std::size_t f = before; f < mesh_.faces.size(); ++f) touch(static_cast<std::uint32_t>(f));
     make_delaunay();
 }
@@ -190,7 +196,7 @@ void Refinement::make_delaunay() {
     while (!doubtful_.empty()) {
         const std::uint32_t h = doubtful_.back(), o = opposite_[h];
         doubtful_.pop_back();
-        if (o == kNone || place_[h / 3] != place_[o / 3] || flips_ == kMostFlips * mesh_.faces.size()) continue;
+        if (is_crease(h) || flips_ == kMostFlips * mesh_.faces.size()) continue;
         const Quad quad = quad_of(h);
         if (!is_not_delaunay(quad) || !is_flat(quad) || !may_flip(mesh_.faces, opposite_, h)) continue;
         flip_edge(mesh_, opposite_, h);

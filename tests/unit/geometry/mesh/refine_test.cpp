@@ -114,6 +114,34 @@ TEST(Refine, FlipsKeepToSeams) {
     EXPECT_LT(least_angle(fine), 7 * M_PI / 180) << "the corner between the seam and the border stays";
 }
 
+/// Texture coordinates by angle are nearly linear from each narrow facet to the next, all around to the seam's other
+/// side.
+TEST(Refine, FlipsKeepToSeamsThatFacetsLeadAround) {
+    TriMesh ring = test::annulus(0.4, 2, 600, 1);
+    for (std::size_t f = 0; f < ring.faces.size(); ++f) {
+        const std::array<Vec3d, 3> corners = ring.corners(f);
+        const Vec3d middle = (corners[0] + corners[1] + corners[2]) / 3;
+        for (const Vec3d& at : corners) {
+            const double angle = std::atan2(at.y, at.x);  // -pi and pi are the seam
+            const bool beyond = std::abs(angle) > 3.14159 && angle * middle.y < 0;
+            ring.corner_uvs.push_back({(beyond ? -angle : angle) / (2 * M_PI), std::hypot(at.x, at.y)});
+        }
+    }
+    const auto seam_length = [](const TriMesh& mesh) {
+        double sum = 0;
+        const std::vector<std::uint32_t> opposite = opposite_half_edges(mesh.faces);
+        for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+            if (opposite[h] == kNone || opposite[h] < h) continue;
+            const double jump = mesh.corner_uvs[h].x - mesh.corner_uvs[next_half_edge(opposite[h])].x;
+            const Vec3d along = mesh.positions[target(mesh.faces, h)] - mesh.positions[origin(mesh.faces, h)];
+            if (std::abs(jump) > 0.5) sum += length(along);
+        }
+        return sum;
+    };
+    ASSERT_NEAR(seam_length(ring), 1.6, 1e-6);
+    EXPECT_NEAR(seam_length(refine(ring, 6000)), 1.6, 1e-6);
+}
+
 TEST(Refine, LeavesWhatIsFineEnough) {
     const TriMesh ball = test::icosphere(2);
     EXPECT_EQ(refine(ball, ball.faces.size()).faces, ball.faces);
