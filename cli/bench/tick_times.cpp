@@ -3,13 +3,13 @@
 #include "bench/tick_times.h"
 
 #include <sys/resource.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
 #include <utility>
 #include <vector>
 
+#include "baking/cpu_clock.h"
 #include "bench/interrupt.h"
 
 namespace dgm::bench {
@@ -24,13 +24,6 @@ long preemptions() {
     rusage use{};
     getrusage(RUSAGE_THREAD, &use);
     return use.ru_nivcsw;
-}
-
-/// Microseconds the thread has computed.
-double computed() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return 1e6 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_nsec);
 }
 
 }  // namespace
@@ -50,14 +43,14 @@ TickTimes time_ticks(std::size_t warm_up, std::size_t ticks, const std::function
         for (const std::size_t end = warm_up + (block + 1) * ticks / kBlocks; k < end; ++k) {
             if (set_up) set_up(k);
             const long switches = preemptions();
-            const double before = computed();
+            const bake::CpuClock computed(bake::CpuClock::Of::kThread);
             const auto start = Clock::now();
             turn(k);
             const double took = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
             if (preemptions() == switches)
                 times.push_back(took);
             else
-                interrupted.push_back(computed() - before);
+                interrupted.push_back(1e6 * computed.seconds());
         }
         out.preempted += interrupted.size();
         if (times.empty()) times = std::move(interrupted);

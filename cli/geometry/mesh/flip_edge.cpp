@@ -3,7 +3,9 @@
 #include "geometry/mesh/flip_edge.h"
 
 namespace dgm::bake {
+namespace {
 
+/// True if an edge joins origin(h) and `vertex`.
 bool are_joined(std::span<const Face> faces, std::span<const std::uint32_t> opposite, std::uint32_t h,
                 std::uint32_t vertex) {
     // The fan of origin(h), one way round and from a border the other way.
@@ -20,6 +22,8 @@ bool are_joined(std::span<const Face> faces, std::span<const std::uint32_t> oppo
         if (has(next_half_edge(g))) return true;
     return false;
 }
+
+}  // namespace
 
 bool may_flip(std::span<const Face> faces, std::span<const std::uint32_t> opposite, std::uint32_t h) {
     const std::uint32_t across = opposite[h];

@@ -10,10 +10,6 @@
 
 namespace dgm::bake {
 
-/// True if an edge joins origin(h) and `vertex`.
-[[nodiscard]] bool are_joined(std::span<const Face> faces, std::span<const std::uint32_t> opposite, std::uint32_t h,
-                              std::uint32_t vertex);
-
 /// True if the edge of h can be flipped without doubling another one.
 [[nodiscard]] bool may_flip(std::span<const Face> faces, std::span<const std::uint32_t> opposite, std::uint32_t h);
 

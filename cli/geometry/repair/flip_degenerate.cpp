@@ -56,11 +56,11 @@ std::uint64_t flip_degenerate(TriMesh& mesh) {
             if (o == kNone) continue;
             const std::uint32_t p = origin(old.faces, h), q = target(old.faces, h);
             const std::uint32_t r = target(old.faces, next_half_edge(h)), s = target(old.faces, next_half_edge(o));
-            if (r == s || locked[p] || locked[q] || locked[r] || locked[s]) continue;
+            if (locked[p] || locked[q] || locked[r] || locked[s]) continue;
             const Vec3d &P = old.positions[p], &Q = old.positions[q], &R = old.positions[r], &S = old.positions[s];
             const double before = height_share({P, Q, R});
             if (std::min(height_share({P, S, R}), height_share({S, Q, R})) <= 10 * before) continue;
-            if (are_joined(old.faces, opposite, previous_half_edge(h), s)) continue;
+            if (!may_flip(old.faces, opposite, h)) continue;
             const double l = edge_length(h), t = std::clamp(dot(R - P, Q - P) / (l * l), 0.0, 1.0);
             const std::uint32_t g = o / 3, at_q = o, at_p = next_half_edge(o), at_s = previous_half_edge(o);
             mesh.faces[f] = {p, s, r};
