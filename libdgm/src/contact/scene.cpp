@@ -118,14 +118,36 @@ const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noe
     return stood != nullptr ? *stood : now.shapes[o];
 }
 
+/// Whether it was there in the same shape, maybe at another place.
+bool has_kept_shape(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
+    const Shape* const stood = was_at(before, now, o);
+    return stood != nullptr && stood->reach == now.shapes[o].reach &&
+           before.turns[place_of(before, now.ids[o])] == now.turns[o];
+}
+
 bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
     // All of a shape from `point` on are doubles.
     constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
     static_assert(kBytes == 23 * sizeof(double));
-    const std::uint32_t k = place_of(before, now.ids[o]);
-    if (was_at(before, now, o) == nullptr || before.turns[k] != now.turns[o]) return false;
-    const void *const then = &before.shapes[k].point, *const here = &now.shapes[o].point;
+    if (!has_kept_shape(before, now, o)) return false;
+    const void *const then = &was_at(before, now, o)->point, *const here = &now.shapes[o].point;
     return std::memcmp(then, here, kBytes) == 0;
+}
+
+double rigid_way(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
+    const Shape& shape = now.shapes[o];
+    if (shape.surface == nullptr || !has_kept_shape(before, now, o)) return std::numeric_limits<double>::infinity();
+    const Shape& stood = *was_at(before, now, o);
+    const Pyramid& y = shape.surface->now_boxes;
+    const Box& all = y.boxes[y.start[y.levels - 1]];
+    double most = 0;  // at a corner of its box, as ways change linearly
+    for (int k = 0; k < 8; ++k) {
+        const Double3 own{(k & 1) != 0 ? all.high[0] : all.low[0], (k & 2) != 0 ? all.high[1] : all.low[1],
+                          (k & 4) != 0 ? all.high[2] : all.low[2]};
+        const Double3 way = from_own(shape, own) - from_own(stood, own);
+        most = std::max(most, dot(way, way));
+    }
+    return (1 + 1e-9) * std::sqrt(most);
 }
 
 Probe probe_underway(const Shape& shape, Double3 x) noexcept {

@@ -32,6 +32,9 @@ void add_tool(Scene& scene, const ToolInput& tool, double radius) noexcept;
 [[nodiscard]] const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// Whether it stands there still, in the same shape.
 [[nodiscard]] bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+/// Bound of the way of all points of a surface that has moved since, but not bent, in the state's units; infinity for
+/// others.
+[[nodiscard]] double rigid_way(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// As probe(), of a surface that is known as it was at the place where it is now, with Shape::ahead of its way still to
 /// come: its samples go straight, its normals turn with the nearest triangle. Others are where they are.
 [[nodiscard]] Probe probe_underway(const Shape& shape, Double3 x) noexcept;

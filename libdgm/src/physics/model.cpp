@@ -116,6 +116,11 @@ bool make_planes(PhysicsImpl& p) noexcept {
         if (!x.allocate(a, l.count() + 2 * std::uint64_t{l.cols} + kBlock)) return false;
     for (Array<Touching>& t : p.touching)
         if (!t.allocate(a, 2 * std::uint64_t{l.dofs})) return false;
+    const std::uint64_t tiles = std::uint64_t{(l.rows + kTile - 1) / kTile} * ((l.cols + kTile - 1) / kTile);
+    if (!p.near_tiles.allocate(a, PhysicsImpl::kSurfaces) || !p.tiles.allocate(a, tiles) ||
+        !p.tiles_seen.allocate(a, PhysicsImpl::kSurfaces * tiles) ||
+        !p.sights.allocate(a, std::uint64_t{kTile} * l.cols))
+        return false;
     return p.pinned.allocate(a, l.dofs) && p.grasped.allocate(a, l.dofs) &&
            p.quads.allocate(a, kQuadData * std::uint64_t{l.count()}) &&
            p.near.allocate(a, kNear * std::uint64_t{l.count()}) &&

@@ -73,7 +73,8 @@ bool is_dt(float dt) noexcept {
 /// Upper bound of what build_model() takes, measured on grids of 9 x 9 to 257 x 257.
 [[gnu::cold]] std::uint64_t bytes_needed(std::uint32_t rows, std::uint32_t cols) noexcept {
     const std::uint64_t plane = plane_size(rows, cols) * sizeof(float), grid = std::uint64_t{rows} * cols;
-    return 120 * plane + 1430 * grid + 65536;
+    return 120 * plane + 1430 * grid + 65536 + PhysicsImpl::kSurfaces * sizeof(NearTiles) +
+           std::uint64_t{physics::kTile} * cols * sizeof(physics::Sight);
 }
 
 void write_shape(const PhysicsImpl& p, StateImpl& s) noexcept {

@@ -70,6 +70,42 @@ struct Rub {
     return t.obstacle < Scene::kMost;
 }
 
+/// Samples a side of the tiles that look at obstacles.
+inline constexpr std::uint32_t kTile = 8;
+
+/// Box of a tile, local units.
+struct Tile {
+    Double3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+    [[nodiscard]] Double3 centre() const noexcept { return 0.5 * (low + high); }
+    /// Of a ball around it.
+    [[nodiscard]] double radius() const noexcept {
+        const Double3 half = 0.5 * (high - low);
+        return std::sqrt(dot(half, half));
+    }
+    [[nodiscard]] Box box() const noexcept {
+        return {{static_cast<float>(low.x), static_cast<float>(low.y), static_cast<float>(low.z)},
+                {static_cast<float>(high.x), static_cast<float>(high.y), static_cast<float>(high.z)}};
+    }
+};
+
+/// How a tile saw a surface last.
+struct TileSeen {
+    Surroundings from;  ///< its middle
+    double way = 0;     ///< SurfaceSeen::way then
+};
+/// A surface that tiles have seen.
+struct SurfaceSeen {
+    std::uint32_t obstacle = kNone;
+    double way = 0;  ///< that it has gone since it was first seen, at most; local units
+};
+
+/// How a sample sees an obstacle.
+struct Sight {
+    Probe there;                           ///< where it is near
+    std::uint64_t triangle = kNoTriangle;  ///< of a surface, that was found
+    bool near = false;                     ///< may touch in this step
+};
+
 /// Place of a sample relative to the tool that grasps it.
 struct Grasped {
     std::uint32_t sample, tool;
@@ -131,6 +167,12 @@ struct PhysicsImpl {
     Array<std::uint32_t> followers;             ///< pairs (unknown without a triangle, sample that it follows)
     Array<physics::Touching> touching[2];       ///< as `scene`: of this step and of the one before
     Scene scene[2];
+    static constexpr std::uint32_t kSurfaces = 4;  ///< obstacles with memory for searches: further ones have none
+    Array<NearTiles> near_tiles;                   ///< by surface
+    Array<physics::Tile> tiles;                    ///< before the step
+    Array<physics::TileSeen> tiles_seen;           ///< by surface and tile
+    physics::SurfaceSeen surface_seen[kSurfaces];  ///< that `tiles_seen` is of
+    Array<physics::Sight> sights;                  ///< of a row of tiles
     std::uint32_t touching_count = 0, touching_now = 0;
     Array<physics::Grasped> grasped;
     std::uint32_t grasped_count = 0;

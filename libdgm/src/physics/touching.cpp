@@ -9,7 +9,6 @@
 namespace dgm::detail::physics {
 namespace {
 
-constexpr std::uint32_t kTile = 8;
 /// Share of a contact's stiffness that goes into the matrix: that holds a sample in all directions, a contact in one.
 /// Conjugate gradients find the few directions with more; what a patch of contacts may do along the surface is smooth,
 /// and too stiff a matrix hides it (docs/physics.md).
@@ -22,6 +21,13 @@ Double3 place(const PhysicsImpl& p, const StateImpl& s, std::uint32_t k) noexcep
     const double by = 1 / p.scale;
     return {double{s.rest.x[k]} + by * p.at[0][k], double{s.rest.y[k]} + by * p.at[1][k],
             double{s.rest.z[k]} + by * p.at[2][k]};
+}
+
+Double3 least(Double3 a, Double3 b) noexcept {
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+Double3 most(Double3 a, Double3 b) noexcept {
+    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
 /// Contacts of the step before: both lists are sorted by obstacle, then sample.
@@ -42,25 +48,131 @@ class Remembered {
     std::uint32_t count_;
 };
 
-struct Tile {
-    Double3 centre;
-    double radius = 0;
-};
 Tile tile_of(const PhysicsImpl& p, const StateImpl& s, std::uint32_t i0, std::uint32_t j0) noexcept {
-    constexpr double kMost = std::numeric_limits<double>::infinity();
-    double low[3] = {kMost, kMost, kMost}, high[3] = {-kMost, -kMost, -kMost};
+    Tile out;
     for (std::uint32_t i = i0; i < std::min(i0 + kTile, p.rows); ++i)
         for (std::uint32_t j = j0; j < std::min(j0 + kTile, p.cols); ++j) {
             const Double3 x = place(p, s, i * p.cols + j);
-            const double v[3] = {x.x, x.y, x.z};
-            for (int c = 0; c < 3; ++c) {
-                low[c] = std::min(low[c], v[c]);
-                high[c] = std::max(high[c], v[c]);
-            }
+            out.low = least(out.low, x);
+            out.high = most(out.high, x);
         }
-    const Double3 l{low[0], low[1], low[2]}, h{high[0], high[1], high[2]}, half = 0.5 * (h - l);
-    return {0.5 * (l + h), std::sqrt(dot(half, half))};
+    return out;
 }
+
+/// Boxes of all tiles before the step. @return that of the body
+Tile take_tiles(PhysicsImpl& p, const StateImpl& s) noexcept {
+    Tile all;
+    Tile* to = p.tiles.data();
+    for (std::uint32_t i0 = 0; i0 < p.rows; i0 += kTile)
+        for (std::uint32_t j0 = 0; j0 < p.cols; j0 += kTile) {
+            *to = tile_of(p, s, i0, j0);
+            all.low = least(all.low, to->low);
+            all.high = most(all.high, to->high);
+            ++to;
+        }
+    return all;
+}
+
+/// Notes of tiles about one obstacle.
+struct Notes {
+    TileSeen* tiles = nullptr;  ///< null: none are kept
+    double way = 0;             ///< SurfaceSeen::way
+};
+
+/// Looks at one obstacle from all samples, a row of tiles at a time: what is near a tile serves all its samples, and
+/// distances change by no more than the way gone.
+class Lookout {
+ public:
+    Lookout(PhysicsImpl& p, const StateImpl& s, const Shape& shape, double reach, Notes notes) noexcept
+        : p_(p), s_(s), shape_(shape), reach_(reach), notes_(notes) {}
+    /// Whether some of the body may be within reach.
+    [[nodiscard]] bool meets(const Tile& body) noexcept { return is_near(body, body_); }
+    /// Fills PhysicsImpl::sights for rows i0 to i0 + kTile.
+    void look_from(std::uint32_t i0) noexcept {
+        const std::uint32_t across = (p_.cols + kTile - 1) / kTile;
+        for (std::uint32_t j0 = 0; j0 < p_.cols; j0 += kTile) {
+            const std::uint32_t k = i0 / kTile * across + j0 / kTile;
+            TileSeen passing;
+            TileSeen& seen = notes_.tiles != nullptr ? notes_.tiles[k] : passing;
+            if (may_meet(p_.tiles[k], seen))
+                look_from(p_.tiles[k], i0, j0, seen.from);
+            else
+                each_sample(i0, j0, [](std::uint32_t, Sight& sight) { sight.near = false; });
+        }
+    }
+
+ private:
+    bool may_meet(const Tile& tile, TileSeen& seen) const noexcept {
+        const double far = tile.radius() + reach_, gone = notes_.way - seen.way;
+        if (shape_.kind == ObstacleKind::Surface &&
+            (seen.from.clearance(shape_, tile.centre()) - gone > far || body_.clearance(shape_, tile.centre()) > far))
+            return false;
+        seen.way = notes_.way;
+        return is_near(tile, seen.from);
+    }
+    bool is_near(const Tile& tile, Surroundings& from) const noexcept {
+        const Double3 centre = tile.centre();
+        const double distance = probe(shape_, centre).distance;
+        from.note(centre, distance);
+        const bool is_surface = shape_.kind == ObstacleKind::Surface;
+        return !((is_surface ? from.clearance(shape_, centre) : distance) > tile.radius() + reach_);
+    }
+    void look_from(const Tile& tile, std::uint32_t i0, std::uint32_t j0, const Surroundings& from) noexcept {
+        look_into(shape_, tile.box());
+        Surroundings last = from;
+        each_sample(i0, j0, [&](std::uint32_t k, Sight& sight) {
+            sight.near = false;
+            if (p_.fine().own[k] == 0 || p_.free[k] == 0) return;
+            const Double3 x = place(p_, s_, k);
+            if (last.clearance(shape_, x) > reach_ || from.clearance(shape_, x) > reach_) return;
+            sight.there = probe(shape_, x);
+            sight.triangle = shape_.hint;
+            sight.near = sight.there.distance < reach_;
+            last.note(x, sight.there.distance);
+        });
+    }
+    template <class F>
+    void each_sample(std::uint32_t i0, std::uint32_t j0, F f) noexcept {
+        for (std::uint32_t i = i0; i < std::min(i0 + kTile, p_.rows); ++i)
+            for (std::uint32_t j = j0; j < std::min(j0 + kTile, p_.cols); ++j)
+                f(i * p_.cols + j, p_.sights[(i - i0) * p_.cols + j]);
+    }
+
+    PhysicsImpl& p_;
+    const StateImpl& s_;
+    const Shape& shape_;
+    double reach_;
+    Notes notes_;
+    Surroundings body_;  ///< of its middle
+};
+
+/// Memory for searches of the surfaces of a scene, as far as it goes.
+class Memory {
+ public:
+    explicit Memory(PhysicsImpl& p) noexcept : p_(p) {}
+    [[nodiscard]] Notes of(const Scene& before, Scene& scene, std::uint32_t o) noexcept {
+        Shape& shape = scene.shapes[o];
+        if (shape.kind != ObstacleKind::Surface || used_ == PhysicsImpl::kSurfaces) return {};
+        NearTiles& near = p_.near_tiles[used_];
+        near.listed = near.wanted = false;
+        shape.near = &near;
+        TileSeen* const tiles = p_.tiles_seen.data() + used_ * p_.tiles.size();
+        SurfaceSeen& seen = p_.surface_seen[used_++];
+        const double way = seen.obstacle == scene.ids[o] ? seen.way + rigid_way(before, scene, o) : kInfinity;
+        if (!(way < kInfinity)) std::fill(tiles, tiles + p_.tiles.size(), TileSeen{});
+        seen = {scene.ids[o], way < kInfinity ? way : 0};
+        return {tiles, seen.way};
+    }
+    /// What was noted is of a scene that will not be.
+    void forget() noexcept {
+        for (SurfaceSeen& seen : p_.surface_seen) seen = {};
+    }
+
+ private:
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    PhysicsImpl& p_;
+    std::uint32_t used_ = 0;
+};
 
 /// Makes a contact with a ball one by way of its soft layer.
 void soften(const PhysicsImpl& p, const Shape& ball, Touching& t) noexcept {
@@ -89,24 +201,25 @@ double reach_of(const PhysicsImpl& p, const StateImpl& s) noexcept {
 }  // namespace
 
 bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
-    const Scene &scene = p.scene[1 - p.touching_now], &before = p.scene[p.touching_now];
+    Scene& scene = p.scene[1 - p.touching_now];
+    const Scene& before = p.scene[p.touching_now];
     const Remembered memory(p.touching[p.touching_now], p.touching_count);
     Array<Touching>& to = p.touching[1 - p.touching_now];
-    const Level& l = p.fine();
-    float* hit = l.d0.p[0];  // by column, of the row of tiles: 1 if the obstacle may be within reach of the tile
+    Memory notes(p);
     std::uint32_t count = 0;
     bool fits = true;
     const double reach = scene.count == 0 ? 0 : reach_of(p, s);
+    const Tile body = scene.count == 0 ? Tile{} : take_tiles(p, s);
     for (std::uint32_t o = 0; o < scene.count; ++o) {
-        const Shape& shape = scene.shapes[o];
+        Shape& shape = scene.shapes[o];
         const bool moves = !has_stayed(before, scene, o);
         const Shape& stood = kFriction && moves ? last_of(before, scene, o) : shape;
-        const auto look = [&](std::uint32_t k) {
-            if (l.own[k] == 0 || p.free[k] == 0) return;
+        Lookout lookout(p, s, shape, reach, notes.of(before, scene, o));
+        if (!lookout.meets(body)) continue;
+        const auto add = [&](std::uint32_t k, const Sight& sight) {
             const Double3 x = place(p, s, k);
-            const Probe there = probe(shape, x);
-            if (!(there.distance < reach)) return;
-            const Double3 normal = normal_at(shape, there, x);
+            shape.hint = sight.triangle;  // normals and ways are those of the triangle that was found last
+            const Double3 normal = normal_at(shape, sight.there, x);
             if (!(dot(normal, normal) > 0)) return;
             if (count == to.size()) {
                 fits = false;
@@ -114,23 +227,22 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
             }
             Touching& t = to[count++];
             const Touching* was = memory.of(scene.ids[o], k);
-            t = {k, scene.ids[o], normal, there.distance * p.scale, double{p.grip[k]}};
+            t = {k, scene.ids[o], normal, sight.there.distance * p.scale, double{p.grip[k]}};
             t.multiplier = was != nullptr ? was->multiplier : 0;
             t.moves = moves;
             if (p.layer > 0 && is_tool(t)) soften(p, shape, t);
             if (kFriction && p.friction > 0 && was != nullptr)
-                take_friction(p.friction, *was, p.scale * way_come(stood, shape, x, there), t);
+                take_friction(p.friction, *was, p.scale * way_come(stood, shape, x, sight.there), t);
         };
         for (std::uint32_t i = 0; i < p.rows && fits; ++i) {
-            if (i % kTile == 0)
-                for (std::uint32_t j = 0; j < p.cols; j += kTile) {
-                    const Tile t = tile_of(p, s, i, j);
-                    hit[j] = probe(shape, t.centre).distance > t.radius + reach ? 0.0f : 1.0f;
-                }
+            if (i % kTile == 0) lookout.look_from(i);
+            const Sight* const row = p.sights.data() + (i % kTile) * p.cols;
             for (std::uint32_t j = 0; j < p.cols; ++j)
-                if (hit[j - j % kTile] != 0) look(i * p.cols + j);
+                if (row[j].near) add(i * p.cols + j, row[j]);
         }
-        if (!fits) return false;
+        if (fits) continue;
+        notes.forget();
+        return false;
     }
     p.touching_now = 1 - p.touching_now;
     p.touching_count = count;
