@@ -74,12 +74,14 @@ struct Seen {
     Double3 at;
     double gap = 0;           ///< metres
     std::uint64_t scene = 0;  ///< ClothImpl::scene_number then
+    double way = 0;           ///< ClothImpl::scene_way then
 };
 
 /// How a tile saw a surface last.
 struct TileSeen {
     Surroundings from;        ///< its middle
     std::uint64_t scene = 0;  ///< ClothImpl::scene_number then
+    double way = 0;           ///< ClothImpl::scene_way then
 };
 /// Samples a side of the tiles of contact.
 inline constexpr std::uint32_t kTile = 8;
@@ -157,7 +159,8 @@ struct ClothImpl {
     Array<cloth::Seen> seen;            ///< by sample
     Array<cloth::TileSeen> tiles_seen;  ///< by surface and tile
     std::size_t tile_count = 0;         ///< of contact
-    std::uint64_t scene_number = 1;     ///< another one whenever an obstacle has moved
+    std::uint64_t scene_number = 1;     ///< another one whenever an obstacle comes, goes, bends or jumps
+    double scene_way = 0;               ///< metres that obstacles have gone, at most, since the program began
     Array<NearTiles> near_tiles;        ///< of the first surfaces among the obstacles
     std::uint32_t contact_count = 0;
     cloth::FrameScene scene;

@@ -160,16 +160,20 @@ void look_around(ClothImpl& c, const Frame& f) noexcept {
 /// Puts the scene where it is at the end of a substep.
 void move_scene(ClothImpl& c, std::uint32_t number, std::uint32_t substeps) noexcept {
     FrameScene& scene = c.scene;
-    bool any = false;
+    double most = 0;
     for (std::uint32_t k = 0; k < scene.count; ++k) {
         if (!scene.moves[k]) continue;
-        any = true;
         scene.last[k] = scene.here[k];
         scene.here[k] = between(scene.from[k], scene.shapes[k], double(number + 1) / substeps);
         scene.here[k].share = 1.0 / substeps;
         scene.here[k].ahead = 1 - double(number + 1) / substeps;
+        const double way = c.scale * longest_way(scene.last[k], scene.here[k]) + (1 + 1e-9) * scene.way[k] / substeps;
+        most = std::max(most, way);
     }
-    if (any) ++c.scene_number;
+    if (std::isfinite(most))
+        c.scene_way += most;
+    else
+        ++c.scene_number;
 }
 
 /// One substep. @return false: numbers that are not finite
@@ -265,7 +269,7 @@ void mark_free(ClothImpl& c) noexcept {
 /// @return true if obstacles are there still, and tools stay where they were
 bool start_scene(ClothImpl& c) noexcept {
     FrameScene& scene = c.scene;
-    bool still = scene.count == c.before_scene.count;
+    bool still = scene.count == c.before_scene.count, known = still;
     std::uint32_t surfaces = 0;
     for (std::uint32_t k = 0; k < scene.count; ++k) {
         if (scene.shapes[k].kind == ObstacleKind::Surface && surfaces < c.near_tiles.size()) {
@@ -280,8 +284,9 @@ bool start_scene(ClothImpl& c) noexcept {
         scene.last[k] = scene.here[k] = stays ? scene.shapes[k] : scene.from[k];
         scene.here[k].near = scene.shapes[k].near;
         still = still && stays;
+        known = known && has_kept_shape(c.before_scene, scene, k);
     }
-    if (!still) ++c.scene_number;
+    if (!known) ++c.scene_number;
     return still;
 }
 /// Nothing does work on the cloth in this frame but gravity.

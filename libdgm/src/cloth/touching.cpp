@@ -8,6 +8,7 @@
 // bears, that force holds it; else one of that size opposes the way.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "cloth/cloth_impl.h"
 
@@ -26,11 +27,12 @@ double length(Double3 v) noexcept {
     return std::sqrt(dot(v, v));
 }
 
-/// Whether an obstacle may be within `radius` metres of the middle of a tile: as it saw the obstacle last, where that
-/// tells, as distances change by no more than the way gone.
-bool may_meet(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle, double radius) noexcept {
+/// How far an obstacle is at least from the middle of a tile, metres; that it is no nearer than `radius` is known if
+/// the answer is larger. As the tile saw the obstacle last, where that tells, as distances change by no more than the
+/// ways gone.
+double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle, double radius) noexcept {
     const Double3 local = (1 / c.scale) * middle;
-    if (shape.kind != ObstacleKind::Surface) return !(c.scale * probe(shape, local).distance > radius);
+    if (shape.kind != ObstacleKind::Surface) return c.scale * probe(shape, local).distance;
     // The first surfaces have lists of near tiles and notes.
     TileSeen passing;
     TileSeen& seen =
@@ -38,15 +40,17 @@ bool may_meet(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 midd
             ? passing
             : c.tiles_seen[static_cast<std::size_t>(shape.near - c.near_tiles.data()) * c.tile_count + tile];
     if (seen.scene == c.scene_number) {
-        if (c.scale * seen.from.clearance(shape, local) > radius) return false;
-        if (c.scale * seen.from.at_most(shape, local) <= radius) return true;
+        const double gone = c.scene_way - seen.way, clear = c.scale * seen.from.clearance(shape, local) - gone;
+        if (clear > radius || c.scale * seen.from.at_most(shape, local) + gone <= radius) return clear;
     }
     seen.from.note(local, probe(shape, local).distance);
     seen.scene = c.scene_number;
-    return !(c.scale * seen.from.clearance(shape, local) > radius);
+    seen.way = c.scene_way;
+    return c.scale * seen.from.clearance(shape, local);
 }
 
-/// Calls f(sample, bits of obstacles) for samples in tiles that are within `margin` metres of some obstacle.
+/// Calls f(sample, bits of obstacles, others) for samples in tiles within `margin` metres of some obstacle; from
+/// obstacles that have no bit they are at least `others` metres, which is more.
 template <class F>
 void each_near(ClothImpl& c, double margin, F f) noexcept {
     std::uint32_t tile = 0;
@@ -64,11 +68,17 @@ void each_near(ClothImpl& c, double margin, F f) noexcept {
                     }
             }
             const Double3 l{low[0], low[1], low[2]}, h{high[0], high[1], high[2]}, middle = 0.5 * (l + h);
-            const double radius = 0.5 * length(h - l) + margin;
+            const double radius = 0.5 * length(h - l);
+            double others = std::numeric_limits<double>::infinity();
             std::uint64_t near = 0;
             for (std::uint32_t o = 0; o < c.scene.count; ++o) {
                 const Shape& shape = c.scene.here[o];
-                if (!may_meet(c, tile, shape, middle, radius + shape.ahead * c.scene.way[o])) continue;
+                const double to_come = shape.ahead * c.scene.way[o], enough = radius + margin + to_come;
+                const double clear = clearance_of(c, tile, shape, middle, enough);
+                if (clear > enough) {
+                    others = std::min(others, clear - radius - to_come);
+                    continue;
+                }
                 near |= std::uint64_t{1} << o;
                 if (shape.kind != ObstacleKind::Surface) continue;
                 Box box;
@@ -80,7 +90,7 @@ void each_near(ClothImpl& c, double margin, F f) noexcept {
             }
             if (near == 0) continue;
             for (std::uint32_t i = i0; i < i1; ++i)
-                for (std::uint32_t j = j0; j < j1; ++j) f(i * c.cols + j, near);
+                for (std::uint32_t j = j0; j < j1; ++j) f(i * c.cols + j, near, others);
         }
 }
 
@@ -106,24 +116,26 @@ Found find(const ClothImpl& c, Double3 x, std::uint64_t near) noexcept {
     return out;
 }
 
-/// The same for a sample, and notes what it has seen. Tiles farther than `margin` from an obstacle are not in `near`.
-Found look(ClothImpl& c, std::uint32_t sample, std::uint64_t near, double margin) noexcept {
+/// The same for a sample, and notes what it has seen.
+/// @param others  as each_near()
+Found look(ClothImpl& c, std::uint32_t sample, std::uint64_t near, double others) noexcept {
     const Double3 x = c.place(c.spot_of(sample));
     const Found out = find(c, x, near);
-    double gap = std::min(out.gap, margin - 0.5 * double{c.options.thickness});
+    double gap = std::min(out.gap, others - 0.5 * double{c.options.thickness});
     // Behind a surface of limited reach distances change sign again.
     for (std::uint64_t left = near; left != 0; left &= left - 1) {
         const Shape& shape = c.scene.here[__builtin_ctzll(left)];
         if (shape.is_limited()) gap = std::min(gap, out.gap - c.scale * shape.reach);
     }
-    c.seen[sample] = {x, gap, c.scene_number};
+    c.seen[sample] = {x, gap, c.scene_number, c.scene_way};
     return out;
 }
 /// In front of all obstacles by more than `by` metres, as distances change by no more than the way gone.
 bool is_clear(const ClothImpl& c, std::uint32_t sample, double by) noexcept {
     const Seen& seen = c.seen[sample];
     if (seen.scene != c.scene_number) return false;
-    return seen.gap - (1 + 1e-9) * length(c.place(c.spot_of(sample)) - seen.at) > by;
+    const double gone = c.scene_way - seen.way + length(c.place(c.spot_of(sample)) - seen.at);
+    return seen.gap - (1 + 1e-9) * gone > by;
 }
 
 /// How far an obstacle that was found at a place goes in the substep there, metres.
@@ -170,12 +182,12 @@ void find_contacts(ClothImpl& c, double h, double friction) noexcept {
     const double keep = std::max(double{c.options.thickness}, 1e-3 * c.mean_step);
     // What is farther than `keep` is no contact; what is seen to be farther by as much need not be asked again soon.
     const double margin = 0.5 * double{c.options.thickness} + 2 * keep;
-    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near) {
+    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near, double others) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
         const auto let_go = [&] { each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; }); };
         if (is_clear(c, sample, keep)) return let_go();
-        const Found f = look(c, sample, near, margin);
+        const Found f = look(c, sample, near, others);
         Contact t{sample, f.obstacle, f.normal, f.gap, 0, 0, 0, {}, {}};
         t.press = double{c.firm[k]} + kPress * double{c.weight[k]} / (h * h);
         t.bears = f.gap < keep && c.pressed[k] > kNew ? double{c.pressed[k]} : 0;
@@ -233,14 +245,14 @@ void push_out(ClothImpl& c) noexcept {
     const Level& l = c.fine();
     if (c.scene.count == 0) return;
     const double margin = 0.5 * double{c.options.thickness};
-    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near) {
+    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near, double others) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
         for (int round = 0; round < 3; ++round) {  // out of one obstacle may be into another one
             // It stays a rounding error inside, so that the next substep knows it.
             const double rounding = 1e-9 * (1 + length(c.place(k)));
             if (is_clear(c, sample, -2 * rounding)) return;
-            const Found f = look(c, sample, near, margin);
+            const Found f = look(c, sample, near, others);
             if (!(f.gap < -2 * rounding)) return;
             const Double3 out = (-rounding - f.gap) * f.normal;
             each_copy(c, sample, [&](std::uint32_t s) {

@@ -118,7 +118,6 @@ const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noe
     return stood != nullptr ? *stood : now.shapes[o];
 }
 
-/// Whether it was there in the same shape, maybe at another place.
 bool has_kept_shape(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
     const Shape* const stood = was_at(before, now, o);
     return stood != nullptr && stood->reach == now.shapes[o].reach &&
@@ -134,20 +133,44 @@ bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept
     return std::memcmp(then, here, kBytes) == 0;
 }
 
-double rigid_way(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
-    const Shape& shape = now.shapes[o];
-    if (shape.surface == nullptr || !has_kept_shape(before, now, o)) return std::numeric_limits<double>::infinity();
-    const Shape& stood = *was_at(before, now, o);
-    const Pyramid& y = shape.surface->now_boxes;
-    const Box& all = y.boxes[y.start[y.levels - 1]];
-    double most = 0;  // at a corner of its box, as ways change linearly
-    for (int k = 0; k < 8; ++k) {
-        const Double3 own{(k & 1) != 0 ? all.high[0] : all.low[0], (k & 2) != 0 ? all.high[1] : all.low[1],
-                          (k & 4) != 0 ? all.high[2] : all.low[2]};
-        const Double3 way = from_own(shape, own) - from_own(stood, own);
-        most = std::max(most, dot(way, way));
+double longest_way(const Shape& before, const Shape& now) noexcept {
+    const auto length = [](Double3 way) { return std::sqrt(dot(way, way)); };
+    double most = 0;
+    const auto add = [&](Double3 way) { most = std::max(most, length(way)); };
+    const auto add_corners = [&](Double3 low, Double3 high, Double3 low_before, Double3 high_before) {
+        for (int k = 0; k < 8; ++k) {
+            const auto corner = [k](Double3 l, Double3 h) {
+                return Double3{(k & 1) != 0 ? h.x : l.x, (k & 2) != 0 ? h.y : l.y, (k & 4) != 0 ? h.z : l.z};
+            };
+            add(from_own(now, corner(low, high)) - from_own(before, corner(low_before, high_before)));
+        }
+    };
+    switch (now.kind) {
+        case ObstacleKind::Plane: {
+            const Double3 turn = now.normal - before.normal;
+            if (dot(turn, turn) != 0) return kInfinity;
+            most = std::fabs(now.offset - before.offset);
+            break;
+        }
+        case ObstacleKind::Capsule:
+            add(now.end - before.end);
+            [[fallthrough]];
+        case ObstacleKind::Sphere:
+            add(now.point - before.point);
+            most += std::fabs(now.radius - before.radius);
+            break;
+        case ObstacleKind::Box:
+            add_corners(-1.0 * now.half, now.half, -1.0 * before.half, before.half);
+            break;
+        case ObstacleKind::Surface: {
+            const Pyramid& y = now.surface->now_boxes;
+            const Box& all = y.boxes[y.start[y.levels - 1]];
+            const Double3 low{all.low[0], all.low[1], all.low[2]}, high{all.high[0], all.high[1], all.high[2]};
+            add_corners(low, high, low, high);  // ways change linearly
+            break;
+        }
     }
-    return (1 + 1e-9) * std::sqrt(most);
+    return (1 + 1e-9) * most;
 }
 
 Probe probe_underway(const Shape& shape, Double3 x) noexcept {
@@ -179,7 +202,9 @@ double farthest_way(const Shape& shape) noexcept {
     double most = 0;
     for (std::uint32_t k = 0; k < shape.surface->total(); ++k) {
         const Double3 way = widen(shape.surface->point(k)) - widen(shape.was[k]);
-        most = std::max(most, dot(way, way));
+        const double square = dot(way, way);
+        if (!(square < kInfinity)) return kInfinity;
+        most = std::max(most, square);
     }
     return std::sqrt(most);
 }

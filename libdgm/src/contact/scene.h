@@ -32,13 +32,17 @@ void add_tool(Scene& scene, const ToolInput& tool, double radius) noexcept;
 [[nodiscard]] const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
 /// Whether it stands there still, in the same shape.
 [[nodiscard]] bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
-/// Bound of the way of all points of a surface that has moved since, but not bent, in the state's units; infinity for
-/// others.
-[[nodiscard]] double rigid_way(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+/// Whether it was there in the same shape, maybe at another place.
+[[nodiscard]] bool has_kept_shape(const Scene& before, const Scene& now, std::uint32_t o) noexcept;
+/// How far distances to an obstacle may change while it goes from one place to another, in the state's units: the
+/// longest way of its points. Infinity for a plane that turns. Its shape is that of `now` in both, but for sides and
+/// radii.
+[[nodiscard]] double longest_way(const Shape& before, const Shape& now) noexcept;
 /// As probe(), of a surface that is known as it was at the place where it is now, with Shape::ahead of its way still to
 /// come: its samples go straight, its normals turn with the nearest triangle. Others are where they are.
 [[nodiscard]] Probe probe_underway(const Shape& shape, Double3 x) noexcept;
-/// The longest way of the samples of a surface that is known as it was, in the state's units; 0 for others.
+/// The longest way of the samples of a surface that is known as it was, in the state's units: 0 for others, infinity
+/// where a number is none.
 [[nodiscard]] double farthest_way(const Shape& shape) noexcept;
 /// The unit normal of an obstacle at a point x that was probed last; nothing (0) where it has none. Nearer to a surface
 /// than its floats are exact, the way to its nearest point is noise: there it is that of the nearest triangle.

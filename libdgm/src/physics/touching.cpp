@@ -158,9 +158,9 @@ class Memory {
         shape.near = &near;
         TileSeen* const tiles = p_.tiles_seen.data() + used_ * p_.tiles.size();
         SurfaceSeen& seen = p_.surface_seen[used_++];
-        const double way = seen.obstacle == scene.ids[o] ? seen.way + rigid_way(before, scene, o) : kInfinity;
-        if (!(way < kInfinity)) std::fill(tiles, tiles + p_.tiles.size(), TileSeen{});
-        seen = {scene.ids[o], way < kInfinity ? way : 0};
+        const bool known = seen.obstacle == scene.ids[o] && has_kept_shape(before, scene, o);
+        if (!known) std::fill(tiles, tiles + p_.tiles.size(), TileSeen{});
+        seen = {scene.ids[o], known ? seen.way + longest_way(last_of(before, scene, o), shape) : 0};
         return {tiles, seen.way};
     }
     /// What was noted is of a scene that will not be.
@@ -169,7 +169,6 @@ class Memory {
     }
 
  private:
-    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
     PhysicsImpl& p_;
     std::uint32_t used_ = 0;
 };
