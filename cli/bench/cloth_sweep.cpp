@@ -121,18 +121,23 @@ class Hung {
 struct Below {
     const char* name;
     ObstacleKind kind;
-    bool itself;  ///< the sheet meets itself, too
+    bool itself = false;  ///< the sheet meets itself, too
+    bool goes = false;    ///< to and fro
 };
-constexpr Below kBelow[] = {{"plane", ObstacleKind::Plane, false},
-                            {"sphere", ObstacleKind::Sphere, false},
-                            {"surface", ObstacleKind::Surface, false},
+constexpr Below kBelow[] = {{"plane", ObstacleKind::Plane},
+                            {"sphere", ObstacleKind::Sphere},
+                            {"surface", ObstacleKind::Surface},
+                            {"surface that goes", ObstacleKind::Surface, false, true},
                             {"surface, itself", ObstacleKind::Surface, true}};
 
 /// A sheet of cotton, 2 mm thick, that falls on a thing of 0.3 m and the floor below it.
 class Draped {
  public:
     Draped(const Subject& subject, State& ball, const Below& below, const Setting& setting)
-        : state_(subject.state()), cloth_(take(Cloth::create(state_, cotton(below.itself)))), how_(step_of(setting)) {
+        : state_(subject.state()),
+          cloth_(take(Cloth::create(state_, cotton(below.itself)))),
+          goes_(below.goes),
+          how_(step_of(setting)) {
         constexpr float kRadius = 0.3F, kAbove = 0.01F;
         const bool plane = below.kind == ObstacleKind::Plane;
         const Vec3 top = mean_of(state_.positions(), 0, state_.positions().count) - Vec3{0, 0, kAbove};
@@ -148,7 +153,12 @@ class Draped {
         how_.gravity = {0, 0, static_cast<float>(-kGravity)};
         how_.obstacles = things_;
     }
-    ClothReport go() { return take(step(state_, cloth_, how_)); }
+    ClothReport go() {
+        constexpr float kWay = 2e-3F;  // metres a frame
+        constexpr int kFrames = 20;    // in either direction
+        if (goes_) things_.back().point.x += frame_++ / kFrames % 2 == 0 ? kWay : -kWay;
+        return take(step(state_, cloth_, how_));
+    }
 
  private:
     static ClothOptions cotton(bool self_contact) {
@@ -167,6 +177,8 @@ class Draped {
     State state_;
     Cloth cloth_;
     std::vector<Obstacle> things_;
+    bool goes_;
+    int frame_ = 0;
     ClothStep how_;
 };
 
@@ -177,7 +189,9 @@ Table drape_table() {
     t.note =
         "Frames of 1/60 s of a sheet of cotton, 2 mm thick, that falls on a plane, or on a ball of 0.3 m and a plane: "
         "a "
-        "sphere, the same as a map of 129 x 129 samples, and with contact of the sheet with itself. All levels. "
+        "sphere, the same as a map of 129 x 129 samples, which stays or goes to and fro at 0.12 m/s, and with contact "
+        "of "
+        "the sheet with itself. All levels. "
         "Samples "
         "that bear and places kept apart are those of the last frame.";
     t.columns = subject_columns({key_column("below", "on"), key_column("substeps", "substeps"),

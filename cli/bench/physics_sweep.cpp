@@ -12,6 +12,7 @@
 
 #include "bench/interrupt.h"
 #include "bench/machine_facts.h"
+#include "bench/physics_beside.h"
 #include "bench/run_sweep.h"
 #include "bench/runtime_error.h"
 #include "files/temporary_folder.h"
@@ -56,7 +57,8 @@ class Poked {
         diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
         PhysicsOptions options;
         options.dt = static_cast<float>(way.dt);
-        options.metres_per_unit = way.metres_per_unit > 0 ? way.metres_per_unit : kDiagonal / diagonal_;
+        options.metres_per_unit = metres_per_unit_ =
+            way.metres_per_unit > 0 ? way.metres_per_unit : kDiagonal / diagonal_;
         options.solver = way.solver == "factors" ? Solver::Factors : Solver::Multigrid;
         if (stride != 0) make_coarse(stride);
         if (!refusal_.empty()) return;
@@ -68,6 +70,7 @@ class Poked {
     }
     /// Why there is no physics; empty: there is.
     [[nodiscard]] const std::string& refusal() const { return refusal_; }
+    [[nodiscard]] double metres_per_unit() const { return metres_per_unit_; }
 
     /// One step with the ball so deep, in shares of the deepest; nullopt: without it.
     StepReport go(std::optional<double> share, std::uint32_t cycles) {
@@ -137,7 +140,7 @@ class Poked {
     std::optional<Physics> physics_;
     std::string refusal_;
     Vec3 top_;
-    double diagonal_ = 0, dt_, time_ = 0;
+    double diagonal_ = 0, dt_, time_ = 0, metres_per_unit_ = 0;
     StepTool answer_;
 };
 
@@ -350,13 +353,16 @@ Run sweep_physics(const PhysicsSweepOptions& options, bool quiet) {
     Run run;
     run.command = "physics";
     run.machine = machine_facts();
-    run.tables = {step_table()};
+    run.tables = {step_table(), beside_table()};
     if (!options.strides.empty()) run.tables.push_back(detail_table());
     const formats::TemporaryFolder folder("dgm-bench");
     ProgressBar bar(quiet, static_cast<double>(options.assets.size() * options.sizes.size()));
     each_subject(options.assets, options.sizes, folder.path(), options.time_limit_seconds, bar,
                  [&](const Subject& subject) {
                      for (const std::string& solver : options.solvers) add_rows(run, subject, options, solver);
+                     const Poked body(subject, {options.metres_per_unit, options.milliseconds.front() / 1000, ""});
+                     if (body.refusal().empty())
+                         add_beside_rows(run.tables[1], subject, options, body.metres_per_unit());
                      if (!options.strides.empty()) add_detail_rows(run.tables.back(), subject, options);
                  });
     run.settings = {

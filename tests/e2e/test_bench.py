@@ -183,7 +183,7 @@ class Bench(Folder):
             self.assertLess(row["energy_rise"], 1e-4)
             self.assertGreater(row["p50_us"]["median"], 0)
         rows = self.rows(self.read("out/cloth.json"), "drape")
-        things = ("plane", "sphere", "surface", "surface, itself")
+        things = ("plane", "sphere", "surface", "surface that goes", "surface, itself")
         self.assertEqual([(row["grid"], row["below"], row["substeps"]) for row in rows],
                          [(grid, on, h) for grid in ("17x17", "33x33") for on in things for h in ("1", "2")])
         for row in rows:
@@ -205,7 +205,7 @@ class Bench(Folder):
                           "--milliseconds", "1,10", "--steps", "100", "-o", "out").stdout
         self.assertRegex(said, r"stomach\.obj 17x17, steps of 1 ms, multigrid: \d+ cycles come within 1 % of the converged step, p99 ")
         self.assertEqual(self.names(self.folder / "out"),
-                         ["physics-facts.csv", "physics.csv", "physics.html", "physics.json"])
+                         ["physics-beside.csv", "physics-facts.csv", "physics.csv", "physics.html", "physics.json"])
         rows = self.rows(self.read("out/physics.json"), "physics")
         self.assertEqual({(row["asset"], row["grid"], row["dt_ms"], row["cycles"]) for row in rows},
                          {(asset, "17x17", ms, k) for asset in ("stomach.obj", "sheet.obj") for ms in ("1", "10")
@@ -221,6 +221,10 @@ class Bench(Folder):
                 error = [row["error"] for row in rows if row["asset"] == asset and row["dt_ms"] == ms]
                 self.assertGreater(error[0], error[2], "a step of 20 cycles is nearer to the converged one")
                 self.assertGreater(error[0], 0)
+        rows = [row for row in self.rows(self.read("out/physics.json"), "beside") if row["asset"] == "stomach.obj"]
+        self.assertEqual([row["beside"] for row in rows],
+                         ["nothing", "a plane", "a surface", "a surface that goes", "a surface that is written"])
+        self.assertEqual([row["contacts"] > 0 for row in rows], [False] + 4 * [True])
         self.bench("physics", SHEET, "--sizes", "33", "--cycles", "5", "--strides", "1,2,8,32", "--steps", "100", "-o", "detail")
         levels = {row["stride"]: row for row in self.rows(self.read("detail/physics.json"), "detail")}
         self.assertEqual([levels[k]["outcome"] for k in ("1", "2", "8")], ["solved"] * 3)

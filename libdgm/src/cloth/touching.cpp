@@ -39,14 +39,15 @@ double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double
         shape.near == nullptr
             ? passing
             : c.tiles_seen[static_cast<std::size_t>(shape.near - c.near_tiles.data()) * c.tile_count + tile];
-    if (seen.scene == c.scene_number) {
-        const double gone = c.scene_way - seen.way, clear = c.scale * seen.from.clearance(shape, local) - gone;
-        if (clear > radius || c.scale * seen.from.at_most(shape, local) + gone <= radius) return clear;
+    for (bool fresh = false;; fresh = true) {
+        if (seen.scene == c.scene_number) {
+            const double gone = c.scene_way - seen.way, clear = c.scale * seen.from.clearance(shape, local) - gone;
+            if (fresh || clear > radius || c.scale * seen.from.at_most(shape, local) + gone <= radius) return clear;
+        }
+        seen.from.note(local, probe(shape, local).distance);
+        seen.scene = c.scene_number;
+        seen.way = c.scene_way;
     }
-    seen.from.note(local, probe(shape, local).distance);
-    seen.scene = c.scene_number;
-    seen.way = c.scene_way;
-    return c.scale * seen.from.clearance(shape, local);
 }
 
 /// Calls f(sample, bits of obstacles, others) for samples in tiles within `margin` metres of some obstacle; from
@@ -223,7 +224,7 @@ double pressed_energy(const ClothImpl& c, double by) noexcept {
     return energy;
 }
 
-void end_contacts(ClothImpl& c, std::span<StepTool> answers, double friction, double share) noexcept {
+[[gnu::cold]] void end_contacts(ClothImpl& c, std::span<StepTool> answers, double friction, double share) noexcept {
     for (std::uint32_t n = 0; n < c.contact_count; ++n) {
         const Contact& t = c.contacts[n];
         const Spot k = c.spot_of(t.sample);

@@ -14,8 +14,14 @@ namespace dgm::detail {
 namespace {
 
 /// Place in a scene, or its count.
-std::uint32_t place_of(const Scene& scene, std::uint32_t id) noexcept {
+[[gnu::noinline]] std::uint32_t place_of(const Scene& scene, std::uint32_t id) noexcept {
     return static_cast<std::uint32_t>(std::find(scene.ids, scene.ids + scene.count, id) - scene.ids);
+}
+
+/// Around all of a surface, in its own frame.
+const Box& box_of(const StateImpl& surface) noexcept {
+    const Pyramid& y = surface.now_boxes;
+    return y.boxes[y.start[y.levels - 1]];
 }
 
 /// Turned as unit vector `from` turns to unit vector `to` by the smallest angle; not at all if they are opposite.
@@ -89,6 +95,7 @@ void add_tool(Scene& scene, const ToolInput& tool, double radius) noexcept {
     shape.point = widen(tool.position);
     shape.radius = radius;
     scene.turns[scene.count] = 0;
+    scene.boxes[scene.count] = {};
     scene.ids[scene.count++] = tool.tool;
 }
 
@@ -100,7 +107,9 @@ Result<void> add_obstacles(Scene& scene, std::span<const Obstacle> obstacles, co
         auto shape = make_shape(o);
         if (!shape) return shape.error();
         scene.shapes[scene.count] = shape.value();
-        scene.turns[scene.count] = shape.value().surface != nullptr ? shape.value().surface->moved : 0;
+        const StateImpl* const surface = shape.value().surface;
+        scene.turns[scene.count] = surface != nullptr ? surface->moved : 0;
+        scene.boxes[scene.count] = surface != nullptr ? box_of(*surface) : Box{};
         scene.ids[scene.count++] = Scene::kMost + k;
     }
     return {};
@@ -120,8 +129,11 @@ const Shape& last_of(const Scene& before, const Scene& now, std::uint32_t o) noe
 
 bool has_kept_shape(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
     const Shape* const stood = was_at(before, now, o);
-    return stood != nullptr && stood->reach == now.shapes[o].reach &&
-           before.turns[place_of(before, now.ids[o])] == now.turns[o];
+    if (stood == nullptr || stood->reach != now.shapes[o].reach) return false;
+    const std::uint32_t k = place_of(before, now.ids[o]);
+    const Box &then = before.boxes[k], &here = now.boxes[o];
+    return before.turns[k] == now.turns[o] && std::equal(then.low, then.low + 3, here.low) &&
+           std::equal(then.high, then.high + 3, here.high);
 }
 
 bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept {
@@ -129,48 +141,36 @@ bool has_stayed(const Scene& before, const Scene& now, std::uint32_t o) noexcept
     constexpr std::size_t kBytes = offsetof(Shape, surface) - offsetof(Shape, point);
     static_assert(kBytes == 23 * sizeof(double));
     if (!has_kept_shape(before, now, o)) return false;
-    const void *const then = &was_at(before, now, o)->point, *const here = &now.shapes[o].point;
+    const void *const then = &last_of(before, now, o).point, *const here = &now.shapes[o].point;
     return std::memcmp(then, here, kBytes) == 0;
 }
 
 double longest_way(const Shape& before, const Shape& now) noexcept {
-    const auto length = [](Double3 way) { return std::sqrt(dot(way, way)); };
-    double most = 0;
-    const auto add = [&](Double3 way) { most = std::max(most, length(way)); };
-    const auto add_corners = [&](Double3 low, Double3 high, Double3 low_before, Double3 high_before) {
+    if (now.kind == ObstacleKind::Plane) {
+        const Double3 turn = now.normal - before.normal;
+        return dot(turn, turn) != 0 ? kInfinity : (1 + 1e-9) * std::fabs(now.offset - before.offset);
+    }
+    Double3 way = now.point - before.point;
+    double most = dot(way, way);
+    if (now.kind == ObstacleKind::Capsule) {
+        way = now.end - before.end;
+        most = std::max(most, dot(way, way));
+    }
+    if (now.kind == ObstacleKind::Box || now.kind == ObstacleKind::Surface) {
+        const bool is_box = now.kind == ObstacleKind::Box;
+        const Box all = is_box ? Box{{-1, -1, -1}, {1, 1, 1}} : box_of(*now.surface);
+        most = 0;  // at a corner, as ways change linearly
         for (int k = 0; k < 8; ++k) {
-            const auto corner = [k](Double3 l, Double3 h) {
-                return Double3{(k & 1) != 0 ? h.x : l.x, (k & 2) != 0 ? h.y : l.y, (k & 4) != 0 ? h.z : l.z};
+            const Double3 own{(k & 1) != 0 ? all.high[0] : all.low[0], (k & 2) != 0 ? all.high[1] : all.low[1],
+                              (k & 4) != 0 ? all.high[2] : all.low[2]};
+            const auto at = [&](const Shape& o) {
+                return from_own(o, is_box ? Double3{o.half.x * own.x, o.half.y * own.y, o.half.z * own.z} : own);
             };
-            add(from_own(now, corner(low, high)) - from_own(before, corner(low_before, high_before)));
-        }
-    };
-    switch (now.kind) {
-        case ObstacleKind::Plane: {
-            const Double3 turn = now.normal - before.normal;
-            if (dot(turn, turn) != 0) return kInfinity;
-            most = std::fabs(now.offset - before.offset);
-            break;
-        }
-        case ObstacleKind::Capsule:
-            add(now.end - before.end);
-            [[fallthrough]];
-        case ObstacleKind::Sphere:
-            add(now.point - before.point);
-            most += std::fabs(now.radius - before.radius);
-            break;
-        case ObstacleKind::Box:
-            add_corners(-1.0 * now.half, now.half, -1.0 * before.half, before.half);
-            break;
-        case ObstacleKind::Surface: {
-            const Pyramid& y = now.surface->now_boxes;
-            const Box& all = y.boxes[y.start[y.levels - 1]];
-            const Double3 low{all.low[0], all.low[1], all.low[2]}, high{all.high[0], all.high[1], all.high[2]};
-            add_corners(low, high, low, high);  // ways change linearly
-            break;
+            way = at(now) - at(before);
+            most = std::max(most, dot(way, way));
         }
     }
-    return (1 + 1e-9) * most;
+    return (1 + 1e-9) * (std::sqrt(most) + std::fabs(now.radius - before.radius));
 }
 
 Probe probe_underway(const Shape& shape, Double3 x) noexcept {

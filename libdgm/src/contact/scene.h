@@ -18,6 +18,7 @@ struct Scene {
     Shape shapes[kMost];
     std::uint32_t ids[kMost] = {};    ///< a tool's number, or kMost + the obstacle's
     std::uint64_t turns[kMost] = {};  ///< of surfaces: how often they were written
+    Box boxes[kMost] = {};            ///< of surfaces, in their own frames: another one may have taken one's memory
     std::uint32_t count = 0;
 };
 

@@ -178,6 +178,23 @@ TEST(PhysicsSurfaces, AreSeenByAnyNumberOfThem) {
     EXPECT_GT(seen, 2000u);
 }
 
+TEST(PhysicsSurfaces, AreNotTakenForOthersThatWereAtTheirPlaceInMemory) {
+    State ball = make_state(ball_chart(25, 20));
+    Body body(organ_chart(17));
+    const Obstacle obstacle{.kind = ObstacleKind::Surface, .point = {150, 0, 0}, .surface = &ball};
+    for (const float scale : {1.0f, 1.0f, 3.0f}) {
+        StateImpl& s = *ball.impl();
+        const std::uint64_t moved = s.moved;
+        for (float* const x : {s.now.x, s.now.y, s.now.z})
+            for (std::uint32_t n = 0; n < s.total(); ++n) x[n] *= scale;
+        s.touch_all();
+        s.moved = moved;
+        const std::vector<double> gaps = gaps_to(body, obstacle);
+        ASSERT_TRUE(step(body.state, body.physics, beside({&obstacle, 1})).ok());
+        EXPECT_EQ(expect_all_seen(body, gaps, 0) > 0, scale != 1);
+    }
+}
+
 TEST(PhysicsSurfaces, AreSeenAfterAStepThatWasRefused) {
     State ball = make_state(ball_chart(25, 40));
     Body body(organ_chart(17));
