@@ -81,7 +81,6 @@ struct Seen {
 struct TileSeen {
     Surroundings from;        ///< its middle
     std::uint64_t scene = 0;  ///< ClothImpl::scene_number then
-    double way = 0;           ///< ClothImpl::scene_way then
 };
 /// Samples a side of the tiles of contact.
 inline constexpr std::uint32_t kTile = 8;

@@ -13,6 +13,7 @@
 
 #include "cloth/cloth_impl.h"
 #include "cloth/frame.h"
+#include "contact/surface_search.h"
 
 namespace dgm::detail::cloth {
 namespace {
@@ -157,6 +158,14 @@ void look_around(ClothImpl& c, const Frame& f) noexcept {
     find_meetings(c, f.state, std::min(most, double{c.options.thickness} + 2 * f.h * speed));
 }
 
+/// Obstacles have gone by no more than so many metres; infinity: by nobody knows how many.
+void note_way(ClothImpl& c, double most) noexcept {
+    if (std::isfinite(most))
+        c.scene_way += most;
+    else
+        ++c.scene_number;
+}
+
 /// Puts the scene where it is at the end of a substep.
 void move_scene(ClothImpl& c, std::uint32_t number, std::uint32_t substeps) noexcept {
     FrameScene& scene = c.scene;
@@ -170,10 +179,7 @@ void move_scene(ClothImpl& c, std::uint32_t number, std::uint32_t substeps) noex
         const double way = c.scale * longest_way(scene.last[k], scene.here[k]) + (1 + 1e-9) * scene.way[k] / substeps;
         most = std::max(most, way);
     }
-    if (std::isfinite(most))
-        c.scene_way += most;
-    else
-        ++c.scene_number;
+    note_way(c, most);
 }
 
 /// One substep. @return false: numbers that are not finite
@@ -269,7 +275,8 @@ void mark_free(ClothImpl& c) noexcept {
 /// @return true if obstacles are there still, and tools stay where they were
 bool start_scene(ClothImpl& c) noexcept {
     FrameScene& scene = c.scene;
-    bool still = scene.count == c.before_scene.count, known = still;
+    bool still = scene.count == c.before_scene.count;
+    double most = still ? 0 : kInfinity;
     std::uint32_t surfaces = 0;
     for (std::uint32_t k = 0; k < scene.count; ++k) {
         if (scene.shapes[k].kind == ObstacleKind::Surface && surfaces < c.near_tiles.size()) {
@@ -284,9 +291,14 @@ bool start_scene(ClothImpl& c) noexcept {
         scene.last[k] = scene.here[k] = stays ? scene.shapes[k] : scene.from[k];
         scene.here[k].near = scene.shapes[k].near;
         still = still && stays;
-        known = known && has_kept_shape(c.before_scene, scene, k);
+        if (stays) continue;
+        // A tool may start with another radius than it ended with.
+        const double jump = has_kept_shape(c.before_scene, scene, k)
+                                ? c.scale * longest_way(last_of(c.before_scene, scene, k), scene.here[k])
+                                : kInfinity;
+        most = std::max(most, jump);
     }
-    if (!known) ++c.scene_number;
+    note_way(c, most);
     return still;
 }
 /// Nothing does work on the cloth in this frame but gravity.
@@ -351,6 +363,7 @@ ClothReport run_frame(ClothImpl& c, State& state, const ClothStep& o, std::span<
             end(c, f);
             report.clamped = true;
             c.elastic = evaluate(c);
+            note_way(c, kInfinity);  // obstacles go on without the cloth
             break;
         }
     report.kinetic = c.kinetic;

@@ -30,7 +30,7 @@ double length(Double3 v) noexcept {
 /// How far an obstacle is at least from the middle of a tile, metres; that it is no nearer than `radius` is known if
 /// the answer is larger. As the tile saw the obstacle last, where that tells, as distances change by no more than the
 /// ways gone.
-double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle, double radius) noexcept {
+[[gnu::cold]] double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle, double radius) noexcept {
     const Double3 local = (1 / c.scale) * middle;
     if (shape.kind != ObstacleKind::Surface) return c.scale * probe(shape, local).distance;
     // The first surfaces have lists of near tiles and notes.
@@ -39,14 +39,14 @@ double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double
         shape.near == nullptr
             ? passing
             : c.tiles_seen[static_cast<std::size_t>(shape.near - c.near_tiles.data()) * c.tile_count + tile];
+    const double way = c.scene_way / c.scale;
     for (bool fresh = false;; fresh = true) {
         if (seen.scene == c.scene_number) {
-            const double gone = c.scene_way - seen.way, clear = c.scale * seen.from.clearance(shape, local) - gone;
-            if (fresh || clear > radius || c.scale * seen.from.at_most(shape, local) + gone <= radius) return clear;
+            const double clear = c.scale * seen.from.clearance(shape, local, way);
+            if (fresh || clear > radius || c.scale * seen.from.at_most(shape, local, way) <= radius) return clear;
         }
-        seen.from.note(local, probe(shape, local).distance);
+        seen.from.note(local, probe(shape, local).distance, way);
         seen.scene = c.scene_number;
-        seen.way = c.scene_way;
     }
 }
 
@@ -224,7 +224,7 @@ double pressed_energy(const ClothImpl& c, double by) noexcept {
     return energy;
 }
 
-[[gnu::cold]] void end_contacts(ClothImpl& c, std::span<StepTool> answers, double friction, double share) noexcept {
+void end_contacts(ClothImpl& c, std::span<StepTool> answers, double friction, double share) noexcept {
     for (std::uint32_t n = 0; n < c.contact_count; ++n) {
         const Contact& t = c.contacts[n];
         const Spot k = c.spot_of(t.sample);

@@ -69,33 +69,35 @@ DGM_API void look_into(const Shape& shape, const Box& box) noexcept;
 [[nodiscard]] bool is_apart(const Shape& shape, const StateImpl& state, const Rect& samples) noexcept;
 /// Distance from the plane of a facet that probe() found near by.
 [[nodiscard]] Probe facet_probe(const Shape& shape, std::uint32_t facet, Double3 point) noexcept;
-/// Bounds from one search of a surface for points near by: distances change by no more than the way gone.
+/// Bounds from one search of a surface for points near by: distances change by no more than the ways gone. `way` is
+/// what the obstacle has gone since it was first seen, at most.
 class Surroundings {
  public:
     /// At least this far before the obstacle; no bound where negative.
-    [[nodiscard]] double clearance(const Shape& shape, Double3 point) const noexcept {
+    [[nodiscard]] double clearance(const Shape& shape, Double3 point, double way = 0) const noexcept {
         if (shape.kind != ObstacleKind::Surface) return -1;  // quicker asked than remembered
-        return before(shape) - gone(shape, point);
+        return before(shape) - gone(shape, point, way);
     }
     /// Of a surface: at most this far before it.
-    [[nodiscard]] double at_most(const Shape& shape, Double3 point) const noexcept {
-        return before(shape) + gone(shape, point);
+    [[nodiscard]] double at_most(const Shape& shape, Double3 point, double way = 0) const noexcept {
+        return before(shape) + gone(shape, point, way);
     }
-    void note(Double3 point, double distance) noexcept {
+    void note(Double3 point, double distance, double way = 0) noexcept {
         at_ = point;
         distance_ = distance;
+        way_ = way;
     }
 
  private:
     [[nodiscard]] double before(const Shape& shape) const noexcept {
         return shape.is_limited() ? std::fabs(distance_) - shape.reach : distance_;
     }
-    [[nodiscard]] double gone(const Shape& shape, Double3 point) const noexcept {
-        const Double3 way = point - at_;
-        return std::sqrt(dot(way, way)) * (1 + 1e-9) + shape.rounding;
+    [[nodiscard]] double gone(const Shape& shape, Double3 point, double way) const noexcept {
+        const Double3 off = point - at_;
+        return (way - way_) + std::sqrt(dot(off, off)) * (1 + 1e-9) + shape.rounding;
     }
     Double3 at_;
-    double distance_ = 0;
+    double distance_ = 0, way_ = 0;
 };
 /// Lower bound of the distance of all points of a box (local frame).
 [[nodiscard]] double box_distance(const Shape& shape, const Box& box) noexcept;

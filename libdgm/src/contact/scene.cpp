@@ -14,7 +14,7 @@ namespace dgm::detail {
 namespace {
 
 /// Place in a scene, or its count.
-[[gnu::noinline]] std::uint32_t place_of(const Scene& scene, std::uint32_t id) noexcept {
+std::uint32_t place_of(const Scene& scene, std::uint32_t id) noexcept {
     return static_cast<std::uint32_t>(std::find(scene.ids, scene.ids + scene.count, id) - scene.ids);
 }
 

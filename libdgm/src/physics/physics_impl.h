@@ -88,11 +88,6 @@ struct Tile {
     }
 };
 
-/// How a tile saw a surface last.
-struct TileSeen {
-    Surroundings from;  ///< its middle
-    double way = 0;     ///< SurfaceSeen::way then
-};
 /// A surface that tiles have seen.
 struct SurfaceSeen {
     std::uint32_t obstacle = kNone;
@@ -170,7 +165,7 @@ struct PhysicsImpl {
     static constexpr std::uint32_t kSurfaces = 4;  ///< obstacles with memory for searches: further ones have none
     Array<NearTiles> near_tiles;                   ///< by surface
     Array<physics::Tile> tiles;                    ///< before the step
-    Array<physics::TileSeen> tiles_seen;           ///< by surface and tile
+    Array<Surroundings> tiles_seen;                ///< by surface and tile: of its middle
     physics::SurfaceSeen surface_seen[kSurfaces];  ///< that `tiles_seen` is of
     Array<physics::Sight> sights;                  ///< of a row of tiles
     std::uint32_t touching_count = 0, touching_now = 0;

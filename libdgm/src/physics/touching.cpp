@@ -75,8 +75,8 @@ Tile take_tiles(PhysicsImpl& p, const StateImpl& s) noexcept {
 
 /// Notes of tiles about one obstacle.
 struct Notes {
-    TileSeen* tiles = nullptr;  ///< null: none are kept
-    double way = 0;             ///< SurfaceSeen::way
+    Surroundings* tiles = nullptr;  ///< null: none are kept
+    double way = 0;                 ///< SurfaceSeen::way
 };
 
 /// Looks at one obstacle from all samples, a row of tiles at a time: what is near a tile serves all its samples, and
@@ -92,30 +92,26 @@ class Lookout {
         const std::uint32_t across = (p_.cols + kTile - 1) / kTile;
         for (std::uint32_t j0 = 0; j0 < p_.cols; j0 += kTile) {
             const std::uint32_t k = i0 / kTile * across + j0 / kTile;
-            TileSeen passing;
-            TileSeen& seen = notes_.tiles != nullptr ? notes_.tiles[k] : passing;
-            if (may_meet(p_.tiles[k], seen))
-                look_from(p_.tiles[k], i0, j0, seen.from);
+            Surroundings passing;
+            Surroundings& from = notes_.tiles != nullptr ? notes_.tiles[k] : passing;
+            if (is_near(p_.tiles[k], from))
+                look_from(p_.tiles[k], i0, j0, from);
             else
                 each_sample(i0, j0, [](std::uint32_t, Sight& sight) { sight.near = false; });
         }
     }
 
  private:
-    bool may_meet(const Tile& tile, TileSeen& seen) const noexcept {
-        const double far = tile.radius() + reach_, gone = notes_.way - seen.way;
-        if (shape_.kind == ObstacleKind::Surface &&
-            (seen.from.clearance(shape_, tile.centre()) - gone > far || body_.clearance(shape_, tile.centre()) > far))
-            return false;
-        seen.way = notes_.way;
-        return is_near(tile, seen.from);
-    }
     bool is_near(const Tile& tile, Surroundings& from) const noexcept {
         const Double3 centre = tile.centre();
-        const double distance = probe(shape_, centre).distance;
-        from.note(centre, distance);
-        const bool is_surface = shape_.kind == ObstacleKind::Surface;
-        return !((is_surface ? from.clearance(shape_, centre) : distance) > tile.radius() + reach_);
+        const double far = tile.radius() + reach_;
+        if (shape_.kind != ObstacleKind::Surface) return !(probe(shape_, centre).distance > far);
+        if (clearance(from, centre) > far || clearance(body_, centre) > far) return false;
+        from.note(centre, probe(shape_, centre).distance, notes_.way);
+        return !(clearance(from, centre) > far);
+    }
+    [[nodiscard]] double clearance(const Surroundings& from, Double3 x) const noexcept {
+        return from.clearance(shape_, x, notes_.way);
     }
     void look_from(const Tile& tile, std::uint32_t i0, std::uint32_t j0, const Surroundings& from) noexcept {
         look_into(shape_, tile.box());
@@ -124,11 +120,11 @@ class Lookout {
             sight.near = false;
             if (p_.fine().own[k] == 0 || p_.free[k] == 0) return;
             const Double3 x = place(p_, s_, k);
-            if (last.clearance(shape_, x) > reach_ || from.clearance(shape_, x) > reach_) return;
+            if (clearance(last, x) > reach_ || clearance(from, x) > reach_) return;
             sight.there = probe(shape_, x);
             sight.triangle = shape_.hint;
             sight.near = sight.there.distance < reach_;
-            last.note(x, sight.there.distance);
+            last.note(x, sight.there.distance, notes_.way);
         });
     }
     template <class F>
@@ -156,10 +152,10 @@ class Memory {
         NearTiles& near = p_.near_tiles[used_];
         near.listed = near.wanted = false;
         shape.near = &near;
-        TileSeen* const tiles = p_.tiles_seen.data() + used_ * p_.tiles.size();
+        Surroundings* const tiles = p_.tiles_seen.data() + used_ * p_.tiles.size();
         SurfaceSeen& seen = p_.surface_seen[used_++];
         const bool known = seen.obstacle == scene.ids[o] && has_kept_shape(before, scene, o);
-        if (!known) std::fill(tiles, tiles + p_.tiles.size(), TileSeen{});
+        if (!known) std::fill(tiles, tiles + p_.tiles.size(), Surroundings{});
         seen = {scene.ids[o], known ? seen.way + longest_way(last_of(before, scene, o), shape) : 0};
         return {tiles, seen.way};
     }
@@ -239,9 +235,10 @@ bool find_touching(PhysicsImpl& p, const StateImpl& s) noexcept {
             for (std::uint32_t j = 0; j < p.cols; ++j)
                 if (row[j].near) add(i * p.cols + j, row[j]);
         }
-        if (fits) continue;
-        notes.forget();
-        return false;
+        if (!fits) {
+            notes.forget();
+            return false;
+        }
     }
     p.touching_now = 1 - p.touching_now;
     p.touching_count = count;

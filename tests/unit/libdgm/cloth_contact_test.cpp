@@ -410,6 +410,29 @@ TEST(ClothContact, WhatWasSeenOfMovingThingsChangesNoBit) {
     }
 }
 
+TEST(ClothContact, WhatWasSeenOfToolsThatGrowChangesNoBit) {
+    // A tool that stays, and from time to time has a larger radius at once.
+    const auto grow = [](bool remembers) {
+        Drape d(grid_chart(33, 33, [](double i, double j) {
+            return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
+        }));
+        d.how.gravity = {};
+        d.how.tool_radius = 0.06f;
+        const ToolInput tool{.position = {0, 0, 0}, .engaged = true};
+        if (!remembers) forget(*d.cloth.impl());
+        std::uint32_t most = 0;
+        for (int k = 0; k < 24; ++k) {
+            if (k % 4 == 3) d.how.tool_radius += 0.015f;
+            most = std::max(most, step(d.state, d.cloth, d.how, {&tool, 1}).value().contacts);
+        }
+        EXPECT_GT(most, 0u);
+        const PointView now = d.state.positions();
+        return std::vector<float>(now.z, now.z + now.count);
+    };
+    const std::vector<float> a = grow(true), b = grow(false);
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
+}
+
 TEST(ClothContact, FastSkinsPushClothAhead) {
     // A ball comes at 4 m/s and turns about x at 3 rad/s, sample by sample.
     Drape d(grid_chart(33, 33, [](double i, double j) {
