@@ -188,12 +188,9 @@ Table drape_table() {
     t.title = "A sheet that falls on things";
     t.note =
         "Frames of 1/60 s of a sheet of cotton, 2 mm thick, that falls on a plane, or on a ball of 0.3 m and a plane: "
-        "a "
-        "sphere, the same as a map of 129 x 129 samples, which stays or goes to and fro at 0.12 m/s, and with contact "
-        "of "
-        "the sheet with itself. All levels. "
-        "Samples "
-        "that bear and places kept apart are those of the last frame.";
+        "a sphere, the same as a map of 129 x 129 samples, which stays or goes to and fro at 0.12 m/s, and with "
+        "contact of the sheet with itself. All levels. Samples that bear and places kept apart are those of the last "
+        "frame.";
     t.columns = subject_columns({key_column("below", "on"), key_column("substeps", "substeps"),
                                  key_column("cycles", "cycles"), time_column("p50_us", "p50", "us"),
                                  time_column("p99_us", "p99", "us"), time_column("p999_us", "p99.9", "us"),

@@ -16,7 +16,7 @@ namespace dgm::bench {
 namespace {
 
 constexpr std::size_t kWarmUp = 50;
-constexpr double kOverlap = 0.02;  ///< of the bodies' boxes, in heights
+constexpr double kOverlap = 0.02;  ///< how far the body dips in, in heights
 constexpr double kSwing = 0.01;    ///< of what goes, to both sides, in heights
 constexpr double kTurn = 0.02;     ///< radians a step of that swing
 
@@ -33,27 +33,22 @@ constexpr struct {
 /// A body, and what is above it and dips into it.
 class Pair {
  public:
-    Pair(const Subject& subject, double metres_per_unit, double dt, Beside what)
+    Pair(const Subject& subject, const PhysicsSweepOptions& sweep, Beside what)
         : body_(subject.state()), other_(subject.state()), what_(what) {
+        const Extent extent = extent_of(body_);
         PhysicsOptions options;
-        options.dt = static_cast<float>(dt);
-        options.metres_per_unit = metres_per_unit;
+        options.dt = static_cast<float>(sweep.milliseconds.front() / 1000);
+        options.metres_per_unit = metres_per_unit_of(extent, sweep.metres_per_unit);
         if (auto made = Physics::create(body_, options)) physics_.emplace(std::move(made).value());
-        const PointView rest = body_.rest_positions();
-        Vec3 low = rest[0], high = low;
-        for (std::size_t k = 0; k < rest.count; ++k) {
-            if (rest[k].z < low.z) low = rest[k];
-            if (rest[k].z > high.z) high = rest[k];
-        }
-        height_ = double{high.z} - double{low.z};
+        height_ = double{extent.highest.z} - double{extent.lowest.z};
         const auto dip = static_cast<float>(kOverlap * height_);
         if (what == Beside::kPlane) {
-            thing_.point.z = high.z - dip;
+            thing_.point.z = extent.highest.z - dip;
             thing_.normal = {0, 0, -1};
         } else {
             thing_.kind = ObstacleKind::Surface;
             thing_.surface = &other_;
-            thing_.point = high - low;  // its lowest sample in the body's highest
+            thing_.point = extent.highest - extent.lowest;
             thing_.point.z -= dip;
         }
         start_ = thing_.point.x;
@@ -96,10 +91,10 @@ Table beside_table() {
     return t;
 }
 
-void add_beside_rows(Table& table, const Subject& subject, const PhysicsSweepOptions& options, double metres_per_unit) {
+void add_beside_rows(Table& table, const Subject& subject, const PhysicsSweepOptions& options) {
     for (const auto& [what, name] : kAll) {
         stop_if_interrupted();
-        Pair pair(subject, metres_per_unit, options.milliseconds.front() / 1000, what);
+        Pair pair(subject, options, what);
         if (!pair.has_physics()) return;
         std::uint32_t most = 0;
         const TickTimes times = time_ticks(

@@ -44,21 +44,12 @@ class Poked {
  public:
     /// With a stride, physics of every stride-th sample, shown on all.
     Poked(const Subject& subject, const Way& way, std::uint32_t stride = 0) : state_(subject.state()), dt_(way.dt) {
-        const PointView rest = state_.rest_positions();
-        std::array<double, 3> low{}, high{};
-        for (std::uint32_t k = 0; k < rest.count; ++k) {
-            const std::array<double, 3> x{rest[k].x, rest[k].y, rest[k].z};
-            for (std::size_t c = 0; c < 3; ++c) {
-                low[c] = k == 0 ? x[c] : std::min(low[c], x[c]);
-                high[c] = k == 0 ? x[c] : std::max(high[c], x[c]);
-            }
-            if (k == 0 || rest[k].z > top_.z) top_ = rest[k];
-        }
-        diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+        const Extent extent = extent_of(state_);
+        top_ = extent.highest;
+        diagonal_ = extent.diagonal;
         PhysicsOptions options;
         options.dt = static_cast<float>(way.dt);
-        options.metres_per_unit = metres_per_unit_ =
-            way.metres_per_unit > 0 ? way.metres_per_unit : kDiagonal / diagonal_;
+        options.metres_per_unit = metres_per_unit_of(extent, way.metres_per_unit);
         options.solver = way.solver == "factors" ? Solver::Factors : Solver::Multigrid;
         if (stride != 0) make_coarse(stride);
         if (!refusal_.empty()) return;
@@ -70,7 +61,6 @@ class Poked {
     }
     /// Why there is no physics; empty: there is.
     [[nodiscard]] const std::string& refusal() const { return refusal_; }
-    [[nodiscard]] double metres_per_unit() const { return metres_per_unit_; }
 
     /// One step with the ball so deep, in shares of the deepest; nullopt: without it.
     StepReport go(std::optional<double> share, std::uint32_t cycles) {
@@ -140,7 +130,7 @@ class Poked {
     std::optional<Physics> physics_;
     std::string refusal_;
     Vec3 top_;
-    double diagonal_ = 0, dt_, time_ = 0, metres_per_unit_ = 0;
+    double diagonal_ = 0, dt_, time_ = 0;
     StepTool answer_;
 };
 
@@ -349,6 +339,27 @@ void add_rows(Run& run, const Subject& subject, const PhysicsSweepOptions& optio
 
 }  // namespace
 
+Extent extent_of(const State& body) {
+    const PointView rest = body.rest_positions();
+    Extent out{rest[0], rest[0]};
+    std::array<double, 3> low{rest[0].x, rest[0].y, rest[0].z}, high = low;
+    for (std::uint32_t k = 1; k < rest.count; ++k) {
+        const std::array<double, 3> x{rest[k].x, rest[k].y, rest[k].z};
+        for (std::size_t c = 0; c < 3; ++c) {
+            low[c] = std::min(low[c], x[c]);
+            high[c] = std::max(high[c], x[c]);
+        }
+        if (rest[k].z < out.lowest.z) out.lowest = rest[k];
+        if (rest[k].z > out.highest.z) out.highest = rest[k];
+    }
+    out.diagonal = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    return out;
+}
+
+double metres_per_unit_of(const Extent& body, double asked) {
+    return asked > 0 ? asked : kDiagonal / body.diagonal;
+}
+
 Run sweep_physics(const PhysicsSweepOptions& options, bool quiet) {
     Run run;
     run.command = "physics";
@@ -360,9 +371,7 @@ Run sweep_physics(const PhysicsSweepOptions& options, bool quiet) {
     each_subject(options.assets, options.sizes, folder.path(), options.time_limit_seconds, bar,
                  [&](const Subject& subject) {
                      for (const std::string& solver : options.solvers) add_rows(run, subject, options, solver);
-                     const Poked body(subject, {options.metres_per_unit, options.milliseconds.front() / 1000, ""});
-                     if (body.refusal().empty())
-                         add_beside_rows(run.tables[1], subject, options, body.metres_per_unit());
+                     add_beside_rows(run.tables[1], subject, options);
                      if (!options.strides.empty()) add_detail_rows(run.tables.back(), subject, options);
                  });
     run.settings = {

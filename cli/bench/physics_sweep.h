@@ -2,6 +2,8 @@
 // cli/bench/physics_sweep.h
 // dgm-bench physics: time of an implicit step of dgm::physics against its distance from the converged step.
 #pragma once
+#include <dgm/state.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -22,6 +24,15 @@ struct PhysicsSweepOptions {
     double metres_per_unit = 0;                     ///< 0: so that the body has a diagonal of 0.15 m
     double time_limit_seconds = 600;                ///< of a bake
 };
+
+/// Of a body at rest.
+struct Extent {
+    Vec3 lowest, highest;  ///< samples, by z
+    double diagonal = 0;
+};
+[[nodiscard]] Extent extent_of(const State& body);
+/// `asked`, or if that is 0 so that the diagonal is 0.15 m.
+[[nodiscard]] double metres_per_unit_of(const Extent& body, double asked);
 
 /// A body that refuses physics is a row that says why. @throws model::Error kInterrupted; exceptions of bakes and reads
 [[nodiscard]] Run sweep_physics(const PhysicsSweepOptions& options, bool quiet);

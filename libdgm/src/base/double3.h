@@ -4,6 +4,8 @@
 #pragma once
 #include <dgm/vec.h>
 
+#include <algorithm>
+
 namespace dgm::detail {
 
 struct Double3 {
@@ -23,6 +25,13 @@ struct Double3 {
 }
 [[nodiscard]] constexpr Double3 cross(Double3 a, Double3 b) noexcept {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// Corners of the box around two points.
+[[nodiscard]] constexpr Double3 least(Double3 a, Double3 b) noexcept {
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+[[nodiscard]] constexpr Double3 greatest(Double3 a, Double3 b) noexcept {
+    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 [[nodiscard]] constexpr Double3 widen(Vec3 a) noexcept {
     return {a.x, a.y, a.z};

@@ -192,8 +192,8 @@ class SurfaceSearch {
         const Double3 grace{4 * step, 4 * step, 4 * step};
         if (n.wanted && holds(n.want[0] - grace, p_) && holds(p_, n.want[1] + grace)) {
             // Samples may have moved since the box was made.
-            n.want[0] = {std::min(n.want[0].x, p_.x), std::min(n.want[0].y, p_.y), std::min(n.want[0].z, p_.z)};
-            n.want[1] = {std::max(n.want[1].x, p_.x), std::max(n.want[1].y, p_.y), std::max(n.want[1].z, p_.z)};
+            n.want[0] = least(n.want[0], p_);
+            n.want[1] = greatest(n.want[1], p_);
             if (list_near(n, n.want[0], n.want[1], 1.5 * reach + step)) return true;
         }
         n.wanted = false;

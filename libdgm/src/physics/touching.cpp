@@ -23,13 +23,6 @@ Double3 place(const PhysicsImpl& p, const StateImpl& s, std::uint32_t k) noexcep
             double{s.rest.z[k]} + by * p.at[2][k]};
 }
 
-Double3 least(Double3 a, Double3 b) noexcept {
-    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
-}
-Double3 most(Double3 a, Double3 b) noexcept {
-    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
-
 /// Contacts of the step before: both lists are sorted by obstacle, then sample.
 class Remembered {
  public:
@@ -54,7 +47,7 @@ Tile tile_of(const PhysicsImpl& p, const StateImpl& s, std::uint32_t i0, std::ui
         for (std::uint32_t j = j0; j < std::min(j0 + kTile, p.cols); ++j) {
             const Double3 x = place(p, s, i * p.cols + j);
             out.low = least(out.low, x);
-            out.high = most(out.high, x);
+            out.high = greatest(out.high, x);
         }
     return out;
 }
@@ -67,7 +60,7 @@ Tile take_tiles(PhysicsImpl& p, const StateImpl& s) noexcept {
         for (std::uint32_t j0 = 0; j0 < p.cols; j0 += kTile) {
             *to = tile_of(p, s, i0, j0);
             all.low = least(all.low, to->low);
-            all.high = most(all.high, to->high);
+            all.high = greatest(all.high, to->high);
             ++to;
         }
     return all;

@@ -28,6 +28,18 @@ Obstacle ball(Vec3 centre, float radius) {
     o.radius = radius;
     return o;
 }
+Obstacle box_of(Vec3 half) {
+    Obstacle o;
+    o.kind = ObstacleKind::Box;
+    o.half = half;
+    return o;
+}
+Obstacle capsule_between(Vec3 from, Vec3 to, float radius) {
+    Obstacle o = ball(from, radius);
+    o.kind = ObstacleKind::Capsule;
+    o.end = to;
+    return o;
+}
 
 /// How far a sheet slides down a plane of this slope in half a second, half a second after it was laid there, and its
 /// acceleration.
@@ -341,19 +353,29 @@ void turn(Obstacle& o, double angle) {
     std::transform(r, r + 9, o.rotation, [](double x) { return float(x); });
 }
 
+/// It hovers.
+Drape level_sheet() {
+    Drape d(grid_chart(33, 33, [](double i, double j) {
+        return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
+    }));
+    d.how.gravity = {};
+    return d;
+}
+std::vector<float> heights(const Drape& d) {
+    const PointView now = d.state.positions();
+    return {now.z, now.z + now.count};
+}
+
 TEST(ClothContact, WhatWasSeenOfMovingThingsChangesNoBit) {
     // Each goes its own way, turns or grows, beside a ball that stays; the skin bends, with and without telling how it
     // was; reach changes. Nothing pulls, so that what comes is met by cloth that has been seen to be clear.
     using Path = std::function<void(Obstacle&, int)>;
     const auto fall = [](Obstacle thing, const Path& path, Skin* skin, bool remembers) {
-        Drape d(grid_chart(33, 33, [](double i, double j) {
-            return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
-        }));
+        Drape d = level_sheet();
         if (skin != nullptr) thing = obstacle_of(*skin);
         Obstacle both[] = {thing, ball({0.2f, 0.2f, 0}, 0.1f)};
         d.how.obstacles = both;
         d.how.friction = 0.5f;
-        d.how.gravity = {};
         if (!remembers) forget(*d.cloth.impl());
         std::uint32_t most = 0;
         for (int k = 0; k < 45; ++k) {
@@ -361,15 +383,10 @@ TEST(ClothContact, WhatWasSeenOfMovingThingsChangesNoBit) {
             most = std::max(most, d.run(1).contacts);
         }
         EXPECT_GT(most, 0u);
-        const PointView now = d.state.positions();
-        return std::vector<float>(now.z, now.z + now.count);
+        return heights(d);
     };
-    Obstacle box;
-    box.kind = ObstacleKind::Box;
-    box.half = {0.12f, 0.12f, 0.05f};
-    Obstacle capsule = ball({-0.2f, 0, 0}, 0.06f);
-    capsule.kind = ObstacleKind::Capsule;
-    capsule.end = {0.2f, 0, 0};
+    const Obstacle box = box_of({0.12f, 0.12f, 0.05f});
+    const Obstacle capsule = capsule_between({-0.2f, 0, 0}, {0.2f, 0, 0}, 0.06f);
     const auto egg = [](std::array<double, 3> n) { return std::array<double, 3>{0.2 * n[0], 0.1 * n[1], 0.1 * n[2]}; };
     const struct {
         const char* what;
@@ -413,10 +430,7 @@ TEST(ClothContact, WhatWasSeenOfMovingThingsChangesNoBit) {
 TEST(ClothContact, WhatWasSeenOfToolsThatGrowChangesNoBit) {
     // A tool that stays, and from time to time has a larger radius at once.
     const auto grow = [](bool remembers) {
-        Drape d(grid_chart(33, 33, [](double i, double j) {
-            return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
-        }));
-        d.how.gravity = {};
+        Drape d = level_sheet();
         d.how.tool_radius = 0.06f;
         const ToolInput tool{.position = {0, 0, 0}, .engaged = true};
         if (!remembers) forget(*d.cloth.impl());
@@ -426,8 +440,7 @@ TEST(ClothContact, WhatWasSeenOfToolsThatGrowChangesNoBit) {
             most = std::max(most, step(d.state, d.cloth, d.how, {&tool, 1}).value().contacts);
         }
         EXPECT_GT(most, 0u);
-        const PointView now = d.state.positions();
-        return std::vector<float>(now.z, now.z + now.count);
+        return heights(d);
     };
     const std::vector<float> a = grow(true), b = grow(false);
     EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
@@ -490,12 +503,8 @@ TEST(ClothContact, EveryKindOfObstacleBearsIt) {
     State seat = make_state(closed_chart(33, [](std::array<double, 3> n) {
         return std::array<double, 3>{0.3 * n[0], 0.3 * n[1], 0.1 * n[2]};
     }));
-    Obstacle box;
-    box.kind = ObstacleKind::Box;
-    box.half = {0.3f, 0.3f, 0.1f};
-    Obstacle capsule = ball({-0.2f, 0, 0}, 0.1f);
-    capsule.kind = ObstacleKind::Capsule;
-    capsule.end = {0.2f, 0, 0};
+    const Obstacle box = box_of({0.3f, 0.3f, 0.1f});
+    const Obstacle capsule = capsule_between({-0.2f, 0, 0}, {0.2f, 0, 0}, 0.1f);
     Obstacle surface;
     surface.kind = ObstacleKind::Surface;
     surface.surface = &seat;
