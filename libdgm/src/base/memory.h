@@ -4,7 +4,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -27,6 +26,18 @@ DGM_API void release(const Allocator& allocator, void* memory, std::size_t bytes
 /// Both functions given, or neither.
 [[nodiscard]] DGM_API bool is_valid(const Allocator& allocator) noexcept;
 
+/// Memory of an array, whatever its elements are.
+struct ArrayMemory {
+    Allocator allocator;
+    void* data = nullptr;
+    std::size_t size = 0;  ///< elements
+
+    /// For `count` elements of `each` bytes, aligned to kMaxAlignment. @return false if there is no memory, or elements
+    /// are more than memory can have; nothing is changed then, nor for none
+    [[nodiscard]] DGM_API bool take(const Allocator& from, std::uint64_t count, std::size_t each) noexcept;
+    DGM_API void give_back(std::size_t each) noexcept;
+};
+
 /// Fixed array of trivial elements; starts empty, filled once by allocate().
 template <class T>
 class Array {
@@ -36,48 +47,33 @@ class Array {
     Array() noexcept = default;
     Array(const Array&) = delete;
     Array& operator=(const Array&) = delete;
-    Array(Array&& other) noexcept
-        : allocator_(other.allocator_),
-          data_(std::exchange(other.data_, nullptr)),
-          size_(std::exchange(other.size_, 0)) {}
+    Array(Array&& other) noexcept : memory_(std::exchange(other.memory_, {})) {}
     Array& operator=(Array&& other) noexcept {
-        std::swap(allocator_, other.allocator_);
-        std::swap(data_, other.data_);
-        std::swap(size_, other.size_);
+        std::swap(memory_, other.memory_);
         return *this;
     }
-    ~Array() {
-        if (data_ != nullptr) release(allocator_, data_, size_ * sizeof(T));
-    }
+    ~Array() { memory_.give_back(sizeof(T)); }
 
     /// Elements are set to `fill`. @return false if there is no memory; the array is then empty.
     [[nodiscard]] bool allocate(const Allocator& allocator, std::uint64_t count, const T& fill = T{}) noexcept {
-        if (count == 0) return true;
-        if (count > std::numeric_limits<std::size_t>::max() / 2 / sizeof(T)) return false;
-        void* memory = detail::allocate(allocator, static_cast<std::size_t>(count) * sizeof(T), kMaxAlignment);
-        if (memory == nullptr) return false;
-        allocator_ = allocator;
-        data_ = static_cast<T*>(memory);
-        size_ = static_cast<std::size_t>(count);
-        for (std::size_t k = 0; k < size_; ++k) new (data_ + k) T(fill);
+        if (!memory_.take(allocator, count, sizeof(T))) return false;
+        for (T& element : *this) new (&element) T(fill);
         return true;
     }
 
-    [[nodiscard]] T& operator[](std::size_t k) noexcept { return data_[k]; }
-    [[nodiscard]] const T& operator[](std::size_t k) const noexcept { return data_[k]; }
-    [[nodiscard]] T* data() noexcept { return data_; }
-    [[nodiscard]] const T* data() const noexcept { return data_; }
-    [[nodiscard]] std::size_t size() const noexcept { return size_; }
-    [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
-    [[nodiscard]] T* begin() noexcept { return data_; }
-    [[nodiscard]] T* end() noexcept { return data_ + size_; }
-    [[nodiscard]] const T* begin() const noexcept { return data_; }
-    [[nodiscard]] const T* end() const noexcept { return data_ + size_; }
+    [[nodiscard]] T& operator[](std::size_t k) noexcept { return data()[k]; }
+    [[nodiscard]] const T& operator[](std::size_t k) const noexcept { return data()[k]; }
+    [[nodiscard]] T* data() noexcept { return static_cast<T*>(memory_.data); }
+    [[nodiscard]] const T* data() const noexcept { return static_cast<const T*>(memory_.data); }
+    [[nodiscard]] std::size_t size() const noexcept { return memory_.size; }
+    [[nodiscard]] bool empty() const noexcept { return size() == 0; }
+    [[nodiscard]] T* begin() noexcept { return data(); }
+    [[nodiscard]] T* end() noexcept { return data() + size(); }
+    [[nodiscard]] const T* begin() const noexcept { return data(); }
+    [[nodiscard]] const T* end() const noexcept { return data() + size(); }
 
  private:
-    Allocator allocator_;
-    T* data_ = nullptr;
-    std::size_t size_ = 0;
+    ArrayMemory memory_;
 };
 
 /// A T in the caller's memory, or null. T may own arrays; it is destroyed by destroy().

@@ -30,8 +30,7 @@ double length(Double3 v) noexcept {
 /// How far an obstacle is at least from the middle of a tile, metres; that it is no nearer than `radius` is known if
 /// the answer is larger. As the tile saw the obstacle last, where that tells, as distances change by no more than the
 /// ways gone.
-[[gnu::cold]] double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle,
-                                  double radius) noexcept {
+double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double3 middle, double radius) noexcept {
     const Double3 local = (1 / c.scale) * middle;
     if (shape.kind != ObstacleKind::Surface) return c.scale * probe(shape, local).distance;
     // The first surfaces have lists of near tiles and notes.

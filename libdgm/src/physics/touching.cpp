@@ -87,10 +87,14 @@ class Lookout {
             const std::uint32_t k = i0 / kTile * across + j0 / kTile;
             Surroundings passing;
             Surroundings& from = notes_.tiles != nullptr ? notes_.tiles[k] : passing;
-            if (is_near(p_.tiles[k], from))
-                look_from(p_.tiles[k], i0, j0, from);
-            else
-                each_sample(i0, j0, [](std::uint32_t, Sight& sight) { sight.near = false; });
+            const bool near = is_near(p_.tiles[k], from);
+            if (near) look_into(shape_, p_.tiles[k].box());
+            Surroundings last = from;
+            for (std::uint32_t i = i0; i < std::min(i0 + kTile, p_.rows); ++i)
+                for (std::uint32_t j = j0; j < std::min(j0 + kTile, p_.cols); ++j) {
+                    Sight& sight = p_.sights[(i - i0) * p_.cols + j];
+                    sight.near = near && sees(i * p_.cols + j, sight, from, last);
+                }
         }
     }
 
@@ -103,28 +107,18 @@ class Lookout {
         from.note(centre, probe(shape_, centre).distance, notes_.way);
         return !(clearance(from, centre) > far);
     }
+    /// @param last  the sample of the tile that was looked from last
+    bool sees(std::uint32_t k, Sight& sight, const Surroundings& from, Surroundings& last) const noexcept {
+        if (p_.fine().own[k] == 0 || p_.free[k] == 0) return false;
+        const Double3 x = place(p_, s_, k);
+        if (clearance(last, x) > reach_ || clearance(from, x) > reach_) return false;
+        sight.there = probe(shape_, x);
+        sight.triangle = shape_.hint;
+        last.note(x, sight.there.distance, notes_.way);
+        return sight.there.distance < reach_;
+    }
     [[nodiscard]] double clearance(const Surroundings& from, Double3 x) const noexcept {
         return from.clearance(shape_, x, notes_.way);
-    }
-    void look_from(const Tile& tile, std::uint32_t i0, std::uint32_t j0, const Surroundings& from) noexcept {
-        look_into(shape_, tile.box());
-        Surroundings last = from;
-        each_sample(i0, j0, [&](std::uint32_t k, Sight& sight) {
-            sight.near = false;
-            if (p_.fine().own[k] == 0 || p_.free[k] == 0) return;
-            const Double3 x = place(p_, s_, k);
-            if (clearance(last, x) > reach_ || clearance(from, x) > reach_) return;
-            sight.there = probe(shape_, x);
-            sight.triangle = shape_.hint;
-            sight.near = sight.there.distance < reach_;
-            last.note(x, sight.there.distance, notes_.way);
-        });
-    }
-    template <class F>
-    void each_sample(std::uint32_t i0, std::uint32_t j0, F f) noexcept {
-        for (std::uint32_t i = i0; i < std::min(i0 + kTile, p_.rows); ++i)
-            for (std::uint32_t j = j0; j < std::min(j0 + kTile, p_.cols); ++j)
-                f(i * p_.cols + j, p_.sights[(i - i0) * p_.cols + j]);
     }
 
     PhysicsImpl& p_;
@@ -153,9 +147,7 @@ class Memory {
         return {tiles, seen.way};
     }
     /// What was noted is of a scene that will not be.
-    void forget() noexcept {
-        for (SurfaceSeen& seen : p_.surface_seen) seen = {};
-    }
+    void forget() noexcept { std::fill(p_.surface_seen, p_.surface_seen + PhysicsImpl::kSurfaces, SurfaceSeen{}); }
 
  private:
     PhysicsImpl& p_;
