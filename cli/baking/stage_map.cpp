@@ -36,6 +36,9 @@ constexpr std::uint64_t kOtherSamples = 3;    // likewise, of other maps
 constexpr std::size_t kFittedAgain = 4;       // likewise, in second and third fits of charts
 constexpr std::size_t kRemapped = 4;          // likewise, of charts that are mapped anew, however often
 
+/// Faces that the fits of several charts may have looked at together before no more are begun: 30 s of a processor.
+constexpr std::uint64_t kLookedOfSeveral = 160'000'000;
+
 /// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;
 
@@ -278,9 +281,13 @@ Fitted fit_source(const Repaired& source, Mapped mapped, const BakeOptions& opti
     const auto again = [&](bool (ChartFits::*may_gain)() const, void (ChartFits::*fit_it)(const model::Progress&),
                            std::size_t& left) {
         std::vector<std::size_t> chosen;
+        std::uint64_t looked = 0;
+        for (const ChartFits& of : fits) looked += of.looked();
         for (std::size_t c = 0; c < fits.size(); ++c) {
             if (!(fits[c].*may_gain)() || fits[c].samples() > left) continue;
+            if (fits.size() > 1 && looked + fits[c].looked() > kLookedOfSeveral) continue;
             left -= fits[c].samples();
+            looked += fits[c].looked();  // another fit of it takes about as long as those so far
             chosen.push_back(c);
         }
         const model::Progress silent{{}, progress.cancelled};

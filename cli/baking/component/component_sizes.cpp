@@ -19,11 +19,14 @@ GridSize component_size(GridSize full, double area, double largest_area, std::ui
 
 std::vector<GridSize> component_sizes(std::span<const GridSize> full, std::span<const double> areas,
                                       std::size_t largest) {
-    constexpr std::uint64_t kMost = 10;              // times the samples of the largest
+    constexpr std::uint64_t kMost = 7;               // times the samples of the largest ...
+    constexpr std::uint64_t kMostOfSmall = 10;       // ... or so many, as long as that is ...
+    constexpr std::uint64_t kFew = 460'000;          // ... this much, which is baked within a minute
     constexpr std::uint64_t kMostOfLeast = 425'000;  // samples, if all grids are the least
     constexpr int kHalvings = 24;
     std::vector<GridSize> out(areas.size());
-    const std::uint64_t most = kMost * full[largest].rows * full[largest].cols;
+    const std::uint64_t of_largest = std::uint64_t{full[largest].rows} * full[largest].cols;
+    const std::uint64_t most = std::max(kMost * of_largest, std::min(kMostOfSmall * of_largest, kFew));
     const std::uint64_t of_least = std::uint64_t{kLeastSide} * kLeastSide * areas.size();
     const std::uint32_t least = of_least > std::max(most, kMostOfLeast) ? kLeastSideOfMany : kLeastSide;
     const auto samples_at = [&](double share) {  // of the area of all but the largest

@@ -22,8 +22,8 @@ inline constexpr std::uint32_t kLeastSide = 17, kLeastSideOfMany = 11;
                                       std::uint32_t least = kLeastSide);
 
 /// component_size() of every component; `full` as above, one each. The grids of all but the largest are smaller where
-/// they would hold more than 10 times its samples: a soup of a hundred pieces as large as each other is not worth a
-/// hundred times the time and space. The least grids may come to more than that.
+/// they would hold more than 10 times its samples, or 7 times where 10 are more than 460,000: a soup of a hundred
+/// pieces as large as each other is not worth a hundred times the time and space. The least grids may come to more.
 [[nodiscard]] std::vector<GridSize> component_sizes(std::span<const GridSize> full, std::span<const double> areas,
                                                     std::size_t largest);
 

@@ -28,17 +28,28 @@ TEST(ComponentSizes, FewComponentsKeepTheirSpacing) {
     EXPECT_EQ(sizes[3], (GridSize{17, 17}));
 }
 
+/// `count` equal components share `whole` grids of the largest's samples.
+void expect_shared(std::size_t count, std::uint32_t side, double whole) {
+    const std::vector<double> areas(count, 2.5);
+    const std::vector<GridSize> full(count, GridSize{side, side});
+    const std::vector<GridSize> sizes = component_sizes(full, areas, 3);
+    EXPECT_EQ(sizes[3].rows, side);
+    const double samples = static_cast<double>(samples_of(sizes)) / (side * side);
+    EXPECT_LE(samples, whole) << count << " of " << side;
+    EXPECT_GT(samples, 0.9 * whole) << count << " of " << side;
+    for (std::size_t c = 0; c < count; ++c) EXPECT_EQ(sizes[c], c == 3 ? sizes[3] : sizes[0]) << count;
+    EXPECT_EQ(sizes[0] == sizes[3], static_cast<double>(count) <= whole) << count << " of " << side;
+}
+
 TEST(ComponentSizes, ManyShareTenTimesTheLargest) {
-    for (const std::size_t count : {10u, 11u, 100u, 1000u}) {
-        const std::vector<double> areas(count, 2.5);
-        const std::vector<GridSize> full(count, GridSize{257, 257});
-        const std::vector<GridSize> sizes = component_sizes(full, areas, 3);
-        EXPECT_EQ(sizes[3].rows, 257u);
-        EXPECT_LE(samples_of(sizes), 10u * 257 * 257) << count;
-        EXPECT_GT(samples_of(sizes), 9u * 257 * 257) << count;
-        for (std::size_t c = 0; c < count; ++c) EXPECT_EQ(sizes[c], c == 3 ? sizes[3] : sizes[0]) << count;
-        EXPECT_EQ(sizes[0] == sizes[3], count == 10);
-    }
+    for (const std::size_t count : {10u, 11u, 100u}) expect_shared(count, 129, 10);
+}
+
+/// Seven of 257 x 257 are 462,343 samples, which ten of 217 x 217 would exceed.
+TEST(ComponentSizes, LargeOnesShareSevenTimesTheLargest) {
+    for (const std::size_t count : {7u, 8u, 100u, 1000u}) expect_shared(count, 257, 7);
+    for (const std::size_t count : {9u, 10u, 100u}) expect_shared(count, 217, 460'000.0 / (217 * 217));
+    for (const std::size_t count : {7u, 8u, 1000u}) expect_shared(count, 513, 7);
 }
 
 /// 1000 grids of 17 x 17 are more than 10 of 65 x 65 samples.
