@@ -492,7 +492,7 @@ Result<void> build_model(ClothImpl& c, const StateImpl& s) noexcept {
     constexpr std::uint64_t kSurfaces = 4;  // further ones are searched from their roots
     c.tile_count = std::size_t{(c.rows + kTile - 1) / kTile} * ((c.cols + kTile - 1) / kTile);
     if (!c.seen.allocate(a, c.total) || !c.near_tiles.allocate(a, kSurfaces) ||
-        !c.tiles_seen.allocate(a, kSurfaces * c.tile_count))
+        !c.tiles_seen.allocate(a, kSurfaces * c.tile_count) || !c.tiles_met.allocate(a, c.tile_count))
         return kNoMemory;
     if (!c.options.self_contact) return {};
     if (!c.meetings.allocate(a, 8 * std::uint64_t{c.total}) || !c.edges.allocate(a, 2 * std::uint64_t{kMostEdges}) ||

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "cloth/cloth_impl.h"
 
@@ -51,9 +52,10 @@ double clearance_of(ClothImpl& c, std::uint32_t tile, const Shape& shape, Double
 }
 
 /// Calls f(sample, bits of obstacles, others) for samples in tiles within `margin` metres of some obstacle; from
-/// obstacles that have no bit they are at least `others` metres, which is more.
+/// obstacles that have no bit they are at least `others` metres, which is more. With `was_near`, by tile, also without
+/// bits for those in tiles that were so near in the call before.
 template <class F>
-void each_near(ClothImpl& c, double margin, F f) noexcept {
+void each_near(ClothImpl& c, double margin, std::uint8_t* was_near, F f) noexcept {
     std::uint32_t tile = 0;
     for (std::uint32_t i0 = 0; i0 < c.rows; i0 += kTile)
         for (std::uint32_t j0 = 0; j0 < c.cols; j0 += kTile, ++tile) {
@@ -89,7 +91,9 @@ void each_near(ClothImpl& c, double margin, F f) noexcept {
                 }
                 look_into(shape, box);
             }
-            if (near == 0) continue;
+            const auto is_near = static_cast<std::uint8_t>(near != 0 ? 1 : 0);
+            const bool left = was_near != nullptr && std::exchange(was_near[tile], is_near) > is_near;
+            if (near == 0 && !left) continue;
             for (std::uint32_t i = i0; i < i1; ++i)
                 for (std::uint32_t j = j0; j < j1; ++j) f(i * c.cols + j, near, others);
         }
@@ -179,15 +183,16 @@ void find_contacts(ClothImpl& c, double h, double friction) noexcept {
     }
     std::fill(l.on.touched, l.on.touched + l.rows, std::uint8_t{0});
     c.contact_count = 0;
-    if (c.scene.count == 0) return;
+    if (c.scene.count == 0 && !std::exchange(c.met_any, false)) return;
+    c.met_any = c.scene.count != 0;
     const double keep = std::max(double{c.options.thickness}, 1e-3 * c.mean_step);
     // What is farther than `keep` is no contact; what is seen to be farther by as much need not be asked again soon.
     const double margin = 0.5 * double{c.options.thickness} + 2 * keep;
-    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near, double others) {
+    each_near(c, margin, c.tiles_met.data(), [&](std::uint32_t sample, std::uint64_t near, double others) {
         const Spot k = c.spot_of(sample);
-        if (l.own[k] == 0 || l.free[k] == 0) return;
+        if (l.own[k] == 0) return;
         const auto let_go = [&] { each_copy(c, sample, [&](std::uint32_t s) { c.pressed[c.spot_of(s)] = 0; }); };
-        if (is_clear(c, sample, keep)) return let_go();
+        if (near == 0 || l.free[k] == 0 || is_clear(c, sample, keep)) return let_go();
         const Found f = look(c, sample, near, others);
         Contact t{sample, f.obstacle, f.normal, f.gap, 0, 0, 0, {}, {}};
         t.press = double{c.firm[k]} + kPress * double{c.weight[k]} / (h * h);
@@ -246,7 +251,7 @@ void push_out(ClothImpl& c) noexcept {
     const Level& l = c.fine();
     if (c.scene.count == 0) return;
     const double margin = 0.5 * double{c.options.thickness};
-    each_near(c, margin, [&](std::uint32_t sample, std::uint64_t near, double others) {
+    each_near(c, margin, nullptr, [&](std::uint32_t sample, std::uint64_t near, double others) {
         const Spot k = c.spot_of(sample);
         if (l.own[k] == 0 || l.free[k] == 0) return;
         for (int round = 0; round < 3; ++round) {  // out of one obstacle may be into another one

@@ -8,38 +8,12 @@
 #include <limits>
 #include <vector>
 
-#include "cloth_shapes.h"
+#include "cloth_obstacles.h"
 
 namespace dgm::test {
 namespace {
 
 using detail::Double3;
-
-Obstacle plane(Vec3 point, Vec3 normal) {
-    Obstacle o;
-    o.point = point;
-    o.normal = normal;
-    return o;
-}
-Obstacle ball(Vec3 centre, float radius) {
-    Obstacle o;
-    o.kind = ObstacleKind::Sphere;
-    o.point = centre;
-    o.radius = radius;
-    return o;
-}
-Obstacle box_of(Vec3 half) {
-    Obstacle o;
-    o.kind = ObstacleKind::Box;
-    o.half = half;
-    return o;
-}
-Obstacle capsule_between(Vec3 from, Vec3 to, float radius) {
-    Obstacle o = ball(from, radius);
-    o.kind = ObstacleKind::Capsule;
-    o.end = to;
-    return o;
-}
 
 /// How far a sheet slides down a plane of this slope in half a second, half a second after it was laid there, and its
 /// acceleration.
@@ -108,41 +82,6 @@ TEST(ClothContact, ComesAlongWithAMovingTable) {
     }
 }
 
-/// A sheet whose samples are led, with its shape of the frame before.
-struct Skin {
-    Drape led;
-    std::vector<float> before[3];
-    std::vector<Vec3> rest;
-    explicit Skin(const ChartSpec& chart = grid_chart(17, 17,
-                                                      [](double i, double j) {
-                                                          return Point{float(i / 8 - 0.5), float(j / 8 - 0.5), 0};
-                                                      }))
-        : led(chart) {
-        led.how.gravity = {};
-        for (std::uint32_t k = 0; k < led.state.rows() * led.state.cols(); ++k)
-            if (led.state.impl()->representative(k) == k) led.pin(k);
-        for (const Pin& pin : led.pins) rest.push_back(pin.position);
-    }
-    /// Each sample goes to to(its rest).
-    template <class To>
-    void lead(const To& to) {
-        const PointView now = led.state.positions();
-        before[0].assign(now.x, now.x + now.count);
-        before[1].assign(now.y, now.y + now.count);
-        before[2].assign(now.z, now.z + now.count);
-        for (std::size_t k = 0; k < rest.size(); ++k) led.pins[k].position = to(rest[k]);
-        led.run(1);
-    }
-    [[nodiscard]] PointView shape_before() const {
-        return {before[0].data(), before[1].data(), before[2].data(), before[0].size(), 1};
-    }
-};
-Obstacle obstacle_of(Skin& skin) {
-    Obstacle o;
-    o.kind = ObstacleKind::Surface;
-    o.surface = &skin.led.state;
-    return o;
-}
 /// How far a sheet comes along in half a second with a skin that is pulled by 1.5 m/s^2 while its frame stays.
 double taken_along(bool known) {
     ClothOptions o;
@@ -302,148 +241,6 @@ TEST(ClothContact, FastObstaclesPushClothAhead) {
         d.run(1);
         EXPECT_NEAR(d.at(16, 16).z, double{thrown.point.z} + 0.0605, 1e-3) << k;
     }
-}
-
-/// From now on nothing that was seen tells of the next substeps.
-void forget(detail::ClothImpl& c) {
-    c.near_tiles = {};
-    c.scene_way = std::numeric_limits<double>::quiet_NaN();
-}
-
-TEST(ClothContact, WhatWasSeenBeforeChangesNoBit) {
-    // On a closed ball and on an open sheet that lets through what is far behind it; the ball moves for a while.
-    const auto fall = [](bool remembers) {
-        ClothOptions o;
-        o.self_contact = true;
-        o.thickness = 4e-3f;
-        Drape d(grid_chart(33, 33,
-                           [](double i, double j) {
-                               return Point{float(i / 40 - 0.4), float(j / 40 - 0.4), 0.31f};
-                           }),
-                o);
-        State ball = make_state(closed_chart(33, [](std::array<double, 3> n) -> std::array<double, 3> {
-            return {0.2 * n[0], 0.2 * n[1], 0.3 * n[2]};
-        }));
-        State floor = make_state(grid_chart(17, 17, [](double i, double j) {
-            return Point{float(i / 8 - 1), float(j / 8 - 1), float(-0.1 + 0.02 * std::sin(i))};
-        }));
-        Obstacle things[] = {{.kind = ObstacleKind::Surface, .surface = &ball},
-                             {.kind = ObstacleKind::Surface, .surface = &floor},
-                             {.kind = ObstacleKind::Sphere, .point = {0.3f, 0.3f, 0}, .radius = 0.1f}};
-        d.how.obstacles = things;
-        d.how.friction = 0.5f;
-        detail::ClothImpl& c = *d.cloth.impl();
-        if (!remembers) forget(c);
-        for (int k = 0; k < 90; ++k) {
-            if (k >= 30 && k < 50) things[0].point.x += 0.004f;
-            d.run(1);
-        }
-        EXPECT_GT(c.contact_count, 100u);
-        const PointView now = d.state.positions();
-        return std::vector<float>(now.x, now.x + now.count);
-    };
-    const std::vector<float> a = fall(true), b = fall(false);
-    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
-}
-
-/// Turned about y.
-void turn(Obstacle& o, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle);
-    const double r[9] = {c, 0, s, 0, 1, 0, -s, 0, c};
-    std::transform(r, r + 9, o.rotation, [](double x) { return float(x); });
-}
-
-/// It hovers.
-Drape level_sheet() {
-    Drape d(grid_chart(33, 33, [](double i, double j) {
-        return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
-    }));
-    d.how.gravity = {};
-    return d;
-}
-std::vector<float> heights(const Drape& d) {
-    const PointView now = d.state.positions();
-    return {now.z, now.z + now.count};
-}
-
-TEST(ClothContact, WhatWasSeenOfMovingThingsChangesNoBit) {
-    // Each goes its own way, turns or grows, beside a ball that stays; the skin bends, with and without telling how it
-    // was; reach changes. Nothing pulls, so that what comes is met by cloth that has been seen to be clear.
-    using Path = std::function<void(Obstacle&, int)>;
-    const auto fall = [](Obstacle thing, const Path& path, Skin* skin, bool remembers) {
-        Drape d = level_sheet();
-        if (skin != nullptr) thing = obstacle_of(*skin);
-        Obstacle both[] = {thing, ball({0.2f, 0.2f, 0}, 0.1f)};
-        d.how.obstacles = both;
-        d.how.friction = 0.5f;
-        if (!remembers) forget(*d.cloth.impl());
-        std::uint32_t most = 0;
-        for (int k = 0; k < 45; ++k) {
-            path(both[0], k);
-            most = std::max(most, d.run(1).contacts);
-        }
-        EXPECT_GT(most, 0u);
-        return heights(d);
-    };
-    const Obstacle box = box_of({0.12f, 0.12f, 0.05f});
-    const Obstacle capsule = capsule_between({-0.2f, 0, 0}, {0.2f, 0, 0}, 0.06f);
-    const auto egg = [](std::array<double, 3> n) { return std::array<double, 3>{0.2 * n[0], 0.1 * n[1], 0.1 * n[2]}; };
-    const struct {
-        const char* what;
-        Obstacle thing;
-        Path path;
-    } all[] = {
-        {"a ball that grows", ball({0, 0, -0.05f}, 0.1f), [](Obstacle& o, int) { o.radius += 0.002f; }},
-        {"a ball that comes", ball({-0.4f, 0, 0.05f}, 0.1f), [](Obstacle& o, int) { o.point.x += 0.01f; }},
-        {"a capsule that swings", capsule, [](Obstacle& o, int k) { o.end.z = float(0.1 * std::sin(0.2 * k)); }},
-        {"a box that turns", box, [](Obstacle& o, int k) { turn(o, 0.05 * k); }},
-        {"a plane that turns", plane({0, 0, 0}, {0, 0, 1}), [](Obstacle& o, int k) { o.normal.x = float(0.02 * k); }},
-        {"a plane that rises", plane({0, 0, 0}, {0, 0, 1}), [](Obstacle& o, int) { o.point.z += 0.004f; }},
-        {"a plane from the side", plane({0.29f, 0.29f, 0}, {-1, -1, -0.5f}),
-         [](Obstacle& o, int k) { o.point.x -= k < 2 ? 0 : 0.012f; }},
-    };
-    for (const auto& one : all) {
-        SCOPED_TRACE(one.what);
-        const std::vector<float> a = fall(one.thing, one.path, nullptr, true),
-                                 b = fall(one.thing, one.path, nullptr, false);
-        EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
-    }
-    for (const bool known : {false, true}) {
-        SCOPED_TRACE(known);
-        std::vector<float> shape[2];
-        for (const bool remembers : {false, true}) {
-            Skin skin(closed_chart(33, egg));
-            const Path path = [&](Obstacle& o, int k) {
-                if (!known) turn(o, 0.02 * k);
-                o.point.z = 0;
-                o.reach = k < 10 ? 0.03f : 0;
-                if (k < 5 || k % 10 > 6) return;
-                skin.lead([&](Vec3 v) { return Vec3{v.x, v.y, v.z * (1 + 0.0004f * k * k)}; });
-                o.before = known ? skin.shape_before() : PointView{};
-            };
-            shape[remembers ? 1 : 0] = fall({}, path, &skin, remembers);
-        }
-        EXPECT_EQ(std::memcmp(shape[0].data(), shape[1].data(), shape[0].size() * sizeof(float)), 0);
-    }
-}
-
-TEST(ClothContact, WhatWasSeenOfToolsThatGrowChangesNoBit) {
-    // A tool that stays, and from time to time has a larger radius at once.
-    const auto grow = [](bool remembers) {
-        Drape d = level_sheet();
-        d.how.tool_radius = 0.06f;
-        const ToolInput tool{.position = {0, 0, 0}, .engaged = true};
-        if (!remembers) forget(*d.cloth.impl());
-        std::uint32_t most = 0;
-        for (int k = 0; k < 24; ++k) {
-            if (k % 4 == 3) d.how.tool_radius += 0.015f;
-            most = std::max(most, step(d.state, d.cloth, d.how, {&tool, 1}).value().contacts);
-        }
-        EXPECT_GT(most, 0u);
-        return heights(d);
-    };
-    const std::vector<float> a = grow(true), b = grow(false);
-    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
 }
 
 TEST(ClothContact, FastSkinsPushClothAhead) {

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <functional>
+#include <random>
 #include <vector>
 
 #include "physics/physics_impl.h"
@@ -208,6 +210,83 @@ TEST(PhysicsSurfaces, AreSeenAfterAStepThatWasRefused) {
         ASSERT_TRUE(step(body.state, body.physics, beside(all)).ok());
         EXPECT_EQ(expect_all_seen(body, gaps, 0) > 0, x != 150.0f);
     }
+}
+
+/// A few surfaces that come and go, turn, jump, bend and grow, and their reaches, as chance has it.
+class AnySurfaces {
+ public:
+    explicit AnySurfaces(std::uint32_t seed) : random_(seed) {
+        states_.push_back(make_state(ball_chart(17, 30)));
+        states_.push_back(make_state(wavy_chart(17, 150)));
+        const std::uint32_t count = 1 + random_() % 5;
+        for (std::uint32_t k = 0; k < count; ++k) add(k);
+    }
+    [[nodiscard]] std::span<const Obstacle> things() const { return things_; }
+    [[nodiscard]] bool one_in(std::uint32_t n) { return random_() % n == 0; }
+    void go_on() {
+        for (Obstacle& o : things_)
+            if (!one_in(3)) move(o);
+        if (one_in(15) && things_.size() < 7) add(random_() % (things_.size() + 1));
+        if (one_in(15) && things_.size() > 1) things_.erase(things_.begin() + random_() % things_.size());
+        if (one_in(20)) bend(states_[random_() % states_.size()]);
+    }
+
+ private:
+    [[nodiscard]] float between(double low, double high) {
+        return float(low + (high - low) * double(random_()) / double(std::mt19937::max()));
+    }
+    [[nodiscard]] Vec3 around() {
+        const double angle = double{between(0, 6.3)}, far = double{between(90, 160)};
+        return {float(far * std::cos(angle)), float(far * std::sin(angle)), between(-60, 60)};
+    }
+    void add(std::size_t at) {
+        Obstacle o{.kind = one_in(5) ? ObstacleKind::Sphere : ObstacleKind::Surface, .point = around(), .radius = 20};
+        if (o.kind == ObstacleKind::Surface) o.surface = &states_[random_() % states_.size()];
+        things_.insert(things_.begin() + std::ptrdiff_t(at), o);
+    }
+    void move(Obstacle& o) {
+        // It comes, so that what was clear of it is met, then begins elsewhere.
+        const float by = 1 - between(0, one_in(4) ? 0.08 : 0.02);
+        o.point = {by * o.point.x, by * o.point.y, by * o.point.z};
+        if (one_in(25)) o.point = around();
+        if (o.kind == ObstacleKind::Sphere) o.radius = between(10, 30);
+        if (one_in(3)) turn(o, double{between(-0.3, 0.3)});
+        if (one_in(10)) o.reach = one_in(2) ? 0 : between(5, 150);
+    }
+    void bend(State& state) {
+        StateImpl& s = *state.impl();
+        const float by = between(0.97, 1.03);
+        for (std::uint32_t n = 0; n < s.total(); ++n) s.now.y[n] *= by;
+        s.touch_all();
+    }
+
+    std::mt19937 random_;
+    std::vector<State> states_;
+    std::vector<Obstacle> things_;
+};
+
+TEST(PhysicsSurfaces, AreSeenInAnyScene) {
+    const char* more = std::getenv("DGM_TEST_SEEDS");
+    const std::uint32_t seeds = more == nullptr ? 6 : std::uint32_t(std::atoi(more));
+    std::size_t seen = 0;
+    for (std::uint32_t seed = 0; seed < seeds && !HasFailure(); ++seed) {
+        AnySurfaces scene(seed);
+        Body body(organ_chart(17));
+        for (int k = 0; k < 60 && !HasFailure(); ++k) {
+            SCOPED_TRACE(testing::Message() << "seed " << seed << ", step " << k);
+            scene.go_on();
+            if (scene.one_in(25)) body.physics.reset();
+            std::vector<std::vector<double>> gaps;
+            for (const Obstacle& o : scene.things()) gaps.push_back(gaps_to(body, o));
+            const auto done = step(body.state, body.physics, beside(scene.things(), 1, 0.3f));
+            if (!done.ok()) {
+                ASSERT_EQ(done.error().code, ErrorCode::LimitExceeded);
+                continue;
+            }
+            for (std::uint32_t o = 0; o < scene.things().size(); ++o) seen += expect_all_seen(body, gaps[o], o);
+        }
+    }
+    EXPECT_GT(seen, 1000 * seeds);
 }
 
 }  // namespace
