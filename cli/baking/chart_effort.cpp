@@ -19,14 +19,14 @@ std::size_t share(std::size_t whole, std::size_t charts, std::size_t least, std:
 
 ChartEffort chart_effort(std::size_t charts, double samples) {
     constexpr std::size_t kFew = 10, kMany = 20;
-    constexpr double kGridsOfMany = 5;  // as large as the largest, whose rounds are done in full
+    constexpr double kLeastRounds = 0.5, kGridsOfMany = 4;  // as large as the largest, whose rounds are done in full
     ChartEffort out;
-    out.trial_samples = share(100 * kTrialSamples, charts, kTrialSamples / 100, kTrialSamples);
-    out.measured_samples = share(1000 * kLeastMeasured, charts, kLeastMeasured / 10, kLeastMeasured);
+    out.trial_samples = share(50 * kTrialSamples, charts, kTrialSamples / 100, kTrialSamples);
+    out.measured_samples = share(500 * kLeastMeasured, charts, kLeastMeasured / 10, kLeastMeasured);
     out.points_of_small = share(20 * kPointsOfSmall, charts, 1, kPointsOfSmall);
     out.patch_effort = share(4 * kPatchEffort, charts, kPatchEffort / 50, kPatchEffort);
     const double many = std::clamp((static_cast<double>(charts) - kFew) / (kMany - kFew), 0.0, 1.0);
-    out.rounds = 1 - many * (1 - std::min(1.0, kGridsOfMany / std::max(samples, 1.0)));
+    out.rounds = 1 - many * (1 - std::clamp(kGridsOfMany / std::max(samples, 1.0), kLeastRounds, 1.0));
     return out;
 }
 

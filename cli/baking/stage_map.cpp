@@ -36,8 +36,8 @@ constexpr std::uint64_t kOtherSamples = 3;    // likewise, of other maps
 constexpr std::size_t kFittedAgain = 4;       // likewise, in second and third fits of charts
 constexpr std::size_t kRemapped = 4;          // likewise, of charts that are mapped anew, however often
 
-/// Faces that the fits of several charts may have looked at together before no more are begun: 30 s of a processor.
-constexpr std::uint64_t kLookedOfSeveral = 160'000'000;
+/// Faces that the fits of several charts may have looked at together before no more are begun: 25 s of a processor.
+constexpr std::uint64_t kLookedOfSeveral = 130'000'000;
 
 /// Limit for all charts together: one of the largest, with 3 GB of layers.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{kMaxSide} * kMaxSide;

@@ -28,14 +28,15 @@ TEST(ChartEffort, FewChartsHaveAllOfIt) {
 
 TEST(ChartEffort, ManySmallPartsOfALargeOneKeepTheirRounds) {
     EXPECT_EQ(chart_effort(1000, 4).rounds, 1);
+    EXPECT_NEAR(chart_effort(1000, 7).rounds, 4.0 / 7, 1e-9);
 }
 
 TEST(ChartEffort, TheWorkOfAllIsBounded) {
     for (std::size_t charts = 1; charts <= 20'000; charts = charts * 3 / 2 + 1) {
         const ChartEffort effort = chart_effort(charts, 10);
         // Beyond these the least of each counts: a hundredth, and a tenth.
-        EXPECT_LE(charts * effort.trial_samples, std::max<std::uint64_t>(100 * kTrialSamples, charts * 200));
-        EXPECT_LE(charts * effort.measured_samples, std::max<std::uint64_t>(1000 * kLeastMeasured, charts * 200));
+        EXPECT_LE(charts * effort.trial_samples, std::max<std::uint64_t>(50 * kTrialSamples, charts * 200));
+        EXPECT_LE(charts * effort.measured_samples, std::max<std::uint64_t>(500 * kLeastMeasured, charts * 200));
         EXPECT_LE(charts * effort.points_of_small, std::max<std::uint64_t>(20 * kPointsOfSmall, charts));
         EXPECT_LE(charts * effort.patch_effort, std::max<std::uint64_t>(4 * kPatchEffort, charts * 10'000));
         // Samples times rounds.
