@@ -19,7 +19,8 @@ std::size_t share(std::size_t whole, std::size_t charts, std::size_t least, std:
 
 ChartEffort chart_effort(std::size_t charts, double samples) {
     constexpr std::size_t kFew = 10, kMany = 20;
-    constexpr double kLeastRounds = 0.5, kGridsOfMany = 4;  // as large as the largest, whose rounds are done in full
+    constexpr double kGridsOfMany = 4;  // as large as the largest, whose rounds are done in full
+    constexpr double kLeastRounds = 0.5;
     ChartEffort out;
     out.trial_samples = share(50 * kTrialSamples, charts, kTrialSamples / 100, kTrialSamples);
     out.measured_samples = share(500 * kLeastMeasured, charts, kLeastMeasured / 10, kLeastMeasured);

@@ -9,7 +9,7 @@
 #include <dgm/deform.h>
 #include <dgm/reconstruct.h>
 
-#include "dice.h"
+#include "support/dice.h"
 
 namespace dgm::test {
 

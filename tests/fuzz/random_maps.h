@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dgm_builder.h"
-#include "dice.h"
+#include "support/dice.h"
 
 namespace dgm::test {
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
-#include "dice.h"
 #include "model/map_set.h"
+#include "support/dice.h"
 
 namespace dgm::test {
 

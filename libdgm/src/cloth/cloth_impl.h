@@ -159,7 +159,6 @@ struct ClothImpl {
     Array<cloth::TileSeen> tiles_seen;  ///< by surface and tile
     std::size_t tile_count = 0;         ///< of contact
     Array<std::uint8_t> tiles_met;      ///< 1: obstacles were near in the substep before; samples may bear forces
-    bool met_any = false;               ///< there were obstacles in the substep before
     std::uint64_t scene_number = 1;     ///< another one whenever an obstacle comes, goes, bends or jumps
     double scene_way = 0;               ///< metres that obstacles have gone, at most, since the program began
     Array<NearTiles> near_tiles;        ///< of the first surfaces among the obstacles

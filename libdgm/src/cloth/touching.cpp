@@ -183,8 +183,8 @@ void find_contacts(ClothImpl& c, double h, double friction) noexcept {
     }
     std::fill(l.on.touched, l.on.touched + l.rows, std::uint8_t{0});
     c.contact_count = 0;
-    if (c.scene.count == 0 && !std::exchange(c.met_any, false)) return;
-    c.met_any = c.scene.count != 0;
+    if (c.scene.count == 0 && std::find(c.tiles_met.begin(), c.tiles_met.end(), std::uint8_t{1}) == c.tiles_met.end())
+        return;
     const double keep = std::max(double{c.options.thickness}, 1e-3 * c.mean_step);
     // What is farther than `keep` is no contact; what is seen to be farther by as much need not be asked again soon.
     const double margin = 0.5 * double{c.options.thickness} + 2 * keep;

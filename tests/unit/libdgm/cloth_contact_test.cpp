@@ -3,9 +3,6 @@
 // Cloth against obstacles, tools and itself.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <functional>
-#include <limits>
 #include <vector>
 
 #include "cloth_obstacles.h"

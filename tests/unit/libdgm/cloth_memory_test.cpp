@@ -3,15 +3,15 @@
 // What cloth remembers of the things around it changes no bit.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <memory>
-#include <random>
 #include <vector>
 
+#include "asked.h"
 #include "cloth_obstacles.h"
+#include "dice.h"
 
 namespace dgm::test {
 namespace {
@@ -58,6 +58,11 @@ TEST(ClothMemory, OfWhatWasSeenBeforeChangesNoBit) {
     EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
 }
 
+ChartSpec egg_chart(std::uint32_t side) {
+    return closed_chart(side, [](std::array<double, 3> n) {
+        return std::array<double, 3>{0.2 * n[0], 0.1 * n[1], 0.1 * n[2]};
+    });
+}
 /// Turned about y.
 void turn(Obstacle& o, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
@@ -66,10 +71,12 @@ void turn(Obstacle& o, double angle) {
 }
 
 /// It hovers.
-Drape level_sheet() {
-    Drape d(grid_chart(33, 33, [](double i, double j) {
-        return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
-    }));
+Drape level_sheet(const ClothOptions& options = {}) {
+    Drape d(grid_chart(33, 33,
+                       [](double i, double j) {
+                           return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
+                       }),
+            options);
     d.how.gravity = {};
     return d;
 }
@@ -99,7 +106,6 @@ TEST(ClothMemory, OfMovingThingsChangesNoBit) {
     };
     const Obstacle box = box_of({0.12f, 0.12f, 0.05f});
     const Obstacle capsule = capsule_between({-0.2f, 0, 0}, {0.2f, 0, 0}, 0.06f);
-    const auto egg = [](std::array<double, 3> n) { return std::array<double, 3>{0.2 * n[0], 0.1 * n[1], 0.1 * n[2]}; };
     const struct {
         const char* what;
         Obstacle thing;
@@ -124,7 +130,7 @@ TEST(ClothMemory, OfMovingThingsChangesNoBit) {
         SCOPED_TRACE(known);
         std::vector<float> shape[2];
         for (const bool remembers : {false, true}) {
-            Skin skin(closed_chart(33, egg));
+            Skin skin(egg_chart(33));
             const Path path = [&](Obstacle& o, int k) {
                 if (!known) turn(o, 0.02 * k);
                 o.point.z = 0;
@@ -196,73 +202,69 @@ TEST(ClothMemory, OfForcesEndsWhereNothingIsNear) {
 /// Things that come and go, turn, grow, jump and bend as chance has it.
 class AnyScene {
  public:
-    explicit AnyScene(std::uint32_t seed) : random_(seed) {
-        const std::uint32_t count = 1 + random_() % 4;
+    explicit AnyScene(std::uint64_t seed) : dice_(seed) {
+        const std::uint32_t count = dice_.between(1, 4);
         for (std::uint32_t k = 0; k < count; ++k) things_.push_back(any());
     }
     [[nodiscard]] std::span<const Obstacle> things() const { return things_; }
-    [[nodiscard]] float between(double low, double high) {
-        return float(low + (high - low) * double(random_()) / double(std::mt19937::max()));
-    }
-    [[nodiscard]] bool one_in(std::uint32_t n) { return random_() % n == 0; }
+    [[nodiscard]] Dice& dice() { return dice_; }
     void go_on() {
-        for (Obstacle& o : things_) o.before = {};
-        for (std::size_t k = 0; k < things_.size(); ++k)
-            if (!one_in(3)) move(things_[k]);
-        if (one_in(25) && things_.size() < 6) things_.insert(things_.begin() + random_() % things_.size(), any());
-        if (one_in(25) && things_.size() > 1) things_.erase(things_.begin() + random_() % things_.size());
+        for (Obstacle& o : things_) {
+            o.before = {};
+            if (!dice_.one_in(3)) move(o);
+        }
+        if (dice_.one_in(25) && things_.size() < 6) things_.insert(things_.begin() + dice_.below(size()), any());
+        if (dice_.one_in(25) && things_.size() > 1) things_.erase(things_.begin() + dice_.below(size()));
     }
 
  private:
+    [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(things_.size()); }
     Obstacle any() {
-        const Vec3 at{between(-0.2, 0.2), between(-0.2, 0.2), between(-0.1, 0.05)};
-        switch (random_() % 5) {
+        const Vec3 at{dice_.real(-0.2f, 0.2f), dice_.real(-0.2f, 0.2f), dice_.real(-0.1f, 0.05f)};
+        switch (dice_.below(5)) {
             case 0:
-                return plane({0, 0, between(-0.1, 0.05)}, {between(-0.2, 0.2), between(-0.2, 0.2), 1});
+                return plane({0, 0, dice_.real(-0.1f, 0.05f)}, {dice_.real(-0.2f, 0.2f), dice_.real(-0.2f, 0.2f), 1});
             case 1:
-                return ball(at, between(0.03, 0.12));
+                return ball(at, dice_.real(0.03f, 0.12f));
             case 2:
-                return capsule_between(at, {between(-0.2, 0.2), between(-0.2, 0.2), -0.05f}, between(0.02, 0.08));
+                return capsule_between(at, {dice_.real(-0.2f, 0.2f), dice_.real(-0.2f, 0.2f), -0.05f},
+                                       dice_.real(0.02f, 0.08f));
             case 3: {
-                Obstacle box = box_of({between(0.03, 0.15), between(0.03, 0.15), between(0.02, 0.08)});
+                Obstacle box = box_of({dice_.real(0.03f, 0.15f), dice_.real(0.03f, 0.15f), dice_.real(0.02f, 0.08f)});
                 box.point = at;
                 return box;
             }
             default: {
-                if (skins_.size() < 2 || one_in(2))
-                    skins_.push_back(one_in(2) ? skin_of_egg() : std::make_unique<Skin>());
-                Obstacle o = obstacle_of(*skins_[random_() % skins_.size()]);
-                o.point.z = between(-0.15, 0);
+                if (skins_.size() < 2 || dice_.one_in(2))
+                    skins_.push_back(dice_.one_in(2) ? std::make_unique<Skin>(egg_chart(17))
+                                                     : std::make_unique<Skin>());
+                Obstacle o = obstacle_of(*skins_[dice_.below(static_cast<std::uint32_t>(skins_.size()))]);
+                o.point.z = dice_.real(-0.15f, 0);
                 return o;
             }
         }
     }
-    static std::unique_ptr<Skin> skin_of_egg() {
-        return std::make_unique<Skin>(closed_chart(17, [](std::array<double, 3> n) {
-            return std::array<double, 3>{0.2 * n[0], 0.1 * n[1], 0.1 * n[2]};
-        }));
-    }
     void move(Obstacle& o) {
-        const double step = one_in(20) ? 0.2 : 0.01;
-        o.point.x += between(-step, step);
-        o.point.y += between(-step, step);
-        o.point.z += between(-step, step);
-        if (o.kind == ObstacleKind::Capsule) o.end.z += between(-0.01, 0.01);
-        if (o.radius > 0) o.radius = std::max(0.01f, o.radius + between(-0.004, 0.005));
-        if (o.kind == ObstacleKind::Box || o.kind == ObstacleKind::Surface) turn(o, double{between(-0.1, 0.1)});
-        if (o.kind == ObstacleKind::Plane) o.normal.x += between(-0.03, 0.03);
+        const float step = dice_.one_in(20) ? 0.2f : 0.01f;
+        o.point.x += dice_.real(-step, step);
+        o.point.y += dice_.real(-step, step);
+        o.point.z += dice_.real(-step, step);
+        if (o.kind == ObstacleKind::Capsule) o.end.z += dice_.real(-0.01f, 0.01f);
+        if (o.radius > 0) o.radius = std::max(0.01f, o.radius + dice_.real(-0.004f, 0.005f));
+        if (o.kind == ObstacleKind::Box || o.kind == ObstacleKind::Surface) turn(o, double{dice_.real(-0.1f, 0.1f)});
+        if (o.kind == ObstacleKind::Plane) o.normal.x += dice_.real(-0.03f, 0.03f);
         if (o.kind != ObstacleKind::Surface) return;
-        if (one_in(10)) o.reach = one_in(2) ? 0 : between(0.01, 0.1);
-        if (!one_in(4)) return;
+        if (dice_.one_in(10)) o.reach = dice_.one_in(2) ? 0 : dice_.real(0.01f, 0.1f);
+        if (!dice_.one_in(4)) return;
         for (const auto& skin : skins_) {
             if (&skin->led.state != o.surface) continue;
-            const float by = between(-0.03, 0.03);
+            const float by = dice_.real(-0.03f, 0.03f);
             skin->lead([=](Vec3 v) { return Vec3{v.x, v.y, v.z * (1 + by) + by * v.x}; });
-            if (one_in(2)) o.before = skin->shape_before();
+            if (dice_.one_in(2)) o.before = skin->shape_before();
         }
     }
 
-    std::mt19937 random_;
+    Dice dice_;
     std::vector<std::unique_ptr<Skin>> skins_;
     std::vector<Obstacle> things_;
 };
@@ -270,28 +272,24 @@ class AnyScene {
 /// @return  heights after each frame
 std::vector<float> shapes_in(std::uint32_t seed, bool remembers, std::uint32_t& contacts) {
     AnyScene scene(seed);
+    Dice& dice = scene.dice();
     ClothOptions o;
-    o.self_contact = scene.one_in(2);
-    Drape d(grid_chart(33, 33,
-                       [](double i, double j) {
-                           return Point{float(i / 64 - 0.25), float(j / 64 - 0.25), 0.12f};
-                       }),
-            o);
-    d.how.friction = scene.between(0, 0.6);
-    d.how.gravity = {0, 0, scene.one_in(2) ? 0.0f : -2.0f};
-    if (scene.one_in(2)) d.pin_rows(0, 1);
-    detail::ClothImpl& c = *d.cloth.impl();
-    if (!remembers) forget(c);
+    o.self_contact = dice.one_in(2);
+    Drape d = level_sheet(o);
+    d.how.friction = dice.real(0, 0.6f);
+    d.how.gravity = {0, 0, dice.one_in(2) ? 0.0f : -2.0f};
+    if (dice.one_in(2)) d.pin_rows(0, 1);
+    if (!remembers) forget(*d.cloth.impl());
     std::vector<float> out;
     ToolInput tool{.position = {0, 0, 0.2f}, .engaged = true};
     for (int k = 0; k < 40; ++k) {
         scene.go_on();
         d.how.obstacles = scene.things();
-        d.how.substeps = scene.one_in(10) ? 3 : 8;
-        d.how.tool_radius = scene.between(0.02, 0.06);
+        d.how.substeps = dice.one_in(10) ? 3 : 8;
+        d.how.tool_radius = dice.real(0.02f, 0.06f);
         d.how.pins = d.pins;
-        tool.position = {scene.between(-0.3, 0.3), scene.between(-0.3, 0.3), scene.between(0, 0.2)};
-        const bool with_tool = scene.one_in(3);
+        tool.position = {dice.real(-0.3f, 0.3f), dice.real(-0.3f, 0.3f), dice.real(0, 0.2f)};
+        const bool with_tool = dice.one_in(3);
         const auto done = step(d.state, d.cloth, d.how, {&tool, with_tool ? 1u : 0u});
         EXPECT_TRUE(done.ok()) << done.error().message;
         contacts += done.value().contacts;
@@ -302,8 +300,7 @@ std::vector<float> shapes_in(std::uint32_t seed, bool remembers, std::uint32_t& 
 }
 
 TEST(ClothMemory, ChangesNoBitInAnyScene) {
-    const char* more = std::getenv("DGM_TEST_SEEDS");
-    const std::uint32_t seeds = more == nullptr ? 3 : std::uint32_t(std::atoi(more));
+    const auto seeds = static_cast<std::uint32_t>(asked("DGM_TEST_SEEDS", 3));
     std::uint32_t contacts = 0;
     for (std::uint32_t seed = 0; seed < seeds; ++seed) {
         SCOPED_TRACE(seed);

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <functional>
-#include <random>
 #include <vector>
 
+#include "asked.h"
+#include "dice.h"
 #include "physics/physics_impl.h"
 #include "physics_shapes.h"
 
@@ -215,59 +215,56 @@ TEST(PhysicsSurfaces, AreSeenAfterAStepThatWasRefused) {
 /// A few surfaces that come and go, turn, jump, bend and grow, and their reaches, as chance has it.
 class AnySurfaces {
  public:
-    explicit AnySurfaces(std::uint32_t seed) : random_(seed) {
+    explicit AnySurfaces(std::uint64_t seed) : dice_(seed) {
         states_.push_back(make_state(ball_chart(17, 30)));
         states_.push_back(make_state(wavy_chart(17, 150)));
-        const std::uint32_t count = 1 + random_() % 5;
+        const std::uint32_t count = dice_.between(1, 5);
         for (std::uint32_t k = 0; k < count; ++k) add(k);
     }
     [[nodiscard]] std::span<const Obstacle> things() const { return things_; }
-    [[nodiscard]] bool one_in(std::uint32_t n) { return random_() % n == 0; }
+    [[nodiscard]] bool one_in(std::uint32_t n) { return dice_.one_in(n); }
     void go_on() {
         for (Obstacle& o : things_)
             if (!one_in(3)) move(o);
-        if (one_in(15) && things_.size() < 7) add(random_() % (things_.size() + 1));
-        if (one_in(15) && things_.size() > 1) things_.erase(things_.begin() + random_() % things_.size());
-        if (one_in(20)) bend(states_[random_() % states_.size()]);
+        if (one_in(15) && things_.size() < 7) add(dice_.below(size() + 1));
+        if (one_in(15) && things_.size() > 1) things_.erase(things_.begin() + dice_.below(size()));
+        if (one_in(20)) bend(states_[dice_.below(2)]);
     }
 
  private:
-    [[nodiscard]] float between(double low, double high) {
-        return float(low + (high - low) * double(random_()) / double(std::mt19937::max()));
-    }
+    [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(things_.size()); }
     [[nodiscard]] Vec3 around() {
-        const double angle = double{between(0, 6.3)}, far = double{between(90, 160)};
-        return {float(far * std::cos(angle)), float(far * std::sin(angle)), between(-60, 60)};
+        const double angle = double{dice_.real(0, 6.3f)}, far = double{dice_.real(90, 160)};
+        return {float(far * std::cos(angle)), float(far * std::sin(angle)), dice_.real(-60, 60)};
     }
     void add(std::size_t at) {
         Obstacle o{.kind = one_in(5) ? ObstacleKind::Sphere : ObstacleKind::Surface, .point = around(), .radius = 20};
-        if (o.kind == ObstacleKind::Surface) o.surface = &states_[random_() % states_.size()];
+        if (o.kind == ObstacleKind::Surface) o.surface = &states_[dice_.below(2)];
         things_.insert(things_.begin() + std::ptrdiff_t(at), o);
     }
     void move(Obstacle& o) {
         // It comes, so that what was clear of it is met, then begins elsewhere.
-        const float by = 1 - between(0, one_in(4) ? 0.08 : 0.02);
+        const float by = 1 - dice_.real(0, one_in(4) ? 0.08f : 0.02f);
         o.point = {by * o.point.x, by * o.point.y, by * o.point.z};
         if (one_in(25)) o.point = around();
-        if (o.kind == ObstacleKind::Sphere) o.radius = between(10, 30);
-        if (one_in(3)) turn(o, double{between(-0.3, 0.3)});
-        if (one_in(10)) o.reach = one_in(2) ? 0 : between(5, 150);
+        if (o.kind == ObstacleKind::Sphere) o.radius = dice_.real(10, 30);
+        if (one_in(3)) turn(o, double{dice_.real(-0.3f, 0.3f)});
+        if (one_in(10)) o.reach = one_in(2) ? 0 : dice_.real(5, 150);
     }
     void bend(State& state) {
         StateImpl& s = *state.impl();
-        const float by = between(0.97, 1.03);
+        const float by = dice_.real(0.97f, 1.03f);
         for (std::uint32_t n = 0; n < s.total(); ++n) s.now.y[n] *= by;
         s.touch_all();
     }
 
-    std::mt19937 random_;
+    Dice dice_;
     std::vector<State> states_;
     std::vector<Obstacle> things_;
 };
 
 TEST(PhysicsSurfaces, AreSeenInAnyScene) {
-    const char* more = std::getenv("DGM_TEST_SEEDS");
-    const std::uint32_t seeds = more == nullptr ? 6 : std::uint32_t(std::atoi(more));
+    const auto seeds = static_cast<std::uint32_t>(asked("DGM_TEST_SEEDS", 12));
     std::size_t seen = 0;
     for (std::uint32_t seed = 0; seed < seeds && !HasFailure(); ++seed) {
         AnySurfaces scene(seed);

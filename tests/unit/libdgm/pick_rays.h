@@ -6,10 +6,10 @@
 #include <dgm/pick.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <random>
 
+#include "asked.h"
 #include "contact_shapes.h"
 #include "opened.h"
 #include "query/ray_triangle.h"
@@ -99,8 +99,7 @@ struct Oracle {
 };
 
 inline long rays_wanted() {
-    const char* wish = std::getenv("DGM_PICK_RAYS");
-    return wish == nullptr ? 20000 : std::atol(wish);
+    return asked("DGM_PICK_RAYS", 20000);
 }
 
 struct Around {

@@ -14,6 +14,7 @@
 #include <numbers>
 #include <random>
 
+#include "asked.h"
 #include "contact_shapes.h"
 #include "opened.h"
 
@@ -266,8 +267,7 @@ void walk(const ChartSpec& chart, int steps, std::uint32_t seed, DeformMode mode
 /// Random steps of the property tests, of which a share goes to each surface. DGM_PROPERTY_STEPS=1000000 takes a
 /// minute.
 int property_steps() {
-    const char* asked = std::getenv("DGM_PROPERTY_STEPS");
-    return asked == nullptr ? 100000 : std::max(std::atoi(asked), 1000);
+    return static_cast<int>(std::max(asked("DGM_PROPERTY_STEPS", 100000), 1000L));
 }
 
 TEST(Tick, NearestIsNeverWrong) {

@@ -6,7 +6,6 @@
 // DGM_DAMAGE_STEP=1 tries every byte instead of one in 64.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -19,6 +18,7 @@
 #include "exr/exr_writer.h"
 #include "model/codes.h"
 #include "raw_dgm.h"
+#include "support/asked.h"
 #include "support/temp_folder.h"
 #include "validate/validation.h"
 #include "validation_maps.h"
@@ -30,8 +30,7 @@ namespace fs = std::filesystem;
 using test::RawDgm;
 
 std::size_t flip_step() {
-    const char* text = std::getenv("DGM_DAMAGE_STEP");
-    const int step = text == nullptr ? 64 : std::atoi(text);
+    const long step = test::asked("DGM_DAMAGE_STEP", 64);
     return step > 0 ? static_cast<std::size_t>(step) : 64;
 }
 

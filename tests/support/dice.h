@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tests/fuzz/dice.h
+// tests/support/dice.h
 // Throws decisions from a fuzzer's bytes, one byte each while there are any, then from a generator seeded by them all:
 // eight bytes make a whole program, and a changed byte changes one decision.
 #pragma once
@@ -16,7 +16,8 @@ class Dice {
     explicit Dice(std::span<const std::uint8_t> bytes) : bytes_(bytes), state_(0xCBF29CE484222325u) {
         for (const std::uint8_t b : bytes) state_ = (state_ ^ b) * 0x100000001B3u;
     }
-    std::uint64_t bits() {  // splitmix64
+    explicit Dice(std::uint64_t seed) : state_(seed) {}  // from the generator alone
+    std::uint64_t bits() {                               // splitmix64
         std::uint64_t z = state_ += 0x9E3779B97F4A7C15u;
         z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9u;
         z = (z ^ z >> 27) * 0x94D049BB133111EBu;
