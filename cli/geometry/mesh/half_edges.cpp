@@ -8,36 +8,34 @@
 
 namespace dgm::bake {
 
-std::vector<std::uint32_t> opposite_half_edges(std::span<const Face> faces) {
-    struct Entry {
-        std::uint32_t high, half_edge;
-    };
+EdgeOrder::EdgeOrder(std::span<const Face> faces) {
     // Buckets by the lower end, in order of half-edges; each is a few entries long.
     std::uint32_t vertices = 0;
     for (const Face& f : faces)
         for (std::uint32_t v : f) vertices = std::max(vertices, v + 1);
-    std::vector<std::uint32_t> first(std::size_t{vertices} + 1, 0);
-    for (std::uint32_t h = 0; h < faces.size() * 3; ++h) ++first[std::min(origin(faces, h), target(faces, h)) + 1];
-    for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-    std::vector<Entry> entries(faces.size() * 3);
-    std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
+    first_.assign(std::size_t{vertices} + 1, 0);
+    for (std::uint32_t h = 0; h < faces.size() * 3; ++h) ++first_[std::min(origin(faces, h), target(faces, h)) + 1];
+    for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+    entries_.resize(faces.size() * 3);
+    std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
     for (std::uint32_t h = 0; h < faces.size() * 3; ++h) {
         const std::uint32_t a = origin(faces, h), b = target(faces, h);
-        entries[fill[std::min(a, b)]++] = {std::max(a, b), h};
+        entries_[fill[std::min(a, b)]++] = {std::max(a, b), h};
     }
-    std::vector<std::uint32_t> opposite(faces.size() * 3, kNone);
-    for (std::uint32_t v = 0; v < vertices; ++v) {
-        const auto begin = entries.begin() + first[v], end = entries.begin() + first[v + 1];
-        std::sort(begin, end, [](const Entry& x, const Entry& y) {
+    for (std::uint32_t v = 0; v < vertices; ++v)
+        std::sort(entries_.begin() + first_[v], entries_.begin() + first_[v + 1], [](const Entry& x, const Entry& y) {
             return x.high != y.high ? x.high < y.high : x.half_edge < y.half_edge;
         });
-        for (auto k = begin; k != end && k + 1 != end; ++k) {
-            if (k->high != (k + 1)->high) continue;
-            opposite[k->half_edge] = (k + 1)->half_edge;
-            opposite[(k + 1)->half_edge] = k->half_edge;
-            ++k;
+}
+
+std::vector<std::uint32_t> opposite_half_edges(std::span<const Face> faces) {
+    std::vector<std::uint32_t> opposite(faces.size() * 3, kNone);
+    EdgeOrder(faces).each_edge([&](std::uint32_t, std::span<const EdgeOrder::Entry> of) {
+        for (std::size_t k = 0; k + 1 < of.size(); k += 2) {
+            opposite[of[k].half_edge] = of[k + 1].half_edge;
+            opposite[of[k + 1].half_edge] = of[k].half_edge;
         }
-    }
+    });
     return opposite;
 }
 

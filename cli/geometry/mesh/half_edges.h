@@ -30,6 +30,29 @@ inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max()
     return faces[h / 3][(h + 1) % 3];
 }
 
+/// The half-edges of `faces` in the order of their edges: by the lower end, then the higher one, then by number.
+class EdgeOrder {
+ public:
+    struct Entry {
+        std::uint32_t high, half_edge;
+    };
+    explicit EdgeOrder(std::span<const Face> faces);
+
+    /// Calls visit(low, entries) for the half-edges of each undirected edge, in order.
+    template <class Visit>
+    void each_edge(const Visit& visit) const {
+        for (std::uint32_t low = 0; low + 1 < first_.size(); ++low)
+            for (std::uint32_t k = first_[low], end = k; k < first_[low + 1]; k = end) {
+                while (end < first_[low + 1] && entries_[end].high == entries_[k].high) ++end;
+                visit(low, std::span(entries_).subspan(k, end - k));
+            }
+    }
+
+ private:
+    std::vector<std::uint32_t> first_;  // entry of each lower end; one more at the end
+    std::vector<Entry> entries_;
+};
+
 /// Opposite half-edge of each half-edge, kNone on a border. The faces must be an oriented manifold without two edges
 /// between the same vertices, as repair() returns them.
 [[nodiscard]] std::vector<std::uint32_t> opposite_half_edges(std::span<const Face> faces);

@@ -9,6 +9,18 @@
 namespace dgm::bake {
 namespace {
 
+/// Room for `count` more: a disk of a million faces is split a few hundred times, and twice its room would be wasted.
+template <class T>
+void make_room(std::vector<T>& of, std::size_t count) {
+    if (of.capacity() - of.size() < count) of.reserve(of.size() + std::max(count, of.size() / 8));
+}
+
+template <class T>
+void add(std::vector<T>& to, const T& value) {
+    make_room(to, 1);
+    to.push_back(value);
+}
+
 template <class T>
 void split_corners(std::vector<T>& corners, std::uint32_t f, const std::uint32_t slot[3], const T& middle) {
     if (corners.empty()) return;
@@ -17,6 +29,7 @@ void split_corners(std::vector<T>& corners, std::uint32_t f, const std::uint32_t
     second[slot[1]] = corners[3 * f + slot[1]];
     second[slot[2]] = corners[3 * f + slot[2]];
     corners[3 * f + slot[1]] = middle;
+    make_room(corners, 3);
     corners.insert(corners.end(), second, second + 3);
 }
 
@@ -42,13 +55,13 @@ FaceSplit split_face(TriMesh& mesh, std::uint32_t h, std::uint32_t n, double t) 
         split_corners(mesh.corner_colours, f, slot,
                       model::Rgba8{mix(a.r, b.r, t), mix(a.g, b.g, t), mix(a.b, b.b, t), mix(a.a, b.a, t)});
     }
-    if (!mesh.face_materials.empty()) mesh.face_materials.push_back(mesh.face_materials[f]);
+    if (!mesh.face_materials.empty()) add(mesh.face_materials, std::uint32_t{mesh.face_materials[f]});
     Face second;
     second[slot[0]] = n;
     second[slot[1]] = mesh.faces[f][slot[1]];
     second[slot[2]] = mesh.faces[f][slot[2]];
     mesh.faces[f][slot[1]] = n;
-    mesh.faces.push_back(second);
+    add(mesh.faces, second);
     return {3 * g + slot[0], 3 * f + slot[1], 3 * g + slot[1]};
 }
 
@@ -58,14 +71,15 @@ NewVertices split_edge(TriMesh& mesh, std::vector<std::uint32_t>& opposite, std:
     const Vec3d middle = a * (1 - t) + b * t;
     const auto add_vertex = [&] {
         const auto added = static_cast<std::uint32_t>(mesh.positions.size());
-        mesh.positions.push_back(middle);
-        if (!mesh.points.empty()) mesh.points.push_back(added);
+        add(mesh.positions, middle);
+        if (!mesh.points.empty()) add(mesh.points, added);
         return added;
     };
     const auto split_side = [&](std::uint32_t side, std::uint32_t n, double at) {
         const FaceSplit s = split_face(mesh, side, n, at);
         for (std::vector<std::uint32_t>* links : {&opposite, mate}) {
             if (links == nullptr) continue;
+            make_room(*links, 3 * mesh.faces.size() - links->size());
             links->resize(3 * mesh.faces.size(), kNone);
             const std::uint32_t across = (*links)[s.moved_to] = (*links)[s.moved_from];
             if (across != kNone) (*links)[across] = s.moved_to;
@@ -96,24 +110,25 @@ NewVertices split_edge(TriMesh& mesh, std::vector<std::uint32_t>& opposite, std:
 }
 
 std::uint64_t split_repeated_edges(TriMesh& mesh, std::vector<std::uint32_t>& partner) {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;
-    for (std::uint32_t h = 0; h < partner.size(); ++h) {
-        if (partner[h] != kNone && partner[h] < h) continue;
-        const std::uint32_t a = origin(mesh.faces, h), b = target(mesh.faces, h);
-        edges.emplace_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), h);
-    }
-    std::sort(edges.begin(), edges.end());
+    struct Repeated {
+        std::uint32_t low, high, half_edge;
+    };
+    std::vector<Repeated> edges;
+    EdgeOrder(mesh.faces).each_edge([&](std::uint32_t low, std::span<const EdgeOrder::Entry> of) {
+        std::size_t seen = 0;
+        for (const EdgeOrder::Entry& e : of)
+            if ((partner[e.half_edge] == kNone || partner[e.half_edge] > e.half_edge) && ++seen > 1)
+                edges.push_back({low, e.high, e.half_edge});
+    });
     std::uint64_t splits = 0;
-    for (std::size_t k = 1; k < edges.size(); ++k) {
-        if (edges[k].first != edges[k - 1].first) continue;
+    for (const auto& [low, high, half_edge] : edges) {
         // A split before this one may have moved the half-edge into another face; its ends decide.
-        const auto lo = static_cast<std::uint32_t>(edges[k].first >> 32),
-                   hi = static_cast<std::uint32_t>(edges[k].first);
+        const std::uint32_t lo = low, hi = high;
         const auto joins = [&](std::uint32_t h) {
             const std::uint32_t a = origin(mesh.faces, h), b = target(mesh.faces, h);
             return std::min(a, b) == lo && std::max(a, b) == hi;
         };
-        std::uint32_t h = edges[k].second;
+        std::uint32_t h = half_edge;
         if (!joins(h)) {
             h = kNone;
             std::uint64_t seen = 0;

@@ -43,20 +43,12 @@ void drop_duplicate_faces(FaceSoup& soup, RepairCounts& counts);
 /// Calls `visit` with the half-edges of each undirected edge, in a fixed order.
 template <class Visit>
 void each_edge(std::span<const Face> faces, Visit visit) {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;
-    edges.reserve(faces.size() * 3);
-    for (std::uint32_t h = 0; h < faces.size() * 3; ++h) {
-        const std::uint32_t a = origin(faces, h), b = target(faces, h);
-        edges.emplace_back(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), h);
-    }
-    std::sort(edges.begin(), edges.end());
     std::vector<std::uint32_t> group;
-    for (std::size_t k = 0; k < edges.size(); ++k) {
-        group.push_back(edges[k].second);
-        if (k + 1 < edges.size() && edges[k + 1].first == edges[k].first) continue;
-        visit(std::span<const std::uint32_t>(group));
+    EdgeOrder(faces).each_edge([&](std::uint32_t, std::span<const EdgeOrder::Entry> of) {
         group.clear();
-    }
+        for (const EdgeOrder::Entry& e : of) group.push_back(e.half_edge);
+        visit(std::span<const std::uint32_t>(group));
+    });
 }
 
 }  // namespace dgm::bake
