@@ -19,6 +19,13 @@
 namespace dgm::bake {
 namespace {
 
+// A level of more faces is relaxed about those alone that stretch so many times as much as most, and more often: all
+// others lie well where they were put back, and ten scans of half a million to two million faces have the same error.
+constexpr std::size_t kFineLevel = 300'000;
+constexpr double kFarStretched = 3;
+constexpr int kSweepsOfFew = 30, kLooksAgain = 5;
+constexpr double kStillOfFew = 0.02;
+
 /// One face about a vertex: the map of its far side, and its shape on the surface.
 struct Wedge {
     Vec2d p1, p2;
@@ -35,6 +42,12 @@ class Ring {
     explicit Ring(double power) : power_(power) {}
 
     std::vector<Wedge> wedges;
+
+    /// Squared, of one face with the vertex at x.
+    [[nodiscard]] static double stretch_of(const Wedge& w, Vec2d x) {
+        const double t = cross(w.p1 - x, w.p2 - x);
+        return numerator(w, x) / (t * t);
+    }
 
     [[nodiscard]] double energy(Vec2d x) const {
         double sum = 0;
@@ -340,9 +353,12 @@ class Multilevel {
         for (std::size_t f = 0; f < faces.size(); ++f) shapes[f] = shape(level.mesh.positions, faces[f]);
         Ring ring(options_.power);
         // A vertex that hardly moved rests until one next to it has moved.
-        constexpr double kStill = 2e-4;  // of its farthest neighbour's distance
+        const bool few = faces.size() > kFineLevel;
+        const double still = few ? kStillOfFew : 2e-4;  // of its farthest neighbour's distance
+        if (few) sweeps = kSweepsOfFew;
         std::vector<char> awake(n, 1);
         for (int sweep = 0; sweep < sweeps; ++sweep) {
+            if (few && sweep % kLooksAgain == 0) awake = far_stretched(faces, shapes, uv);
             progress_.update("parameterize", 0.5 + 0.5 * sweep / sweeps);
             for (std::uint32_t i = 0; i < n; ++i) {
                 const std::uint32_t v = sweep % 2 == 0 ? i : static_cast<std::uint32_t>(n - 1 - i);
@@ -359,12 +375,30 @@ class Multilevel {
                 for (const Wedge& w : ring.wedges) reach = std::max(reach, dot(w.p1 - to, w.p1 - to));
                 uv[v] = to;
                 awake[v] = 0;
-                if (!(dot(by, by) > kStill * kStill * reach)) continue;
+                if (!(dot(by, by) > still * still * reach)) continue;
                 awake[v] = 1;
                 for (std::uint32_t k = corners.first[v]; k < corners.first[v + 1]; ++k)
                     for (const std::uint32_t u : faces[corners.of[k] / 3]) awake[u] = 1;
             }
         }
+    }
+
+    /// Per vertex, 1 at the corners of faces that stretch much more than most.
+    static std::vector<char> far_stretched(std::span<const Face> faces, std::span<const std::array<double, 4>> shapes,
+                                           std::span<const Vec2d> uv) {
+        std::vector<double> stretch(faces.size());  // squared
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            const auto& [area, l0, l1, l2] = shapes[f];
+            stretch[f] = Ring::stretch_of({uv[faces[f][1]], uv[faces[f][2]], area, l0, l1, l2}, uv[faces[f][0]]);
+        }
+        std::vector<double> sorted = stretch;
+        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+        std::nth_element(sorted.begin(), middle, sorted.end());
+        std::vector<char> out(uv.size(), 0);
+        for (std::size_t f = 0; f < faces.size(); ++f)
+            if (!(stretch[f] <= kFarStretched * kFarStretched * *middle))
+                for (const std::uint32_t v : faces[f]) out[v] = 1;
+        return out;
     }
 
     const DiskView& disk_;
