@@ -58,7 +58,9 @@ MeasuredChart measure_chart(const TriMesh& component, const SampledChart& chart,
         const double truth = six_volume(component);
         if (truth != 0) report.volume_relative_error = six_volume(map) / truth - 1;
     }
-    const ClosestPointIndex index(component.positions, component.faces);
+    std::optional<ClosestPointIndex> own;
+    const ClosestPointIndex& index =
+        measuring.source_index != nullptr ? *measuring.source_index : own.emplace(component.positions, component.faces);
     report.turned_faces = count_turned_faces(component, map, &index, faces_beside_reversed(reconstruction));
     SurfaceErrorOptions sampling;
     const auto most =

@@ -17,6 +17,7 @@ struct ChartMeasuring {
     std::uint64_t samples = kSurfaceSamples;  ///< of the whole asset, each way
     std::uint64_t least = kLeastMeasured;     ///< of a chart, each way
     double share = 1;                         ///< of the asset's area, which decides how closely the chart is looked at
+    const ClosestPointIndex* source_index = nullptr;  ///< of the component; null: one is built
 };
 
 struct MeasuredChart {

@@ -54,6 +54,7 @@ Layered store_layers(const Repaired& source, const Fitted& fitted, std::span<con
         if (wants(names, model::layers::kBump) || wants(names, model::layers::kTexture))
             fine = moved ? closest_samples(chart, 2 * chart.m - 1, 2 * chart.n - 1)
                          : rasterize(chart.disk->mesh.faces, chart.uv, 2 * chart.m - 1, 2 * chart.n - 1);
+        chart.disk.drop_index();  // nobody asks for it again
         LayerInput in{chart, source.frame, stored, source.images, fine, std::nullopt, moved, std::nullopt};
         if (options.texture_size) in.texture_size = {options.texture_size->rows, options.texture_size->cols};
         if (options.bump_size) in.bump_size = {options.bump_size->rows, options.bump_size->cols};

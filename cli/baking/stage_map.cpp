@@ -191,7 +191,10 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
     if (many && task.component.faces.size() > kMostFacesOfMany) return inverted;
     const std::initializer_list<Method> where_few = {Method::kLscm, Method::kSlim, Method::kStretch};
     const std::initializer_list<Method> where_many = {Method::kArap};
-    double rms = quick_error(task.component, mapped.chart, kTrialSamples).rms;
+    const auto error_of = [&](const SampledChart& chart) {
+        return quick_error(task.component, chart, kTrialSamples, mapped.source_index()).rms;
+    };
+    double rms = error_of(mapped.chart);
     const DomainChoice domain = options.stays_on_square() ? DomainChoice::kSquare : options.domain;
     bool has_slim = false;  // an LSCM map that overlaps itself is laid out again by the energy of SLIM
     for (const Method method : many ? where_many : where_few) {
@@ -210,7 +213,7 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
         const std::size_t left = report.inverted;
         looked += report.looked;
         if (left >= inverted) break;
-        const double error = quick_error(task.component, other->chart, kTrialSamples).rms;
+        const double error = error_of(other->chart);
         if (error > kOtherMapPrice * rms) continue;
         mapped.chart = std::move(other->chart);
         mapped.method = method;
@@ -221,6 +224,16 @@ std::size_t try_other_maps(const ComponentTask& task, BakeOptions options, const
         rms = error;
     }
     return inverted;
+}
+
+/// Of a dense source it takes as much room as the fit has beside it.
+void drop_large_indexes(const Repaired& source, std::span<ComponentResult> charts) {
+    constexpr std::size_t kMostFaces = 400'000;
+    std::size_t faces = 0;
+    for (const TriMesh& component : source.components) faces += component.faces.size();
+    if (faces <= kMostFaces) return;
+    for (ComponentResult& mapped : charts)
+        if (mapped.index) mapped.index->drop();
 }
 
 /// Splits all quads alike that may be split either way; those at the border keep the split that the topology needs.
@@ -251,6 +264,7 @@ Mapped map_source(const Repaired& source, const MapRequest& request, const BakeO
             error.with_hint(hint_of_size(source, request, c, options, failure_of(error), progress));
         throw failure_at(error, c, sizes.size());
     }
+    drop_large_indexes(source, out.charts);
     if (options.ablates("diagonals"))
         for (ComponentResult& mapped : out.charts) {
             straighten_diagonals(mapped.chart);
@@ -330,8 +344,10 @@ Fitted refine_inverted(const Repaired& source, const MapRequest& request, Fitted
         }
         if (fitted.inverted[c] == 0 || source.components[c].positions.size() > kMostFitted) continue;
         size = {fitted.charts[c].chart.m, fitted.charts[c].chart.n};
-        fitted.inverted[c] = try_other_maps({source.components[c], size, size}, options, fit, fitted.charts[c],
-                                            fitted.inverted[c], fitted.looked[c], others, progress);
+        ComponentTask task{source.components[c], size, size};
+        task.trials.index = fitted.charts[c].index;
+        fitted.inverted[c] = try_other_maps(task, options, fit, fitted.charts[c], fitted.inverted[c], fitted.looked[c],
+                                            others, progress);
     }
     return fitted;
 }

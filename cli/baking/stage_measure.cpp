@@ -69,7 +69,7 @@ Measured measure_layers(const Repaired& source, const Fitted& fitted, const Laye
     std::vector<MeasuredChart> measured(count);
     for_each_component(count, part_of(progress, "measure", 0, parts), [&](std::size_t c, const model::Progress& part) {
         measured[c] = measure_chart(source.components[c], fitted.charts[c].chart, layered.charts[c], source.frame,
-                                    {samples, least, shares[c]}, part);
+                                    {samples, least, shares[c], fitted.charts[c].source_index()}, part);
         for (const Candidate& candidate : fitted.charts[c].candidates)
             measured[c].report.candidates.push_back(report_of(candidate));
     });

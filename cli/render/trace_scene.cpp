@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 
+#include "geometry/spatial/without_parent.h"
 #include "model/codes.h"
 
 namespace dgm::render {
@@ -155,8 +156,10 @@ TraceScene::TraceScene(const model::TriMesh& mesh, std::span<const Segment> segm
     alone.execute([&] {
         rtcCommitGeometry(triangles);
         if (tubes) rtcCommitGeometry(*tubes);
-        rtcJoinCommitScene(device_->surface);
-        rtcJoinCommitScene(device_->everything);
+        bake::without_parent([this] {
+            rtcJoinCommitScene(device_->surface);
+            rtcJoinCommitScene(device_->everything);
+        });
     });
     check(rtcGetDeviceError(device_->device) == RTC_ERROR_NONE);
 }

@@ -160,7 +160,8 @@ void Contest::judge(Candidate candidate, const std::function<SampledChart()>& ma
         MeasuredCandidate out{make(), {}};
         if (!topology_) topology_ = measure_topology(component_);
         check_topology(*topology_, out.chart);
-        out.error = quick_error(component_, out.chart, trials_.samples);
+        out.error =
+            quick_error(component_, out.chart, trials_.samples, trials_.index ? &trials_.index->get() : nullptr);
         return out;
     });
     if (made) {
@@ -232,7 +233,7 @@ Attempt<ComponentResult> Contest::result() && {
     Candidate& chosen = candidates_[best_index_];
     chosen.outcome = CandidateOutcome::kChosen;
     chosen.note = best_->chart.note;
-    ComponentResult out{std::move(best_->chart), chosen.method, {}, std::move(best_->begun), {}};
+    ComponentResult out{std::move(best_->chart), chosen.method, {}, std::move(best_->begun), {}, trials_.index};
     const bool is_close =
         second_ && out.begun && promise_of(second_->chart, *second_->begun) < kCloseBehind * out.begun->rms;
     const bool has_ring = chosen.cut == CutKind::kRing || candidates_[second_index_].cut == CutKind::kRing;

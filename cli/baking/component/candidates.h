@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "baking/cpu_clock.h"
 #include "geometry/chart/sampled_chart.h"
 #include "geometry/fit/fit.h"
+#include "geometry/spatial/lazy_index.h"
 
 namespace dgm::bake {
 
@@ -75,12 +77,16 @@ struct ComponentResult {
     std::vector<Candidate> candidates;  ///< in the order tried
     std::optional<TrialFit> begun;      ///< of the chart, if there was a trial fit of it
     std::optional<RunnerUp> runner_up;  ///< of few facets, if there was a trial fit of both
+    std::shared_ptr<LazyIndex> index;   ///< of the component, for those who measure the chart again
+
+    [[nodiscard]] const ClosestPointIndex* source_index() const { return index ? &index->get() : nullptr; }
 };
 
 /// How candidates are measured.
 struct Trials {
     std::uint64_t samples = kTrialSamples;        ///< points on each surface; ChartEffort's
     CpuClock::Of clock = CpuClock::Of::kProcess;  ///< their times
+    std::shared_ptr<LazyIndex> index;             ///< of the component; null: one is built for each
 };
 
 /// Holds the best chart so far, and the record of all.

@@ -39,8 +39,12 @@ double ChartFits::facets() const {
     return static_cast<double>(component_.faces.size()) / (2.0 * static_cast<double>(samples()));
 }
 
+SurfaceError ChartFits::error_of(const SampledChart& chart) const {
+    return quick_error(component_, chart, trial_samples_, mapped_.source_index());
+}
+
 const SurfaceError& ChartFits::measured() {
-    if (!error_) error_ = quick_error(component_, mapped_.chart, trial_samples_);
+    if (!error_) error_ = error_of(mapped_.chart);
     return *error_;
 }
 
@@ -92,7 +96,7 @@ std::optional<Levelling> ChartFits::levelling() const {
 bool ChartFits::fit_remapped(SampledChart& chart, const model::Progress& progress) {
     const FitReport report = fit_chart(chart, held_firmly_ ? firm(fit_) : fit_, progress);
     looked_ += report.looked;
-    const SurfaceError error = quick_error(component_, chart, trial_samples_);
+    const SurfaceError error = error_of(chart);
     // Where the error is at few places, points miss some of them: those of the fit, which are more, have a say too.
     const double ratio = std::max(error.rms / measured().rms, report.rms / report_.rms);
     if (report.inverted > 0 || !(ratio < kGainOfRemap)) return false;
@@ -158,7 +162,7 @@ bool ChartFits::fit_again(const FitOptions& options, const model::Progress& prog
     const FitReport report = fit_chart(chart, options, progress);
     looked_ += report.looked;
     if (options.guarded && report.inverted > report_.inverted) return false;
-    const SurfaceError error = quick_error(component_, chart, trial_samples_);
+    const SurfaceError error = error_of(chart);
     if (!(error.rms < price_of(report.inverted) * measured().rms)) return false;
     keep(std::move(chart), report, error);
     return true;
@@ -181,6 +185,7 @@ void ChartFits::fit_runner_up(const model::Progress& progress) {
     other.candidates[next.candidate].note = other.chart.note;
     other.method = other.candidates[next.candidate].method;
     other.begun = std::move(next.begun);
+    other.index = mapped_.index;
     ChartFits fits(component_, other, options_, fit_, trial_samples_);
     const model::Progress silent{{}, progress.cancelled};
     fits.fit(silent);

@@ -60,6 +60,7 @@ class ChartFits {
  private:
     [[nodiscard]] double facets() const;
     [[nodiscard]] double price_of(std::size_t inverted) const;
+    [[nodiscard]] SurfaceError error_of(const SampledChart& chart) const;
     [[nodiscard]] const SurfaceError& measured();
     [[nodiscard]] Candidate* chosen() const;
     [[nodiscard]] std::optional<Levelling> levelling() const;

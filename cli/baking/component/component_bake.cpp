@@ -99,7 +99,9 @@ SampledChart square_chart(const LaidDisk& laid, Method method, const Parameteriz
 }
 
 ComponentTask with_component(const ComponentTask& task, const TriMesh& component) {
-    return {component, task.size, task.most, task.use, task.rings, task.trials, task.is_one_of_many};
+    Trials trials = task.trials;
+    trials.index = std::make_shared<LazyIndex>(component);
+    return {component, task.size, task.most, task.use, task.rings, std::move(trials), task.is_one_of_many};
 }
 
 /// The method of `auto` for a cut onto the square.
@@ -440,6 +442,7 @@ Attempt<ComponentResult> bake_on_grid(const ComponentTask& task, const BakeOptio
 Attempt<ComponentResult> bake_component(const ComponentTask& task, const BakeOptions& options, CutMemory& cuts,
                                         const model::Progress& progress) {
     ComponentTask grown = task;
+    if (!grown.trials.index) grown.trials.index = std::make_shared<LazyIndex>(task.component);
     for (;;) {
         Attempt<ComponentResult> result = bake_on_grid(grown, options, cuts, progress);
         if (result || result.failure() != Failure::kGridTooSmall || grown.size == task.most) return result;

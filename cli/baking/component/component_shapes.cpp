@@ -170,7 +170,7 @@ class ShapeTrials {
             rms = fitted.rms;
         }
         // The points of a fit flatter a chart that folds, as those of a Schwarz lantern do.
-        rms = std::max(rms, quick_error(component_, result->chart, kErrorSamples).rms);
+        rms = std::max(rms, quick_error(component_, result->chart, kErrorSamples, result->source_index()).rms);
         return {{size, rms, aspect}, result->method};
     }
 
@@ -181,7 +181,9 @@ class ShapeTrials {
             progress_.update(stage, std::min(1.0, (done + part) / kTrials));
         };
         const CpuClock clock;
-        Attempt<ComponentResult> result = bake_component({component_, size, size, use, rings}, options, cuts_, inner);
+        ComponentTask task{component_, size, size, use, rings};
+        task.trials.index = index_;
+        Attempt<ComponentResult> result = bake_component(task, options, cuts_, inner);
         if (!result && result.failure() == Failure::kOther && rings != RingUse::kOnly) throw result.error();
         std::string outcome = result ? result->chart.method : result.error().what();
         if (result && rings == RingUse::kOnly) outcome += ", loops on opposite sides";
@@ -196,6 +198,7 @@ class ShapeTrials {
     }
 
     const TriMesh& component_;
+    const std::shared_ptr<LazyIndex> index_ = std::make_shared<LazyIndex>(component_);
     const BakeOptions& options_;
     CutMemory& cuts_;
     const model::Progress& progress_;

@@ -93,6 +93,7 @@ Attempt<CutMemory::Cut> CutMemory::best_of(const Candidates& candidates, const T
     const BorderGrid grid{shrunk(options.m), shrunk(options.n)}, wanted{options.m, options.n};
     const auto stretch = make_stretch_parameterizer(0);
     const Topology source = measure_topology(component);
+    LazyIndex index(component);
     const Found* best = nullptr;
     double best_rms = std::numeric_limits<double>::infinity();
     Laying best_laying{};
@@ -106,7 +107,7 @@ Attempt<CutMemory::Cut> CutMemory::best_of(const Candidates& candidates, const T
                     make_square_chart(f.cut->disk, grid.m, grid.n, laying.rotation, *stretch, {}, laying.shares);
                 if (!holds_topology(welded_topology(chart), source))
                     throw model::Error(codes::kGridTooSmall, "the grid does not hold the topology of the cut");
-                return quick_error(component, chart, options.samples).rms;
+                return quick_error(component, chart, options.samples, &index.get()).rms;
             });
             if (!rms) {
                 if (!failure) failure = rms.error();

@@ -199,11 +199,13 @@ bool holds_topology(const Topology& welded, const Topology& source) {
            welded.genus == source.genus;
 }
 
-SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples) {
+SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples,
+                         const ClosestPointIndex* source_index) {
     SurfaceErrorOptions options;
     constexpr std::uint64_t kDense = 4;  // points a sample and a face: more of them give the same result
     options.samples = std::min<std::uint64_t>(samples, kDense * (chart.samples.size() + component.faces.size()));
     options.vertices = false;
+    options.source_index = source_index;
     return measure_surface_error(component, chart.surface(), options);
 }
 

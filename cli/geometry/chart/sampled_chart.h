@@ -9,10 +9,11 @@
 
 #include <dgm/layout.h>
 
-#include "geometry/cut/shared_disk.h"
+#include "geometry/chart/shared_disk.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/metrics/surface_error.h"
 #include "geometry/resample/rasterize.h"
+#include "geometry/spatial/closest_point.h"
 
 namespace dgm::bake {
 
@@ -88,6 +89,8 @@ void place_samples(SampledChart& chart);
 [[nodiscard]] bool holds_topology(const Topology& welded, const Topology& source);
 
 /// Error of the chart's surface against its component with few samples, by which candidates are compared.
-[[nodiscard]] SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples);
+/// @param source_index  of the component; null: one is built for this
+[[nodiscard]] SurfaceError quick_error(const TriMesh& component, const SampledChart& chart, std::uint64_t samples,
+                                       const ClosestPointIndex* source_index = nullptr);
 
 }  // namespace dgm::bake

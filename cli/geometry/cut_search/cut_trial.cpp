@@ -28,6 +28,7 @@ CutTrials::CutTrials(const TriMesh& component, const CutSearchOptions& options, 
       options_(options),
       progress_(progress),
       method_(options.reweighted ? make_reweighted_parameterizer() : make_stretch_parameterizer(0)),
+      index_(component),
       topology_(measure_topology(component)) {}
 
 Trial CutTrials::attempt(Disk disk, std::optional<std::uint32_t> rotation, BorderShares shares) {
@@ -52,11 +53,11 @@ Trial CutTrials::predicted(Disk disk, std::uint32_t rotation, BorderShares share
     return {map.rms, rotation, std::move(map.disk), std::move(map.uv)};
 }
 
-Trial CutTrials::measured(Disk disk, std::uint32_t rotation, BorderShares shares) const {
+Trial CutTrials::measured(Disk disk, std::uint32_t rotation, BorderShares shares) {
     SampledChart chart = make_square_chart(std::move(disk), options_.m, options_.n, rotation, *method_, {}, shares);
     if (!holds_topology(welded_topology(chart), topology_))
         throw model::Error(model::codes::kGridTooSmall, "the grid does not hold the topology of the cut");
-    const double rms = quick_error(component_, chart, options_.samples).rms;
+    const double rms = quick_error(component_, chart, options_.samples, &index_.get()).rms;
     return {rms, rotation, *chart.disk, std::move(chart.uv)};
 }
 

@@ -12,6 +12,7 @@
 #include "geometry/mesh/infinity.h"
 #include "geometry/metrics/map_metrics.h"
 #include "geometry/parameterize/parameterizer.h"
+#include "geometry/spatial/lazy_index.h"
 #include "model/codes.h"
 
 namespace dgm::bake {
@@ -42,12 +43,13 @@ class CutTrials {
 
  private:
     [[nodiscard]] Trial predicted(Disk disk, std::uint32_t rotation, BorderShares shares) const;
-    [[nodiscard]] Trial measured(Disk disk, std::uint32_t rotation, BorderShares shares) const;
+    [[nodiscard]] Trial measured(Disk disk, std::uint32_t rotation, BorderShares shares);
 
     const TriMesh& component_;
     const CutSearchOptions& options_;
     const model::Progress& progress_;
     std::unique_ptr<Parameterizer> method_;
+    LazyIndex index_;  ///< of the component
     Topology topology_;
     std::optional<model::Error> failure_;
     int count_ = 0;

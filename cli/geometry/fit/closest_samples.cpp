@@ -48,7 +48,6 @@ Query query_at(const SampledChart& chart, std::uint32_t r, std::uint32_t c, std:
 SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::uint32_t cols) {
     constexpr double kMinCosine = 0.3;  // as ClosestPointIndex::query_preferring
     SampleGrid grid{rows, cols, std::vector<SurfaceSample>(std::size_t{rows} * cols)};
-    const TriMesh& mesh = chart.disk->mesh;
     const LinkedSurface source = link_source(*chart.disk);
     const double slack = 0.25 * std::sqrt(surface_area(source) / static_cast<double>(chart.grid_count()));
     // A walk from the sample beside the point ends close by, or the index tells; over a source finer than the grid a
@@ -71,7 +70,7 @@ SampleGrid closest_samples(const SampledChart& chart, std::uint32_t rows, std::u
         }
     });
     if (std::find(open.begin(), open.end(), 1) != open.end()) {
-        const ClosestPointIndex index(mesh.positions, mesh.faces);
+        const ClosestPointIndex& index = chart.disk.index();
         tbb::parallel_for(std::uint32_t{0}, rows, [&](std::uint32_t r) {
             for (std::uint32_t c = 0; c < cols; ++c) {
                 const std::size_t s = std::size_t{r} * cols + c;

@@ -301,15 +301,15 @@ void swap_placement(SampledChart& chart, Placement& other) {
 /// folds.
 bool is_worse_than(Placement& start, FitState& fit, std::uint64_t samples) {
     const TriMesh& mesh = fit.chart.disk->mesh;
-    const SurfaceError after = quick_error(mesh, fit.chart, samples);
+    const ClosestPointIndex& source = fit.inverted.source_index();
+    const SurfaceError after = quick_error(mesh, fit.chart, samples, &source);
     swap_placement(fit.chart, start);
-    const SurfaceError before = quick_error(mesh, fit.chart, samples);
+    const SurfaceError before = quick_error(mesh, fit.chart, samples, &source);
     const TriMesh surface_before = fit.chart.surface();
     swap_placement(fit.chart, start);
     if (kFewInvertedPrice * before.rms < after.rms) return true;
     const std::size_t are = fit.inverted.faces().size();
     if (are == 0 && !(before.rms < after.rms)) return false;
-    const ClosestPointIndex& source = fit.inverted.source_index();
     const std::size_t were =
         find_turned_faces(source, surface_before, kTurnedTie, 0, fit.grid.surface.either_side).size();
     // A small gain is not worth faces that it inverts.

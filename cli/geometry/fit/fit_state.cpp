@@ -49,7 +49,7 @@ FitState::FitState(SampledChart& fitted, const FitOptions& options)
       rails(fitted, source, grid),
       upward(normals_at_scale(source, surface_area(source) / static_cast<double>(fitted.grid_count()))),
       sliding(grid, matches, rails, upward, fixed),
-      inverted(source, grid.surface, matches.source_index()),
+      inverted(source, grid.surface, fitted.disk),
       rows(source, grid, matches, rails, points_a_sample),
       equations(grid) {}
 

@@ -7,11 +7,6 @@
 
 namespace dgm::bake {
 
-const ClosestPointIndex& InvertedFaces::source_index() {
-    if (source_index_ == nullptr) source_index_ = &own_index_.emplace(source_.positions, source_.faces);
-    return *source_index_;
-}
-
 std::vector<std::uint32_t> InvertedFaces::faces(std::span<const char> among, bool nearly) {
     constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to nothing
     judged_.resize(grid_.faces.size(), {{Vec3d{kNever, kNever, kNever}, Vec3d{}, Vec3d{}}, false, false});

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,12 +31,12 @@ inline constexpr double kSafeTie = 0.5 * kTurnedTie, kSafeCosine = 0.01;
 class InvertedFaces {
  public:
     /// All must outlive the object; `grid` may move and be linked anew in between.
-    /// @param source_index  of the source, if there is one already
-    InvertedFaces(const LinkedSurface& source, const LinkedSurface& grid, const ClosestPointIndex* source_index)
-        : source_(source), grid_(grid), source_index_(source_index) {}
+    /// @param source  of `disk`
+    InvertedFaces(const LinkedSurface& source, const LinkedSurface& grid, const SharedDisk& disk)
+        : source_(source), grid_(grid), disk_(disk) {}
 
-    /// Index of the source; built at the first call if there was none.
-    [[nodiscard]] const ClosestPointIndex& source_index();
+    /// Index of the source.
+    [[nodiscard]] const ClosestPointIndex& source_index() const { return disk_.index(); }
 
     /// Inverted by the measure (metrics/turned_faces.h), of the faces marked in `among` or of all; ascending.
     /// @param nearly  those too that may be when they are rounded
@@ -55,8 +54,7 @@ class InvertedFaces {
 
     const LinkedSurface& source_;
     const LinkedSurface& grid_;
-    const ClosestPointIndex* source_index_;
-    std::optional<ClosestPointIndex> own_index_;
+    const SharedDisk& disk_;
     std::vector<Judged> judged_;  // per face of the grid, when it was last looked at
 };
 

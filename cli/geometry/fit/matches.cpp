@@ -94,7 +94,7 @@ Matches::Matches(const SampledChart& chart, const LinkedSurface& source, const W
                  const Hold& hold)
     : source_(source), grid_(grid), hold_(hold) {
     if (source.faces.size() > grid.surface.faces.size()) {
-        source_index_ = std::make_unique<ClosestPointIndex>(source.positions, source.faces);
+        source_index_ = &chart.disk.index();
         slack_ = 0.25 * std::sqrt(surface_area(source) / static_cast<double>(chart.grid_count()));
     }
     spread(chart, count);
@@ -142,7 +142,7 @@ void Matches::start(const SampledChart& chart) {
 }
 
 SurfaceHit Matches::on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t start, std::uint64_t* looked) const {
-    if (!source_index_) return walk_to_closest(source_, p, start, looked);
+    if (source_index_ == nullptr) return walk_to_closest(source_, p, start, looked);
     const ClosestPoint hit = source_index_->query_preferring(p, normal, slack_, start);
     if (hit.face == kNone) return walk_to_closest(source_, p, start);
     return {hit.face, hit.distance * hit.distance, {hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]}};
@@ -150,8 +150,8 @@ SurfaceHit Matches::on_source(const Vec3d& p, const Vec3d& normal, std::uint32_t
 
 void Matches::update(bool with_edges, std::span<const char> near) {
     const LinkedSurface& grid = grid_.surface;
-    std::vector<Vec3d> normal(source_index_ ? classes.size() : 0);
-    if (source_index_) {
+    std::vector<Vec3d> normal(source_index_ != nullptr ? classes.size() : 0);
+    if (source_index_ != nullptr) {
         for (std::size_t f = 0; f < grid.faces.size(); ++f) {
             const auto q = grid.corners(f);
             for (const std::uint32_t c : grid.faces[f]) grid_.add_facing(normal[c], cross(q[1] - q[0], q[2] - q[0]), c);
@@ -228,7 +228,7 @@ void Matches::look_again_far_off(std::span<const char> near) {
             for (std::size_t k = begin; k < end; ++k) {
                 Match& m = list[k];
                 const bool on_grid = &list == &points;
-                if (m.hit.squared > kFar * kFar * squared && ++count <= most && (on_grid || !source_index_) &&
+                if (m.hit.squared > kFar * kFar * squared && ++count <= most && (on_grid || source_index_ == nullptr) &&
                     (near.empty() || (on_grid ? near[m.hit.face] : &list == &middles && near[k])))
                     m.hit = (on_grid ? on_grid_surface : on_source_surface).from(m.position, m.hit.face);
             }

@@ -4,7 +4,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -47,8 +46,8 @@ class Matches {
     /// nothing can bring closer. Where only a wall that looks the other way is closer, the match stays with its own.
     /// @param source_index  of the source
     void settle_farthest(const ClosestPointIndex& source_index);
-    /// Index of the source if it has more faces than the grid; else null.
-    [[nodiscard]] const ClosestPointIndex* source_index() const { return source_index_.get(); }
+    /// The disk's index if the source has more faces than the grid; else null.
+    [[nodiscard]] const ClosestPointIndex* source_index() const { return source_index_; }
     /// The middle of one face again, after a corner of it has moved.
     void update_middle(std::size_t face);
 
@@ -84,7 +83,7 @@ class Matches {
 
     const LinkedSurface& source_;
     const WeldedGrid& grid_;
-    std::unique_ptr<ClosestPointIndex> source_index_;  // only for a source denser than the grid
+    const ClosestPointIndex* source_index_ = nullptr;  // only for a source denser than the grid
     Hold hold_;
     double slack_ = 0;
     std::uint64_t looked_ = 0;

@@ -12,10 +12,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "geometry/spatial/triangle_distance.h"
+#include "geometry/spatial/triangles.h"
 
 namespace dgm::bake {
 
@@ -29,7 +28,7 @@ class BoxTree {
 
     /// @param triangles  read here only
     /// @param members    indices into `triangles`, at least one
-    BoxTree(std::span<const Triangle> triangles, std::vector<std::uint32_t> members, Of of);
+    BoxTree(const Triangles& triangles, std::vector<std::uint32_t> members, Of of);
 
     [[nodiscard]] const Box& bounds() const { return nodes_.front().box; }
 
@@ -104,9 +103,9 @@ class BoxTree {
         const double gap = strips_[node].gap(p);
         return gap > 0 ? std::max(squared, gap * gap) : squared;
     }
-    void fill(std::span<const Triangle> triangles, std::uint32_t node);
-    [[nodiscard]] Strip strip_of(std::span<const Triangle> triangles, const Node& node, Of of) const;
-    [[nodiscard]] int longest_axis(std::span<const Triangle> triangles, const Node& node) const;
+    void fill(const Triangles& triangles, std::uint32_t node);
+    [[nodiscard]] Strip strip_of(const Triangles& triangles, const Node& node, Of of) const;
+    [[nodiscard]] int longest_axis(const Triangles& triangles, const Node& node) const;
 
     std::vector<std::uint32_t> members_;
     std::vector<Node> nodes_;
@@ -116,7 +115,6 @@ class BoxTree {
 /// Triangles whose boxes share much of the whole's, if a point lies in so many of them that a hierarchy of boxes would
 /// look at most for each point: pages that meet at a spine, beams across a hall. Else none.
 /// @param apart  marks those that are left out
-[[nodiscard]] std::vector<std::uint32_t> crossing_facets(std::span<const Triangle> triangles,
-                                                         const std::vector<char>& apart);
+[[nodiscard]] std::vector<std::uint32_t> crossing_facets(const Triangles& triangles, const std::vector<char>& apart);
 
 }  // namespace dgm::bake

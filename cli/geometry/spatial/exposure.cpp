@@ -14,6 +14,7 @@
 #include <numbers>
 
 #include "geometry/mesh/infinity.h"
+#include "geometry/spatial/without_parent.h"
 #include "math/portable.h"
 #include "model/codes.h"
 
@@ -109,7 +110,7 @@ struct ExposureIndex::Impl {
         tbb::task_arena alone(1);
         alone.execute([&] {
             rtcCommitGeometry(geometry);
-            rtcJoinCommitScene(scene);
+            without_parent([this] { rtcJoinCommitScene(scene); });
         });
         rtcReleaseGeometry(geometry);
         check(rtcGetDeviceError(device()) == RTC_ERROR_NONE);

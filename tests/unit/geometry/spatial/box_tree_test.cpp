@@ -44,20 +44,14 @@ Sheet crowd(double size) {
     return out;
 }
 
-Triangle triangle_of(const Sheet& sheet, std::uint32_t f) {
-    Triangle t{};
-    const auto [i, j, k] = sheet.faces[f];
-    t.a = sheet.positions[i];
-    t.b = sheet.positions[j];
-    t.c = sheet.positions[k];
-    t.normal = cross(t.b - t.a, t.c - t.a);
-    t.normal_squared = dot(t.normal, t.normal);
-    if (!(t.normal_squared > 1e-60)) t.normal_squared = 0;
-    t.face = f;
-    t.swap_ab = j < i;
-    t.swap_bc = k < j;
-    t.swap_ca = i < k;
-    return t;
+/// The first `count` faces.
+Triangles triangles_of(const Sheet& sheet, std::size_t count) {
+    Triangles out(sheet.positions);
+    for (std::uint32_t f = 0; f < count; ++f) {
+        const auto [i, j, k] = sheet.faces[f];
+        out.add(i, j, k, f);
+    }
+    return out;
 }
 
 /// Takes a triangle that is nearer, or as near with a lower face.
@@ -69,7 +63,7 @@ void take_nearer(const Triangle& triangle, std::uint32_t t, const Vec3d& p, Near
         nearest = {squared, triangle.face, t, q, b};
 }
 
-Nearest nearest_of_all(const std::vector<Triangle>& triangles, const Vec3d& p) {
+Nearest nearest_of_all(const Triangles& triangles, const Vec3d& p) {
     Nearest out;
     for (std::uint32_t t = 0; t < triangles.size(); ++t) { take_nearer(triangles[t], t, p, out); }
     return out;
@@ -86,8 +80,7 @@ std::vector<Vec3d> far_points() {
 TEST(BoxTree, FindsTheNearestOfACrowdAfterAFewLooks) {
     for (const double size : {1e-3, 1e-6, 1e-9, 1e-12, 0.0}) {
         const Sheet sheet = crowd(size);
-        std::vector<Triangle> triangles;
-        for (std::uint32_t f = 0; f + 1 < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
+        const Triangles triangles = triangles_of(sheet, sheet.faces.size() - 1);
         std::vector<std::uint32_t> members(triangles.size());
         std::iota(members.begin(), members.end(), 0U);
         const BoxTree tree(triangles, members, BoxTree::Of::kCrowd);
@@ -110,8 +103,7 @@ TEST(BoxTree, FindsTheNearestOfACrowdAfterAFewLooks) {
 
 TEST(BoxTree, OfCoincidentTrianglesLooksAtTheLowestFaceAlone) {
     const Sheet sheet = crowd(0);
-    std::vector<Triangle> triangles;
-    for (std::uint32_t f = 0; f < 1000; ++f) triangles.push_back(triangle_of(sheet, f));
+    const Triangles triangles = triangles_of(sheet, 1000);
     std::vector<std::uint32_t> members(triangles.size());
     std::iota(members.rbegin(), members.rend(), 0U);
     const BoxTree tree(triangles, members, BoxTree::Of::kCrowd);
@@ -147,8 +139,7 @@ std::vector<Vec3d> points_by(const Sheet& fan, double over) {
 
 TEST(BoxTree, FindsTheNearestOfAFanOfNeedlesAfterAFewLooks) {
     const Sheet sheet = fan(50'000);
-    std::vector<Triangle> triangles;
-    for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
+    const Triangles triangles = triangles_of(sheet, sheet.faces.size());
     std::vector<std::uint32_t> members(triangles.size());
     std::iota(members.begin(), members.end(), 0U);
     const BoxTree crowd(triangles, members, BoxTree::Of::kCrowd), needles(triangles, members, BoxTree::Of::kNeedles);
@@ -170,6 +161,7 @@ TEST(BoxTree, FindsTheNearestOfAFanOfNeedlesAfterAFewLooks) {
 
 TEST(ClosestPointIndex, AnswersOverFansOfNeedlesAsASearchOfAllFacesDoes) {
     const Sheet sheet = fan(40'000);
+    const Triangles triangles = triangles_of(sheet, sheet.faces.size());
     const ClosestPointIndex index(sheet.positions, sheet.faces);
     EXPECT_EQ(index.pieces(), 1U) << "the needles have a hierarchy of their own";
     for (const double over : {0.0, 1e-5, 0.3})
@@ -179,7 +171,7 @@ TEST(ClosestPointIndex, AnswersOverFansOfNeedlesAsASearchOfAllFacesDoes) {
             for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) {
                 Vec3d q;
                 std::array<double, 3> b{};
-                least = std::min(least, triangle_distance(triangle_of(sheet, f), p, q, b));
+                least = std::min(least, triangle_distance(triangles[f], p, q, b));
             }
             ASSERT_NEAR(found.distance, std::sqrt(least), 1e-9) << over;
         }
@@ -215,8 +207,7 @@ std::vector<Vec3d> points_by_pages(std::uint32_t pages) {
 TEST(BoxTree, FindsTheNearestOfManyPagesAfterAFewLooks) {
     constexpr std::uint32_t kPages = 4000;
     const Sheet sheet = book(kPages);
-    std::vector<Triangle> triangles;
-    for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
+    const Triangles triangles = triangles_of(sheet, sheet.faces.size());
     const std::vector<std::uint32_t> members = crossing_facets(triangles, std::vector<char>(triangles.size()));
     EXPECT_GT(members.size(), triangles.size() * 9 / 10) << "but for pages along the axes, whose boxes are flat";
     const BoxTree boxes(triangles, members, BoxTree::Of::kCrowd), facets(triangles, members, BoxTree::Of::kFacets);
@@ -240,16 +231,19 @@ TEST(BoxTree, FindsTheNearestOfManyPagesAfterAFewLooks) {
 }
 
 TEST(BoxTree, LeavesOrdinarySurfacesToTheirBoxes) {
-    const Sheet sheet = crowd(1);
-    std::vector<Triangle> triangles;
-    for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) triangles.push_back(triangle_of(sheet, f));
-    EXPECT_TRUE(crossing_facets(triangles, std::vector<char>(triangles.size())).empty());
-    for (std::uint32_t f = 0; f < 40; ++f) triangles[f] = triangle_of(book(40), f);
-    EXPECT_TRUE(crossing_facets(triangles, std::vector<char>(triangles.size())).empty()) << "few cross";
+    Sheet sheet = crowd(1);
+    const std::vector<char> none(2 * sheet.faces.size());
+    EXPECT_TRUE(crossing_facets(triangles_of(sheet, sheet.faces.size()), none).empty());
+    const Sheet pages = book(40);
+    const auto first = static_cast<std::uint32_t>(sheet.positions.size());
+    sheet.positions.insert(sheet.positions.end(), pages.positions.begin(), pages.positions.end());
+    for (const Face& f : pages.faces) sheet.faces.push_back({first + f[0], first + f[1], first + f[2]});
+    EXPECT_TRUE(crossing_facets(triangles_of(sheet, sheet.faces.size()), none).empty()) << "few cross";
 }
 
 TEST(ClosestPointIndex, AnswersOverPagesAsASearchOfAllFacesDoes) {
     const Sheet sheet = book(3000);
+    const Triangles triangles = triangles_of(sheet, sheet.faces.size());
     const ClosestPointIndex index(sheet.positions, sheet.faces);
     EXPECT_LT(index.pieces(), 600U) << "most have a hierarchy of their own";
     std::uint32_t hint = ClosestPointIndex::kNoFace;
@@ -264,7 +258,7 @@ TEST(ClosestPointIndex, AnswersOverPagesAsASearchOfAllFacesDoes) {
         for (std::uint32_t f = 0; f < sheet.faces.size(); ++f) {
             Vec3d q;
             std::array<double, 3> b{};
-            least = std::min(least, triangle_distance(triangle_of(sheet, f), p, q, b));
+            least = std::min(least, triangle_distance(triangles[f], p, q, b));
         }
         ASSERT_NEAR(found.distance, std::sqrt(least), 1e-12);
     }
