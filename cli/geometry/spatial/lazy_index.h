@@ -22,8 +22,6 @@ class LazyIndex {
     /// Nobody may be using it. It is built again when it is asked for.
     void drop() { index_.reset(); }
 
-    [[nodiscard]] bool is_of(const model::TriMesh& mesh) const { return &mesh == &mesh_; }
-
  private:
     const model::TriMesh& mesh_;
     std::mutex building_;
