@@ -160,8 +160,7 @@ void Contest::judge(Candidate candidate, const std::function<SampledChart()>& ma
         MeasuredCandidate out{make(), {}};
         if (!topology_) topology_ = measure_topology(component_);
         check_topology(*topology_, out.chart);
-        out.error =
-            quick_error(component_, out.chart, trials_.samples, trials_.index ? &trials_.index->get() : nullptr);
+        out.error = quick_error(component_, out.chart, trials_.samples, index_of(trials_.index));
         return out;
     });
     if (made) {

@@ -79,7 +79,7 @@ struct ComponentResult {
     std::optional<RunnerUp> runner_up;  ///< of few facets, if there was a trial fit of both
     std::shared_ptr<LazyIndex> index;   ///< of the component, for those who measure the chart again
 
-    [[nodiscard]] const ClosestPointIndex* source_index() const { return index ? &index->get() : nullptr; }
+    [[nodiscard]] const ClosestPointIndex* source_index() const { return index_of(index); }
 };
 
 /// How candidates are measured.

@@ -113,22 +113,21 @@ std::uint64_t split_repeated_edges(TriMesh& mesh, std::vector<std::uint32_t>& pa
     struct Repeated {
         std::uint32_t low, high, half_edge;
     };
-    std::vector<Repeated> edges;
+    std::vector<Repeated> repeated;
     EdgeOrder(mesh.faces).each_edge([&](std::uint32_t low, std::span<const EdgeOrder::Entry> of) {
         std::size_t seen = 0;
         for (const EdgeOrder::Entry& e : of)
             if ((partner[e.half_edge] == kNone || partner[e.half_edge] > e.half_edge) && ++seen > 1)
-                edges.push_back({low, e.high, e.half_edge});
+                repeated.push_back({low, e.high, e.half_edge});
     });
     std::uint64_t splits = 0;
-    for (const auto& [low, high, half_edge] : edges) {
+    for (const Repeated& edge : repeated) {
         // A split before this one may have moved the half-edge into another face; its ends decide.
-        const std::uint32_t lo = low, hi = high;
         const auto joins = [&](std::uint32_t h) {
             const std::uint32_t a = origin(mesh.faces, h), b = target(mesh.faces, h);
-            return std::min(a, b) == lo && std::max(a, b) == hi;
+            return std::min(a, b) == edge.low && std::max(a, b) == edge.high;
         };
-        std::uint32_t h = half_edge;
+        std::uint32_t h = edge.half_edge;
         if (!joins(h)) {
             h = kNone;
             std::uint64_t seen = 0;

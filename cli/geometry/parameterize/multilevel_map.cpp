@@ -20,7 +20,7 @@ namespace dgm::bake {
 namespace {
 
 // A level of more faces is relaxed about those alone that stretch so many times as much as most, and more often: all
-// others lie well where they were put back, and ten scans of half a million to two million faces have the same error.
+// others lie well where they were put back, and ten scans of 0.5 to 1.3 million faces have the same error.
 constexpr std::size_t kFineLevel = 300'000;
 constexpr double kFarStretched = 3;
 constexpr int kSweepsOfFew = 30, kLooksAgain = 5;

@@ -133,15 +133,10 @@ struct Search {
     }
 };
 
-double longest_squared(const Triangle& tri) {
-    const Vec3d ab = tri.b - tri.a, bc = tri.c - tri.b, ca = tri.a - tri.c;
-    return std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)});
-}
-
 /// Number of pieces in which a triangle would be stored; 1 unless it is a needle.
 std::uint8_t piece_count(const Triangle& tri) {
     const Vec3d normal = cross(tri.b - tri.a, tri.c - tri.a);
-    const double squared = longest_squared(tri), area = length(normal);
+    const double squared = longest_edge_squared({tri.a, tri.b, tri.c}), area = length(normal);
     if (!(squared > kNeedle * area)) return 1;
     return static_cast<std::uint8_t>(std::min<double>(kMaxPieces, std::ceil(squared / (kPieceLength * area))));
 }
@@ -302,7 +297,7 @@ struct ClosestPointIndex::Impl {
         std::vector<std::pair<std::array<std::int64_t, 3>, std::uint32_t>> tiny;
         for (std::uint32_t t = 0; t < triangles.size(); ++t) {
             const Triangle q = triangles[t];
-            if (!(longest_squared(q) < kTiny * kTiny)) continue;
+            if (!(longest_edge_squared({q.a, q.b, q.c}) < kTiny * kTiny)) continue;
             std::array<std::int64_t, 3> cube{};
             for (int k = 0; k < 3; ++k)
                 cube[k] = static_cast<std::int64_t>(std::floor((q.a[k] + q.b[k] + q.c[k]) / (3 * kCrowdSide)));

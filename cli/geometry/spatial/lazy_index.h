@@ -2,6 +2,7 @@
 // cli/geometry/spatial/lazy_index.h
 // One index of a mesh for all who ask for it.
 #pragma once
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -27,5 +28,10 @@ class LazyIndex {
     std::mutex building_;
     std::optional<ClosestPointIndex> index_;
 };
+
+/// For those who build an index of their own where they are given none.
+[[nodiscard]] inline const ClosestPointIndex* index_of(const std::shared_ptr<LazyIndex>& lazy) {
+    return lazy ? &lazy->get() : nullptr;
+}
 
 }  // namespace dgm::bake

@@ -2,13 +2,14 @@
 // cli/geometry/spatial/triangles.h
 // The triangles of an index.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "geometry/mesh/triangle.h"
 #include "geometry/spatial/triangle_distance.h"
 
 namespace dgm::bake {
@@ -36,9 +37,8 @@ class Triangles {
         out.a = vertices_[v[0]];
         out.b = vertices_[v[1]];
         out.c = vertices_[v[2]];
-        const model::Vec3d ab = out.b - out.a, ac = out.c - out.a, bc = out.c - out.b;
-        const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
-        out.normal = cross(ab, ac);
+        const double longest = longest_edge_squared({out.a, out.b, out.c});
+        out.normal = cross(out.b - out.a, out.c - out.a);
         out.normal_squared = dot(out.normal, out.normal);
         if (!(out.normal_squared > kSliverSineSquared * longest * longest) ||
             !(out.normal_squared > std::numeric_limits<double>::min())) {
